@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// Dependencies of a plan's passes, from declared uses alone. Pure.
+#pragma once
+
+#include "graph/plan.h"
+
+namespace penumbra {
+
+// Fills before, after_clears and end of a plan whose uses, lifetimes and offsets are known.
+void place_barriers(Plan& plan, const Use& output_use);
+
+}  // namespace penumbra

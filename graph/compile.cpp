@@ -1,0 +1,424 @@
+// SPDX-License-Identifier: MIT
+// Selected nodes to passes: resources with formats, extents and lifetimes on the circle of two frames, offsets from the
+// packer, constants and dispatch sizes, then the dependencies.
+#include "graph/compile.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+
+#include "graph/barriers.h"
+#include "graph/lifetimes.h"
+#include "graph/select.h"
+
+namespace penumbra {
+namespace {
+
+uint32_t ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0); }
+
+Extent apply(const ExtentRule& rule, Extent of) {
+    return {std::max(ceil_div(of.width, rule.div[0]) * rule.mul[0], 1u),
+            std::max(ceil_div(of.height, rule.div[1]) * rule.mul[1], 1u)};
+}
+
+uint32_t element_bytes(const Port& port, Format format, const NodeSet& nodes) {
+    if (port.kind == PortKind::texels) return info(format).bytes;
+    if (port.element == "uvec2") return 8;
+    if (port.element == "uvec4" || port.element == "vec4") return 16;
+    const auto known = nodes.structs().find(port.element);
+    return known == nodes.structs().end() ? 4 : known->second;
+}
+
+class Compiler {
+  public:
+    Compiler(const CheckedPipeline& pipeline, const NodeSet& nodes, const Target& target,
+             const CompileOptions& options, Diagnostics& diagnostics)
+        : pipeline_(pipeline), nodes_(nodes), target_(target), options_(options), diagnostics_(diagnostics) {}
+
+    std::optional<Plan> run() {
+        plan_.pipeline = pipeline_.name;
+        plan_.extent = target_.extent;
+        for (const char* fact : fact_names) {
+            const auto given = target_.facts.find(fact);
+            plan_.facts[fact] = given == target_.facts.end() || given->second;
+        }
+        plan_.device = target_.device.name;
+        plan_.cpu = target_.device.cpu;
+        plan_.aliased = options_.alias;
+        plan_.poison = options_.poison;
+        if (target_.extent.width == 0 || target_.extent.height == 0)
+            error({pipeline_.file}, "", "the frame's extent is empty");
+        auto selection = select(pipeline_, nodes_, plan_.facts, options_.captures, diagnostics_);
+        if (!selection || !diagnostics_.empty()) return std::nullopt;
+        plan_.culled = std::move(selection->culled);
+        for (const SelectedNode& node : selection->nodes) lower(node);
+        if (!diagnostics_.empty()) return std::nullopt;
+        finish_resources();
+        if (!diagnostics_.empty()) return std::nullopt;
+        place_memory(plan_, target_.device, options_.optimum_search_nodes);
+        place_barriers(plan_, options_.output_use);
+        return std::move(plan_);
+    }
+
+  private:
+    void error(const Place& place, const std::string& path, const std::string& message) {
+        diagnostics_.add(place, path, message);
+    }
+
+    // --- one node ---------------------------------------------------------------------------------------------
+
+    void lower(const SelectedNode& selected) {
+        plan_.passes.emplace_back();
+        if (!selected.node) return lower_capture(selected);
+        const BoundNode& node = *selected.node;
+        PlanPass& pass = plan_.passes.back();
+        pass.node = node.id;
+        pass.entry = nodes_.find(node.type->name);
+        pass.kind = node.type->host ? PassKind::host : PassKind::compute;
+        check_needs(node);
+        bindings_ = port_bindings(*node.type);
+        for (size_t i = 0; i < selected.ports.size(); ++i)
+            if (!selected.ports[i].bound->port->output) bind_input(node, selected.ports[i], bindings_[i]);
+        for (size_t i = 0; i < selected.ports.size(); ++i)
+            if (selected.ports[i].bound->port->output) bind_output(node, selected, selected.ports[i], bindings_[i]);
+        choose_variant(node, selected);
+        fill_constants(node);
+        fill_dispatch(node, selected);
+        for (const std::string& counter : node.type->counters) plan_.counters.push_back(node.id + "." + counter);
+    }
+
+    void lower_capture(const SelectedNode& selected) {
+        PlanPass& pass = plan_.passes.back();
+        pass.kind = PassKind::capture;
+        pass.node = selected.capture;
+        const uint32_t resource = internal_.at(selected.capture);
+        pass.uses.push_back({resource, false, {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, false}});
+        pass.bindings.push_back({nullptr, 0, false, resource, false, selected.capture});
+        pass.reads.push_back(selected.capture);
+        plan_.resources[resource].image_usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+        plan_.resources[resource].buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    }
+
+    void check_needs(const BoundNode& node) {
+        for (const std::string& need : node.type->needs) {
+            if (need == "jitter") plan_.jitter = true;
+            if ((need == "ray_query" && !target_.device.ray_query) || (need == "storage8" && !target_.device.storage8))
+                error(node.place, "nodes." + node.id, fmt::format("the device \"{}\" lacks {}", plan_.device, need));
+        }
+    }
+
+    Extent extent_of(const Connection& c) const {
+        if (c.source == Source::host) {
+            const auto slot = std::find_if(plan_.slots.begin(), plan_.slots.end(),
+                                           [&](const HostSlot& s) { return s.name == c.resource; });
+            return slot == plan_.slots.end() ? target_.extent : slot->extent;
+        }
+        const auto found = internal_.find(c.resource);
+        return found == internal_.end() ? target_.extent : plan_.resources[found->second].extent;
+    }
+
+    // The extent that a rule's `of` names, seen from one node.
+    std::optional<Extent> extent_named(const SelectedNode& selected, const std::string& of) const {
+        if (of == "frame") return target_.extent;
+        for (const Connection& c : selected.ports)
+            if (c.bound->port->name == of && c.source != Source::none) return extent_of(c);
+        return std::nullopt;
+    }
+
+    void bind_input(const BoundNode& node, const Connection& c, uint32_t binding) {
+        if (c.source == Source::none) return;
+        PlanPass& pass = plan_.passes.back();
+        const Port& port = *c.bound->port;
+        const bool updated = std::any_of(node.type->ports.begin(), node.type->ports.end(),
+                                         [&](const Port& p) { return p.output && p.updates == port.name; });
+        pass.reads.push_back(c.previous ? c.bound->resource + "@-1" : c.bound->resource);
+        if (c.source == Source::host) {
+            pass.bindings.push_back({&port, binding, true, host_slot(node, c), c.previous, c.resource});
+            return;
+        }
+        const auto pending = internal_.find(c.resource);
+        if (pending == internal_.end()) {  // @-1 of a name that a later pass writes: resolved when it exists
+            late_.push_back({plan_.passes.size() - 1, pass.bindings.size(), c.resource});
+            pass.bindings.push_back({&port, binding, false, 0, true, c.resource + "@-1"});
+            return;
+        }
+        const uint32_t resource = pending->second;
+        if (!updated) pass.bindings.push_back({&port, binding, false, resource, c.previous,
+                                               c.previous ? c.resource + "@-1" : c.resource});
+        if (!updated || c.previous) use_input(pass, port, resource, c.previous);
+    }
+
+    void use_input(PlanPass& pass, const Port& port, uint32_t resource, bool previous) {
+        PlanResource& r = plan_.resources[resource];
+        pass.uses.push_back({resource, previous, input_use(port)});
+        if (port.indirect) r.buffer_usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+        if (r.kind == PortKind::image)
+            r.image_usage |= port.storage ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_SAMPLED_BIT;
+        else if (port.kind == PortKind::texels)
+            r.buffer_usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+        if (previous) r.history = true;
+    }
+
+    static Use input_use(const Port& port) {
+        Use use{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT, false};
+        if ((port.kind == PortKind::image && !port.storage) || port.kind == PortKind::texels)
+            use.access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
+        if (port.indirect) {
+            use.stages |= VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
+            use.access |= VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
+        }
+        return use;
+    }
+
+    uint32_t host_slot(const BoundNode& node, const Connection& c) {
+        const Port& port = *c.bound->port;
+        if (port.kind == PortKind::scene) {
+            const uint32_t first = slot(node, c.resource + ".nodes", PortKind::texels, Format::rgba32ui, c, "");
+            slot(node, c.resource + ".leaves", PortKind::texels, Format::rgba32ui, c, "");
+            slot(node, c.resource, PortKind::block, Format::r8, c, "Scene");
+            return first;
+        }
+        const auto brought = target_.inputs.find(c.bound->resource);
+        Format format = port.formats.empty() ? Format::r8 : port.formats.front();
+        if (brought != target_.inputs.end()) {
+            format = brought->second.format;
+            if (!port.formats.empty() && std::find(port.formats.begin(), port.formats.end(), format) == port.formats.end())
+                error(c.bound->place, fmt::format("nodes.{}.in.{}", node.id, port.name),
+                      fmt::format("the host brings \"{}\" as {}, which this port does not accept", c.bound->resource,
+                                  info(format).name));
+        }
+        return slot(node, c.resource, port.kind, format, c, port.element);
+    }
+
+    uint32_t slot(const BoundNode& node, const std::string& name, PortKind kind, Format format, const Connection& c,
+                  const std::string& element) {
+        for (uint32_t i = 0; i < plan_.slots.size(); ++i)
+            if (plan_.slots[i].name == name) {
+                if (plan_.slots[i].readers.back() != node.id) plan_.slots[i].readers.push_back(node.id);
+                return i;
+            }
+        HostSlot s{name, kind, format, target_.extent, element, 0, {node.id}};
+        if (const auto brought = target_.inputs.find(c.bound->resource); brought != target_.inputs.end())
+            s.extent = brought->second.extent;
+        if (const auto known = nodes_.structs().find(element); known != nodes_.structs().end()) s.bytes = known->second;
+        plan_.slots.push_back(std::move(s));
+        return static_cast<uint32_t>(plan_.slots.size() - 1);
+    }
+
+    void bind_output(const BoundNode& node, const SelectedNode& selected, const Connection& c, uint32_t binding) {
+        if (c.source == Source::none) return;
+        PlanPass& pass = plan_.passes.back();
+        const Port& port = *c.bound->port;
+        uint32_t resource = 0;
+        Use use{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, true};
+        if (!port.updates.empty()) {
+            const auto in = std::find_if(selected.ports.begin(), selected.ports.end(),
+                                         [&](const Connection& o) { return o.bound->port->name == port.updates; });
+            resource = internal_.at(in->resource);
+            plan_.resources[resource].names.push_back(c.resource);
+            use.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
+        } else {
+            resource = static_cast<uint32_t>(plan_.resources.size());
+            make_resource(node, selected, c);
+            plan_.resources.back().first_pass = static_cast<uint32_t>(plan_.passes.size() - 1);
+            if (port.kind == PortKind::buffer) use.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;  // atomics
+            if (port.writes == Writes::some) pass.clears.push_back(resource);
+        }
+        if (pass.kind == PassKind::host) use = {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                                VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT, true};
+        internal_[c.resource] = resource;
+        pass.bindings.push_back({&port, binding, false, resource, false, c.resource});
+        pass.uses.push_back({resource, false, use});
+        pass.writes.push_back(c.resource);
+    }
+
+    void make_resource(const BoundNode& node, const SelectedNode& selected, const Connection& c) {
+        const Port& port = *c.bound->port;
+        PlanResource r;
+        r.names = {c.resource};
+        r.kind = port.kind;
+        r.element = port.element;
+        First first = port.first;
+        if (!port.formats.empty()) r.format = port.formats.front();
+        for (const ResourceSetting& setting : pipeline_.resources)
+            if (setting.name == c.resource) {
+                if (setting.format) r.format = *setting.format;
+                if (setting.first) first = *setting.first;
+            }
+        r.element_bytes = element_bytes(port, r.format, nodes_);
+        r.clear_on_activation = port.writes == Writes::some;
+        r.clear_on_reset = first == First::clear;
+        const std::string path = fmt::format("nodes.{}.out.{}", node.id, port.name);
+        const std::string& of = port.kind == PortKind::buffer ? port.count.of : port.extent.of;
+        const auto base = of.empty() ? std::optional<Extent>{Extent{}} : extent_named(selected, of);
+        if (!base) error(c.bound->place, path, fmt::format("its size follows port \"{}\", which is not bound", of));
+        const Extent of_extent = base.value_or(Extent{});
+        if (port.kind == PortKind::buffer) {
+            const CountRule& rule = port.count;
+            if (!of.empty())
+                r.count = uint64_t{ceil_div(of_extent.width, rule.div[0])} * ceil_div(of_extent.height, rule.div[1]) *
+                          rule.mul;
+            r.count += rule.add;
+            r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+        } else {
+            r.extent = apply(port.extent, of_extent);
+            if (port.levels) error(c.bound->place, path, "mip chains of storage images cannot be recorded yet");
+            r.count = uint64_t{r.extent.width} * r.extent.height;
+            r.image_usage = VK_IMAGE_USAGE_STORAGE_BIT;
+            r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+            if (port.kind == PortKind::image && std::max(r.extent.width, r.extent.height) > target_.device.max_image_extent)
+                error(c.bound->place, path, fmt::format("{}x{} exceeds the device's largest image, {} per axis",
+                                                        r.extent.width, r.extent.height, target_.device.max_image_extent));
+            if (port.kind == PortKind::image &&
+                !target_.device.supports(r.format, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT))
+                error(c.bound->place, path,
+                      fmt::format("the device \"{}\" cannot store to {}", plan_.device, info(r.format).name));
+        }
+        if (r.clear_on_activation || r.clear_on_reset || options_.poison) {
+            r.image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+            r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+        }
+        plan_.resources.push_back(std::move(r));
+    }
+
+    // --- variants, constants, dispatch ----------------------------------------------------------------------------
+
+    void choose_variant(const BoundNode& node, const SelectedNode& selected) {
+        choices_.emplace_back();
+        for (const Connection& c : selected.ports) {
+            const Port& port = *c.bound->port;
+            if (port.optional || !port.condition.empty())
+                plan_.passes.back().variant.present[port.name] = c.source != Source::none;
+            if (port.kind == PortKind::image && port.storage && port.formats.size() > 1 && port.updates.empty())
+                choices_.back().push_back({&port, c.resource, c.source, node.id});
+        }
+    }
+
+    const ClassOverrides& overrides(const BoundNode& node) const {
+        return target_.device.cpu ? node.type->cpu : node.type->gpu;
+    }
+
+    void fill_constants(const BoundNode& node) {
+        PlanPass& pass = plan_.passes.back();
+        const Dispatch& dispatch = node.type->dispatch;
+        const auto group = overrides(node).group.value_or(dispatch.group);
+        const auto per_thread = overrides(node).per_thread.value_or(dispatch.per_thread);
+        pass.counter_base = static_cast<uint32_t>(plan_.counters.size());
+        pass.constants = {group[0], group[1], group[2], per_thread[0], per_thread[1], pass.counter_base};
+        if (group[0] * group[1] * group[2] > target_.device.max_workgroup_invocations)
+            error(node.place, "nodes." + node.id, "the workgroup is larger than the device allows");
+        const PushConstants layout = push_constants(*node.type);
+        pass.push.resize(layout.size);
+        for (size_t i = 0; i < node.type->params.size(); ++i) {
+            const Param& param = node.type->params[i];
+            ParamValue value = node.params.at(param.name);
+            const auto set = node.set_by_user.find(param.name);
+            const auto override_value = overrides(node).params.find(param.name);
+            if ((set == node.set_by_user.end() || !set->second) && override_value != overrides(node).params.end())
+                value = override_value->second;
+            const std::vector<std::byte> bytes = value_bytes(param, value);
+            if (layout.offsets[i]) {
+                std::memcpy(pass.push.data() + *layout.offsets[i], bytes.data(), bytes.size());
+            } else {
+                uint32_t word = 0;
+                std::memcpy(&word, bytes.data(), sizeof word);
+                pass.constants.push_back(word);
+            }
+        }
+    }
+
+    void fill_dispatch(const BoundNode& node, const SelectedNode& selected) {
+        PlanPass& pass = plan_.passes.back();
+        const Dispatch& dispatch = node.type->dispatch;
+        switch (dispatch.kind) {
+            case Dispatch::Kind::host: return;
+            case Dispatch::Kind::groups: pass.groups = dispatch.groups; return;
+            case Dispatch::Kind::indirect:
+                for (const Connection& c : selected.ports)
+                    if (c.bound->port->name == dispatch.indirect) {
+                        if (c.source != Source::internal)
+                            return error(c.bound->place, "nodes." + node.id, "dispatch arguments must be written by a node");
+                        pass.indirect = internal_.at(c.resource);
+                        pass.indirect_offset = dispatch.offset;
+                    }
+                return;
+            case Dispatch::Kind::over: {
+                const auto extent = extent_named(selected, dispatch.over);
+                if (!extent)
+                    return error(node.place, "nodes." + node.id,
+                                 fmt::format("it is dispatched over port \"{}\", which is not bound", dispatch.over));
+                pass.groups = {ceil_div(extent->width, pass.constants[0] * pass.constants[3]),
+                               ceil_div(extent->height, pass.constants[1] * pass.constants[4]), 1};
+                if (std::max(pass.groups[0], pass.groups[1]) > 65535)
+                    error(node.place, "nodes." + node.id, "the dispatch exceeds 65535 groups per axis");
+            }
+        }
+    }
+
+    // --- after all passes -----------------------------------------------------------------------------------------
+
+    struct Late {
+        size_t pass, binding;
+        std::string resource;
+    };
+    struct FormatChoice {
+        const Port* port;
+        std::string resource;
+        Source source;
+        std::string node;
+    };
+
+    void finish_resources() {
+        for (const Late& late : late_) {
+            PlanBinding& binding = plan_.passes[late.pass].bindings[late.binding];
+            binding.index = internal_.at(late.resource);
+            use_input(plan_.passes[late.pass], *binding.port, binding.index, true);
+        }
+        for (const std::string& name : pipeline_.outputs) {
+            const uint32_t resource = internal_.at(name);
+            plan_.resources[resource].output = true;
+            plan_.outputs.push_back({name, resource});
+        }
+        size_t compute_pass = 0;
+        for (PlanPass& pass : plan_.passes) {
+            if (pass.kind == PassKind::capture) continue;
+            for (const FormatChoice& choice : choices_[compute_pass])
+                if (choice.source == Source::internal)
+                    pass.variant.formats[choice.port->name] = plan_.resources[internal_.at(choice.resource)].format;
+            ++compute_pass;
+            if (pass.kind == PassKind::compute && !pass.entry->shaders.empty() &&
+                !pass.entry->shaders.contains(to_string(pass.variant)))
+                error({pipeline_.file}, "nodes." + pass.node,
+                      fmt::format("no shader was compiled for its variant \"{}\"", to_string(pass.variant)));
+        }
+        place_lifetimes(plan_);
+    }
+
+    const CheckedPipeline& pipeline_;
+    const NodeSet& nodes_;
+    const Target& target_;
+    const CompileOptions& options_;
+    Diagnostics& diagnostics_;
+    Plan plan_;
+    std::vector<uint32_t> bindings_;
+    std::map<std::string, uint32_t> internal_;  // name -> resource
+    std::vector<Late> late_;
+    std::vector<std::vector<FormatChoice>> choices_;  // per non-capture pass
+};
+
+}  // namespace
+
+const PlanOutput* Plan::output(std::string_view name) const {
+    for (const PlanOutput& o : outputs)
+        if (o.name == name) return &o;
+    return nullptr;
+}
+
+std::optional<Plan> compile(const CheckedPipeline& pipeline, const NodeSet& nodes, const Target& target,
+                            const CompileOptions& options, Diagnostics& diagnostics) {
+    return Compiler(pipeline, nodes, target, options, diagnostics).run();
+}
+
+}  // namespace penumbra

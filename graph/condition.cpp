@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: MIT
+// Conditions: "sun_up & !alpha & mode=tent". Facts are what the host promises for a plan's lifetime;
+// PARAM=VALUE compares a constant parameter, by a text form that parsing and evaluation share.
+#include "graph/condition.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph/json_reader.h"
+
+namespace penumbra {
+
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
+    while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
+    return text;
+}
+
+struct ParamText {
+    std::string operator()(bool value) const { return value ? "true" : "false"; }
+    std::string operator()(int32_t value) const { return fmt::format("{}", value); }
+    std::string operator()(uint32_t value) const { return fmt::format("{}", value); }
+    std::string operator()(float value) const { return fmt::format("{}", value); }
+    std::string operator()(const std::string& value) const { return value; }
+    std::string operator()(const std::vector<float>& value) const {
+        std::string text;
+        for (const float component : value) text += fmt::format("{}{}", text.empty() ? "" : ",", component);
+        return text;
+    }
+};
+
+std::string text_of(const ParamValue& value) {
+    return std::visit(ParamText{}, value);
+}
+
+// The text after PARAM= as the JSON that the parameter's type asks for.
+Json value_json(const Param& param, std::string_view text, const Place& place) {
+    Diagnostics unused;
+    std::optional<Json> json;
+    if (param.type != ParamType::enumeration) json = parse_json(text, "", unused);
+    if (!json) {
+        json.emplace();
+        json->kind = Json::Kind::string;
+        json->string = text;
+    }
+    json->place = place;
+    return *json;
+}
+
+}  // namespace
+
+std::string to_string(const Condition& condition) {
+    std::string text;
+    for (const Literal& literal : condition) {
+        text += text.empty() ? "" : " & ";
+        text += (literal.negated ? "!" : "") + literal.name;
+        if (literal.value) text += "=" + *literal.value;
+    }
+    return text;
+}
+
+std::optional<Condition> parse_condition(const Json& json, std::span<const Param> params,
+                                         const std::string& path, Diagnostics& diagnostics) {
+    if (!expect(json, Json::Kind::string, path, diagnostics)) return std::nullopt;
+    const size_t errors = diagnostics.size();
+    const auto error = [&](std::string message) { diagnostics.add(json.place, path, std::move(message)); };
+
+    Condition condition;
+    const std::string_view text = json.string;
+    for (size_t begin = 0; begin <= text.size();) {
+        const size_t end = std::min(text.find('&', begin), text.size());
+        std::string_view part = trimmed(text.substr(begin, end - begin));
+        begin = end + 1;
+
+        Literal literal;
+        literal.negated = part.starts_with('!');
+        if (literal.negated) part = trimmed(part.substr(1));
+        const size_t equals = part.find('=');
+        literal.name = trimmed(part.substr(0, equals));
+        if (literal.name.empty()) {
+            error("expected literals joined by \"&\": FACT, !FACT or PARAM=VALUE");
+            continue;
+        }
+        if (equals == std::string_view::npos) {
+            const std::vector<std::string> facts(fact_names.begin(), fact_names.end());
+            if (std::ranges::find(facts, literal.name) == facts.end()) {
+                error(fmt::format("no fact \"{}\" (facts: {}){}", literal.name, join(facts),
+                                  did_you_mean(literal.name, facts)));
+                continue;
+            }
+        } else {
+            if (params.empty()) {
+                error(fmt::format("\"{}\": only facts may stand here", part));
+                continue;
+            }
+            const auto param = std::ranges::find(params, literal.name, &Param::name);
+            if (param == params.end()) {
+                std::vector<std::string> names;
+                for (const Param& p : params) names.push_back(p.name);
+                error(fmt::format("no parameter \"{}\"{}", literal.name, did_you_mean(literal.name, names)));
+                continue;
+            }
+            if (!param->constant) {
+                error(fmt::format("parameter \"{}\" may change per frame; a condition needs a constant one",
+                                  literal.name));
+                continue;
+            }
+            if (literal.negated) {
+                error(fmt::format("\"!\" negates facts only, not \"{}\"", part));
+                continue;
+            }
+            const Json value = value_json(*param, trimmed(part.substr(equals + 1)), json.place);
+            const auto parsed = parse_param_value(*param, value, path, diagnostics);
+            if (!parsed) continue;
+            literal.value = text_of(*parsed);
+        }
+        if (std::ranges::any_of(condition, [&](const Literal& other) { return contradict(literal, other); }))
+            error(fmt::format("never holds: \"{}\" contradicts an earlier literal", part));
+        else if (std::ranges::find(condition, literal) == condition.end())
+            condition.push_back(literal);
+    }
+    if (diagnostics.size() != errors) return std::nullopt;
+    return condition;
+}
+
+bool holds(const Condition& condition, const Facts& facts, const std::map<std::string, ParamValue>& params) {
+    return std::ranges::all_of(condition, [&](const Literal& literal) {
+        if (literal.value) {
+            const auto param = params.find(literal.name);
+            return param != params.end() && text_of(param->second) == *literal.value;
+        }
+        const auto fact = facts.find(literal.name);
+        return (fact == facts.end() || fact->second) != literal.negated;
+    });
+}
+
+bool contradict(const Literal& a, const Literal& b) {
+    if (a.name != b.name || a.value.has_value() != b.value.has_value()) return false;
+    return a.value ? *a.value != *b.value : a.negated != b.negated;
+}
+
+bool exclusive(const Condition& a, const Condition& b) {
+    return std::ranges::any_of(a, [&](const Literal& left) {
+        return std::ranges::any_of(b, [&](const Literal& right) { return contradict(left, right); });
+    });
+}
+
+}  // namespace penumbra

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+// A fixed device for tests and for planning without one: tight images with rows padded to 64 bytes, alignment 4 KiB.
+#include "graph/plan.h"
+
+#include <algorithm>
+
+namespace penumbra {
+
+DeviceTable reference_device(bool cpu) {
+    DeviceTable table;
+    table.name = cpu ? "reference cpu" : "reference gpu";
+    table.cpu = cpu;
+    const auto round_up = [](uint64_t value, uint64_t to) { return (value + to - 1) / to * to; };
+    table.image_memory = [round_up](const ImageNeed& need) {
+        uint64_t size = 0;
+        for (uint32_t level = 0; level < need.levels; ++level) {
+            const uint64_t width = std::max(need.extent.width >> level, 1u), height = std::max(need.extent.height >> level, 1u);
+            size += round_up(width * info(need.format).bytes, 64) * height * need.layers;
+        }
+        return MemoryNeed{round_up(size, 4096), 4096, ~0u};
+    };
+    table.buffer_memory = [round_up](uint64_t bytes, VkBufferUsageFlags) {
+        return MemoryNeed{round_up(bytes, 256), 256, ~0u};
+    };
+    table.supports = [](Format format, VkFormatFeatureFlags features) {
+        return !(features & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT) || info(format).glsl != nullptr;
+    };
+    return table;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+// The text form shows everything that decides correctness (order, bindings, lifetimes, offsets, dependencies) and
+// nothing that depends on the machine, so that a change shows up as a readable difference.
+#include "graph/dump.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace penumbra {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+std::string join(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : " ") + name;
+    return text;
+}
+
+struct FlagName {
+    uint64_t bit;
+    const char* name;
+};
+
+constexpr FlagName stage_names[] = {{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"},
+                                    {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
+                                    {VK_PIPELINE_STAGE_2_CLEAR_BIT, "clear"},
+                                    {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
+                                    {VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, "top"},
+                                    {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"}};
+constexpr FlagName access_names[] = {{VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "write"},
+                                     {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, "read"},
+                                     {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, "sample"},
+                                     {VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, "arguments"},
+                                     {VK_ACCESS_2_TRANSFER_READ_BIT, "copy_read"},
+                                     {VK_ACCESS_2_TRANSFER_WRITE_BIT, "copy_write"},
+                                     {VK_ACCESS_2_MEMORY_READ_BIT, "any_read"},
+                                     {VK_ACCESS_2_MEMORY_WRITE_BIT, "any_write"}};
+
+template <size_t n>
+std::string flags(uint64_t value, const FlagName (&names)[n]) {
+    std::string text;
+    for (const FlagName& f : names)
+        if (value & f.bit) text += (text.empty() ? "" : "+") + std::string(f.name);
+    return text.empty() ? "none" : text;
+}
+
+std::string dependency_text(const Plan& plan, const Dependency& d, const char* label) {
+    if (d.empty()) return {};
+    std::string text;
+    if (d.src_stages)
+        text += fmt::format("      {} {}:{} -> {}:{}\n", label, flags(d.src_stages, stage_names),
+                            flags(d.src_access, access_names), flags(d.dst_stages, stage_names),
+                            flags(d.dst_access, access_names));
+    for (const Activation& a : d.activations)
+        text += fmt::format("      {} activates {} after {} for {}:{}\n", label, plan.resources[a.resource].names.front(),
+                            flags(a.src_stages, stage_names), flags(a.dst_stages, stage_names),
+                            flags(a.dst_access, access_names));
+    return text;
+}
+
+std::string shape(const PlanResource& r) {
+    if (r.kind == PortKind::buffer) return fmt::format("{} x {}", r.count, r.element);
+    return fmt::format("{} {}x{}", info(r.format).name, r.extent.width, r.extent.height);
+}
+
+OrderedJson groups_json(const PlanPass& pass) {
+    if (pass.indirect) return "indirect";
+    return pass.groups;
+}
+
+}  // namespace
+
+std::string to_text(const Plan& plan) {
+    std::string text = fmt::format("plan {} {}x{}{}\n", plan.pipeline, plan.extent.width, plan.extent.height,
+                                   plan.aliased ? "" : " (not aliased)");
+    text += "passes\n";
+    for (size_t p = 0; p < plan.passes.size(); ++p) {
+        const PlanPass& pass = plan.passes[p];
+        const std::string groups =
+            pass.indirect ? "indirect" : fmt::format("{}x{}x{}", pass.groups[0], pass.groups[1], pass.groups[2]);
+        text += fmt::format("  {:2} {} ({}) {}\n      reads  {}\n      writes {}\n", p, pass.node,
+                            pass.kind == PassKind::capture ? "capture" : pass.entry->type.name, groups, join(pass.reads),
+                            join(pass.writes));
+        for (uint32_t parity = 0; parity < 2; ++parity) {
+            const std::string label = fmt::format("[{}]", parity);
+            text += dependency_text(plan, pass.before[parity], label.c_str());
+            text += dependency_text(plan, pass.after_clears[parity], (label + " after clears").c_str());
+        }
+    }
+    for (uint32_t parity = 0; parity < 2; ++parity)
+        if (!plan.end[parity].empty())
+            text += dependency_text(plan, plan.end[parity], fmt::format("end [{}]", parity).c_str());
+    for (const Culled& culled : plan.culled)
+        text += fmt::format("  culled {} ({}{}{})\n", culled.node, culled.why, culled.cond.empty() ? "" : " ", culled.cond);
+    text += "resources\n";
+    for (const PlanResource& r : plan.resources)
+        text += fmt::format("  {} {} {}{}passes {}+{} heap {} at {} {} size {}\n", join(r.names), shape(r),
+                            r.history ? "history " : "", r.output ? "output " : "", r.first_pass, r.length, r.heap,
+                            r.offset[0], r.offset[1], r.bytes);
+    text += "host slots\n";
+    for (const HostSlot& slot : plan.slots) text += fmt::format("  {} for {}\n", slot.name, join(slot.readers));
+    const MemoryReport& m = plan.memory;
+    text += fmt::format("memory heap {} live bound {} optimum {} unaliased {} persistent {}\n", m.heap_bytes,
+                        m.live_bound_bytes, m.optimum_bytes ? fmt::to_string(*m.optimum_bytes) : "unknown",
+                        m.unaliased_bytes, m.persistent_bytes);
+    return text;
+}
+
+std::string to_dot(const Plan& plan) {
+    std::string text = fmt::format("digraph {} {{\n  rankdir=LR;\n  node [shape=box];\n", plan.pipeline);
+    for (const HostSlot& slot : plan.slots) {
+        text += fmt::format("  \"{}\" [shape=ellipse, style=dashed];\n", slot.name);
+        for (const std::string& reader : slot.readers) text += fmt::format("  \"{}\" -> \"{}\";\n", slot.name, reader);
+    }
+    std::map<std::string, std::string> writer;
+    for (const PlanPass& pass : plan.passes)
+        for (const std::string& name : pass.writes) writer[name] = pass.node;
+    for (const PlanPass& pass : plan.passes)
+        for (std::string name : pass.reads) {
+            const bool previous = name.ends_with("@-1");
+            if (previous) name.resize(name.size() - 3);
+            const auto from = writer.find(name);
+            if (from == writer.end()) continue;
+            text += fmt::format("  \"{}\" -> \"{}\" [label=\"{}\"{}];\n", from->second, pass.node, name,
+                                previous ? ", style=dotted, constraint=false" : "");
+        }
+    for (const PlanOutput& output : plan.outputs) {
+        text += fmt::format("  \"out {}\" [shape=ellipse, label=\"{}\"];\n", output.name, output.name);
+        text += fmt::format("  \"{}\" -> \"out {}\";\n", writer[output.name], output.name);
+    }
+    return text + "}\n";
+}
+
+OrderedJson passes_json(const Plan& plan) {
+    OrderedJson passes = OrderedJson::array();
+    for (const PlanPass& pass : plan.passes)
+        passes.push_back({{"node", pass.node},
+                          {"type", pass.kind == PassKind::capture ? "capture" : pass.entry->type.name},
+                          {"groups", groups_json(pass)},
+                          {"reads", pass.reads},
+                          {"writes", pass.writes}});
+    return passes;
+}
+
+OrderedJson culled_json(const Plan& plan) {
+    OrderedJson culled = OrderedJson::array();
+    for (const Culled& c : plan.culled)
+        culled.push_back({{"node", c.node}, {"why", c.why}, {"cond", c.cond.empty() ? OrderedJson() : OrderedJson(c.cond)}});
+    return culled;
+}
+
+OrderedJson facts_json(const Plan& plan) {
+    OrderedJson facts = OrderedJson::object();
+    for (const auto& [name, value] : plan.facts) facts[name] = value;
+    return facts;
+}
+
+OrderedJson memory_json(const Plan& plan) {
+    const MemoryReport& m = plan.memory;
+    OrderedJson heaps = OrderedJson::array(), resources = OrderedJson::array();
+    for (const Heap& heap : plan.heaps) heaps.push_back({{"type", heap.type}, {"bytes", heap.bytes}});
+    for (const PlanResource& r : plan.resources)
+        resources.push_back({{"name", r.names.back()},
+                             {"bytes", r.bytes},
+                             {"first_pass", r.first_pass},
+                             {"length", r.length},
+                             {"offset", r.offset},
+                             {"history", r.history}});
+    const double pixels = static_cast<double>(plan.extent.width) * plan.extent.height;
+    return {{"heap_bytes", m.heap_bytes},
+            {"live_bound_bytes", m.live_bound_bytes},
+            {"optimum_bytes", m.optimum_bytes ? OrderedJson(*m.optimum_bytes) : OrderedJson()},
+            {"unaliased_bytes", m.unaliased_bytes},
+            {"dedicated_history_bytes", m.dedicated_history_bytes},
+            {"persistent_bytes", m.persistent_bytes},
+            {"bytes_per_pixel", static_cast<double>(m.heap_bytes) / pixels},
+            {"heaps", heaps},
+            {"resources", resources}};
+}
+
+OrderedJson to_json(const Plan& plan) {
+    return {{"pipeline", plan.pipeline},
+            {"size", {plan.extent.width, plan.extent.height}},
+            {"device", plan.device},
+            {"facts", facts_json(plan)},
+            {"passes", passes_json(plan)},
+            {"culled", culled_json(plan)},
+            {"memory", memory_json(plan)}};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: MIT
+// Ports are named once, in the declaration; their GLSL follows from kind, format and direction.
+#include "graph/interface.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+
+namespace penumbra {
+namespace {
+
+std::string upper(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
+    return text;
+}
+
+bool has_presence(const Port& port) { return port.optional || !port.condition.empty(); }
+bool has_format_choice(const Port& port) {
+    return port.kind == PortKind::image && port.storage && port.formats.size() > 1 && port.updates.empty();
+}
+
+const Port* updater_of(const NodeType& type, const Port& input) {
+    for (const Port& port : type.ports)
+        if (port.output && port.updates == input.name && !input.output) return &port;
+    return nullptr;
+}
+
+// An output that updates inherits everything but its name from the input.
+const Port& described_by(const NodeType& type, const Port& port) {
+    return port.updates.empty() ? port : *type.port(port.updates);
+}
+
+const char* prefix(Format format) { return info(format).kind == FormatClass::uint ? "u" : ""; }
+
+const char* element_glsl(const std::string& element) {
+    if (element == "u32") return "uint";
+    if (element == "f32") return "float";
+    return element.c_str();
+}
+
+// Texel buffers are written as plain storage buffers: one element per texel, or packed words for narrow formats.
+const char* texel_element_glsl(Format format) {
+    switch (format) {
+        case Format::r32f: return "float";
+        case Format::rg32f: return "vec2";
+        case Format::rg32ui: return "uvec2";
+        case Format::rgba32ui: return "uvec4";
+        default: return "uint";
+    }
+}
+
+std::string declare_image(const Port& port, const std::string& name, Format format, const char* access, uint32_t b) {
+    const char* dim = port.layers ? "2DArray" : "2D";
+    if (!port.storage)
+        return fmt::format("layout(set = 0, binding = {}) uniform {}sampler{} {};\n", b, prefix(format), dim, name);
+    return fmt::format("layout(set = 0, binding = {}, {}) uniform {}{}image{} {};\n", b, info(format).glsl, access,
+                       prefix(format), dim, name);
+}
+
+std::string declare_port(const NodeType& type, const Port& port, const Variant& variant, uint32_t b) {
+    const Port& what = described_by(type, port);
+    const char* access = !port.output ? "readonly " : port.updates.empty() ? "writeonly " : "";
+    switch (what.kind) {
+        case PortKind::image: {
+            const auto chosen = variant.formats.find(what.name);
+            const Format format = chosen == variant.formats.end() ? what.formats.front() : chosen->second;
+            return declare_image(what, port.name, format, access, b);
+        }
+        case PortKind::texels:
+            if (!port.output)
+                return fmt::format("layout(set = 0, binding = {}) uniform {}samplerBuffer {};\n", b,
+                                   prefix(what.formats.front()), port.name);
+            return fmt::format("layout(set = 0, binding = {}, std430) restrict buffer {}_buffer {{ {} {}[]; }};\n", b,
+                               port.name, texel_element_glsl(what.formats.front()), port.name);
+        case PortKind::buffer:
+            return fmt::format("layout(set = 0, binding = {}, std430) restrict {}buffer {}_buffer {{ {} {}[]; }};\n", b,
+                               port.output ? "" : "readonly ", port.name, element_glsl(what.element), port.name);
+        case PortKind::block:
+            return fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ {} {}; }};\n", b, port.name,
+                               what.element, port.name);
+        case PortKind::scene:
+            return fmt::format(
+                "layout(set = 0, binding = {}) uniform usamplerBuffer {}_nodes;\n"
+                "layout(set = 0, binding = {}) uniform usamplerBuffer {}_leaves;\n"
+                "layout(set = 0, binding = {}, std140) uniform {}_block {{ Scene {}; }};\n",
+                b, port.name, b + 1, port.name, b + 2, port.name, port.name);
+    }
+    return {};
+}
+
+const char* type_glsl(ParamType type) {
+    switch (type) {
+        case ParamType::boolean: return "uint";
+        case ParamType::integer: return "int";
+        case ParamType::uint: return "uint";
+        case ParamType::real: return "float";
+        case ParamType::vec2: return "vec2";
+        case ParamType::vec3: return "vec3";
+        case ParamType::vec4: return "vec4";
+        case ParamType::enumeration: return "int";
+    }
+    return "";
+}
+
+std::string declare_constant(const Param& param, uint32_t id) {
+    const std::string name = upper(param.name);
+    switch (param.type) {
+        case ParamType::boolean:
+            return fmt::format("layout(constant_id = {}) const bool {} = {};\n", id, name,
+                               std::get<bool>(param.default_value));
+        case ParamType::uint:
+            return fmt::format("layout(constant_id = {}) const uint {} = {}u;\n", id, name,
+                               std::get<uint32_t>(param.default_value));
+        case ParamType::real:
+            return fmt::format("layout(constant_id = {}) const float {} = {:#};\n", id, name,
+                               std::get<float>(param.default_value));
+        case ParamType::enumeration: return fmt::format("layout(constant_id = {}) const int {} = 0;\n", id, name);
+        default:
+            return fmt::format("layout(constant_id = {}) const int {} = {};\n", id, name,
+                               std::get<int32_t>(param.default_value));
+    }
+}
+
+std::string declare_params(const NodeType& type) {
+    std::string constants, dynamic;
+    uint32_t id = first_param_constant;
+    for (const Param& param : type.params) {
+        for (size_t i = 0; i < param.values.size(); ++i)
+            constants += fmt::format("#define {}_{} {}\n", upper(param.name), upper(param.values[i]), i);
+        if (param.constant)
+            constants += declare_constant(param, id++);
+        else
+            dynamic += fmt::format("    {} {};\n", type_glsl(param.type), param.name);
+    }
+    if (!dynamic.empty()) constants += "layout(push_constant, std430) uniform Params {\n" + dynamic + "} params;\n";
+    return constants;
+}
+
+// One atomic per subgroup: active lanes add first.
+std::string declare_counters(const NodeType& type) {
+    if (type.counters.empty()) return {};
+    std::string text = fmt::format(
+        "layout(set = 1, binding = {}, std430) buffer counters_buffer {{ uint counters[]; }};\n"
+        "layout(constant_id = {}) const uint COUNTER_BASE = 0u;\n",
+        counters_binding, counter_base_constant);
+    for (size_t i = 0; i < type.counters.size(); ++i)
+        text += fmt::format(
+            "void count_{}(uint n) {{\n    uint sum = subgroupAdd(n);\n"
+            "    if (subgroupElect() && sum != 0u) atomicAdd(counters[COUNTER_BASE + {}u], sum);\n}}\n",
+            type.counters[i], i);
+    return text;
+}
+
+void append(std::vector<std::byte>& out, const void* data, size_t bytes) {
+    const auto* begin = static_cast<const std::byte*>(data);
+    out.insert(out.end(), begin, begin + bytes);
+}
+
+}  // namespace
+
+std::vector<uint32_t> port_bindings(const NodeType& type) {
+    std::vector<uint32_t> bindings(type.ports.size());
+    uint32_t next = first_port_binding;
+    for (size_t i = 0; i < type.ports.size(); ++i) {
+        if (updater_of(type, type.ports[i])) continue;
+        bindings[i] = next;
+        next += type.ports[i].kind == PortKind::scene ? static_cast<uint32_t>(scene_slots.size()) : 1;
+    }
+    for (size_t i = 0; i < type.ports.size(); ++i)
+        if (const Port* updater = updater_of(type, type.ports[i]))
+            bindings[i] = bindings[static_cast<size_t>(updater - type.ports.data())];
+    return bindings;
+}
+
+uint32_t first_table_binding(const NodeType& type) {
+    uint32_t next = first_port_binding;
+    for (const Port& port : type.ports)
+        if (!updater_of(type, port))
+            next += port.kind == PortKind::scene ? static_cast<uint32_t>(scene_slots.size()) : 1;
+    return next;
+}
+
+PushConstants push_constants(const NodeType& type) {
+    PushConstants result;
+    for (const Param& param : type.params) {
+        if (param.constant) {
+            result.offsets.emplace_back();
+            continue;
+        }
+        const ParamLayout layout = layout_of(param.type);
+        const uint32_t offset = (result.size + layout.alignment - 1) / layout.alignment * layout.alignment;
+        result.offsets.emplace_back(offset);
+        result.size = offset + layout.size;
+    }
+    return result;
+}
+
+std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value) {
+    std::vector<std::byte> out;
+    if (param.type == ParamType::enumeration) {
+        const auto& name = std::get<std::string>(value);
+        const auto index =
+            static_cast<int32_t>(std::find(param.values.begin(), param.values.end(), name) - param.values.begin());
+        append(out, &index, 4);
+    } else if (const bool* flag = std::get_if<bool>(&value)) {
+        const uint32_t word = *flag;
+        append(out, &word, 4);
+    } else if (const auto* list = std::get_if<std::vector<float>>(&value)) {
+        append(out, list->data(), 4 * list->size());
+    } else {
+        std::visit([&](const auto& v) {
+            if constexpr (sizeof(v) == 4) append(out, &v, 4);
+        }, value);
+    }
+    return out;
+}
+
+std::string to_string(const Variant& variant) {
+    std::string key;
+    for (const auto& [port, format] : variant.formats)
+        key += fmt::format("{}{}={}", key.empty() ? "" : ",", port, info(format).name);
+    for (const auto& [port, present] : variant.present)
+        key += fmt::format("{}{}={:d}", key.empty() ? "" : ",", port, present);
+    return key;
+}
+
+std::vector<Variant> all_variants(const NodeType& type) {
+    std::vector<Variant> variants(1);
+    const auto multiply = [&](size_t choices, auto&& set) {
+        std::vector<Variant> next;
+        for (const Variant& variant : variants)
+            for (size_t i = 0; i < choices; ++i) set(next.emplace_back(variant), i);
+        variants = std::move(next);
+    };
+    for (const Port& port : type.ports) {
+        if (has_format_choice(port))
+            multiply(port.formats.size(), [&](Variant& v, size_t i) { v.formats[port.name] = port.formats[i]; });
+        if (has_presence(port)) multiply(2, [&](Variant& v, size_t i) { v.present[port.name] = i == 1; });
+    }
+    return variants;
+}
+
+std::string generate_glsl(const NodeType& type, const Variant& variant) {
+    std::string text =
+        "// Generated from the node's declaration.\n"
+        "#extension GL_KHR_shader_subgroup_basic : require\n"
+        "#extension GL_KHR_shader_subgroup_arithmetic : require\n"
+        "#extension GL_KHR_shader_subgroup_ballot : require\n"
+        "#include \"graph/frame_block.glsl\"\n"
+        "#include \"common/blocks.h\"\n"
+        "const uint FRAME_RESET = 1u;\nconst uint FRAME_STANDARD_Z = 2u;\nconst uint FRAME_ORTHOGRAPHIC = 4u;\n"
+        "layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;\n"
+        "#define GROUP_X gl_WorkGroupSize.x\n#define GROUP_Y gl_WorkGroupSize.y\n"
+        "layout(constant_id = 3) const uint PER_THREAD_X = 1u;\nlayout(constant_id = 4) const uint PER_THREAD_Y = 1u;\n";
+    text += fmt::format("layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
+                        frame_binding);
+    const std::vector<uint32_t> bindings = port_bindings(type);
+    for (size_t i = 0; i < type.ports.size(); ++i) {
+        const Port& port = type.ports[i];
+        const auto present = variant.present.find(port.name);
+        const bool exists = present == variant.present.end() || present->second;
+        if (present != variant.present.end())
+            text += fmt::format("#define HAS_{} {:d}\n", upper(port.name), exists);
+        if (!exists || updater_of(type, port)) continue;
+        if (has_format_choice(port))
+            text += fmt::format("#define FORMAT_{}_{} 1\n", upper(port.name),
+                                upper(info(variant.formats.at(port.name)).name));
+        text += declare_port(type, port, variant, bindings[i]);
+    }
+    uint32_t table_binding = first_table_binding(type);
+    for (const Table& table : type.tables)
+        text += fmt::format("layout(set = 1, binding = {}) uniform {}sampler2D {};\n", table_binding++,
+                            prefix(table.format), table.name);
+    return text + declare_params(type) + declare_counters(type);
+}
+
+void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<uint32_t>& host_bindings) {
+    constexpr uint32_t op_decorate = 71, decoration_binding = 33, decoration_set = 34;
+    std::map<uint32_t, uint32_t> binding_of;  // variable id -> binding
+    const auto each_decoration = [&](uint32_t decoration, auto&& visit) {
+        for (size_t at = 5; at < spirv.size(); at += std::max(spirv[at] >> 16, 1u))
+            if ((spirv[at] & 0xffff) == op_decorate && spirv[at + 2] == decoration) visit(spirv[at + 1], spirv[at + 3]);
+    };
+    each_decoration(decoration_binding, [&](uint32_t id, uint32_t& value) { binding_of[id] = value; });
+    each_decoration(decoration_set, [&](uint32_t id, uint32_t& value) {
+        const bool host = std::find(host_bindings.begin(), host_bindings.end(), binding_of[id]) != host_bindings.end();
+        if (host) value = 1;
+    });
+}
+
+}  // namespace penumbra

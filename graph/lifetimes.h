@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// When each resource is live and where it lies. A frame of P passes and the next one make a circle of 2P, since a
+// history resource of frame f lives from its write in f to its last reader in f + 1 and the placements repeat every
+// second frame. History is packed among the transients; nothing lives outside the heaps.
+#pragma once
+
+#include "graph/plan.h"
+
+namespace penumbra {
+
+// Fills first_pass and length of every resource from the passes' uses.
+void place_lifetimes(Plan& plan);
+
+// Fills bytes, alignment, heap and offsets, and the plan's memory report.
+void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search_nodes);
+
+}  // namespace penumbra

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: MIT
+// Ports of a node declaration. Each kind and direction has its own list of keys; a key of the vocabulary in
+// the wrong place is told apart from an unknown one.
+#include "graph/node_port.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph/condition.h"
+#include "graph/json_reader.h"
+
+namespace penumbra {
+
+namespace {
+
+constexpr uint32_t max_factor = 1u << 16;  // of div and mul: far beyond any image, and products fit 64 bits
+constexpr uint32_t max_variants = 8;
+
+const std::vector<std::string> kind_words = {"image", "texels", "buffer", "block", "scene"};
+const std::vector<std::string> port_keys = {"kind",     "format",   "as",       "filter", "layers",  "levels",
+                                            "element",  "extent",   "count",    "writes", "updates", "first",
+                                            "previous", "indirect", "optional", "if",     "doc"};
+const std::vector<std::string> elements = {"u32", "uvec2", "uvec4", "f32", "vec4"};
+
+std::vector<std::string> keys_of(PortKind kind, bool output, bool updates) {
+    std::vector<std::string> keys = {"kind", "optional", "if", "doc"};
+    const auto add = [&](std::initializer_list<const char*> more) {
+        keys.insert(keys.end(), more.begin(), more.end());
+    };
+    const bool texels = kind == PortKind::image || kind == PortKind::texels;
+    if (kind == PortKind::block) add({"element"});
+    if (kind == PortKind::block || kind == PortKind::scene) return keys;
+    if (!output) add({"previous"});
+    if (output) add({"updates", "first"});
+    if (kind == PortKind::buffer) add({"indirect"});
+    if (kind == PortKind::image) add({"as"});
+    if (kind == PortKind::image && !output) add({"filter"});
+    if (updates) return keys;  // the rest comes from the port that it updates
+    if (output) add({"writes"});
+    if (texels) add({"format"});
+    if (texels && output) add({"extent"});
+    if (kind == PortKind::image) add({"layers", "levels"});
+    if (kind == PortKind::buffer) add({"element"});
+    if (kind == PortKind::buffer && output) add({"count"});
+    return keys;
+}
+
+bool is_struct_name(std::string_view name) {
+    const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
+    const auto rest = [&](char c) { return upper(c) || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+    return !name.empty() && name.size() <= 64 && upper(name.front()) && std::ranges::all_of(name, rest);
+}
+
+void read_formats(const ObjectReader& reader, Port& port) {
+    const Json* json = reader.require("format");
+    if (!json) return;
+    const std::string path = reader.path("format");
+    Diagnostics& diagnostics = reader.diagnostics();
+    const bool list = json->kind == Json::Kind::array;
+    if (list && json->items.empty()) reader.error(*json, "format", "the list is empty");
+    for (size_t i = 0; i < (list ? json->items.size() : 1); ++i) {
+        const Json& item = list ? json->items[i] : *json;
+        const std::string item_path = list ? fmt::format("{}[{}]", path, i) : path;
+        const std::optional<Format> format = read_format(item, item_path, diagnostics);
+        if (!format) continue;
+        const FormatInfo& texel = info(*format);
+        const bool linear_memory = port.kind == PortKind::texels;
+        if (std::ranges::find(port.formats, *format) != port.formats.end())
+            diagnostics.add(item.place, item_path, fmt::format("\"{}\" is listed twice", texel.name));
+        else if (!texel.glsl && (port.storage || linear_memory))
+            diagnostics.add(item.place, item_path,
+                            fmt::format("{} cannot be {}: depth formats are only sampled", texel.name,
+                                        linear_memory ? "a texel buffer" : "a storage image"));
+        else if (!port.formats.empty() &&
+                 (info(port.formats[0]).kind == FormatClass::uint) != (texel.kind == FormatClass::uint))
+            diagnostics.add(item.place, item_path,
+                            fmt::format("{} and {} have different types in GLSL (integer and real)",
+                                        texel.name, info(port.formats[0]).name));
+        else
+            port.formats.push_back(*format);
+    }
+}
+
+void read_access(const ObjectReader& reader, Port& port) {
+    const std::vector<std::string> accesses = {"sampled", "storage"}, filters = {"nearest", "linear"};
+    port.storage = port.output;
+    if (const auto access = reader.choice("as", accesses)) {
+        port.storage = *access == 1;
+        if (port.output && !port.storage)
+            reader.error(*reader.find("as"), "as", "outputs are written as storage");
+    }
+    if (const auto filter = reader.choice("filter", filters)) {
+        port.linear = *filter == 1;
+        if (port.storage) reader.error(*reader.find("filter"), "filter", "only sampled images are filtered");
+    }
+}
+
+void read_element(const ObjectReader& reader, Port& port) {
+    if (!reader.require("element")) return;
+    const std::optional<std::string> element = reader.text("element");
+    if (!element) return;
+    port.element = *element;
+    const bool plain = std::ranges::find(elements, *element) != elements.end();
+    if (is_struct_name(*element) || (plain && port.kind == PortKind::buffer)) return;
+    const bool block = port.kind == PortKind::block;
+    reader.error(
+        *reader.find("element"), "element",
+        fmt::format("\"{}\" is no {}{}", *element,
+                    block ? "struct's name (like \"Sun\")" : "struct's name and none of " + join(elements),
+                    did_you_mean(*element, elements)));
+}
+
+ExtentRule read_extent(const ObjectReader& reader) {
+    ExtentRule rule;
+    const Json* json = reader.find("extent");
+    if (!json) return rule;
+    if (json->kind == Json::Kind::string) {
+        rule.of = json->string;
+        return rule;
+    }
+    const std::vector<std::string> keys = {"of", "div", "mul"};
+    const ObjectReader extent(*json, reader.path("extent"), keys, reader.diagnostics());
+    if (extent.require("of")) rule.of = extent.text("of").value_or("frame");
+    rule.div = extent.pair("div", 1, max_factor).value_or(rule.div);
+    rule.mul = extent.pair("mul", 1, max_factor).value_or(rule.mul);
+    return rule;
+}
+
+CountRule read_count(const ObjectReader& reader) {
+    CountRule rule;
+    constexpr uint32_t most = 1u << 28;
+    const Json* json = reader.require("count");
+    if (!json) return rule;
+    if (json->kind == Json::Kind::integer) {
+        rule.add = reader.whole("count", 1, most).value_or(1);
+        return rule;
+    }
+    const std::vector<std::string> keys = {"of", "div", "mul", "add"};
+    const ObjectReader count(*json, reader.path("count"), keys, reader.diagnostics());
+    if (count.require("of")) rule.of = count.text("of").value_or("frame");
+    rule.div = count.pair("div", 1, max_factor).value_or(rule.div);
+    rule.mul = count.whole("mul", 1, max_factor).value_or(1);
+    rule.add = count.whole("add", 0, most).value_or(0);
+    return rule;
+}
+
+void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostics& diagnostics) {
+    const std::string path = fmt::format("{}.{}", output ? "outputs" : "inputs", member.key);
+    const ObjectReader reader(member.value, path, port_keys, diagnostics);
+    Port port{.name = member.key, .output = output, .place = member.key_place};
+    const Json* kind_json = reader.require("kind");
+    if (!kind_json) return;
+    const std::optional<size_t> kind = reader.choice("kind", kind_words);
+    if (!kind) return;
+    port.kind = static_cast<PortKind>(*kind);
+    if (output && (port.kind == PortKind::block || port.kind == PortKind::scene)) {
+        reader.error(*kind_json, "kind",
+                     fmt::format("a {} comes from the host; it cannot be an output", kind_words[*kind]));
+        return;
+    }
+
+    const bool updates = output && reader.find("updates");
+    const std::vector<std::string> keys = keys_of(port.kind, output, updates);
+    const auto applies = [&](std::string_view key) { return std::ranges::find(keys, key) != keys.end(); };
+    for (const JsonMember& given : member.value.members) {
+        const bool known = std::ranges::find(port_keys, given.key) != port_keys.end();
+        if (!known || applies(given.key)) continue;
+        const std::string owner =
+            updates && given.key != "previous" && given.key != "filter"
+                ? "a port that updates another (it is inherited)"
+                : fmt::format("an {} of kind {}", output ? "output" : "input", kind_words[*kind]);
+        diagnostics.add(given.key_place, path,
+                        fmt::format("key \"{}\" does not apply to {}", given.key, owner));
+    }
+
+    if (applies("as")) read_access(reader, port);
+    if (applies("format")) read_formats(reader, port);
+    if (port.linear && !port.formats.empty() && info(port.formats[0]).kind == FormatClass::uint)
+        reader.error(*reader.find("filter"), "filter", "integer formats cannot be filtered");
+    if (applies("element")) read_element(reader, port);
+    if (applies("extent")) port.extent = read_extent(reader);
+    if (applies("count")) port.count = read_count(reader);
+    if (applies("layers")) port.layers = reader.flag("layers");
+    if (applies("levels")) port.levels = reader.flag("levels");
+    if (applies("indirect")) port.indirect = reader.flag("indirect");
+    if (applies("previous")) port.previous = reader.flag("previous");
+    port.optional = reader.flag("optional");
+    if (applies("writes")) {
+        const std::vector<std::string> words = {"all", "tiles", "some"};
+        port.writes = static_cast<Writes>(reader.choice("writes", words).value_or(0));
+    }
+    if (applies("first")) {
+        const std::vector<std::string> words = {"any", "clear"};
+        port.first = static_cast<First>(reader.choice("first", words).value_or(0));
+    }
+    if (updates) port.updates = reader.text("updates").value_or("");
+    if (const Json* condition = reader.find("if"))
+        port.condition =
+            parse_condition(*condition, type.params, reader.path("if"), diagnostics).value_or(Condition{});
+    port.doc = reader.one_line("doc");
+    type.ports.push_back(std::move(port));
+}
+
+std::vector<std::string> names_of(const NodeType& type, bool outputs_too) {
+    std::vector<std::string> names;
+    for (const Port& port : type.ports)
+        if (!port.output || outputs_too) names.push_back(port.name);
+    return names;
+}
+
+// Links ports; places of its errors are looked up in the declaration.
+class Linker {
+  public:
+    Linker(const Json& declaration, NodeType& type, Diagnostics& diagnostics)
+        : declaration_(declaration), type_(type), diagnostics_(diagnostics) {}
+
+    void run() {
+        for (Port& port : type_.ports)
+            if (!port.updates.empty()) link_update(port);
+        for (const Port& port : type_.ports) {
+            if (!port.output || !port.updates.empty()) continue;
+            if (port.kind == PortKind::buffer)
+                link_size(port, "count", port.count.of);
+            else
+                link_size(port, "extent", port.extent.of);
+        }
+        count_variants();
+    }
+
+  private:
+    void error(const Port& port, std::string_view key, std::string message) {
+        const std::string section = port.output ? "outputs" : "inputs";
+        const Json* value = declaration_.find(section)->find(port.name)->find(key);
+        diagnostics_.add(value ? value->place : port.place, fmt::format("{}.{}.{}", section, port.name, key),
+                         std::move(message));
+    }
+
+    void link_update(Port& port) {
+        const Port* source = type_.port(port.updates);
+        if (!source || source->output) {
+            error(port, "updates",
+                  fmt::format("no input \"{}\"{}", port.updates,
+                              did_you_mean(port.updates, names_of(type_, false))));
+            return;
+        }
+        if (source->kind != port.kind) {
+            error(port, "updates", fmt::format("\"{}\" is of another kind", source->name));
+            return;
+        }
+        if (source->previous)
+            error(port, "updates", fmt::format("\"{}\" is a previous frame's value", source->name));
+        if (source->optional) error(port, "updates", fmt::format("\"{}\" is optional", source->name));
+        if (source->condition != port.condition)
+            error(port, "updates", fmt::format("\"{}\" has another condition (\"if\")", source->name));
+        for (const Port& other : type_.ports)
+            if (&other < &port && other.updates == port.updates)
+                error(port, "updates",
+                      fmt::format("\"{}\" already updates \"{}\"", other.name, source->name));
+        for (const Format format : source->formats)
+            if (!info(format).glsl)
+                error(port, "updates",
+                      fmt::format("\"{}\" accepts {}, which cannot be written", source->name,
+                                  info(format).name));
+        port.formats = source->formats;
+        port.element = source->element;
+        port.layers = source->layers;
+        port.levels = source->levels;
+    }
+
+    // `of` names "frame" or an image or texels port that is there whenever this one is.
+    void link_size(const Port& port, const char* key, const std::string& of) {
+        if (of == "frame" || of.empty()) {
+            if (port.layers)
+                error(port, "layers", "the extent must be that of a port with layers, which tells how many");
+            return;
+        }
+        const Port* source = type_.port(of);
+        if (!source) {
+            std::vector<std::string> names = names_of(type_, true);
+            names.emplace_back("frame");
+            error(port, key, fmt::format("no port \"{}\"{}", of, did_you_mean(of, names)));
+            return;
+        }
+        if (source->kind != PortKind::image && source->kind != PortKind::texels) {
+            error(port, key, fmt::format("\"{}\" is no image and has no extent", of));
+            return;
+        }
+        if (source->optional) error(port, key, fmt::format("\"{}\" is optional and may have no extent", of));
+        for (const Literal& literal : source->condition)
+            if (std::ranges::find(port.condition, literal) == port.condition.end())
+                error(port, key,
+                      fmt::format("\"{}\" exists only where {}", of, to_string(source->condition)));
+        if (port.layers && !source->layers)
+            error(port, "layers", fmt::format("\"{}\", whose extent it takes, has no layers", of));
+        if (sized_by_itself(port)) error(port, key, "the extent depends on itself");
+    }
+
+    bool sized_by_itself(const Port& port) const {
+        const Port* at = &port;
+        for (size_t steps = 0; steps <= type_.ports.size() && at && at->output; ++steps) {
+            if (!at->updates.empty())
+                at = type_.port(at->updates);
+            else
+                at = type_.port(at->kind == PortKind::buffer ? at->count.of : at->extent.of);
+            if (at == &port) return true;
+        }
+        return false;
+    }
+
+    // One SPIR-V is compiled per format of every list that generated code depends on: storage images, whose
+    // layout qualifier names the format, and written texel buffers, which pack by it.
+    void count_variants() {
+        uint64_t variants = 1;
+        for (const Port& port : type_.ports) {
+            const bool depends =
+                port.kind == PortKind::image ? port.storage : port.kind == PortKind::texels && port.output;
+            const Port* source = port.updates.empty() ? nullptr : type_.port(port.updates);
+            const bool counted = source && source->storage;  // one list, shared
+            if (depends && !counted && !port.formats.empty()) variants *= port.formats.size();
+        }
+        if (variants > max_variants)
+            diagnostics_.add(type_.place, "",
+                             fmt::format("the format lists make {} shader variants; at most {} are allowed",
+                                         variants, max_variants));
+    }
+
+    const Json& declaration_;
+    NodeType& type_;
+    Diagnostics& diagnostics_;
+};
+
+}  // namespace
+
+const char* kind_name(PortKind kind) {
+    return kind_words[static_cast<size_t>(kind)].c_str();
+}
+
+void parse_ports(const Json& section, bool output, NodeType& type, Diagnostics& diagnostics) {
+    if (!expect(section, Json::Kind::object, output ? "outputs" : "inputs", diagnostics)) return;
+    for (const JsonMember& member : section.members) read_port(member, output, type, diagnostics);
+}
+
+void link_ports(const Json& declaration, NodeType& type, Diagnostics& diagnostics) {
+    Linker(declaration, type, diagnostics).run();
+}
+
+}  // namespace penumbra

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// The node types a pipeline may name: declarations with their compiled shaders. An explicit table that a host fills
+// (nodes/nodes.h has penumbra's own); no static registration, which would vanish from a static library.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "graph/node_type.h"
+
+namespace penumbra {
+
+struct HostPassContext;  // record.h: command buffer, bindings and parameters of a host node's pass
+using HostCallback = std::function<void(const HostPassContext&)>;
+
+// SPIR-V per variant key (see interface.h: the storage formats and optional ports that a variant was compiled for).
+using ShaderVariants = std::map<std::string, std::vector<uint32_t>>;
+
+struct TableData {
+    std::string name;
+    std::vector<std::byte> texels;
+};
+
+struct NodeEntry {
+    NodeType type;
+    ShaderVariants shaders;
+    std::vector<TableData> tables;
+    HostCallback callback;  // host nodes
+};
+
+class NodeSet {
+  public:
+    // Adds a type; a type of the same name is replaced. Pointers to entries stay valid for the set's lifetime.
+    void add(NodeEntry entry);
+    const NodeEntry* find(std::string_view name) const;
+    std::vector<std::string> names() const;  // sorted
+
+    // Sizes in bytes of the structs that blocks and buffer elements may name (shaders/common/blocks.h).
+    void add_struct(std::string name, uint32_t bytes) { structs_[std::move(name)] = bytes; }
+    const std::map<std::string, uint32_t>& structs() const { return structs_; }
+
+  private:
+    std::map<std::string, std::unique_ptr<NodeEntry>, std::less<>> entries_;
+    std::map<std::string, uint32_t> structs_;
+};
+
+}  // namespace penumbra

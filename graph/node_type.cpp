@@ -1,0 +1,525 @@
+// SPDX-License-Identifier: MIT
+// A node declaration read from JSON (docs: formats of node declarations); ports are read by node_port.cpp.
+// Every rule that one declaration can break by itself is checked here, so that later phases need not look
+// again.
+#include "graph/node_type.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <limits>
+
+#include "graph/json_reader.h"
+#include "graph/node_port.h"
+
+namespace penumbra {
+
+namespace {
+
+constexpr uint32_t max_push_bytes = 128;  // guaranteed by every Vulkan device
+constexpr uint32_t max_group_threads =
+    1024;  // Vulkan guarantees 128; every device of the last decade has 1024
+
+const std::vector<std::string> type_words = {"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"};
+
+std::string number_text(double value) {
+    return fmt::format("{}", value);
+}
+
+bool in_range(const Param& param, double value, const Json& json, const std::string& path,
+              Diagnostics& diagnostics) {
+    if (!param.range || (value >= (*param.range)[0] && value <= (*param.range)[1])) return true;
+    diagnostics.add(
+        json.place, path,
+        fmt::format("{} is outside {} .. {}{}{}", number_text(value), number_text((*param.range)[0]),
+                    number_text((*param.range)[1]), param.unit.empty() ? "" : " ", param.unit));
+    return false;
+}
+
+std::optional<float> read_float(const Param& param, const Json& json, const std::string& path,
+                                Diagnostics& diagnostics) {
+    if (!json.is_number()) {
+        diagnostics.add(json.place, path, fmt::format("expected a number, got {}", kind_name(json.kind)));
+        return std::nullopt;
+    }
+    if (!in_range(param, json.real, json, path, diagnostics)) return std::nullopt;
+    if (!(std::abs(json.real) <= static_cast<double>(FLT_MAX))) {
+        diagnostics.add(json.place, path,
+                        fmt::format("{} does not fit a 32-bit float", number_text(json.real)));
+        return std::nullopt;
+    }
+    return static_cast<float>(json.real);
+}
+
+// The limits of int and uint apply on top of the parameter's range.
+template <typename Integer>
+std::optional<ParamValue> read_integer(const Param& param, const Json& json, const std::string& path,
+                                       Diagnostics& diagnostics) {
+    using Limits = std::numeric_limits<Integer>;
+    if (!expect(json, Json::Kind::integer, path, diagnostics)) return std::nullopt;
+    if (!in_range(param, json.real, json, path, diagnostics)) return std::nullopt;
+    if (json.integer < int64_t{Limits::min()} || json.integer > int64_t{Limits::max()}) {
+        diagnostics.add(json.place, path,
+                        fmt::format("{} is outside {} .. {}", json.integer, Limits::min(), Limits::max()));
+        return std::nullopt;
+    }
+    return static_cast<Integer>(json.integer);
+}
+
+size_t components(ParamType type) {
+    switch (type) {
+        case ParamType::vec2:
+            return 2;
+        case ParamType::vec3:
+            return 3;
+        case ParamType::vec4:
+            return 4;
+        default:
+            return 1;
+    }
+}
+
+class DeclarationReader {
+  public:
+    DeclarationReader(const Json& json, const std::vector<std::string>& keys, Diagnostics& diagnostics)
+        : reader_(json, "", keys, diagnostics), diagnostics_(diagnostics) {
+        type_.place = json.place;
+    }
+
+    NodeType read(const std::string& basename) {
+        if (!reader_.is_object()) return {};
+        read_name(basename);
+        if (reader_.require("doc")) type_.doc = reader_.one_line("doc");
+        read_shader();
+        read_needs();
+        if (const Json* tables = reader_.find("tables")) read_tables(*tables);
+        if (const Json* params = reader_.find("params")) read_params(*params);
+        if (const Json* inputs = reader_.find("inputs")) parse_ports(*inputs, false, type_, diagnostics_);
+        if (const Json* outputs = reader_.find("outputs")) parse_ports(*outputs, true, type_, diagnostics_);
+        const bool writes = std::ranges::any_of(type_.ports, &Port::output);
+        const Json* outputs = reader_.find("outputs");
+        if (!writes && (!outputs || (outputs->kind == Json::Kind::object && outputs->members.empty())))
+            error(reader_.json().place, "", "a node writes at least one output");
+        read_counters();
+        check_names();
+        link_ports(reader_.json(), type_, diagnostics_);
+        read_dispatch();
+        if (const Json* classes = reader_.find("classes")) read_classes(*classes);
+        return std::move(type_);
+    }
+
+  private:
+    void error(const Place& place, std::string path, std::string message) {
+        diagnostics_.add(place, std::move(path), std::move(message));
+    }
+
+    void read_name(const std::string& basename) {
+        const Json* json = reader_.require("node");
+        const std::optional<std::string> name = reader_.text("node");
+        if (!name) return;
+        type_.name = *name;
+        if (!is_id(*name))
+            error(json->place, "node", fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", *name));
+        else if (*name != basename)
+            error(json->place, "node", fmt::format("\"{}\" is not the file's name, \"{}\"", *name, basename));
+    }
+
+    void read_shader() {
+        const Json* shader = reader_.find("shader");
+        const Json* host = reader_.find("host");
+        type_.host = reader_.flag("host");
+        type_.shader = reader_.text("shader").value_or("");
+        if (host && host->kind == Json::Kind::boolean && !host->boolean)
+            error(host->place, "host", "only true may be written; leave the key out");
+        if (shader && host)
+            error(host->place, "host", "a node has either a shader or a host callback");
+        else if (!shader && !host)
+            error(reader_.json().place, "", "key \"shader\" is missing (or \"host\": true)");
+        if (!shader || shader->kind != Json::Kind::string) return;
+        const bool plain = type_.shader.find_first_of("/\\") == std::string::npos;
+        if (!plain || !type_.shader.ends_with(".comp") || type_.shader.size() == 5)
+            error(shader->place, "shader",
+                  fmt::format("\"{}\" is no file name that ends in .comp", type_.shader));
+    }
+
+    // A list of different strings.
+    std::vector<std::pair<std::string, const Json*>> read_list(const char* key) {
+        std::vector<std::pair<std::string, const Json*>> list;
+        const Json* json = reader_.find(key);
+        if (!json || !expect(*json, Json::Kind::array, key, diagnostics_)) return list;
+        for (size_t i = 0; i < json->items.size(); ++i) {
+            const Json& item = json->items[i];
+            const std::string path = fmt::format("{}[{}]", key, i);
+            if (!expect(item, Json::Kind::string, path, diagnostics_)) continue;
+            if (std::ranges::any_of(list, [&](const auto& other) { return other.first == item.string; }))
+                error(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
+            else
+                list.emplace_back(item.string, &item);
+        }
+        return list;
+    }
+
+    void read_needs() {
+        const std::vector<std::string> words = {"ray_query", "jitter", "storage8"};
+        for (const auto& [need, json] : read_list("needs")) {
+            if (std::ranges::find(words, need) == words.end())
+                error(json->place, "needs",
+                      fmt::format("no need \"{}\" (needs: {}){}", need, join(words),
+                                  did_you_mean(need, words)));
+            else
+                type_.needs.push_back(need);
+        }
+    }
+
+    void read_counters() {
+        for (const auto& [counter, json] : read_list("counters")) {
+            type_.counters.push_back(counter);
+            claim(counter, json->place, "counters");
+        }
+    }
+
+    void read_tables(const Json& json) {
+        if (!expect(json, Json::Kind::object, "tables", diagnostics_)) return;
+        const std::vector<std::string> keys = {"file", "format", "extent"};
+        for (const JsonMember& member : json.members) {
+            const ObjectReader reader(member.value, "tables." + member.key, keys, diagnostics_);
+            Table table{.name = member.key};
+            claim(table.name, member.key_place, reader.path());
+            reader.require("file");
+            reader.require("format");
+            reader.require("extent");
+            if (const auto file = reader.text("file")) {
+                table.file = *file;
+                if (file->empty()) reader.error(*reader.find("file"), "file", "the name is empty");
+            }
+            if (const auto format = reader.format("format")) {
+                table.format = *format;
+                if (info(*format).kind == FormatClass::depth)
+                    reader.error(*reader.find("format"), "format", "a table cannot have a depth format");
+            }
+            table.extent = reader.pair("extent", 1, 16384).value_or(table.extent);
+            type_.tables.push_back(std::move(table));
+        }
+    }
+
+    void read_params(const Json& json) {
+        if (!expect(json, Json::Kind::object, "params", diagnostics_)) return;
+        for (const JsonMember& member : json.members) read_param(member);
+        uint32_t bytes = 0;
+        for (const Param& param : type_.params) {
+            if (param.constant) continue;
+            const ParamLayout layout = layout_of(param.type);
+            bytes = (bytes + layout.alignment - 1) / layout.alignment * layout.alignment + layout.size;
+            if (bytes <= max_push_bytes) continue;
+            error(param.place, "params." + param.name,
+                  fmt::format(
+                      "the parameters that may change per frame end at byte {}; at most {} fit the push "
+                      "constants (constant parameters do not count)",
+                      bytes, max_push_bytes));
+            break;
+        }
+    }
+
+    void read_param(const JsonMember& member) {
+        const std::vector<std::string> keys = {"type",  "default", "doc",     "unit",
+                                               "range", "values",  "constant"};
+        const ObjectReader reader(member.value, "params." + member.key, keys, diagnostics_);
+        Param param{.name = member.key, .place = member.key_place};
+        if (reader.require("doc")) param.doc = reader.one_line("doc");
+        param.unit = reader.one_line("unit");
+        param.constant = reader.flag("constant");
+        claim(param.name, member.key_place, reader.path(), !param.constant);
+        if (param.name == "group" || param.name == "per_thread")
+            error(member.key_place, reader.path(), "this name belongs to the dispatch rule");
+        const Json* fallback = reader.require("default");
+        if (!reader.require("type")) return;
+        const std::optional<size_t> type = reader.choice("type", type_words);
+        if (!type) return;
+        param.type = static_cast<ParamType>(*type);
+        if (param.constant && components(param.type) > 1)
+            reader.error(*reader.find("constant"), "constant",
+                         "a vector cannot be a specialisation constant");
+        read_values(reader, param);
+        read_range(reader, param);
+        if (fallback)
+            if (const auto value = parse_param_value(param, *fallback, reader.path("default"), diagnostics_))
+                param.default_value = *value;
+        type_.params.push_back(std::move(param));
+    }
+
+    void read_values(const ObjectReader& reader, Param& param) {
+        const Json* json = reader.find("values");
+        if (param.type != ParamType::enumeration) {
+            if (json) reader.error(*json, "values", "only an enum has values");
+            return;
+        }
+        if (!reader.require("values")) return;
+        if (!expect(*json, Json::Kind::array, reader.path("values"), diagnostics_)) return;
+        if (json->items.empty()) reader.error(*json, "values", "the list is empty");
+        for (size_t i = 0; i < json->items.size(); ++i) {
+            const Json& item = json->items[i];
+            const std::string path = fmt::format("{}[{}]", reader.path("values"), i);
+            if (!expect(item, Json::Kind::string, path, diagnostics_)) continue;
+            if (!is_id(item.string))
+                error(item.place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", item.string));
+            else if (std::ranges::find(param.values, item.string) != param.values.end())
+                error(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
+            else
+                param.values.push_back(item.string);
+        }
+    }
+
+    void read_range(const ObjectReader& reader, Param& param) {
+        const Json* json = reader.find("range");
+        if (!json) return;
+        if (param.type == ParamType::boolean || param.type == ParamType::enumeration) {
+            reader.error(*json, "range", "only numbers have a range");
+            return;
+        }
+        if (!expect(*json, Json::Kind::array, reader.path("range"), diagnostics_)) return;
+        if (json->items.size() != 2 || !json->items[0].is_number() || !json->items[1].is_number()) {
+            reader.error(*json, "range", "expected two numbers, the least and the greatest value");
+            return;
+        }
+        const std::array<double, 2> range = {json->items[0].real, json->items[1].real};
+        if (range[0] > range[1])
+            reader.error(*json, "range", "the least value exceeds the greatest");
+        else
+            param.range = range;
+    }
+
+    void read_dispatch() {
+        const Json* json = reader_.find("dispatch");
+        if (type_.host) {
+            type_.dispatch.kind = Dispatch::Kind::host;
+            if (json) error(json->place, "dispatch", "a host node records its own commands");
+            return;
+        }
+        if (!json) {
+            if (!reader_.find("host")) reader_.require("dispatch");
+            return;
+        }
+        const std::vector<std::string> keys = {"over", "indirect", "groups", "offset", "group", "per_thread"};
+        const ObjectReader reader(*json, "dispatch", keys, diagnostics_);
+        if (!reader.is_object()) return;
+        const int forms = (reader.find("over") != nullptr) + (reader.find("indirect") != nullptr) +
+                          (reader.find("groups") != nullptr);
+        if (forms != 1) {
+            error(json->place, "dispatch", "expected exactly one of \"over\", \"indirect\" and \"groups\"");
+            return;
+        }
+        Dispatch& dispatch = type_.dispatch;
+        if (reader.find("over")) {
+            dispatch.over = reader.text("over").value_or("frame");
+            check_over(reader);
+        } else if (reader.find("indirect")) {
+            dispatch.kind = Dispatch::Kind::indirect;
+            dispatch.indirect = reader.text("indirect").value_or("");
+            check_indirect(reader);
+        } else {
+            dispatch.kind = Dispatch::Kind::groups;
+            if (const auto groups = reader.wholes("groups", 3, 3, 1, 65535))  // the limit every device has
+                std::ranges::copy(*groups, dispatch.groups.begin());
+        }
+        if (const auto group = read_group(reader)) dispatch.group = *group;
+        if (const auto threads = read_per_thread(reader)) dispatch.per_thread = *threads;
+        if (const Json* offset = reader.find("offset")) {
+            dispatch.offset = reader.whole("offset", 0, 1u << 16).value_or(0);
+            if (dispatch.kind != Dispatch::Kind::indirect)
+                reader.error(*offset, "offset", "only an indirect dispatch has an offset");
+            else if (dispatch.offset % 4 != 0)
+                reader.error(*offset, "offset", "must be a multiple of 4 bytes");
+        }
+    }
+
+    void check_over(const ObjectReader& reader) {
+        const std::string& name = type_.dispatch.over;
+        if (name == "frame" || reader.find("over")->kind != Json::Kind::string) return;
+        const Json& json = *reader.find("over");
+        const Port* port = type_.port(name);
+        if (!port)
+            reader.error(json, "over",
+                         fmt::format("no port \"{}\"{}", name, did_you_mean(name, port_names())));
+        else if (port->kind != PortKind::image && port->kind != PortKind::texels)
+            reader.error(json, "over", fmt::format("\"{}\" is no image and has no extent", name));
+        else if (port->optional || !port->condition.empty())
+            reader.error(json, "over", fmt::format("\"{}\" may be absent", name));
+    }
+
+    void check_indirect(const ObjectReader& reader) {
+        const std::string& name = type_.dispatch.indirect;
+        if (reader.find("indirect")->kind != Json::Kind::string) return;
+        const Json& json = *reader.find("indirect");
+        const Port* port = type_.port(name);
+        if (!port)
+            reader.error(json, "indirect",
+                         fmt::format("no port \"{}\"{}", name, did_you_mean(name, port_names())));
+        else if (port->output || !port->indirect)
+            reader.error(json, "indirect", fmt::format("\"{}\" is no input with \"indirect\": true", name));
+        else if (port->optional || !port->condition.empty())
+            reader.error(json, "indirect", fmt::format("\"{}\" may be absent", name));
+    }
+
+    std::optional<std::array<uint32_t, 3>> read_group(const ObjectReader& reader) {
+        const auto sizes = reader.wholes("group", 2, 3, 1, max_group_threads);
+        if (!sizes) return std::nullopt;
+        const std::array<uint32_t, 3> group = {(*sizes)[0], (*sizes)[1], sizes->size() > 2 ? (*sizes)[2] : 1};
+        if (uint64_t{group[0]} * group[1] * group[2] <= max_group_threads) return group;
+        reader.error(*reader.find("group"), "group", fmt::format("more than {} threads", max_group_threads));
+        return std::nullopt;
+    }
+
+    std::optional<std::array<uint32_t, 2>> read_per_thread(const ObjectReader& reader) {
+        const auto threads = reader.pair("per_thread", 1, 1024);
+        if (threads && type_.dispatch.kind != Dispatch::Kind::over)
+            reader.error(*reader.find("per_thread"), "per_thread", "only a dispatch over an extent has it");
+        return threads;
+    }
+
+    void read_classes(const Json& json) {
+        const std::vector<std::string> keys = {"cpu", "gpu"};
+        const ObjectReader reader(json, "classes", keys, diagnostics_);
+        if (const Json* cpu = reader.find("cpu")) read_class(*cpu, "classes.cpu", type_.cpu);
+        if (const Json* gpu = reader.find("gpu")) read_class(*gpu, "classes.gpu", type_.gpu);
+    }
+
+    void read_class(const Json& json, const std::string& path, ClassOverrides& overrides) {
+        std::vector<std::string> keys;
+        for (const Param& param : type_.params) keys.push_back(param.name);
+        if (!type_.host) keys.insert(keys.end(), {"group", "per_thread"});
+        const ObjectReader reader(json, path, keys, diagnostics_);
+        if (!type_.host) {
+            overrides.group = read_group(reader);
+            overrides.per_thread = read_per_thread(reader);
+        }
+        for (const JsonMember& member : json.members) {
+            const Param* param = type_.param(member.key);
+            if (!param) continue;
+            const std::string member_path = reader.path(member.key);
+            const auto decides = [&](const Port& port) {
+                return std::ranges::any_of(
+                    port.condition, [&](const Literal& l) { return l.value && l.name == param->name; });
+            };
+            if (!param->constant)
+                error(member.key_place, member_path, "a class may override constant parameters only");
+            else if (std::ranges::any_of(type_.ports, decides))
+                error(member.key_place, member_path,
+                      "a port exists by this parameter, so it cannot vary with the device");
+            else if (const auto value = parse_param_value(*param, member.value, member_path, diagnostics_))
+                overrides.params[param->name] = *value;
+        }
+    }
+
+    // Ports, tables, parameters and counters share one namespace: the generated GLSL names them all.
+    void claim(const std::string& name, const Place& place, const std::string& path, bool in_glsl = true) {
+        const char* problem = in_glsl ? glsl_name_problem(name) : nullptr;
+        if (!is_id(name))
+            error(place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", name));
+        else if (name == "frame")
+            error(place, path, "\"frame\" names the frame block and its extent");
+        else if (problem)
+            error(place, path, fmt::format("\"{}\" is {}", name, problem));
+        else if (const auto [other, added] = claimed_.try_emplace(name, path); !added)
+            error(place, path, fmt::format("\"{}\" is already the name of {}", name, other->second));
+    }
+
+    void check_names() {
+        for (const Port& port : type_.ports)
+            claim(port.name, port.place, fmt::format("{}.{}", port.output ? "outputs" : "inputs", port.name));
+        for (const Port& port : type_.ports) {
+            const Param* param = type_.param("has_" + port.name);
+            if (port.optional && param && param->constant)
+                error(param->place, "params." + param->name,
+                      fmt::format("its name in GLSL is taken: HAS_... tells whether port \"{}\" is bound",
+                                  port.name));
+        }
+    }
+
+    std::vector<std::string> port_names() const {
+        std::vector<std::string> names;
+        for (const Port& port : type_.ports) names.push_back(port.name);
+        return names;
+    }
+
+    ObjectReader reader_;
+    Diagnostics& diagnostics_;
+    NodeType type_;
+    std::map<std::string, std::string> claimed_;  // name -> path
+};
+
+}  // namespace
+
+ParamLayout layout_of(ParamType type) {
+    switch (type) {
+        case ParamType::vec2:
+            return {8, 8};
+        case ParamType::vec3:
+            return {12, 16};
+        case ParamType::vec4:
+            return {16, 16};
+        default:
+            return {4, 4};
+    }
+}
+
+const Port* NodeType::port(std::string_view port_name) const {
+    const auto found = std::ranges::find(ports, port_name, &Port::name);
+    return found == ports.end() ? nullptr : &*found;
+}
+
+const Param* NodeType::param(std::string_view param_name) const {
+    const auto found = std::ranges::find(params, param_name, &Param::name);
+    return found == params.end() ? nullptr : &*found;
+}
+
+std::optional<NodeType> parse_node_type(const Json& json, const std::string& basename,
+                                        Diagnostics& diagnostics) {
+    const size_t errors = diagnostics.size();
+    const std::vector<std::string> keys = {"node",    "doc",    "shader", "host",     "needs",   "inputs",
+                                           "outputs", "tables", "params", "dispatch", "classes", "counters"};
+    NodeType type = DeclarationReader(json, keys, diagnostics).read(basename);
+    if (diagnostics.size() != errors) return std::nullopt;
+    return type;
+}
+
+std::optional<ParamValue> parse_param_value(const Param& param, const Json& json, const std::string& path,
+                                            Diagnostics& diagnostics) {
+    switch (param.type) {
+        case ParamType::boolean:
+            if (!expect(json, Json::Kind::boolean, path, diagnostics)) return std::nullopt;
+            return json.boolean;
+        case ParamType::integer:
+            return read_integer<int32_t>(param, json, path, diagnostics);
+        case ParamType::uint:
+            return read_integer<uint32_t>(param, json, path, diagnostics);
+        case ParamType::real:
+            return read_float(param, json, path, diagnostics);
+        case ParamType::enumeration: {
+            if (!expect(json, Json::Kind::string, path, diagnostics)) return std::nullopt;
+            if (std::ranges::find(param.values, json.string) != param.values.end()) return json.string;
+            diagnostics.add(json.place, path,
+                            fmt::format("no value \"{}\" (values: {}){}", json.string, join(param.values),
+                                        did_you_mean(json.string, param.values)));
+            return std::nullopt;
+        }
+        default:
+            break;
+    }
+    const size_t size = components(param.type);
+    if (!expect(json, Json::Kind::array, path, diagnostics)) return std::nullopt;
+    if (json.items.size() != size) {
+        diagnostics.add(json.place, path,
+                        fmt::format("expected {} numbers, got {}", size, json.items.size()));
+        return std::nullopt;
+    }
+    std::vector<float> vector;
+    for (size_t i = 0; i < size; ++i)
+        if (const auto number = read_float(param, json.items[i], fmt::format("{}[{}]", path, i), diagnostics))
+            vector.push_back(*number);
+    if (vector.size() != size) return std::nullopt;
+    return vector;
+}
+
+}  // namespace penumbra

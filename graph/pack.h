@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Offsets for resources that live in intervals on a circle: dynamic storage allocation with wrap-around lifetimes.
+// Pure functions. Intervals are {first, length} on a circle of `period` passes, since a begin/end pair could not
+// tell a full circle from an empty interval.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace penumbra {
+
+struct Interval {
+    uint32_t first = 0;      // in [0, period)
+    uint32_t length = 1;     // in [1, period]; first + length may exceed the period (wraps)
+    uint64_t size = 0;       // bytes; 0 is legal and takes offset 0
+    uint64_t alignment = 1;  // power of two
+};
+
+struct Packing {
+    std::vector<uint64_t> offsets;  // one per interval
+    uint64_t heap = 0;              // max(offset + size)
+};
+
+// Whether two intervals are live at the same time.
+bool overlap_in_time(const Interval& a, const Interval& b, uint32_t period);
+
+// The largest sum of sizes live at one time: no packing can be smaller.
+uint64_t live_bound(std::span<const Interval> intervals, uint32_t period);
+
+// A packing: several greedy orders, then reinsertion, both deterministic and bounded by counted steps, never by time.
+Packing pack(std::span<const Interval> intervals, uint32_t period);
+
+// The smallest possible heap by exhaustive search, or nothing where `max_nodes` search nodes do not suffice.
+std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes = 20'000'000);
+
+}  // namespace penumbra

@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: MIT
+// Pipelines from JSON: `extends` is resolved first (RFC 7396, merge patch), settings follow in order, and
+// what comes out is read once against the closed vocabulary. Every value still knows which file and line it
+// came from.
+#include "graph/pipeline.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "graph/json_reader.h"
+
+namespace penumbra {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// Two spellings of one file must count as one, or a cycle would go unseen.
+std::string identity(const fs::path& path) {
+    std::error_code error;
+    const fs::path canonical = fs::weakly_canonical(path, error);
+    return (error ? path.lexically_normal() : canonical).generic_string();
+}
+
+struct ChainLink {
+    std::string file, identity;
+};
+
+// Replaces `json` by what it extends, patched with it. `chain` holds the files from the first to this one.
+bool resolve_extends(Json& json, std::vector<ChainLink>& chain, Diagnostics& diagnostics) {
+    const Json* extends = json.find("extends");
+    if (!extends) return true;
+    if (!expect(*extends, Json::Kind::string, "extends", diagnostics)) return false;
+    if (extends->string.empty() || extends->string.find('\0') != std::string::npos) {
+        diagnostics.add(extends->place, "extends", "expected a file name");
+        return false;
+    }
+    const fs::path base_path =
+        (fs::path(chain.back().file).parent_path() / extends->string).lexically_normal();
+    const std::string base_identity = identity(base_path);
+    const auto repeated = std::ranges::find(chain, base_identity, &ChainLink::identity);
+    if (repeated != chain.end()) {
+        std::string names;
+        for (auto link = repeated; link != chain.end(); ++link) names += link->file + " -> ";
+        diagnostics.add(extends->place, "extends",
+                        "files extend each other in a cycle: " + names + repeated->file);
+        return false;
+    }
+    std::error_code error;
+    if (!fs::exists(base_path, error)) {
+        diagnostics.add(extends->place, "extends", fmt::format("no file {}", base_path.generic_string()));
+        return false;
+    }
+    std::optional<Json> base = read_json(base_path, diagnostics);
+    if (!base || !expect(*base, Json::Kind::object, "", diagnostics)) return false;
+    chain.push_back({base_path.generic_string(), base_identity});
+    if (!resolve_extends(*base, chain, diagnostics)) return false;
+    std::erase_if(json.members, [](const JsonMember& member) { return member.key == "extends"; });
+    const Place place = json.place;
+    merge_patch(*base, json);
+    base->place = place;  // what is missing altogether is missing from the file that was asked for
+    json = std::move(*base);
+    return true;
+}
+
+void apply_setting(Json& json, const std::string& setting, Diagnostics& diagnostics) {
+    const Place place{"--set " + setting};
+    const size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+        diagnostics.add(place, "", "expected PATH=VALUE, as in nodes.filter0.params.step=2");
+        return;
+    }
+    const std::string path = setting.substr(0, equals);
+    const auto segments = std::ranges::count(path, '.') + 1;
+    const bool gap =
+        path.empty() || path.starts_with('.') || path.ends_with('.') || path.find("..") != std::string::npos;
+    constexpr int deepest = 16;  // nothing in a pipeline lies deeper
+    if (gap || segments > deepest)
+        diagnostics.add(place, "", fmt::format("\"{}\" is no path of keys joined by dots", path));
+    else if (path == "extends" || path == "penumbra")
+        diagnostics.add(place, path, "cannot be set: it says how the file is read");
+    else
+        set_path(json, path, setting.substr(equals + 1), place);
+}
+
+// Reads a Pipeline from the merged JSON. Errors do not stop it.
+class PipelineReader {
+  public:
+    PipelineReader(const Json& json, Diagnostics& diagnostics)
+        : reader_(json, "", keys(), diagnostics), diagnostics_(diagnostics) {}
+
+    Pipeline read(const std::string& file) {
+        pipeline_.file = file;
+        read_version();
+        if (reader_.require("name")) pipeline_.name = read_id("name");
+        pipeline_.doc = reader_.one_line("doc");
+        if (const Json* schema = reader_.find("$schema"))
+            expect(*schema, Json::Kind::string, "$schema", diagnostics_);
+        each("inputs", false, [&](const JsonMember& member) { read_input(member); });
+        each("nodes", true, [&](const JsonMember& member) { read_node(member); });
+        each("resources", false, [&](const JsonMember& member) { read_resource(member); });
+        read_outputs();
+        return std::move(pipeline_);
+    }
+
+  private:
+    static const std::vector<std::string>& keys() {
+        static const std::vector<std::string> keys = {"$schema", "penumbra", "name",  "doc",      "extends",
+                                                      "inputs",  "outputs",  "nodes", "resources"};
+        return keys;
+    }
+
+    void error(const Place& place, std::string path, std::string message) {
+        diagnostics_.add(place, std::move(path), std::move(message));
+    }
+
+    void read_version() {
+        const Json* version = reader_.require("penumbra");
+        if (version && (version->kind != Json::Kind::integer || version->integer != 1))
+            error(version->place, "penumbra",
+                  "expected 1, the version of the format that this program reads");
+    }
+
+    bool check_id(const std::string& id, const Place& place, const std::string& path) {
+        if (is_id(id)) return true;
+        error(place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", id));
+        return false;
+    }
+
+    std::string read_id(const char* key) {
+        const std::optional<std::string> id = reader_.text(key);
+        if (id) check_id(*id, reader_.find(key)->place, key);
+        return id.value_or("");
+    }
+
+    // Calls `read` for each member of an object. A null member is none: null removes, as in a merge patch.
+    template <typename Read>
+    void each(const char* key, bool required, Read read) {
+        const Json* json = required ? reader_.require(key) : reader_.find(key);
+        if (!json || !expect(*json, Json::Kind::object, key, diagnostics_)) return;
+        bool any = false;
+        for (const JsonMember& member : json->members) {
+            if (member.value.kind == Json::Kind::null) continue;
+            any = true;
+            if (check_id(member.key, member.key_place, key)) read(member);
+        }
+        if (required && !any) error(json->place, key, "a pipeline needs at least one");
+    }
+
+    void read_input(const JsonMember& member) {
+        static const std::vector<std::string> keys = {"kind", "format", "extent", "history", "optional"};
+        static const std::vector<std::string> kinds = {"image", "texels", "buffer", "block", "scene"};
+        static const std::vector<std::string> histories = {"none", "host", "copy"};
+        const ObjectReader reader(member.value, "inputs." + member.key, keys, diagnostics_);
+        HostInput input{.name = member.key, .place = member.key_place};
+        if (const auto kind = reader.choice("kind", kinds)) input.kind = static_cast<PortKind>(*kind);
+        input.format = reader.format("format");
+        if (const auto history = reader.choice("history", std::span(histories).subspan(1)))
+            input.history = static_cast<HostInput::History>(*history + 1);
+        input.optional = reader.flag("optional");
+        read_extent(reader, input);
+        const bool texels = !input.kind || *input.kind == PortKind::image || *input.kind == PortKind::texels;
+        for (const char* key : {"format", "extent"})
+            if (const Json* json = reader.find(key); json && !texels)
+                reader.error(
+                    *json, key,
+                    fmt::format("does not apply to kind {}", kinds[static_cast<size_t>(*input.kind)]));
+        pipeline_.inputs.push_back(std::move(input));
+    }
+
+    void read_extent(const ObjectReader& reader, HostInput& input) {
+        const Json* json = reader.find("extent");
+        if (!json) return;
+        if (json->kind == Json::Kind::array) {
+            input.extent = HostInput::Extent::fixed;
+            input.size = reader.pair("extent", 1, 1u << 16).value_or(input.size);
+        } else if (json->kind == Json::Kind::string && json->string == "any") {
+            input.extent = HostInput::Extent::any;
+        } else if (json->kind != Json::Kind::string || json->string != "frame") {
+            reader.error(*json, "extent", "expected \"frame\", \"any\" or [width, height]");
+        }
+    }
+
+    void read_node(const JsonMember& member) {
+        static const std::vector<std::string> keys = {"type", "in", "out", "params", "if", "doc"};
+        const ObjectReader reader(member.value, "nodes." + member.key, keys, diagnostics_);
+        if (!reader.is_object()) return;
+        PipelineNode node{.id = member.key, .place = member.key_place};
+        if (const Json* type = reader.find("type")) {
+            node.type = reader.text("type").value_or("");
+            node.type_place = type->place;
+        } else {
+            // A variant or a setting that misspells a node's id makes a new node without a type.
+            error(member.key_place, reader.path(),
+                  "key \"type\" is missing" + did_you_mean(member.key, typed_nodes()));
+        }
+        if (const Json* in = reader.find("in")) read_wires(*in, reader.path("in"), true, node.in);
+        if (const Json* out = reader.find("out")) read_wires(*out, reader.path("out"), false, node.out);
+        if (const Json* params = reader.find("params"))
+            if (expect(*params, Json::Kind::object, reader.path("params"), diagnostics_))
+                node.params = params->members;
+        if (const Json* condition = reader.find("if"))
+            node.condition =
+                parse_condition(*condition, {}, reader.path("if"), diagnostics_).value_or(Condition{});
+        node.doc = reader.one_line("doc");
+        pipeline_.nodes.push_back(std::move(node));
+    }
+
+    std::vector<std::string> typed_nodes() const {
+        std::vector<std::string> ids;
+        for (const JsonMember& member : reader_.find("nodes")->members)
+            if (member.value.find("type")) ids.push_back(member.key);
+        return ids;
+    }
+
+    void read_wires(const Json& json, const std::string& path, bool in, std::vector<Wire>& wires) {
+        if (!expect(json, Json::Kind::object, path, diagnostics_)) return;
+        for (const JsonMember& member : json.members) {
+            Wire wire{.port = member.key, .port_place = member.key_place, .place = member.value.place};
+            const std::string wire_path = fmt::format("{}.{}", path, member.key);
+            if (member.value.kind != Json::Kind::null) {
+                if (!expect(member.value, Json::Kind::string, wire_path, diagnostics_)) continue;
+                if (!read_name(member.value, wire_path, in, wire)) continue;
+            }
+            wires.push_back(std::move(wire));
+        }
+    }
+
+    bool read_name(const Json& json, const std::string& path, bool in, Wire& wire) {
+        const size_t at = json.string.find('@');
+        wire.resource = json.string.substr(0, at);
+        if (!check_id(wire.resource, json.place, path)) return false;
+        if (at == std::string::npos) return true;
+        wire.previous = true;
+        const std::string frame = json.string.substr(at + 1);
+        if (!in)
+            error(json.place, path,
+                  fmt::format("an output is this frame's value; write \"{}\"", wire.resource));
+        else if (frame != "-1")
+            error(json.place, path,
+                  fmt::format("\"@{}\": only the previous frame's value is kept; write \"{}@-1\"", frame,
+                              wire.resource));
+        return in && frame == "-1";
+    }
+
+    void read_resource(const JsonMember& member) {
+        static const std::vector<std::string> keys = {"format", "first"}, firsts = {"any", "clear"};
+        const ObjectReader reader(member.value, "resources." + member.key, keys, diagnostics_);
+        ResourceSetting setting{.name = member.key, .place = member.key_place};
+        setting.format = reader.format("format");
+        if (const Json* format = reader.find("format")) setting.format_place = format->place;
+        if (const auto first = reader.choice("first", firsts)) setting.first = static_cast<First>(*first);
+        pipeline_.resources.push_back(std::move(setting));
+    }
+
+    void read_outputs() {
+        const Json* json = reader_.require("outputs");
+        if (!json || !expect(*json, Json::Kind::array, "outputs", diagnostics_)) return;
+        if (json->items.empty()) error(json->place, "outputs", "a pipeline needs at least one");
+        for (size_t i = 0; i < json->items.size(); ++i) {
+            const Json& item = json->items[i];
+            const std::string path = fmt::format("outputs[{}]", i);
+            if (!expect(item, Json::Kind::string, path, diagnostics_)) continue;
+            if (!check_id(item.string, item.place, path)) continue;
+            if (std::ranges::find(pipeline_.outputs, item.string, &OutputName::name) !=
+                pipeline_.outputs.end())
+                error(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
+            else
+                pipeline_.outputs.push_back({item.string, item.place});
+        }
+    }
+
+    ObjectReader reader_;
+    Diagnostics& diagnostics_;
+    Pipeline pipeline_;
+};
+
+std::optional<Pipeline> read_pipeline(std::optional<Json> json, const std::string& file,
+                                      std::span<const std::string> settings, Diagnostics& diagnostics) {
+    const size_t errors = diagnostics.size();
+    if (!json || !expect(*json, Json::Kind::object, "", diagnostics)) return std::nullopt;
+    std::vector<ChainLink> chain = {{file, identity(file)}};
+    if (!resolve_extends(*json, chain, diagnostics)) return std::nullopt;
+    for (const std::string& setting : settings) apply_setting(*json, setting, diagnostics);
+    Pipeline pipeline = PipelineReader(*json, diagnostics).read(file);
+    if (diagnostics.size() != errors) return std::nullopt;
+    return pipeline;
+}
+
+}  // namespace
+
+std::optional<Pipeline> load_pipeline(const fs::path& file, std::span<const std::string> settings,
+                                      Diagnostics& diagnostics) {
+    return read_pipeline(read_json(file, diagnostics), file.generic_string(), settings, diagnostics);
+}
+
+std::optional<Pipeline> parse_pipeline(std::string_view text, const std::string& file,
+                                       std::span<const std::string> settings, Diagnostics& diagnostics) {
+    return read_pipeline(parse_json(text, file, diagnostics), file, settings, diagnostics);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+// A pipeline as written: which nodes, wired how. load_pipeline resolves `extends` and settings; check() (check.h)
+// resolves names against a node set and finds every error a pipeline can have.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "graph/node_type.h"
+
+namespace penumbra {
+
+struct HostInput {
+    enum class Extent : uint8_t { frame, fixed, any };
+    enum class History : uint8_t { none, host, copy };
+
+    std::string name;
+    std::optional<PortKind> kind;    // else from the readers
+    std::optional<Format> format;    // else whatever the readers accept and the host brings
+    Extent extent = Extent::frame;
+    std::array<uint32_t, 2> size{0, 0};  // Extent::fixed
+    History history = History::none;
+    bool optional = false;
+    Place place;
+};
+
+// `port: "name"`, `port: "name@-1"` or `port: null` (explicitly unbound).
+struct Wire {
+    std::string port;
+    std::string resource;  // empty: null
+    bool previous = false;
+    Place port_place, place;
+};
+
+struct PipelineNode {
+    std::string id;
+    std::string type;
+    std::vector<Wire> in, out;
+    std::vector<JsonMember> params;
+    Condition condition;
+    std::string doc;
+    Place place, type_place;
+};
+
+struct ResourceSetting {
+    std::string name;
+    std::optional<Format> format;
+    std::optional<First> first;
+    Place place, format_place;
+};
+
+struct OutputName {
+    std::string name;
+    Place place;
+};
+
+struct Pipeline {
+    std::string name;
+    std::string doc;
+    std::string file;
+    std::vector<HostInput> inputs;
+    std::vector<PipelineNode> nodes;
+    std::vector<ResourceSetting> resources;
+    std::vector<OutputName> outputs;
+};
+
+// "nodes.filter0.params.step=2", as --set gives it.
+std::optional<Pipeline> load_pipeline(const std::filesystem::path& file, std::span<const std::string> settings,
+                                      Diagnostics& diagnostics);
+
+// The same from text, for hosts that keep pipelines in memory; `extends` is then relative to `file`'s folder.
+std::optional<Pipeline> parse_pipeline(std::string_view text, const std::string& file,
+                                       std::span<const std::string> settings, Diagnostics& diagnostics);
+
+}  // namespace penumbra

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// SPIR-V 1.5 rather than 1.6: at 1.6 glslang emits LocalSizeId, which needs maintenance4 to be enabled by the host.
+#include "graph/shader_compiler.h"
+
+#include <fmt/format.h>
+#include <glslang/Public/ResourceLimits.h>
+#include <glslang/Public/ShaderLang.h>
+#include <glslang/SPIRV/GlslangToSpv.h>
+
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <spirv-tools/libspirv.hpp>
+#include <spirv-tools/optimizer.hpp>
+
+namespace penumbra {
+namespace {
+
+std::optional<std::string> read_text(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return std::nullopt;
+    return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+// glslang needs the process initialised once; the last user finalises it.
+struct GlslangProcess {
+    GlslangProcess() { glslang::InitializeProcess(); }
+    ~GlslangProcess() { glslang::FinalizeProcess(); }
+};
+
+class Includer : public glslang::TShader::Includer {
+  public:
+    explicit Includer(const ShaderSource& source) : source_(source) {}
+
+    IncludeResult* includeLocal(const char* header, const char*, size_t) override {
+        if (std::string_view(header) == "node.glsl") return keep("node.glsl", source_.node_glsl);
+        for (const auto& dir : source_.include_dirs)
+            if (auto text = read_text(dir / header)) {
+                included.insert(dir / header);
+                return keep((dir / header).string(), std::move(*text));
+            }
+        return nullptr;
+    }
+    void releaseInclude(IncludeResult* result) override {
+        if (!result) return;
+        delete static_cast<std::string*>(result->userData);
+        delete result;
+    }
+
+    std::set<std::filesystem::path> included;
+
+  private:
+    // glslang owns the result until it calls releaseInclude.
+    static IncludeResult* keep(const std::string& name, std::string text) {
+        auto owned = std::make_unique<std::string>(std::move(text));
+        const char* data = owned->data();
+        const size_t size = owned->size();
+        return std::make_unique<IncludeResult>(name, data, size, owned.release()).release();
+    }
+
+    const ShaderSource& source_;
+};
+
+// "ERROR: file:12: 'x' : undeclared identifier" -> diagnostics with places.
+void report_log(const std::string& log, const ShaderSource& source, Diagnostics& diagnostics) {
+    static const std::regex pattern(R"(^ERROR: ([^:]+):(\d+): (.*)$)");
+    std::istringstream lines(log);
+    bool any = false;
+    for (std::string line; std::getline(lines, line);) {
+        std::smatch match;
+        if (!std::regex_match(line, match, pattern)) continue;
+        const std::string file = match[1] == "0" ? source.file.string() : match[1].str();
+        diagnostics.add({file, std::stoi(match[2]), 1}, "", match[3]);
+        any = true;
+    }
+    if (!any) diagnostics.add({source.file.string()}, "", "glslang: " + log);
+}
+
+std::optional<std::vector<uint32_t>> validate_and_optimise(std::vector<uint32_t> words, const ShaderSource& source,
+                                                           Diagnostics& diagnostics) {
+    std::string messages;
+    const auto collect = [&](spv_message_level_t level, const char*, const spv_position_t&, const char* text) {
+        if (level <= SPV_MSG_ERROR) messages += std::string(text) + "\n";
+    };
+    spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_2);
+    optimizer.SetMessageConsumer(collect);
+    optimizer.RegisterPerformancePasses();
+    std::vector<uint32_t> optimised;
+    spvtools::SpirvTools tools(SPV_ENV_VULKAN_1_2);
+    tools.SetMessageConsumer(collect);
+    if (!optimizer.Run(words.data(), words.size(), &optimised) || !tools.Validate(optimised)) {
+        diagnostics.add({source.file.string()}, "", "SPIR-V is not valid: " + messages);
+        return std::nullopt;
+    }
+    return optimised;
+}
+
+}  // namespace
+
+std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnostics& diagnostics) {
+    static const GlslangProcess process;
+    const auto text = read_text(source.file);
+    if (!text) {
+        diagnostics.add({source.file.string()}, "", "cannot read the shader");
+        return std::nullopt;
+    }
+    glslang::TShader shader(EShLangCompute);
+    const std::string name = source.file.string();
+    const char* strings[] = {text->c_str()};
+    const int lengths[] = {static_cast<int>(text->size())};
+    const char* names[] = {name.c_str()};
+    shader.setStringsWithLengthsAndNames(strings, lengths, names, 1);
+    shader.setPreamble("#extension GL_GOOGLE_include_directive : require\n");
+    shader.setEnvInput(glslang::EShSourceGlsl, EShLangCompute, glslang::EShClientVulkan, 100);
+    shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_2);
+    shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_5);
+
+    Includer includer(source);
+    const auto rules = static_cast<EShMessages>(EShMsgSpvRules | EShMsgVulkanRules);
+    if (!shader.parse(GetDefaultResources(), 460, ECoreProfile, true, false, rules, includer)) {
+        report_log(shader.getInfoLog(), source, diagnostics);
+        return std::nullopt;
+    }
+    glslang::TProgram program;
+    program.addShader(&shader);
+    if (!program.link(rules)) {
+        report_log(program.getInfoLog(), source, diagnostics);
+        return std::nullopt;
+    }
+    std::vector<uint32_t> words;
+    glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words);
+    auto spirv = validate_and_optimise(std::move(words), source, diagnostics);
+    if (!spirv) return std::nullopt;
+    return CompiledShader{std::move(*spirv), {includer.included.begin(), includer.included.end()}};
+}
+
+}  // namespace penumbra

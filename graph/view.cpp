@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+// A view's objects: immutable descriptor sets of internal resources per parity, and per frame in flight the sets that
+// hold what the host passes, rewritten only where a handle changed.
+#include "graph/view.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <deque>
+
+namespace penumbra {
+namespace {
+
+// Collects descriptor writes; the infos they point to stay put until flush().
+class Writer {
+  public:
+    explicit Writer(VkDevice device) : device_(device) {}
+    ~Writer() { flush(); }
+    void image(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, const VkDescriptorImageInfo& info) {
+        write(set, binding, type).pImageInfo = &images_.emplace_back(info);
+    }
+    void buffer(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, const VkDescriptorBufferInfo& info) {
+        write(set, binding, type).pBufferInfo = &buffers_.emplace_back(info);
+    }
+    void texels(VkDescriptorSet set, uint32_t binding, VkBufferView view) {
+        write(set, binding, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER).pTexelBufferView = &views_.emplace_back(view);
+    }
+
+  private:
+    VkWriteDescriptorSet& write(VkDescriptorSet set, uint32_t binding, VkDescriptorType type) {
+        VkWriteDescriptorSet w{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+        w.dstSet = set;
+        w.dstBinding = binding;
+        w.descriptorCount = 1;
+        w.descriptorType = type;
+        return writes_.emplace_back(w);
+    }
+    void flush() {
+        vkUpdateDescriptorSets(device_, static_cast<uint32_t>(writes_.size()), writes_.data(), 0, nullptr);
+    }
+
+    VkDevice device_;
+    std::vector<VkWriteDescriptorSet> writes_;
+    std::deque<VkDescriptorImageInfo> images_;
+    std::deque<VkDescriptorBufferInfo> buffers_;
+    std::deque<VkBufferView> views_;
+};
+
+uint64_t captured_bytes(const PlanResource& r) {
+    if (r.kind == PortKind::image) return uint64_t{r.extent.width} * r.extent.height * info(r.format).bytes;
+    return r.count * r.element_bytes;
+}
+
+}  // namespace
+
+View::View(std::shared_ptr<const Program> program, const ViewOptions& options)
+    : program_(std::move(program)), options_(options), memory_(program_->handles(), program_->plan()) {
+    if (options_.frames_in_flight == 0) options_.frames_in_flight = 1;
+    if (options_.poison && !plan().poison)
+        throw VulkanError(VK_ERROR_FEATURE_NOT_PRESENT, "poison needs a plan compiled with CompileOptions::poison");
+    for (size_t i = 0; i < plan().passes.size(); ++i) {
+        if (plan().passes[i].kind == PassKind::capture) capture_passes_.push_back(i);
+        push_.push_back(plan().passes[i].push);
+    }
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(program_->handles().physical, &properties);
+    uint32_t families = 0;
+    vkGetPhysicalDeviceQueueFamilyProperties(program_->handles().physical, &families, nullptr);
+    std::vector<VkQueueFamilyProperties> queues(families);
+    vkGetPhysicalDeviceQueueFamilyProperties(program_->handles().physical, &families, queues.data());
+    if (queues[program_->handles().queue_family].timestampValidBits > 0)
+        ms_per_tick_ = static_cast<double>(properties.limits.timestampPeriod) * 1e-6;
+    const VkDevice device = program_->handles().device;
+    begin_label_ = reinterpret_cast<PFN_vkCmdBeginDebugUtilsLabelEXT>(
+        vkGetDeviceProcAddr(device, "vkCmdBeginDebugUtilsLabelEXT"));
+    end_label_ =
+        reinterpret_cast<PFN_vkCmdEndDebugUtilsLabelEXT>(vkGetDeviceProcAddr(device, "vkCmdEndDebugUtilsLabelEXT"));
+    make_descriptor_pool();
+    make_internal_sets();
+    slots_.resize(options_.frames_in_flight);
+    for (Slot& slot : slots_) make_slot(slot);
+}
+
+void View::make_descriptor_pool() {
+    std::map<VkDescriptorType, uint32_t> counts;
+    uint32_t sets = 0;
+    const uint32_t n = options_.frames_in_flight;
+    for (const PlanPass& pass : plan().passes) {
+        if (pass.kind != PassKind::compute) continue;
+        sets += 2 + n;
+        counts[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER] += n;
+        counts[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER] += n;
+        if (!pass.entry->type.tables.empty())
+            counts[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] += n * static_cast<uint32_t>(pass.entry->type.tables.size());
+        for (const PlanBinding& binding : pass.bindings) {
+            const Port& port =
+                binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
+            for (const VkDescriptorType type : descriptor_types(port, binding.port->output))
+                counts[type] += binding.host ? n : 2;
+        }
+    }
+    if (sets == 0) return;
+    std::vector<VkDescriptorPoolSize> sizes;
+    for (const auto& [type, count] : counts) sizes.push_back({type, count});
+    VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+    create.maxSets = sets;
+    create.poolSizeCount = static_cast<uint32_t>(sizes.size());
+    create.pPoolSizes = sizes.data();
+    VkDescriptorPool pool = VK_NULL_HANDLE;
+    const VkDevice device = program_->handles().device;
+    check(vkCreateDescriptorPool(device, &create, nullptr, &pool), "vkCreateDescriptorPool", plan().pipeline);
+    pool_ = {device, pool};
+}
+
+void View::make_internal_sets() {
+    const VkDevice device = program_->handles().device;
+    internal_sets_.resize(plan().passes.size());
+    Writer writer(device);
+    for (size_t p = 0; p < plan().passes.size(); ++p) {
+        const PlanPass& pass = plan().passes[p];
+        if (pass.kind != PassKind::compute) continue;
+        for (uint32_t parity = 0; parity < 2; ++parity) {
+            const VkDescriptorSetLayout layout = program_->pass(p).set_layouts[0].get();
+            VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+            allocate.descriptorPool = pool_.get();
+            allocate.descriptorSetCount = 1;
+            allocate.pSetLayouts = &layout;
+            VkDescriptorSet& set = internal_sets_[p][parity];
+            check(vkAllocateDescriptorSets(device, &allocate, &set), "vkAllocateDescriptorSets", pass.node);
+            for (const PlanBinding& binding : pass.bindings) {
+                if (binding.host) continue;
+                const Port& port =
+                    binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
+                const ResourceInstance& r = memory_.at(binding.index, binding.previous ? 1 - parity : parity);
+                const VkDescriptorType type = descriptor_types(port, binding.port->output).front();
+                if (r.image)
+                    writer.image(set, binding.binding, type,
+                                 {program_->sampler(port.linear), r.image_view.get(), VK_IMAGE_LAYOUT_GENERAL});
+                else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+                    writer.texels(set, binding.binding, r.buffer_view.get());
+                else
+                    writer.buffer(set, binding.binding, type, {r.buffer.get(), 0, VK_WHOLE_SIZE});
+            }
+        }
+    }
+}
+
+void View::make_slot(Slot& slot) {
+    const DeviceHandles& handles = program_->handles();
+    const auto passes = static_cast<uint32_t>(plan().passes.size());
+    if (ms_per_tick_ > 0) {
+        VkQueryPoolCreateInfo create{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+        create.queryType = VK_QUERY_TYPE_TIMESTAMP;
+        create.queryCount = 2 * passes;
+        VkQueryPool pool = VK_NULL_HANDLE;
+        check(vkCreateQueryPool(handles.device, &create, nullptr, &pool), "vkCreateQueryPool", plan().pipeline);
+        slot.timestamps = {handles.device, pool};
+    }
+    slot.frame_block = MappedBuffer(handles, sizeof(FrameBlock), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the frame block");
+    slot.counters = MappedBuffer(handles, std::max<size_t>(plan().counters.size(), 1) * sizeof(uint32_t),
+                                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, "counters");
+    for (const size_t p : capture_passes_)
+        slot.captures.emplace_back(handles, captured_bytes(plan().resources[plan().passes[p].bindings.front().index]),
+                                   VK_BUFFER_USAGE_TRANSFER_DST_BIT, "a capture of " + plan().passes[p].node);
+    slot.sets.resize(passes);
+    for (size_t p = 0; p < passes; ++p) {
+        if (plan().passes[p].kind != PassKind::compute) continue;
+        const VkDescriptorSetLayout layout = program_->pass(p).set_layouts[1].get();
+        VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+        allocate.descriptorPool = pool_.get();
+        allocate.descriptorSetCount = 1;
+        allocate.pSetLayouts = &layout;
+        check(vkAllocateDescriptorSets(handles.device, &allocate, &slot.sets[p]), "vkAllocateDescriptorSets",
+              plan().passes[p].node);
+    }
+    slot.bound.resize(plan().slots.size());
+    write_fixed_bindings(slot);
+}
+
+void View::write_fixed_bindings(const Slot& slot) {
+    Writer writer(program_->handles().device);
+    for (size_t p = 0; p < plan().passes.size(); ++p) {
+        const PlanPass& pass = plan().passes[p];
+        if (pass.kind != PassKind::compute) continue;
+        const NodeType& type = pass.entry->type;
+        writer.buffer(slot.sets[p], frame_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+                      {slot.frame_block.get(), 0, VK_WHOLE_SIZE});
+        writer.buffer(slot.sets[p], counters_binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                      {slot.counters.get(), 0, VK_WHOLE_SIZE});
+        for (uint32_t t = 0; t < type.tables.size(); ++t)
+            writer.image(slot.sets[p], first_table_binding(type) + t, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                         {program_->sampler(false), program_->table(type.name, type.tables[t].name).view.get(),
+                          VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+    }
+}
+
+void View::write_slot_bindings(Slot& slot, std::span<const SlotBinding> bindings) {
+    if (bindings.size() != slot.bound.size())
+        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
+                          fmt::format("{} slots were bound, the plan has {}", bindings.size(), slot.bound.size()));
+    Writer writer(program_->handles().device);
+    for (size_t p = 0; p < plan().passes.size(); ++p) {
+        const PlanPass& pass = plan().passes[p];
+        if (pass.kind != PassKind::compute) continue;
+        for (const PlanBinding& binding : pass.bindings) {
+            if (!binding.host) continue;
+            uint32_t at = binding.binding;
+            size_t index = binding.index;
+            for (const VkDescriptorType type : descriptor_types(*binding.port, false)) {
+                const SlotBinding& value = bindings[index];
+                if (!(value == slot.bound[index])) {
+                    if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+                        writer.texels(slot.sets[p], at, value.texels);
+                    else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER || type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
+                        writer.buffer(slot.sets[p], at, type, {value.buffer, value.offset, value.range});
+                    else
+                        writer.image(slot.sets[p], at, type,
+                                     {program_->sampler(binding.port->linear), value.image, value.layout});
+                }
+                ++at;
+                ++index;
+            }
+        }
+    }
+    std::copy(bindings.begin(), bindings.end(), slot.bound.begin());
+}
+
+const ResourceInstance& View::instance(const PlanBinding& binding) const {
+    return memory_.at(binding.index, binding.previous ? 1 - parity_ : parity_);
+}
+
+bool View::set_param(std::string_view node, std::string_view param, const ParamValue& value) {
+    for (size_t p = 0; p < plan().passes.size(); ++p) {
+        const PlanPass& pass = plan().passes[p];
+        if (pass.node != node || !pass.entry) continue;
+        const NodeType& type = pass.entry->type;
+        const PushConstants layout = push_constants(type);
+        for (size_t i = 0; i < type.params.size(); ++i)
+            if (type.params[i].name == param && layout.offsets[i]) {
+                const std::vector<std::byte> bytes = value_bytes(type.params[i], value);
+                std::memcpy(push_[p].data() + *layout.offsets[i], bytes.data(), bytes.size());
+                return true;
+            }
+    }
+    return false;
+}
+
+const ResourceInstance& View::output(std::string_view name) const {
+    const PlanOutput* found = plan().output(name);
+    if (!found) throw VulkanError(VK_ERROR_UNKNOWN, fmt::format("the plan has no output \"{}\"", name));
+    return memory_.at(found->resource, parity_);
+}
+
+std::span<const std::byte> View::captured(std::string_view name) const {
+    for (size_t i = 0; i < capture_passes_.size(); ++i)
+        if (plan().passes[capture_passes_[i]].node == name)
+            return {slots_[slot_].captures[i].data(), slots_[slot_].captures[i].size()};
+    throw VulkanError(VK_ERROR_UNKNOWN, fmt::format("the plan does not capture \"{}\"", name));
+}
+
+std::vector<PassStatistics> View::statistics() const {
+    const Slot& slot = slots_[slot_];
+    std::vector<PassStatistics> result(plan().passes.size());
+    std::vector<uint64_t> ticks(2 * result.size());
+    const bool timed =
+        slot.timestamps && !ticks.empty() &&
+        vkGetQueryPoolResults(program_->handles().device, slot.timestamps.get(), 0, static_cast<uint32_t>(ticks.size()),
+                              ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
+                              VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+    for (size_t p = 0; p < result.size(); ++p) {
+        if (timed) result[p].ms = static_cast<double>(ticks[2 * p + 1] - ticks[2 * p]) * ms_per_tick_;
+        if (!plan().passes[p].entry) continue;
+        result[p].counters.resize(plan().passes[p].entry->type.counters.size());
+        std::memcpy(result[p].counters.data(), slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t),
+                    result[p].counters.size() * sizeof(uint32_t));
+    }
+    return result;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// One camera's use of a program: memory, history, descriptors, frames in flight. record() writes commands into the
+// host's command buffer; it submits nothing, waits for nothing and owns no thread.
+//
+// The host promises: one queue, frames submitted in the order they were recorded, and that frame f - frames_in_flight
+// has completed when frame f is recorded. Outputs are valid until the next record() of the same view.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "graph/frame_block.h"
+#include "graph/program.h"
+
+namespace penumbra {
+
+// What fills one host slot of this frame; the members that the slot's kind does not use are ignored.
+struct SlotBinding {
+    VkImageView image = VK_NULL_HANDLE;  // kind image
+    VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+    VkBufferView texels = VK_NULL_HANDLE;  // kind texels
+    VkBuffer buffer = VK_NULL_HANDLE;      // kinds buffer and block
+    VkDeviceSize offset = 0, range = VK_WHOLE_SIZE;
+    friend bool operator==(const SlotBinding&, const SlotBinding&) = default;
+};
+
+struct ViewOptions {
+    uint32_t frames_in_flight = 2;
+    // Fills every activated resource before its first use: floats with NaN, unorm with 0.7312 and words with 0xDEADBEEF for
+    // pattern 0; other values for pattern 1. The plan must have been compiled with CompileOptions::poison.
+    std::optional<uint32_t> poison;
+};
+
+// What a host node's callback is given.
+struct HostPassContext {
+    VkCommandBuffer cmd = VK_NULL_HANDLE;
+    const PlanPass* pass = nullptr;
+    // Image and buffer bound to a port in this frame (internal resources; null handles for host slots).
+    std::function<const ResourceInstance*(std::string_view port)> resource;
+    const FrameBlock* frame = nullptr;
+};
+
+struct PassStatistics {
+    std::optional<double> ms;         // GPU timestamps; nothing where the queue has none
+    std::vector<uint32_t> counters;   // in the declaration's order
+};
+
+class View {
+  public:
+    View(std::shared_ptr<const Program> program, const ViewOptions& options);
+
+    // Records the whole frame. `slots` is parallel to Plan::slots. The first frame is a reset frame whatever its flags.
+    void record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
+
+    // The same in parts, for hosts that put passes into separate command buffers of the same queue, in order:
+    // begin, every pass, end.
+    void begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
+    void record_pass(VkCommandBuffer cmd, size_t pass);
+    void end(VkCommandBuffer cmd);
+
+    // A dynamic parameter's value from the next frame on; false where the node or parameter does not exist.
+    bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
+
+    // The most recently recorded frame's output (its image stays in VK_IMAGE_LAYOUT_GENERAL).
+    const ResourceInstance& output(std::string_view name) const;
+    // Bytes of a captured resource, tightly packed, after the most recently recorded frame has completed.
+    std::span<const std::byte> captured(std::string_view name) const;
+    // Per pass, after the most recently recorded frame has completed.
+    std::vector<PassStatistics> statistics() const;
+
+    const Plan& plan() const { return program_->plan(); }
+
+  private:
+    struct Slot {  // one frame in flight
+        Owned<VkQueryPool> timestamps;
+        MappedBuffer frame_block, counters;
+        std::vector<VkDescriptorSet> sets;  // set 1 of every pass
+        std::vector<SlotBinding> bound;     // what those sets hold
+        std::vector<MappedBuffer> captures; // parallel to capture_passes_
+    };
+
+    void make_descriptor_pool();
+    void make_internal_sets();
+    void make_slot(Slot& slot);
+    void write_fixed_bindings(const Slot& slot);
+    void write_slot_bindings(Slot& slot, std::span<const SlotBinding> bindings);
+    void record_reset(VkCommandBuffer cmd);
+    void record_dependency(VkCommandBuffer cmd, const Dependency& dependency) const;
+    void record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity, std::optional<uint32_t> poison) const;
+    void record_poison(VkCommandBuffer cmd, size_t pass) const;
+    void record_capture(VkCommandBuffer cmd, size_t pass) const;
+    void record_host_pass(VkCommandBuffer cmd, size_t pass) const;
+    const ResourceInstance& instance(const PlanBinding& binding) const;
+
+    std::shared_ptr<const Program> program_;
+    ViewOptions options_;
+    PlanMemory memory_;
+    Owned<VkDescriptorPool> pool_;
+    std::vector<std::array<VkDescriptorSet, 2>> internal_sets_;  // set 0 by pass and parity
+    std::vector<Slot> slots_;
+    std::vector<size_t> capture_passes_;
+    std::vector<std::vector<std::byte>> push_;  // per pass
+    FrameBlock frame_block_{};
+    double ms_per_tick_ = 0;
+    uint64_t recorded_ = 0;  // frames
+    uint32_t parity_ = 0;
+    uint32_t slot_ = 0;
+    PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
+    PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// The graphics pipeline of the G-buffer, and what it shares with the code that records it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "host/device.h"
+
+namespace penumbra {
+
+inline constexpr VkFormat gbuffer_depth_format = VK_FORMAT_D32_SFLOAT;
+inline constexpr std::array<VkFormat, 3> gbuffer_color_formats{
+    VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM};
+
+// `Draw` of shaders/gbuffer.glsl, std430.
+struct DrawRecord {
+    glm::mat4 clip_from_local, prev_clip_from_local;
+    glm::vec4 world_from_local[3];  // a mat3: columns padded to 16 bytes
+    glm::vec4 camera_local;
+    glm::vec4 base_color;
+};
+static_assert(sizeof(DrawRecord) == 208);
+
+// `Constants` of shaders/gbuffer.vert.
+struct DrawConstants {
+    glm::vec2 jitter_ndc;
+    uint32_t draw;
+};
+
+// Reverse Z, no culling, dynamic viewport and scissor.
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout);
+
+}  // namespace penumbra

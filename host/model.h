@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// A scene as the host holds it: a tree of nodes with transforms in double precision, triangle meshes, base colours.
+// Positions are fp32 about an origin per mesh part, chosen so that moving there loses nothing (see Part::origin).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace penumbra {
+
+struct Texture {
+    uint32_t width = 0, height = 0;  // 0: the image could not be read
+    std::vector<uint8_t> rgba;       // sRGB-encoded colour, rows from the top
+};
+
+struct Material {
+    std::array<float, 4> base_color{1, 1, 1, 1};  // linear
+    int texture = -1;                             // index into Model::textures
+};
+
+// Triangles that share a material.
+struct Part {
+    // Added in double precision. Per axis 0, or, where every coordinate lies within a quarter of the box's centre, a
+    // float near that centre: such a difference of floats is exact (Sterbenz), so far-away meshes keep all they have.
+    glm::dvec3 origin{0};
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec2> uv;  // as many as positions, or none
+    std::vector<uint32_t> indices;
+    int material = -1;  // -1: white
+};
+
+struct Mesh {
+    std::vector<Part> parts;
+};
+
+// local = translate * rotate * scale, or the matrix where the file gives one.
+struct Node {
+    std::string name;
+    int parent = -1;  // always a smaller index than the node's own
+    int mesh = -1;
+    glm::dvec3 translation{0};
+    glm::dquat rotation{1, 0, 0, 0};
+    glm::dvec3 scale{1};
+    std::optional<glm::dmat4> matrix;
+};
+
+struct Model {
+    std::vector<Node> nodes;  // those of the file's scene, parents first
+    std::vector<Mesh> meshes;
+    std::vector<Material> materials;
+    std::vector<Texture> textures;
+    std::vector<std::string> warnings;
+    uint32_t dropped_degenerate = 0;  // triangles of zero area or with a repeated vertex
+    uint32_t dropped_nonfinite = 0;   // triangles with NaN, infinite or huge (over 1e18) coordinates
+
+    size_t triangle_count() const;  // each mesh once
+};
+
+// Appends a part after dropping bad triangles and choosing its origin. `indices` has three per triangle.
+void add_part(Model& model, Mesh& mesh, std::vector<glm::vec3> positions, std::vector<glm::vec2> uv,
+              std::vector<uint32_t> indices, int material);
+
+}  // namespace penumbra

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// What the G-buffer's two stages and its C++ side share: the record of one draw.
+struct Draw {
+    mat4 clip_from_local;       // camera-relative, without jitter
+    mat4 prev_clip_from_local;  // the previous frame's camera and transform
+    mat3 world_from_local;      // of winding normals: the cofactor matrix, whose sign follows a mirrored triangle
+    vec4 camera_local;          // camera position in the part's frame; w: sign of the transform's determinant
+    vec4 base_color;            // linear
+};

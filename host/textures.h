@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// Base colour textures on the device, each with its mip chain, and one descriptor set per texture. Slot 0 is a white
+// texel for materials without one.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host/gpu.h"
+#include "host/model.h"
+
+namespace penumbra {
+
+class TextureSets {
+  public:
+    TextureSets(Device& device, std::span<const Texture> textures);
+
+    VkDescriptorSetLayout layout() const { return layout_.get(); }
+    // The set of a material's texture; -1 and unreadable textures: white.
+    VkDescriptorSet set(int texture) const { return sets_[static_cast<size_t>(texture + 1)]; }
+
+  private:
+    std::vector<GpuImage> images_;
+    Owned<VkSampler> sampler_;
+    Owned<VkDescriptorSetLayout> layout_;
+    Owned<VkDescriptorPool> pool_;
+    std::vector<VkDescriptorSet> sets_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// The explicit table of node types.
+#include "nodes/nodes.h"
+
+#include <cstring>
+#include <stdexcept>
+
+#include "nodes/embedded.h"
+#include "shaders/common/blocks.h"
+
+namespace penumbra {
+
+#define PENUMBRA_NODES(X) \
+    X(classify)           \
+    X(copy)               \
+    X(filter)             \
+    X(guides)             \
+    X(prepare)            \
+    X(resolve)            \
+    X(shade)              \
+    X(taa)                \
+    X(tileclass)          \
+    X(trace)
+
+#define PENUMBRA_DECLARE(name) extern const EmbeddedNode embedded_##name;
+PENUMBRA_NODES(PENUMBRA_DECLARE)
+#undef PENUMBRA_DECLARE
+
+namespace {
+
+NodeEntry load(const EmbeddedNode& embedded) {
+    Diagnostics diagnostics;
+    const auto json = parse_json(embedded.declaration, "nodes/" + std::string(embedded.name) + ".json", diagnostics);
+    auto type = json ? parse_node_type(*json, embedded.name, diagnostics) : std::nullopt;
+    if (!type) throw std::logic_error("an embedded declaration does not parse: " + diagnostics.text());
+    NodeEntry entry{std::move(*type), {}, {}, {}};
+    for (const EmbeddedVariant& variant : embedded.variants)
+        entry.shaders[variant.key].assign(variant.spirv.begin(), variant.spirv.end());
+    for (const EmbeddedTable& table : embedded.tables) {
+        const auto bytes = std::as_bytes(table.words);
+        entry.tables.push_back({table.name, {bytes.begin(), bytes.end()}});
+    }
+    return entry;
+}
+
+}  // namespace
+
+NodeSet shadow_nodes() {
+    NodeSet set;
+    set.add_struct("Sun", sizeof(blocks::Sun));
+    set.add_struct("Scene", sizeof(blocks::Scene));
+#define PENUMBRA_ADD(name) set.add(load(embedded_##name));
+    PENUMBRA_NODES(PENUMBRA_ADD)
+#undef PENUMBRA_ADD
+    return set;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// Shadow rays against the hierarchy of host/bvh.h (the texel layout is documented there): any hit ends the ray.
+//
+// One flat loop without inner loops: every step tests one node and one leaf of what is pending, because lanes of a
+// subgroup that sit in different loops wait for each other. A node's hit children stay one word (first child and a mask),
+// so the stack takes at most one push per step. docs/bvh.md has what was measured.
+//
+// Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves.
+
+const uint bvh_stack_size = 32u;  // = max_bvh_depth: a path holds at most one pending group per level
+
+// What does not change along the ray. Woop, Benthin, Wald 2013: vertices are sheared so that the ray becomes the z axis;
+// the rounding happens per vertex, so neighbours see the same rounded vertex and no gap opens between them.
+struct BvhRay {
+    vec3 origin, inverse;
+    float t_min, t_max;
+    bool x_longest, z_longest;
+    vec3 shear;  // x, y: slopes; z: 1 / longest component
+};
+
+BvhRay bvh_ray(vec3 origin, vec3 direction, float t_min, float t_max) {
+    BvhRay ray;
+    ray.origin = origin;
+    ray.t_min = t_min;
+    ray.t_max = t_max;
+    // A zero would give 0 * inf in the slab test. The sign of zero does not matter: either side is within rounding.
+    const float tiny = 8.271806125530277e-25;  // 2^-80
+    vec3 d = mix(mix(vec3(tiny), vec3(-tiny), lessThan(direction, vec3(0))), direction,
+                 greaterThanEqual(abs(direction), vec3(tiny)));
+    ray.inverse = 1.0 / d;
+    vec3 a = abs(d);
+    ray.x_longest = a.x > a.y && a.x > a.z;
+    ray.z_longest = !ray.x_longest && !(a.y > a.z);
+    float x = ray.x_longest ? d.y : d.x;
+    float y = ray.z_longest ? d.y : d.z;
+    float scale = ray.x_longest ? ray.inverse.x : ray.z_longest ? ray.inverse.z : ray.inverse.y;
+    precise vec2 slope = vec2(x, y) * scale;
+    ray.shear = vec3(slope, scale);
+    return ray;
+}
+
+// `precise` forbids fused multiply-add: with it, edge(a, b) = -edge(b, a) would no longer hold.
+vec3 bvh_shear(BvhRay ray, vec3 vertex) {
+    precise vec3 p = vertex - ray.origin;
+    float px = ray.x_longest ? p.y : p.x;
+    float py = ray.z_longest ? p.y : p.z;
+    float pz = ray.x_longest ? p.x : ray.z_longest ? p.z : p.y;
+    precise vec3 sheared = vec3(px - ray.shear.x * pz, py - ray.shear.y * pz, pz);
+    return sheared;
+}
+
+float bvh_edge(vec3 a, vec3 b) {
+    precise float e = a.x * b.y - a.y * b.x;
+    return e;
+}
+
+// An edge function of exactly 0 counts for both triangles at the edge. A triangle seen edge-on, or degenerate, has
+// all three at 0 and no area to hit.
+bool bvh_inside(BvhRay ray, vec3 uvw, vec3 z) {
+    bool miss = min(min(uvw.x, uvw.y), uvw.z) < 0.0 && max(max(uvw.x, uvw.y), uvw.z) > 0.0;
+    precise float det = uvw.x + uvw.y + uvw.z;
+    precise float t = (uvw.x * z.x + uvw.y * z.y + uvw.z * z.z) * ray.shear.z;
+    precise float size = abs(det);
+    precise float near = ray.t_min * size;
+    precise float far = ray.t_max * size;
+    float signed_t = det < 0.0 ? -t : t;
+    return !miss && size > 0.0 && signed_t > near && signed_t < far;
+}
+
+bool bvh_hits_leaf(BvhRay ray, uint leaf) {
+    int texel = int(leaf * 3u);
+    vec4 q0 = uintBitsToFloat(texelFetch(scene_leaves, texel));
+    vec4 q1 = uintBitsToFloat(texelFetch(scene_leaves, texel + 1));
+    vec4 q2 = uintBitsToFloat(texelFetch(scene_leaves, texel + 2));
+    vec3 a = bvh_shear(ray, q0.xyz);
+    vec3 b = bvh_shear(ray, vec3(q0.w, q1.xy));
+    vec3 c = bvh_shear(ray, vec3(q1.zw, q2.x));
+    vec3 d = bvh_shear(ray, q2.yzw);
+    float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
+    return bvh_inside(ray, vec3(bc, ca, ab), vec3(a.z, b.z, c.z)) ||
+           bvh_inside(ray, vec3(bd, dc, -bc), vec3(c.z, b.z, d.z));
+}
+
+vec4 bvh_planes(uint word, float step, float base) {
+    return vec4(uvec4(word, word >> 8, word >> 16, word >> 24) & 255u) * step + base;
+}
+
+// Children that the ray's box test passes, bit k for child k. The grid is conservative (host/bvh.cpp); the factor is Ize
+// 2013, "Robust BVH Ray Traversal", widened to cover the shear's rounding too.
+uint bvh_hit_children(BvhRay ray, uvec4 n0, uvec4 n1, uvec4 n2) {
+    vec3 step = uintBitsToFloat((uvec3(n0.w, n0.w >> 8, n0.w >> 16) & 255u) << 23) * ray.inverse;
+    vec3 base = (uintBitsToFloat(n0.xyz) - ray.origin) * ray.inverse;
+    bvec3 negative = lessThan(ray.inverse, vec3(0));
+    vec4 near = bvh_planes(negative.x ? n1.w : n1.z, step.x, base.x);
+    vec4 far = bvh_planes(negative.x ? n1.z : n1.w, step.x, base.x);
+    near = max(near, bvh_planes(negative.y ? n2.y : n2.x, step.y, base.y));
+    far = min(far, bvh_planes(negative.y ? n2.x : n2.y, step.y, base.y));
+    near = max(near, bvh_planes(negative.z ? n2.w : n2.z, step.z, base.z));
+    far = min(far, bvh_planes(negative.z ? n2.z : n2.w, step.z, base.z));
+    near = max(near, vec4(ray.t_min));
+    far = min(far, vec4(ray.t_max)) * 1.000002;
+    uvec4 hit = mix(uvec4(0), uvec4(1, 2, 4, 8), lessThanEqual(near, far));
+    return hit.x | hit.y | hit.z | hit.w;
+}
+
+uint bvh_reverse4(uint mask) {
+    return ((mask < 8u ? 0xE6A2C480u : 0xF7B3D591u) >> ((mask & 7u) * 4u)) & 15u;
+}
+
+// Of a word with one of the four lowest bits set.
+uint bvh_bit_index(uint bit) { return (bit >> 1) - (bit >> 3); }
+
+// Whether anything lies on the ray between t_min and t_max (exclusive, t_min >= 0); both sides of a triangle block.
+// `direction` is a unit vector within 1e-3; t_max may be infinite.
+bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+    BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
+    uint away = uint(direction.x > 0.0) | uint(direction.y > 0.0) << 1 | uint(direction.z > 0.0) << 2;
+
+    // A group of child nodes: first << 6 | order << 4 | mask. Order 3: the mask is reversed, the last child goes first.
+    uint group = 1u;
+    uint leaf_first = 0u, leaf_mask = 0u;
+    uint stack[bvh_stack_size];
+    uint depth = 0u;
+    bool found = false, pending = true;
+    while (pending) {
+        // A new node may bring new leaves, so it waits until the leaves at hand fit into this step.
+        bool visit = (group & 15u) != 0u && (leaf_mask & (leaf_mask - 1u)) == 0u;
+        uint bit = group & (~group + 1u);
+        uint node = visit ? (group >> 6) + (bvh_bit_index(bit) ^ (group >> 4 & 3u)) : 0u;
+        int texel = int(node * 3u);
+        uvec4 n0 = texelFetch(scene_nodes, texel);
+        uvec4 n1 = texelFetch(scene_nodes, texel + 1);
+        uvec4 n2 = texelFetch(scene_nodes, texel + 2);
+
+        if (leaf_mask != 0u) {
+            uint leaf_bit = leaf_mask & (~leaf_mask + 1u);
+            if (bvh_hits_leaf(ray, leaf_first + bvh_bit_index(leaf_bit))) found = true;
+            leaf_mask ^= leaf_bit;
+        }
+        if (visit) {
+            uint hits = bvh_hit_children(ray, n0, n1, n2);
+            uint nodes = hits & n0.w >> 24;
+            leaf_mask = hits & n0.w >> 28;
+            leaf_first = n1.y;
+            group ^= bit;
+            if (nodes != 0u) {
+                if ((group & 15u) != 0u) stack[depth++] = group;
+                // The child nearest to the light first: casters are more often found there than near the receiver.
+                bool last_first = (away >> (n1.x & 3u) & 1u) != 0u;
+                group = n1.x >> 2 << 6 | (last_first ? 48u | bvh_reverse4(nodes) : nodes);
+            }
+        }
+        if ((group & 15u) == 0u && depth > 0u) group = stack[--depth];
+        if (found || ((group & 15u) | leaf_mask) == 0u) pending = false;
+    }
+    return found;
+}

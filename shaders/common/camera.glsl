@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Pixels, depths and positions: the only place that knows where a pixel's centre is, what a depth means and where the
+// jitter goes. Positions are camera-relative metres along the world's axes; nothing here sees an absolute position.
+
+vec2 pixel_uv(ivec2 p) { return (vec2(p) + 0.5) / vec2(frame.size); }
+
+// View-axis depth in metres; 0 for sky and for whatever is not a depth. Written as positive tests, which a NaN fails.
+// Both depth conventions share it: the clear value is 0 in one and 1 in the other, and the matrix knows the rest.
+float linear_depth(float depth) {
+    const mat4 m = frame.view_from_clip;
+    const float z = -(m[2].z * depth + m[3].z) / (m[2].w * depth + m[3].w);
+    return depth > 0.0 && depth < 1.0 && z > 0.0 && z < 1e30 ? z : 0.0;
+}
+
+// The point that the unjittered camera sees at `uv`, `view_depth` metres in front of it.
+vec3 position_at(vec2 uv, float view_depth) {
+    const mat4 m = frame.clip_from_view;
+    const vec2 ndc = 2.0 * uv - 1.0;
+    const vec2 scale = vec2(m[0].x, m[1].y);
+    const bool orthographic = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u;
+    const vec2 xy = orthographic ? (ndc - m[3].xy) / scale : view_depth * (ndc + m[2].xy) / scale;
+    return frame.world_from_view * vec3(xy, -view_depth);
+}
+
+// The surface point behind a pixel. The depth buffer was rasterised with jitter, so the ray is that of uv - jitter.
+vec3 position(ivec2 p, float view_depth) { return position_at(pixel_uv(p) - frame.jitter, view_depth); }
+
+// Unit vector from the surface at a pixel towards the camera.
+vec3 to_viewer(ivec2 p) {
+    if ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u) return frame.world_from_view[2];
+    return -normalize(position(p, 1.0));
+}
+
+// Metres that a pixel spans at a view depth, across the view axis.
+float pixel_span_m(float view_depth) {
+    return frame.pixel_angle * ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? 1.0 : view_depth);
+}
+
+// View-axis depth that a static point had in the previous frame; not positive where it was behind the camera.
+// w is the view depth of a perspective; an orthographic camera has none, so z is undone with the current projection.
+float previous_depth(vec3 relative_position) {
+    const vec4 clip = frame.prev_clip_from_rel * vec4(relative_position, 1.0);
+    if ((frame.flags & FRAME_ORTHOGRAPHIC) == 0u) return clip.w;
+    return -(frame.view_from_clip[2].z * clip.z + frame.view_from_clip[3].z);
+}
+
+// Where a pixel's surface was in the previous frame. NaN and infinite motion fail the test and give "off screen".
+struct Reprojection {
+    vec2 uv;         // previous uv; the pixel's own where `on_screen` is false and the motion is not a number
+    bool on_screen;  // strictly inside the previous image
+};
+
+Reprojection reproject(ivec2 p, vec2 motion) {
+    const vec2 here = pixel_uv(p);
+    const vec2 there = here + motion;
+    const bool finite = all(lessThan(abs(there), vec2(1e6)));
+    return Reprojection(finite ? there : here,
+                        finite && all(greaterThan(there, vec2(0.0))) && all(lessThan(there, vec2(1.0))));
+}
+
+// A position in the previous frame's texels, kept on texel centres so that no neighbour from outside the used part of
+// a history image is blended in, as a coordinate for a sampler.
+vec2 history_coordinate(vec2 texel, ivec2 image_size) {
+    return clamp(texel, vec2(0.5), vec2(frame.prev_size) - 0.5) / vec2(image_size);
+}
+
+// The previous frame's texel that contains `uv` (inside the image).
+ivec2 previous_texel(vec2 uv) { return min(ivec2(uv * vec2(frame.prev_size)), ivec2(frame.prev_size) - 1); }

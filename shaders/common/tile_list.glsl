@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// The list of tiles that need rays, with the arguments of the dispatch that traces them: one workgroup per tile, in
+// rows of TILES_PER_ROW because many devices limit a dispatch to 65 535 groups per axis.
+// trace_args = {min(count, row), ceil(count / row), 1, count}, zeroed when the pass starts. count only grows, so the
+// maximum over everyone who appended is the final value: the triple is complete without a pass to finish it.
+// The order of the list follows the scheduling and must never show in the image.
+
+const uint TILES_PER_ROW = 32768u;
+
+#ifdef APPENDS_TILES
+// Called by every invocation that is alive; one atomic per subgroup.
+void append_tile(bool wanted, uvec4 record) {
+    const uvec4 ballot = subgroupBallot(wanted);
+    const uint count = subgroupBallotBitCount(ballot);
+    uint first = 0u;
+    if (subgroupElect() && count != 0u) {
+        first = atomicAdd(trace_args[3], count);
+        const uint end = first + count;
+        atomicMax(trace_args[0], min(end, TILES_PER_ROW));
+        atomicMax(trace_args[1], (end + TILES_PER_ROW - 1u) / TILES_PER_ROW);
+        atomicMax(trace_args[2], 1u);
+    }
+    first = subgroupBroadcastFirst(first);
+    if (wanted) tile_list[first + subgroupBallotExclusiveBitCount(ballot)] = record;
+}
+#else
+// Whether this workgroup has a tile, and its record: packed tile x | y << 16, mask of pixels to trace, t_min, t_max.
+bool listed_tile(out uvec4 record) {
+    const uint index = gl_WorkGroupID.y * TILES_PER_ROW + gl_WorkGroupID.x;
+    if (index >= trace_args[3]) return false;
+    record = tile_list[index];
+    return true;
+}
+#endif
+
+uvec4 pack_tile(ivec2 tile, uint mask, float t_min, float t_max) {
+    return uvec4(uint(tile.x) | uint(tile.y) << 16, mask, floatBitsToUint(t_min), floatBitsToUint(t_max));
+}
+ivec2 tile_of(uvec4 record) { return ivec2(record.x & 0xffffu, record.x >> 16); }

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// Visibility as bits. A word holds 8x4 pixels, bit (y % 4) * 8 + x % 8; words are numbered along rows of the tile grid.
+// In a ray-hit word 1 means occluded, in a visibility word 1 means lit, in a receiver word 1 means a surface is there.
+// Per 8x8 pixels (two words, one above the other) the denoiser keeps a tile meta word.
+
+const ivec2 TILE = ivec2(8, 4);
+const ivec2 BLOCK = ivec2(8, 8);  // of a tile meta word
+
+const uint BLOCK_WORK = 0u;      // pixels differ: the filters have work
+const uint BLOCK_LIT = 1u;       // every pixel is 1 ...
+const uint BLOCK_SHADOWED = 2u;  // ... or 0, and the filters know it without looking
+
+ivec2 tile_grid() { return (ivec2(frame.size) + TILE - 1) / TILE; }
+ivec2 block_grid() { return (ivec2(frame.size) + BLOCK - 1) / BLOCK; }
+
+uint tile_index(ivec2 tile) { return uint(tile.y * tile_grid().x + tile.x); }
+uint block_index(ivec2 block) { return uint(block.y * block_grid().x + block.x); }
+
+uint pixel_bit(ivec2 p) { return 1u << uint((p.y & 3) * 8 + (p.x & 7)); }
+
+// The bits of a tile that are pixels of the image.
+uint inside_mask(ivec2 tile) {
+    const ivec2 size = clamp(ivec2(frame.size) - tile * TILE, ivec2(0), TILE);
+    const uint row = (1u << uint(size.x)) - 1u;
+    const uint columns = row | row << 8 | row << 16 | row << 24;
+    return size.y == 4 ? columns : columns & ((1u << uint(8 * size.y)) - 1u);
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel. Lanes are dealt out in blocks
+// of 4x2 pixels, so that the 8 lanes of a software device's subgroup walk the tree together.
+// Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl.
+#include "node.glsl"
+#include "common/blue_noise.glsl"
+#include "common/bvh.glsl"
+#include "common/camera.glsl"
+#include "common/guide_normal.glsl"
+#include "common/sun_sample.glsl"
+#include "common/tile_list.glsl"
+#include "common/tiles.glsl"
+
+// How far the reconstructed point may lie below the surface that the rasteriser saw:
+// - float rounding of depth, reconstruction, shift to the scene's frame and the ray-triangle test: each is an ulp or two
+//   of the largest number involved, 16 bound the sum. (A depth error moves the point along the view ray; its share along
+//   the normal of a plane is the relative error times the view depth, however grazing the view.)
+// - rasterisers snap vertices to a grid of 1/256 pixel, which displaces a surface by at most half of that on an axis.
+const float ULPS = 16.0 * 1.1920929e-7;  // 2^-23
+const float SNAP_PX = 1.0 / 256.0;
+
+const float PUBLISHED_OFFSET_M = 1e-4;  // Hybrid Shadows sample: both constants are absolute lengths
+const float PUBLISHED_T_MIN_M = 4e-2;
+
+float offset_m(vec3 relative, float z, vec3 in_scene) {
+    if (ORIGIN == ORIGIN_PUBLISHED) return PUBLISHED_OFFSET_M;
+    const vec3 p = max(abs(relative), abs(in_scene));
+    return ULPS * (p.x + p.y + p.z + z) + SNAP_PX * pixel_span_m(z);
+}
+
+vec3 ray_direction(ivec2 p) {
+    if (SAMPLING == SAMPLING_PUBLISHED)
+        return sun_direction_published(sun.to_sun, sun.angular_radius,
+                                       noise_published(p, frame.frame_index, params.seed));
+    return sun_direction(sun.to_sun, sun.angular_radius, noise_r2(p, frame.frame_index, params.seed));
+}
+
+bool hits_something(ivec2 p, float t_min, float t_max) {
+    const float z = imageLoad(view_depth, p).x;
+    const vec3 relative = position(p, z);
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const vec3 in_scene = relative + scene.camera_from_origin;
+    const vec3 origin = in_scene + n * offset_m(relative, z, in_scene);
+    if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
+    return occluded(origin, ray_direction(p), t_min, t_max);
+}
+
+void main() {
+    uvec4 record;
+    if (!listed_tile(record)) return;  // the whole workgroup
+    const int lane = int(gl_LocalInvocationIndex);
+    const ivec2 in_tile = ivec2((lane >> 3 & 1) * 4 + (lane & 3), (lane >> 4) * 2 + (lane >> 2 & 1));
+    const ivec2 tile = tile_of(record);
+    const uint bit = pixel_bit(in_tile);
+    const bool wanted = (record.y & bit) != 0u;
+
+    uint hit = 0u;
+    if (wanted && hits_something(tile * TILE + in_tile, uintBitsToFloat(record.z), uintBitsToFloat(record.w)))
+        hit = bit;
+    const uint word = subgroupOr(hit);
+    if (subgroupElect() && word != 0u) atomicOr(hits[tile_index(tile)], word);
+    count_rays(wanted ? 1u : 0u);
+}

@@ -1,0 +1,22 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// SPDX-License-Identifier: MIT
+// Answers a list of rays with shaders/common/bvh.glsl: tests/bvh_gpu_test.cpp compares them, tests/bvh_bench.cpp times them.
+layout(local_size_x = 64) in;
+layout(set = 0, binding = 0) uniform usamplerBuffer scene_nodes;
+layout(set = 0, binding = 1) uniform usamplerBuffer scene_leaves;
+struct Ray {
+    vec4 origin_t_min, direction_t_max;
+};
+layout(std430, set = 0, binding = 2) readonly buffer Rays { Ray rays[]; };
+layout(std430, set = 0, binding = 3) writeonly buffer Answers { uint answers[]; };
+layout(push_constant) uniform Push { uint count; };
+
+#include "../shaders/common/bvh.glsl"
+
+void main() {
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= count) return;
+    Ray ray = rays[i];
+    answers[i] = uint(occluded(ray.origin_t_min.xyz, ray.direction_t_max.xyz, ray.origin_t_min.w, ray.direction_t_max.w));
+}
