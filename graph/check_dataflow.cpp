@@ -202,6 +202,16 @@ class DataflowChecker {
         const PortUse* why;   // the port that asks for this order
     };
 
+    bool updates(size_t node, const std::string& name) const {
+        return std::ranges::any_of(nodes_[node].ports, [&](const BoundPort& bound) {
+            const std::string& input = bound.port->updates;
+            const auto is_source = [&](const BoundPort& other) {
+                return other.port->name == input && other.resource == name;
+            };
+            return !input.empty() && std::ranges::any_of(nodes_[node].ports, is_source);
+        });
+    }
+
     // Within a frame: a writer comes before its readers, other readers of a name before its updater.
     std::vector<Edge> edges() const {
         std::vector<Edge> edges;
@@ -215,10 +225,10 @@ class DataflowChecker {
             for (const PortUse& reader : use.readers) {
                 if (reader.bound->previous) continue;
                 for (const PortUse& writer : use.writers) add(writer, reader, reader);
+                if (updates(reader.node, name)) continue;  // a second updater is an error of its own
                 for (const auto& [new_name, new_use] : dataflow_.resources)
                     for (const PortUse& updater : new_use.writers)
-                        if (is_updater(updater) && updated_input(updater).resource == name &&
-                            updater.node != reader.node)
+                        if (is_updater(updater) && updated_input(updater).resource == name)
                             add(reader, updater, updater);
             }
         }
@@ -236,7 +246,7 @@ class DataflowChecker {
             std::vector<std::vector<const Edge*>> next(nodes_.size());
             for (const Edge& edge : all)
                 if (holds(edge.condition, facts, {})) next[edge.from].push_back(&edge);
-            std::vector<bool> done(nodes_.size());
+            std::vector<bool> done = in_no_cycle(next);
             for (size_t start = 0; start < nodes_.size(); ++start) {
                 if (done[start]) continue;
                 const std::vector<const Edge*> cycle = shortest_cycle(next, start);
@@ -248,6 +258,21 @@ class DataflowChecker {
                 if (reported.insert(members).second) report_cycle(cycle);
             }
         }
+    }
+
+    // Nodes that can run in some order (Kahn 1962); what remains lies on a cycle or waits for one.
+    static std::vector<bool> in_no_cycle(const std::vector<std::vector<const Edge*>>& next) {
+        std::vector<size_t> waits_for(next.size()), ready;
+        for (const auto& outgoing : next)
+            for (const Edge* edge : outgoing) ++waits_for[edge->to];
+        for (size_t node = 0; node < next.size(); ++node)
+            if (waits_for[node] == 0) ready.push_back(node);
+        for (size_t i = 0; i < ready.size(); ++i)
+            for (const Edge* edge : next[ready[i]])
+                if (--waits_for[edge->to] == 0) ready.push_back(edge->to);
+        std::vector<bool> sorted(next.size());
+        for (const size_t node : ready) sorted[node] = true;
+        return sorted;
     }
 
     // Breadth first from `start` back to it; empty if there is no way.

@@ -25,7 +25,7 @@ struct FlagName {
 
 constexpr FlagName stage_names[] = {{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"},
                                     {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
-                                    {VK_PIPELINE_STAGE_2_CLEAR_BIT, "clear"},
+                                    {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, "transfer"},
                                     {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
                                     {VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, "top"},
                                     {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"}};

@@ -103,12 +103,12 @@ void read_element(const ObjectReader& reader, Port& port) {
     port.element = *element;
     const bool plain = std::ranges::find(elements, *element) != elements.end();
     if (is_struct_name(*element) || (plain && port.kind == PortKind::buffer)) return;
-    const bool block = port.kind == PortKind::block;
-    reader.error(
-        *reader.find("element"), "element",
-        fmt::format("\"{}\" is no {}{}", *element,
-                    block ? "struct's name (like \"Sun\")" : "struct's name and none of " + join(elements),
-                    did_you_mean(*element, elements)));
+    const std::string wanted = port.kind == PortKind::block
+                                   ? "struct's name (like \"Sun\")"
+                                   : fmt::format("struct's name and none of {}", join(elements));
+    reader.error(*reader.find("element"), "element",
+                 fmt::format("\"{}\" is no {}{}", *element, wanted,
+                             port.kind == PortKind::block ? "" : did_you_mean(*element, elements)));
 }
 
 ExtentRule read_extent(const ObjectReader& reader) {

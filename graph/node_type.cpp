@@ -1,85 +1,23 @@
 // SPDX-License-Identifier: MIT
-// A node declaration read from JSON (docs: formats of node declarations); ports are read by node_port.cpp.
-// Every rule that one declaration can break by itself is checked here, so that later phases need not look
-// again.
+// A node declaration read from JSON (docs: formats of node declarations); ports are read by node_port.cpp,
+// parameters by node_param.cpp. Every rule that one declaration can break by itself is checked here, so that
+// later phases need not look again.
 #include "graph/node_type.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cfloat>
-#include <cmath>
-#include <limits>
 
 #include "graph/json_reader.h"
+#include "graph/node_param.h"
 #include "graph/node_port.h"
 
 namespace penumbra {
 
 namespace {
 
-constexpr uint32_t max_push_bytes = 128;  // guaranteed by every Vulkan device
 constexpr uint32_t max_group_threads =
     1024;  // Vulkan guarantees 128; every device of the last decade has 1024
-
-const std::vector<std::string> type_words = {"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"};
-
-std::string number_text(double value) {
-    return fmt::format("{}", value);
-}
-
-bool in_range(const Param& param, double value, const Json& json, const std::string& path,
-              Diagnostics& diagnostics) {
-    if (!param.range || (value >= (*param.range)[0] && value <= (*param.range)[1])) return true;
-    diagnostics.add(
-        json.place, path,
-        fmt::format("{} is outside {} .. {}{}{}", number_text(value), number_text((*param.range)[0]),
-                    number_text((*param.range)[1]), param.unit.empty() ? "" : " ", param.unit));
-    return false;
-}
-
-std::optional<float> read_float(const Param& param, const Json& json, const std::string& path,
-                                Diagnostics& diagnostics) {
-    if (!json.is_number()) {
-        diagnostics.add(json.place, path, fmt::format("expected a number, got {}", kind_name(json.kind)));
-        return std::nullopt;
-    }
-    if (!in_range(param, json.real, json, path, diagnostics)) return std::nullopt;
-    if (!(std::abs(json.real) <= static_cast<double>(FLT_MAX))) {
-        diagnostics.add(json.place, path,
-                        fmt::format("{} does not fit a 32-bit float", number_text(json.real)));
-        return std::nullopt;
-    }
-    return static_cast<float>(json.real);
-}
-
-// The limits of int and uint apply on top of the parameter's range.
-template <typename Integer>
-std::optional<ParamValue> read_integer(const Param& param, const Json& json, const std::string& path,
-                                       Diagnostics& diagnostics) {
-    using Limits = std::numeric_limits<Integer>;
-    if (!expect(json, Json::Kind::integer, path, diagnostics)) return std::nullopt;
-    if (!in_range(param, json.real, json, path, diagnostics)) return std::nullopt;
-    if (json.integer < int64_t{Limits::min()} || json.integer > int64_t{Limits::max()}) {
-        diagnostics.add(json.place, path,
-                        fmt::format("{} is outside {} .. {}", json.integer, Limits::min(), Limits::max()));
-        return std::nullopt;
-    }
-    return static_cast<Integer>(json.integer);
-}
-
-size_t components(ParamType type) {
-    switch (type) {
-        case ParamType::vec2:
-            return 2;
-        case ParamType::vec3:
-            return 3;
-        case ParamType::vec4:
-            return 4;
-        default:
-            return 1;
-    }
-}
 
 class DeclarationReader {
   public:
@@ -95,15 +33,15 @@ class DeclarationReader {
         read_shader();
         read_needs();
         if (const Json* tables = reader_.find("tables")) read_tables(*tables);
-        if (const Json* params = reader_.find("params")) read_params(*params);
+        if (const Json* params = reader_.find("params")) parse_params(*params, type_, diagnostics_);
         if (const Json* inputs = reader_.find("inputs")) parse_ports(*inputs, false, type_, diagnostics_);
         if (const Json* outputs = reader_.find("outputs")) parse_ports(*outputs, true, type_, diagnostics_);
         const bool writes = std::ranges::any_of(type_.ports, &Port::output);
         const Json* outputs = reader_.find("outputs");
         if (!writes && (!outputs || (outputs->kind == Json::Kind::object && outputs->members.empty())))
             error(reader_.json().place, "", "a node writes at least one output");
-        read_counters();
         check_names();
+        read_counters();
         link_ports(reader_.json(), type_, diagnostics_);
         read_dispatch();
         if (const Json* classes = reader_.find("classes")) read_classes(*classes);
@@ -144,39 +82,44 @@ class DeclarationReader {
                   fmt::format("\"{}\" is no file name that ends in .comp", type_.shader));
     }
 
+    struct ListItem {
+        std::string text, path;
+        Place place;
+    };
+
     // A list of different strings.
-    std::vector<std::pair<std::string, const Json*>> read_list(const char* key) {
-        std::vector<std::pair<std::string, const Json*>> list;
+    std::vector<ListItem> read_list(const char* key) {
+        std::vector<ListItem> list;
         const Json* json = reader_.find(key);
         if (!json || !expect(*json, Json::Kind::array, key, diagnostics_)) return list;
         for (size_t i = 0; i < json->items.size(); ++i) {
             const Json& item = json->items[i];
             const std::string path = fmt::format("{}[{}]", key, i);
             if (!expect(item, Json::Kind::string, path, diagnostics_)) continue;
-            if (std::ranges::any_of(list, [&](const auto& other) { return other.first == item.string; }))
+            if (std::ranges::find(list, item.string, &ListItem::text) != list.end())
                 error(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
             else
-                list.emplace_back(item.string, &item);
+                list.push_back({item.string, path, item.place});
         }
         return list;
     }
 
     void read_needs() {
         const std::vector<std::string> words = {"ray_query", "jitter", "storage8"};
-        for (const auto& [need, json] : read_list("needs")) {
-            if (std::ranges::find(words, need) == words.end())
-                error(json->place, "needs",
-                      fmt::format("no need \"{}\" (needs: {}){}", need, join(words),
-                                  did_you_mean(need, words)));
+        for (const ListItem& need : read_list("needs")) {
+            if (std::ranges::find(words, need.text) == words.end())
+                error(need.place, need.path,
+                      fmt::format("no need \"{}\" (needs: {}){}", need.text, join(words),
+                                  did_you_mean(need.text, words)));
             else
-                type_.needs.push_back(need);
+                type_.needs.push_back(need.text);
         }
     }
 
     void read_counters() {
-        for (const auto& [counter, json] : read_list("counters")) {
-            type_.counters.push_back(counter);
-            claim(counter, json->place, "counters");
+        for (const ListItem& counter : read_list("counters")) {
+            type_.counters.push_back(counter.text);
+            claim(counter.text, counter.place, counter.path);
         }
     }
 
@@ -202,92 +145,6 @@ class DeclarationReader {
             table.extent = reader.pair("extent", 1, 16384).value_or(table.extent);
             type_.tables.push_back(std::move(table));
         }
-    }
-
-    void read_params(const Json& json) {
-        if (!expect(json, Json::Kind::object, "params", diagnostics_)) return;
-        for (const JsonMember& member : json.members) read_param(member);
-        uint32_t bytes = 0;
-        for (const Param& param : type_.params) {
-            if (param.constant) continue;
-            const ParamLayout layout = layout_of(param.type);
-            bytes = (bytes + layout.alignment - 1) / layout.alignment * layout.alignment + layout.size;
-            if (bytes <= max_push_bytes) continue;
-            error(param.place, "params." + param.name,
-                  fmt::format(
-                      "the parameters that may change per frame end at byte {}; at most {} fit the push "
-                      "constants (constant parameters do not count)",
-                      bytes, max_push_bytes));
-            break;
-        }
-    }
-
-    void read_param(const JsonMember& member) {
-        const std::vector<std::string> keys = {"type",  "default", "doc",     "unit",
-                                               "range", "values",  "constant"};
-        const ObjectReader reader(member.value, "params." + member.key, keys, diagnostics_);
-        Param param{.name = member.key, .place = member.key_place};
-        if (reader.require("doc")) param.doc = reader.one_line("doc");
-        param.unit = reader.one_line("unit");
-        param.constant = reader.flag("constant");
-        claim(param.name, member.key_place, reader.path(), !param.constant);
-        if (param.name == "group" || param.name == "per_thread")
-            error(member.key_place, reader.path(), "this name belongs to the dispatch rule");
-        const Json* fallback = reader.require("default");
-        if (!reader.require("type")) return;
-        const std::optional<size_t> type = reader.choice("type", type_words);
-        if (!type) return;
-        param.type = static_cast<ParamType>(*type);
-        if (param.constant && components(param.type) > 1)
-            reader.error(*reader.find("constant"), "constant",
-                         "a vector cannot be a specialisation constant");
-        read_values(reader, param);
-        read_range(reader, param);
-        if (fallback)
-            if (const auto value = parse_param_value(param, *fallback, reader.path("default"), diagnostics_))
-                param.default_value = *value;
-        type_.params.push_back(std::move(param));
-    }
-
-    void read_values(const ObjectReader& reader, Param& param) {
-        const Json* json = reader.find("values");
-        if (param.type != ParamType::enumeration) {
-            if (json) reader.error(*json, "values", "only an enum has values");
-            return;
-        }
-        if (!reader.require("values")) return;
-        if (!expect(*json, Json::Kind::array, reader.path("values"), diagnostics_)) return;
-        if (json->items.empty()) reader.error(*json, "values", "the list is empty");
-        for (size_t i = 0; i < json->items.size(); ++i) {
-            const Json& item = json->items[i];
-            const std::string path = fmt::format("{}[{}]", reader.path("values"), i);
-            if (!expect(item, Json::Kind::string, path, diagnostics_)) continue;
-            if (!is_id(item.string))
-                error(item.place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", item.string));
-            else if (std::ranges::find(param.values, item.string) != param.values.end())
-                error(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
-            else
-                param.values.push_back(item.string);
-        }
-    }
-
-    void read_range(const ObjectReader& reader, Param& param) {
-        const Json* json = reader.find("range");
-        if (!json) return;
-        if (param.type == ParamType::boolean || param.type == ParamType::enumeration) {
-            reader.error(*json, "range", "only numbers have a range");
-            return;
-        }
-        if (!expect(*json, Json::Kind::array, reader.path("range"), diagnostics_)) return;
-        if (json->items.size() != 2 || !json->items[0].is_number() || !json->items[1].is_number()) {
-            reader.error(*json, "range", "expected two numbers, the least and the greatest value");
-            return;
-        }
-        const std::array<double, 2> range = {json->items[0].real, json->items[1].real};
-        if (range[0] > range[1])
-            reader.error(*json, "range", "the least value exceeds the greatest");
-        else
-            param.range = range;
     }
 
     void read_dispatch() {
@@ -426,6 +283,9 @@ class DeclarationReader {
     }
 
     void check_names() {
+        for (const Param& param : type_.params)
+            claim(param.name, param.place, "params." + param.name,
+                  !param.constant);  // constants become upper case
         for (const Port& port : type_.ports)
             claim(port.name, port.place, fmt::format("{}.{}", port.output ? "outputs" : "inputs", port.name));
         for (const Port& port : type_.ports) {
@@ -451,19 +311,6 @@ class DeclarationReader {
 
 }  // namespace
 
-ParamLayout layout_of(ParamType type) {
-    switch (type) {
-        case ParamType::vec2:
-            return {8, 8};
-        case ParamType::vec3:
-            return {12, 16};
-        case ParamType::vec4:
-            return {16, 16};
-        default:
-            return {4, 4};
-    }
-}
-
 const Port* NodeType::port(std::string_view port_name) const {
     const auto found = std::ranges::find(ports, port_name, &Port::name);
     return found == ports.end() ? nullptr : &*found;
@@ -482,44 +329,6 @@ std::optional<NodeType> parse_node_type(const Json& json, const std::string& bas
     NodeType type = DeclarationReader(json, keys, diagnostics).read(basename);
     if (diagnostics.size() != errors) return std::nullopt;
     return type;
-}
-
-std::optional<ParamValue> parse_param_value(const Param& param, const Json& json, const std::string& path,
-                                            Diagnostics& diagnostics) {
-    switch (param.type) {
-        case ParamType::boolean:
-            if (!expect(json, Json::Kind::boolean, path, diagnostics)) return std::nullopt;
-            return json.boolean;
-        case ParamType::integer:
-            return read_integer<int32_t>(param, json, path, diagnostics);
-        case ParamType::uint:
-            return read_integer<uint32_t>(param, json, path, diagnostics);
-        case ParamType::real:
-            return read_float(param, json, path, diagnostics);
-        case ParamType::enumeration: {
-            if (!expect(json, Json::Kind::string, path, diagnostics)) return std::nullopt;
-            if (std::ranges::find(param.values, json.string) != param.values.end()) return json.string;
-            diagnostics.add(json.place, path,
-                            fmt::format("no value \"{}\" (values: {}){}", json.string, join(param.values),
-                                        did_you_mean(json.string, param.values)));
-            return std::nullopt;
-        }
-        default:
-            break;
-    }
-    const size_t size = components(param.type);
-    if (!expect(json, Json::Kind::array, path, diagnostics)) return std::nullopt;
-    if (json.items.size() != size) {
-        diagnostics.add(json.place, path,
-                        fmt::format("expected {} numbers, got {}", size, json.items.size()));
-        return std::nullopt;
-    }
-    std::vector<float> vector;
-    for (size_t i = 0; i < size; ++i)
-        if (const auto number = read_float(param, json.items[i], fmt::format("{}[{}]", path, i), diagnostics))
-            vector.push_back(*number);
-    if (vector.size() != size) return std::nullopt;
-    return vector;
 }
 
 }  // namespace penumbra

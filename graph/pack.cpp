@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Greedy packing, then reinsertion. Placing each interval at its lowest feasible offset is first fit for dynamic storage
-// allocation (Knuth, TAOCP 1, 2.5); the order decides how good it is and no one order is best, so several are tried (by
-// size and by lifetime as in Sekiyama, Imai, Negishi 2018, "Profile-guided memory optimization for deep neural
-// networks"). Reinsertion moves intervals within the best order found. Small sets end with a short exact search.
+// Greedy packing, then reinsertion. Placing each interval at its lowest feasible offset is first fit for
+// dynamic storage allocation (Knuth, TAOCP 1, 2.5); the order decides how good it is and no one order is
+// best, so several are tried (by size and by lifetime as in Sekiyama, Imai, Negishi 2018, "Profile-guided
+// memory optimization for deep neural networks"). Reinsertion moves intervals within the best order found.
+// Small sets end with a short exact search.
 #include "graph/pack.h"
 
 #include <algorithm>
@@ -14,12 +15,16 @@ namespace penumbra {
 
 namespace {
 
-// What the exact search at the end may cost: some ten milliseconds. Render graphs of twenty intervals take about 2000.
+// What the exact search at the end may cost: at most a tenth of a second. Real pipelines take some hundred
+// nodes.
 constexpr uint64_t small_search_nodes = 20'000;
 
-uint64_t align_up(uint64_t value, uint64_t alignment) { return (value + alignment - 1) & ~(alignment - 1); }
+uint64_t align_up(uint64_t value, uint64_t alignment) {
+    return (value + alignment - 1) & ~(alignment - 1);
+}
 
-// splitmix64 (Steele, Lea, Flood 2014): the same sequence on every platform, which <random>'s distributions are not.
+// splitmix64 (Steele, Lea, Flood 2014): the same sequence on every platform, which <random>'s distributions
+// are not.
 class Sequence {
   public:
     uint32_t below(size_t bound) {
@@ -57,8 +62,9 @@ class Placer {
             const uint64_t end = offset + intervals_[i].size;
             packing.offsets[i] = offset;
             packing.heap = std::max(packing.heap, end);
-            const auto after = std::upper_bound(placed_.begin(), placed_.end(), offset,
-                                                [](uint64_t value, const Placed& p) { return value < p.offset; });
+            const auto after =
+                std::upper_bound(placed_.begin(), placed_.end(), offset,
+                                 [](uint64_t value, const Placed& p) { return value < p.offset; });
             placed_.insert(after, {offset, end, i});
         }
         return packing;
@@ -70,7 +76,8 @@ class Placer {
         uint32_t index;
     };
 
-    // The lowest gap that fits, or the one that leaves the fewest bytes over; where none fits, above everything.
+    // The lowest gap that fits, or the one that leaves the fewest bytes over; where none fits, above
+    // everything.
     uint64_t gap_for(uint32_t i, Gap gap) const {
         const Interval& interval = intervals_[i];
         const uint8_t* conflicts = &conflicts_[i * count_];
@@ -96,17 +103,18 @@ class Placer {
     std::vector<Placed> placed_;      // by offset
 };
 
-// An order's result: smaller heaps first, then fewer bytes high up, which lets the search cross plateaus of equal heaps.
+// An order's result: smaller heaps first, then fewer intervals and passes that reach the top, which leads the
+// search across plateaus of equal heaps.
 struct Score {
-    uint64_t heap, height;
+    uint64_t heap, passes_at_top;
     auto operator<=>(const Score&) const = default;
 };
 
 Score score(const Packing& packing, std::span<const Interval> intervals) {
-    uint64_t height = 0;
+    uint64_t passes = 0;
     for (size_t i = 0; i < intervals.size(); ++i)
-        if (packing.offsets[i] + intervals[i].size == packing.heap) height += intervals[i].length;
-    return {packing.heap, height};
+        if (packing.offsets[i] + intervals[i].size == packing.heap) passes += intervals[i].length;
+    return {packing.heap, passes};
 }
 
 // Every key sorts its largest value first.
@@ -127,14 +135,17 @@ std::vector<std::vector<uint32_t>> greedy_orders(std::span<const Interval> inter
     add([](const Interval& i) { return Key(i.size, i.length); });
     add([](const Interval& i) { return Key(i.size * i.length, i.size); });
     add([](const Interval& i) { return Key(i.length, i.size); });
-    // By birth and by death: what the classic linear scan does. Backwards too, which is the same set seen in a mirror.
+    // By birth and by death: what the classic linear scan does. Backwards too, which is the same set seen in
+    // a mirror.
     add([&](const Interval& i) { return Key(period - i.first, i.length); });
     add([&](const Interval& i) { return Key(period - i.first, i.size); });
     add([](const Interval& i) { return Key(i.first + i.length, i.length); });
     add([](const Interval& i) { return Key(i.first + i.length, i.size); });
     // What wraps first: on the rest of the circle the remaining intervals are plain ones.
     add([&](const Interval& i) { return std::tuple(i.first + i.length > period, i.size, i.length); });
-    add([&](const Interval& i) { return std::tuple(i.first + i.length > period, period - i.first, i.length); });
+    add([&](const Interval& i) {
+        return std::tuple(i.first + i.length > period, period - i.first, i.length);
+    });
     return orders;
 }
 
@@ -175,8 +186,8 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
             if (best.heap == bound) return best;
         }
 
-    // One step costs about n^2 operations, hence the count. Intervals at the top of the heap move to an earlier place in
-    // the order; every fourth step moves any interval anywhere, to leave local minima.
+    // One step costs about n^2 operations, hence the count. Intervals at the top of the heap move to an
+    // earlier place in the order; every fourth step moves any interval anywhere, to leave local minima.
     const uint64_t n = intervals.size();
     const uint64_t steps = std::min<uint64_t>(1000, 400'000'000 / (n * n));
     Sequence random;
@@ -186,7 +197,8 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
     for (uint64_t step = 0; step < steps && best.heap > bound; ++step) {
         at_top.clear();
         for (uint32_t place = 0; place < order.size(); ++place)
-            if (current.offsets[order[place]] + intervals[order[place]].size == current.heap) at_top.push_back(place);
+            if (current.offsets[order[place]] + intervals[order[place]].size == current.heap)
+                at_top.push_back(place);
         const bool anywhere = step % 4 == 3;
         const uint32_t from = anywhere ? random.below(order.size()) : at_top[random.below(at_top.size())];
         const uint32_t to = random.below(anywhere ? order.size() : from + 1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Offsets for resources that live in intervals on a circle: dynamic storage allocation with wrap-around lifetimes.
-// Pure functions. Intervals are {first, length} on a circle of `period` passes, since a begin/end pair could not
-// tell a full circle from an empty interval.
+// Offsets for resources that live in intervals on a circle: dynamic storage allocation with wrap-around
+// lifetimes. Pure functions. Intervals are {first, length} on a circle of `period` passes, since a begin/end
+// pair could not tell a full circle from an empty interval.
 #pragma once
 
 #include <cstdint>
@@ -29,10 +29,13 @@ bool overlap_in_time(const Interval& a, const Interval& b, uint32_t period);
 // The largest sum of sizes live at one time: no packing can be smaller.
 uint64_t live_bound(std::span<const Interval> intervals, uint32_t period);
 
-// A packing: several greedy orders, then reinsertion, both deterministic and bounded by counted steps, never by time.
+// A packing: several greedy orders, then reinsertion, on small sets then a short exact search; all
+// deterministic and bounded by counted steps, never by time. Never larger than the sum of the aligned sizes.
 Packing pack(std::span<const Interval> intervals, uint32_t period);
 
-// The smallest possible heap by exhaustive search, or nothing where `max_nodes` search nodes do not suffice.
-std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes = 20'000'000);
+// The smallest possible heap by exhaustive search, or nothing where `max_nodes` search nodes do not suffice
+// (a node takes one to two microseconds) or where there are more than 64 intervals with bytes or 64 passes.
+std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period,
+                                uint64_t max_nodes = 2'000'000);
 
 }  // namespace penumbra

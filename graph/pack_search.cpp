@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Exhaustive branch and bound for small sets. An optimal packing can be chosen so that no interval can move lower; its
-// intervals, sorted by the height of what supports them, then each rest on the skyline of those before. So the search
-// fills the skyline's lowest level pass by pass: some interval starts there, or nothing does and the pass is closed up
-// to the level of its neighbours. (Skyline branching as in exact strip packing: Martello, Monaci, Vigo 2003.)
-// Pruned by each pass's remaining bytes, by intervals that would fit into space given up, by equal intervals, and by a
-// table of failed states in which a state and its copy half a period later are one.
+// Exhaustive branch and bound for small sets. An optimal packing can be chosen so that no interval can move
+// lower; its intervals, sorted by the height of what supports them, then each rest on the skyline of those
+// before. So the search fills the skyline's lowest level pass by pass: some interval starts there, or nothing
+// does and the pass is closed up to the level of its neighbours. (Skyline branching as in exact strip
+// packing: Martello, Monaci, Vigo 2003.) Pruned by each pass's remaining bytes, by intervals that would fit
+// into space given up, by equal intervals, and by a table of failed states in which a state and its copy half
+// a period later are one.
 #include "graph/pack_search.h"
 
 #include <algorithm>
@@ -21,7 +22,9 @@ namespace {
 constexpr uint32_t max_items = 64, max_slots = 64;
 constexpr uint64_t walled = UINT64_MAX;  // the height of a pass that nothing remaining lives in
 
-uint64_t align_up(uint64_t value, uint64_t alignment) { return (value + alignment - 1) & ~(alignment - 1); }
+uint64_t align_up(uint64_t value, uint64_t alignment) {
+    return (value + alignment - 1) & ~(alignment - 1);
+}
 
 uint64_t mix(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -55,9 +58,10 @@ class Search {
         prepare(intervals, period);
     }
 
-    // Limits from the lower bound up, each search showing what the next limit has to be, in the manner of iterative
-    // deepening (Korf 1985): tight limits prune best, and the first packing found is near the optimum. Limits grow by at
-    // least an eighth of what is open, so that many different sizes do not mean many searches.
+    // Limits from the lower bound up, each search showing what the next limit has to be, in the manner of
+    // iterative deepening (Korf 1985): tight limits prune best, and the first packing found is near the
+    // optimum. Limits grow by at least an eighth of what is open, so that many different sizes do not mean
+    // many searches.
     SearchResult run(uint64_t bound) {
         State state{};
         state.remaining = items_.size() == 64 ? ~0ull : (1ull << items_.size()) - 1;
@@ -82,8 +86,8 @@ class Search {
         uint64_t low = 0, high = 0;
     };
 
-    // Passes whose live set is part of another's add nothing: the intervals stay arcs without them, and every two that
-    // conflicted still do.
+    // Passes whose live set is part of another's add nothing: the intervals stay arcs without them, and every
+    // two that conflicted still do.
     void prepare(std::span<const Interval> intervals, uint32_t period) {
         std::vector<uint32_t> chosen;
         for (uint32_t i = 0; i < intervals.size(); ++i)
@@ -113,17 +117,20 @@ class Search {
         }
         // Large ones are tried first; interchangeable ones are neighbours.
         std::stable_sort(items_.begin(), items_.end(), [](const Item& a, const Item& b) {
-            const auto key = [](const Item& i) { return std::tuple(i.size, std::popcount(i.slots), i.slots, i.alignment); };
+            const auto key = [](const Item& i) {
+                return std::tuple(i.size, std::popcount(i.slots), i.slots, i.alignment);
+            };
             return key(a) > key(b);
         });
         std::map<Kind, uint32_t> kinds;
         for (Item& item : items_)
-            item.kind = kinds.try_emplace({item.slots, item.size, item.alignment}, kinds.size()).first->second;
+            item.kind =
+                kinds.try_emplace({item.slots, item.size, item.alignment}, kinds.size()).first->second;
         find_rotation(kinds);
     }
 
-    // Histories come in pairs half a period apart; then every state is as good as its copy half a circle later. Slots are
-    // in time order, one for each different live set, so turning the circle turns them too.
+    // Histories come in pairs half a period apart; then every state is as good as its copy half a circle
+    // later. Slots are in time order, one for each different live set, so turning the circle turns them too.
     void find_rotation(const std::map<Kind, uint32_t>& kinds) {
         if (slots_ % 2 != 0) return;
         std::vector<uint32_t> image(kinds.size()), count(kinds.size(), 0), image_count(kinds.size(), 0);
@@ -150,29 +157,30 @@ class Search {
         return align_up(height, item.alignment);
     }
 
-    // Whether what is left may fit below the limit: each item by itself, and in each slot all of its items on top of
-    // each other, none below its own lowest offset (one machine with release dates).
+    // Whether what is left may fit below the limit: each item by itself, and in each slot all of its items on
+    // top of each other, none below its own lowest offset (one machine with release dates).
     bool fits(const State& state) {
-        std::array<uint64_t, max_items> lowest;
+        struct Waiting {
+            uint64_t lowest;
+            const Item* item;
+        };
+        std::array<Waiting, max_items> waiting;
+        size_t count = 0;
         for (uint64_t items = state.remaining; items; items &= items - 1) {
-            const int i = std::countr_zero(items);
-            lowest[i] = lowest_offset(state, items_[i]);
-            if (!within_limit(lowest[i] + items_[i].size)) return false;
+            const Item& item = items_[std::countr_zero(items)];
+            const uint64_t lowest = lowest_offset(state, item);
+            if (!within_limit(lowest + item.size)) return false;
+            waiting[count++] = {lowest, &item};
         }
-        std::array<std::pair<uint64_t, uint64_t>, max_items> stack;
-        for (uint32_t t = 0; t < slots_; ++t) {
-            if (state.left[t] == 0) continue;
-            if (!within_limit(state.height[t] + state.left[t] - padding_)) return false;
-            size_t count = 0;
-            for (uint64_t items = state.remaining; items; items &= items - 1) {
-                const int i = std::countr_zero(items);
-                if (items_[i].slots >> t & 1) stack[count++] = {lowest[i], items_[i].padded};
+        std::sort(waiting.begin(), waiting.begin() + count,
+                  [](const Waiting& a, const Waiting& b) { return a.lowest < b.lowest; });
+        std::array<uint64_t, max_slots> top{};
+        for (size_t k = 0; k < count; ++k)
+            for (uint64_t slots = waiting[k].item->slots; slots; slots &= slots - 1) {
+                uint64_t& t = top[std::countr_zero(slots)];
+                t = std::max(t, waiting[k].lowest) + waiting[k].item->padded;
+                if (!within_limit(t - padding_)) return false;
             }
-            std::sort(stack.begin(), stack.begin() + count);
-            uint64_t top = 0;
-            for (size_t k = 0; k < count; ++k) top = std::max(top, stack[k].first) + stack[k].second;
-            if (!within_limit(top - padding_)) return false;
-        }
         return true;
     }
 
@@ -191,7 +199,8 @@ class Search {
     }
 
     // Two hashes of a state, equal for its rotated copy. A false match would need 128 equal bits.
-    // Each search for a larger limit starts anew; within one the limit only falls, so that what failed stays failed.
+    // Each search for a larger limit starts anew; within one the limit only falls, so that what failed stays
+    // failed.
     Failed fingerprint(const State& state) const {
         const auto hash = [&](uint32_t by, uint64_t seed) {
             uint64_t sum = round_;
@@ -223,14 +232,17 @@ class Search {
     std::vector<Failed> failed_;  // direct mapped; states from which no packing within the limit was found
     std::vector<Item> items_;
     uint32_t slots_ = 0;
-    uint64_t padding_ = 0;  // the most that an item's padded size exceeds its size, which the topmost one does not need
-    std::vector<uint32_t> kind_image_;  // what each kind becomes half a circle later; empty where that is no symmetry
+    uint64_t padding_ =
+        0;  // the most that an item's padded size exceeds its size, which the topmost one does not need
+    std::vector<uint32_t>
+        kind_image_;  // what each kind becomes half a circle later; empty where that is no symmetry
 };
 
 void Search::visit(const State& state) {
     if (state.remaining == 0) {
         best_ = {offsets_, 0};
-        for (const Item& item : items_) best_.heap = std::max(best_.heap, offsets_[item.interval] + item.size);
+        for (const Item& item : items_)
+            best_.heap = std::max(best_.heap, offsets_[item.interval] + item.size);
         limit_ = best_.heap - 1;
         return;
     }
@@ -262,8 +274,8 @@ void Search::visit(const State& state) {
     if (covered == 0) {
         raise_closed(next, level);
     } else {
-        // What comes next in a closed slot rests on something higher: on a slot that is now, or on an item that starts
-        // on this level.
+        // What comes next in a closed slot rests on something higher: on a slot that is now, or on an item
+        // that starts on this level.
         uint64_t above = walled;
         for (uint32_t t = 0; t < slots_; ++t)
             if (state.left[t] && state.height[t] > level) above = std::min(above, state.height[t]);
@@ -310,7 +322,8 @@ void Search::visit(const State& state) {
     if (nodes_ <= budget_) seen = print;
 }
 
-// Every slot on the level is closed: what comes next there also lives in a neighbouring slot, hence on its height.
+// Every slot on the level is closed: what comes next there also lives in a neighbouring slot, hence on its
+// height.
 void Search::raise_closed(State state, uint64_t level) {
     const auto height = [&](uint32_t t) { return state.left[t] ? state.height[t] : walled; };
     uint32_t start = slots_;
@@ -330,7 +343,8 @@ void Search::raise_closed(State state, uint64_t level) {
         const uint64_t to = std::min(height(before), height((start + k) % slots_));
         if (to == walled) return;
         for (uint64_t slots = run; slots; slots &= slots - 1) raised.height[std::countr_zero(slots)] = to;
-        // Where an item would fit into the space given up, it could move there: that packing is found elsewhere.
+        // Where an item would fit into the space given up, it could move there: that packing is found
+        // elsewhere.
         for (uint64_t items = state.remaining; items; items &= items - 1) {
             const Item& item = items_[std::countr_zero(items)];
             if ((item.slots & ~run) == 0 && align_up(level, item.alignment) + item.padded <= to) return;
@@ -341,7 +355,8 @@ void Search::raise_closed(State state, uint64_t level) {
 
 }  // namespace
 
-SearchResult search_packing(std::span<const Interval> intervals, uint32_t period, Packing packing, uint64_t max_nodes) {
+SearchResult search_packing(std::span<const Interval> intervals, uint32_t period, Packing packing,
+                            uint64_t max_nodes) {
     uint64_t bound = live_bound(intervals, period);
     if (packing.heap == bound) return {std::move(packing), true, 0};
 

@@ -10,13 +10,15 @@
 namespace penumbra {
 
 struct SearchResult {
-    Packing best;           // the given packing, or a smaller one
-    bool exhausted = true;  // nothing is smaller than `best`; false where the budget ran out before that was known
-    uint64_t nodes = 0;     // search nodes visited
+    Packing best;  // the given packing, or a smaller one
+    bool exhausted =
+        true;  // nothing is smaller than `best`; false where the budget ran out before that was known
+    uint64_t nodes = 0;  // search nodes visited
 };
 
-// Looks for packings smaller than `packing`, visiting at most `max_nodes` nodes. At most 64 intervals with bytes; beyond
-// that the result is not exhausted. Deterministic.
-SearchResult search_packing(std::span<const Interval> intervals, uint32_t period, Packing packing, uint64_t max_nodes);
+// Looks for packings smaller than `packing`, visiting at most `max_nodes` nodes. At most 64 intervals with
+// bytes; beyond that the result is not exhausted. Deterministic.
+SearchResult search_packing(std::span<const Interval> intervals, uint32_t period, Packing packing,
+                            uint64_t max_nodes);
 
 }  // namespace penumbra

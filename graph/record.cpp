@@ -88,7 +88,7 @@ void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<c
         vkCmdResetQueryPool(cmd, slot.timestamps.get(), 0, 2 * static_cast<uint32_t>(plan().passes.size()));
     if (!plan().counters.empty()) {
         vkCmdFillBuffer(cmd, slot.counters.get(), 0, VK_WHOLE_SIZE, 0);
-        memory_dependency(cmd, VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+        memory_dependency(cmd, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                           VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                           VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
     }

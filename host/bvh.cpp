@@ -153,7 +153,7 @@ struct RaySetup {
         for (int a = 0; a < 3; ++a) {
             origin[a] = ray.origin[a];
             d[a] = ray.direction[a];
-            if (!(std::abs(d[a]) >= 0x1p-80f)) d[a] = std::signbit(d[a]) ? -0x1p-80f : 0x1p-80f;
+            if (!(std::abs(d[a]) >= 0x1p-80f)) d[a] = d[a] < 0 ? -0x1p-80f : 0x1p-80f;
             inverse[a] = 1.0f / d[a];
         }
         const float x = std::abs(d[0]), y = std::abs(d[1]), z = std::abs(d[2]);

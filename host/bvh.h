@@ -66,8 +66,8 @@ bool refit(Bvh& bvh, std::span<const Triangle> triangles);
 
 struct Ray {
     float origin[3];
-    float direction[3];  // unit within 1e-3
-    float t_min, t_max;  // hits count for t_min < t < t_max; t_max may be infinite
+    float direction[3];  // finite, of any length but zero
+    float t_min, t_max;  // in lengths of direction; hits count for t_min < t < t_max; t_min >= 0, t_max may be infinite
 };
 
 struct TraversalCounts {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Instance, choice of device, features, queue, and the messenger that collects what the validation layer says.
+// Instance, choice of device, features, queue, and the messenger that collects what the validation layer
+// says.
 #include "host/device.h"
 
 #include <fmt/format.h>
@@ -69,7 +70,8 @@ std::optional<uint32_t> find_queue_family(VkPhysicalDevice physical, bool* times
     return std::nullopt;
 }
 
-std::string missing_parts(VkPhysicalDevice physical, uint32_t api_version, const std::string& subgroup_missing) {
+std::string missing_parts(VkPhysicalDevice physical, uint32_t api_version,
+                          const std::string& subgroup_missing) {
     if (api_version < VK_API_VERSION_1_3) return "Vulkan 1.3";
     Features f(false);
     vkGetPhysicalDeviceFeatures2(physical, &f.core);
@@ -127,7 +129,8 @@ bool has_layer(const char* name) {
     uint32_t count = 0;
     check(vkEnumerateInstanceLayerProperties(&count, nullptr), "vkEnumerateInstanceLayerProperties", "count");
     std::vector<VkLayerProperties> layers(count);
-    check(vkEnumerateInstanceLayerProperties(&count, layers.data()), "vkEnumerateInstanceLayerProperties", "list");
+    check(vkEnumerateInstanceLayerProperties(&count, layers.data()), "vkEnumerateInstanceLayerProperties",
+          "list");
     return std::ranges::any_of(layers, [&](const auto& l) { return !std::strcmp(l.layerName, name); });
 }
 
@@ -151,7 +154,8 @@ struct Device::Messages {
 
     static VKAPI_ATTR VkBool32 VKAPI_CALL receive(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                                   VkDebugUtilsMessageTypeFlagsEXT,
-                                                  const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+                                                  const VkDebugUtilsMessengerCallbackDataEXT* data,
+                                                  void* user) {
         auto* self = static_cast<Messages*>(user);
         const std::lock_guard lock(self->mutex);
         self->list.emplace_back(data->pMessage);
@@ -183,7 +187,9 @@ Device::Device(const DeviceOptions& options) : messages_(std::make_unique<Messag
     }
 }
 
-Device::~Device() { destroy(); }
+Device::~Device() {
+    destroy();
+}
 
 void Device::destroy() {
     pool_ = {};
@@ -203,7 +209,8 @@ void Device::create_instance(const DeviceOptions& options) {
     messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
     messenger.pfnUserCallback = Messages::receive;
     messenger.pUserData = messages_.get();
-    const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+    const VkValidationFeatureEnableEXT enabled[] = {
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
     VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
     features.enabledValidationFeatureCount = 1;
     features.pEnabledValidationFeatures = enabled;
@@ -213,8 +220,8 @@ void Device::create_instance(const DeviceOptions& options) {
     create.pApplicationInfo = &app;
     if (options.validation) {
         if (!has_layer(validation_layer)) {
-            throw DeviceError(fmt::format("validation was asked for, but the layer {} is not installed",
-                                          validation_layer));
+            throw DeviceError(
+                fmt::format("validation was asked for, but the layer {} is not installed", validation_layer));
         }
         create.pNext = &features;
         create.enabledLayerCount = 1;
@@ -224,9 +231,10 @@ void Device::create_instance(const DeviceOptions& options) {
     }
     check(vkCreateInstance(&create, nullptr, &instance_), "vkCreateInstance", "standalone host");
     if (options.validation) {
-        const auto make = instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(instance_,
-                                                                               "vkCreateDebugUtilsMessengerEXT");
-        check(make(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT", "messenger");
+        const auto make = instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(
+            instance_, "vkCreateDebugUtilsMessengerEXT");
+        check(make(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT",
+              "messenger");
     }
 }
 
@@ -242,8 +250,9 @@ void Device::pick_physical_device(const std::string& wish) {
     }
     if (physical_) return;
     if (seen.empty()) throw DeviceError("no Vulkan device on this machine");
-    throw DeviceError(wish.empty() ? "no usable Vulkan device among:" + seen
-                                   : fmt::format("no usable Vulkan device is named \"{}\" among:{}", wish, seen));
+    throw DeviceError(wish.empty()
+                          ? "no usable Vulkan device among:" + seen
+                          : fmt::format("no usable Vulkan device is named \"{}\" among:{}", wish, seen));
 }
 
 void Device::create_device() {
@@ -257,8 +266,8 @@ void Device::create_device() {
     const bool may_query_rays = has_extensions(physical_, ray_query_extensions);
     Features has(may_query_rays);
     vkGetPhysicalDeviceFeatures2(physical_, &has.core);
-    caps_ = {.ray_query = may_query_rays && has.acceleration.accelerationStructure && has.ray_query.rayQuery &&
-                          has.v12.bufferDeviceAddress,
+    caps_ = {.ray_query = may_query_rays && has.acceleration.accelerationStructure &&
+                          has.ray_query.rayQuery && has.v12.bufferDeviceAddress,
              .storage8 = has.v12.storageBuffer8BitAccess && has.v12.shaderInt8,
              .depth_clamp = has.core.features.depthClamp == VK_TRUE,
              .timestamps = timestamps,
@@ -308,7 +317,8 @@ void Device::run(const std::function<void(VkCommandBuffer)>& commands) {
     allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocate.commandBufferCount = 1;
     VkCommandBuffer buffer = VK_NULL_HANDLE;
-    check(vkAllocateCommandBuffers(device_, &allocate, &buffer), "vkAllocateCommandBuffers", "one-off commands");
+    check(vkAllocateCommandBuffers(device_, &allocate, &buffer), "vkAllocateCommandBuffers",
+          "one-off commands");
     // Freed on every way out; after a failed submission the device is lost and nothing is pending.
     const auto free = [this](VkCommandBuffer b) { vkFreeCommandBuffers(device_, pool_.get(), 1, &b); };
     const std::unique_ptr<VkCommandBuffer_T, decltype(free)> owner(buffer, free);

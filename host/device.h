@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A headless Vulkan 1.3 device with one queue: what the standalone host runs on. Every feature that the node set may
-// use is turned on where the device has it; what is required and missing is an error that names it.
+// A headless Vulkan 1.3 device with one queue: what the standalone host runs on. Every feature that the node
+// set may use is turned on where the device has it; what is required and missing is an error that names it.
 #pragma once
 
 #include <vulkan/vulkan_core.h>

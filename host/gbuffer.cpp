@@ -15,7 +15,9 @@ namespace penumbra {
 
 namespace {
 
-glm::dvec3 position_of(const Camera& camera) { return glm::make_vec3(camera.position.data()); }
+glm::dvec3 position_of(const Camera& camera) {
+    return glm::make_vec3(camera.position.data());
+}
 
 // Camera-relative metres in world axes -> clip.
 glm::dmat4 clip_from_rel(const Camera& camera) {
@@ -23,7 +25,8 @@ glm::dmat4 clip_from_rel(const Camera& camera) {
            glm::dmat4(glm::transpose(glm::make_mat3(camera.world_from_view.data())));
 }
 
-// The part's frame -> camera-relative metres: the difference of the two positions is taken before anything is rounded.
+// The part's frame -> camera-relative metres: the difference of the two positions is taken before anything is
+// rounded.
 glm::dmat4 rel_from_local(const glm::dmat4& world, const glm::dvec3& part_origin, const glm::dvec3& origin,
                           const Camera& camera) {
     glm::dmat4 result = glm::translate(world, part_origin);
@@ -85,12 +88,12 @@ void hand_over(VkCommandBuffer commands, std::span<const GpuImage* const> images
     for (const GpuImage* image : images) {
         const bool depth = is_depth(image->format);
         VkImageMemoryBarrier2& barrier =
-            list.emplace_back(transition(*image, VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL, GBuffer::layout));
+            list.emplace_back(transition(*image, VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL, GBuffer::final_layout));
         barrier.srcStageMask = depth ? depth_stages : VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
-        barrier.srcAccessMask = depth ? VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT
-                                      : VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
-        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT |
-                               VK_PIPELINE_STAGE_2_COPY_BIT;
+        barrier.srcAccessMask =
+            depth ? VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT : VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |
+                               VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT;
         barrier.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
     }
     barriers(commands, list);
@@ -110,14 +113,15 @@ VkRenderingAttachmentInfo cleared_attachment(const GpuImage& image) {
 GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight)
     : device_(device), scene_(scene), textures_(device, scene.model().textures) {
     const RasterGeometry geometry = make_raster_geometry(scene.model());
-    vertices_ = upload_buffer(device, std::as_bytes(std::span(geometry.vertices)), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
-                              "vertices");
-    indices_ = upload_buffer(device, std::as_bytes(std::span(geometry.indices)), VK_BUFFER_USAGE_INDEX_BUFFER_BIT,
-                             "indices");
+    vertices_ = upload_buffer(device, std::as_bytes(std::span(geometry.vertices)),
+                              VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "vertices");
+    indices_ = upload_buffer(device, std::as_bytes(std::span(geometry.indices)),
+                             VK_BUFFER_USAGE_INDEX_BUFFER_BIT, "indices");
     for (const Instance& instance : scene.instances()) {
         const auto mesh = static_cast<size_t>(instance.mesh);
         const std::vector<Part>& parts = scene.model().meshes[mesh].parts;
-        for (size_t i = 0; i < parts.size(); ++i) items_.push_back({instance, &parts[i], geometry.meshes[mesh][i]});
+        for (size_t i = 0; i < parts.size(); ++i)
+            items_.push_back({instance, &parts[i], geometry.meshes[mesh][i]});
     }
     create_images(extent);
     create_draw_records(frames_in_flight);
@@ -143,8 +147,8 @@ void GBuffer::create_draw_records(uint32_t frames_in_flight) {
     layout.bindingCount = 1;
     layout.pBindings = &binding;
     VkDescriptorSetLayout layout_handle = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device_.get(), &layout, nullptr, &layout_handle), "vkCreateDescriptorSetLayout",
-          "draw records");
+    check(vkCreateDescriptorSetLayout(device_.get(), &layout, nullptr, &layout_handle),
+          "vkCreateDescriptorSetLayout", "draw records");
     record_layout_ = {device_.get(), layout_handle};
 
     const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, frames_in_flight};
@@ -167,7 +171,8 @@ void GBuffer::create_draw_records(uint32_t frames_in_flight) {
           "draw records");
     const VkDeviceSize bytes = std::max<size_t>(items_.size(), 1) * sizeof(DrawRecord);
     for (uint32_t slot = 0; slot < frames_in_flight; ++slot) {
-        records_.push_back(make_host_buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "draw records"));
+        records_.push_back(
+            make_host_buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "draw records"));
         const VkDescriptorBufferInfo info{records_.back().get(), 0, VK_WHOLE_SIZE};
         VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         write.dstSet = record_sets_[slot];
@@ -180,27 +185,30 @@ void GBuffer::create_draw_records(uint32_t frames_in_flight) {
 
 void GBuffer::create_pipeline() {
     const VkDescriptorSetLayout sets[] = {record_layout_.get(), textures_.layout()};
-    const VkPushConstantRange constants{VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(DrawConstants)};
+    const VkPushConstantRange constants{draw_constant_stages, 0, sizeof(DrawConstants)};
     VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
     layout.setLayoutCount = 2;
     layout.pSetLayouts = sets;
     layout.pushConstantRangeCount = 1;
     layout.pPushConstantRanges = &constants;
     VkPipelineLayout handle = VK_NULL_HANDLE;
-    check(vkCreatePipelineLayout(device_.get(), &layout, nullptr, &handle), "vkCreatePipelineLayout", "G-buffer");
+    check(vkCreatePipelineLayout(device_.get(), &layout, nullptr, &handle), "vkCreatePipelineLayout",
+          "G-buffer");
     pipeline_layout_ = {device_.get(), handle};
     pipeline_ = make_gbuffer_pipeline(device_, handle);
 }
 
 void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
-                                 std::span<const glm::dmat4> prev_world, const glm::dvec3& origin, size_t slot) {
+                                 std::span<const glm::dmat4> prev_world, const glm::dvec3& origin,
+                                 size_t slot) {
     const glm::dmat4 clip = clip_from_rel(frame.camera), prev_clip = clip_from_rel(frame.previous);
     auto* records = static_cast<DrawRecord*>(records_[slot].mapped);
     for (size_t i = 0; i < items_.size(); ++i) {
         const DrawItem& item = items_[i];
         const auto node = static_cast<size_t>(item.instance.node);
         const glm::dmat4 rel = rel_from_local(world[node], item.part->origin, origin, frame.camera);
-        const glm::dmat4 prev_rel = rel_from_local(prev_world[node], item.part->origin, origin, frame.previous);
+        const glm::dmat4 prev_rel =
+            rel_from_local(prev_world[node], item.part->origin, origin, frame.previous);
         const glm::dmat3 linear(rel);
         const glm::dmat3 normals = cofactors(linear) / largest_element(cofactors(linear));
         const glm::dvec3 camera = -(glm::inverse(linear) * glm::dvec3(rel[3]));
@@ -219,8 +227,9 @@ void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const 
     }
 }
 
-void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame, std::span<const glm::dmat4> world,
-                     std::span<const glm::dmat4> prev_world, const glm::dvec3& origin) {
+void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
+                     std::span<const glm::dmat4> world, std::span<const glm::dmat4> prev_world,
+                     const glm::dvec3& origin) {
     const size_t nodes = scene_.model().nodes.size();
     if (world.size() != nodes || prev_world.size() != nodes) {
         throw std::invalid_argument("GBuffer::record: one transform per node is needed");
@@ -231,7 +240,8 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame, st
     const GpuImage* all[] = {&images_.depth, &images_.normal, &images_.motion, &images_.albedo};
     begin_writing(commands, all);
     const VkRenderingAttachmentInfo depth = cleared_attachment(images_.depth);
-    const VkRenderingAttachmentInfo colors[] = {cleared_attachment(images_.normal), cleared_attachment(images_.motion),
+    const VkRenderingAttachmentInfo colors[] = {cleared_attachment(images_.normal),
+                                                cleared_attachment(images_.motion),
                                                 cleared_attachment(images_.albedo)};
     VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
     rendering.renderArea = {{0, 0}, images_.depth.extent};
@@ -247,7 +257,8 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame, st
 
 void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const {
     const VkExtent2D extent = images_.depth.extent;
-    const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height), 0, 1};
+    const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height),
+                              0, 1};
     const VkRect2D scissor{{0, 0}, extent};
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &scissor);
@@ -259,21 +270,23 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 0, 1,
                             &record_sets_[slot], 0, nullptr);
     VkDescriptorSet bound = VK_NULL_HANDLE;
-    DrawConstants constants{glm::vec2(2 * frame.jitter[0], 2 * frame.jitter[1]), 0};
+    DrawConstants constants{glm::vec2(2 * frame.jitter[0], 2 * frame.jitter[1]),
+                            glm::vec2(2.0 / extent.width, 2.0 / extent.height), 0};
     for (size_t i = 0; i < items_.size(); ++i) {
         const DrawItem& item = items_[i];
         const int material = item.part->material;
-        const VkDescriptorSet texture =
-            textures_.set(material < 0 ? -1 : scene_.model().materials[static_cast<size_t>(material)].texture);
+        const VkDescriptorSet texture = textures_.set(
+            material < 0 ? -1 : scene_.model().materials[static_cast<size_t>(material)].texture);
         if (texture != bound) {
-            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 1, 1, &texture,
-                                    0, nullptr);
+            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 1, 1,
+                                    &texture, 0, nullptr);
             bound = texture;
         }
         constants.draw = static_cast<uint32_t>(i);
-        vkCmdPushConstants(commands, pipeline_layout_.get(), VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(constants),
+        vkCmdPushConstants(commands, pipeline_layout_.get(), draw_constant_stages, 0, sizeof(constants),
                            &constants);
-        vkCmdDrawIndexed(commands, item.range.index_count, 1, item.range.first_index, item.range.vertex_offset, 0);
+        vkCmdDrawIndexed(commands, item.range.index_count, 1, item.range.first_index,
+                         item.range.vertex_offset, 0);
     }
 }
 

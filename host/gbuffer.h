@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Rasterises the host inputs depth, normal, motion and albedo (conventions in the formats' table of host inputs).
-// Transforms are made on the CPU in double precision, relative to the camera, and rounded once per draw.
+// Rasterises the host inputs depth, normal, motion and albedo (conventions in the formats' table of host
+// inputs). Transforms are made on the CPU in double precision, relative to the camera, and rounded once per
+// draw.
 #pragma once
 
 #include <array>
@@ -28,14 +29,14 @@ class GBuffer {
     // `scene` must outlive the G-buffer. `frames_in_flight`: how many recorded frames may be pending at once.
     GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight);
 
-    // Records the frame into slot frame.index % frames_in_flight. `world` and `prev_world` are Scene::transforms() of
-    // this frame and the previous one; `origin` is the shot's. Afterwards the images are in
-    // SHADER_READ_ONLY_OPTIMAL, visible to shaders and copies that follow in the queue.
+    // Records the frame into slot frame.index % frames_in_flight. `world` and `prev_world` are
+    // Scene::transforms() of this frame and the previous one; `origin` is the shot's. Afterwards the images
+    // are in SHADER_READ_ONLY_OPTIMAL, visible to shaders and copies that follow in the queue.
     void record(VkCommandBuffer commands, const FrameDescription& frame, std::span<const glm::dmat4> world,
                 std::span<const glm::dmat4> prev_world, const glm::dvec3& origin);
 
     const GBufferImages& images() const { return images_; }
-    static constexpr VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+    static constexpr VkImageLayout final_layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
 
   private:
     void create_images(VkExtent2D extent);

@@ -23,11 +23,14 @@ struct DrawRecord {
 };
 static_assert(sizeof(DrawRecord) == 208);
 
-// `Constants` of shaders/gbuffer.vert.
+// `Constants` of shaders/gbuffer.glsl.
 struct DrawConstants {
     glm::vec2 jitter_ndc;
+    glm::vec2 ndc_per_pixel;
     uint32_t draw;
 };
+inline constexpr VkShaderStageFlags draw_constant_stages =
+    VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
 // Reverse Z, no culling, dynamic viewport and scissor.
 Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Greedy choice of provoking vertices: the first corner that no earlier triangle has taken, else a copy of the first.
+// Greedy choice of provoking vertices: the first corner that no earlier triangle has taken, else a copy of
+// the first.
 #include "host/geometry.h"
 
 #include <array>
@@ -10,10 +11,11 @@ namespace {
 
 PartRange append(const Part& part, RasterGeometry& out) {
     const size_t first_vertex = out.vertices.size();
-    const PartRange range{static_cast<uint32_t>(out.indices.size()), static_cast<uint32_t>(part.indices.size()),
-                          static_cast<int32_t>(first_vertex)};
+    const PartRange range{static_cast<uint32_t>(out.indices.size()),
+                          static_cast<uint32_t>(part.indices.size()), static_cast<int32_t>(first_vertex)};
     for (size_t i = 0; i < part.positions.size(); ++i) {
-        out.vertices.push_back({part.positions[i], glm::vec3(0), part.uv.empty() ? glm::vec2(0) : part.uv[i]});
+        out.vertices.push_back(
+            {part.positions[i], glm::vec3(0), part.uv.empty() ? glm::vec2(0) : part.uv[i]});
     }
     std::vector<bool> taken(part.positions.size(), false);
     for (size_t i = 0; i < part.indices.size(); i += 3) {

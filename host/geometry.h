@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A model's triangles as the raster wants them: indexed, with one flat normal per triangle. The normal sits in the
-// first (provoking) vertex, so every triangle is rotated, or given a copy, until its first vertex is its own: about as
-// many vertices as triangles, a third of what unindexed triangles would take.
+// A model's triangles as the raster wants them: indexed, with one flat normal per triangle. The normal sits
+// in the first (provoking) vertex, so every triangle is rotated, or given a copy, until its first vertex is
+// its own: about as many vertices as triangles, a third of what unindexed triangles would take.
 #pragma once
 
 #include <cstdint>

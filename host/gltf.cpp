@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// tinygltf parses; this file checks what it parsed and turns it into a Model. Reference: glTF 2.0 specification.
+// tinygltf parses; this file checks what it parsed and turns it into a Model. Reference: glTF 2.0
+// specification.
 #include "host/gltf.h"
 
 #include <fmt/format.h>
@@ -30,16 +31,21 @@ class Loader {
     void load() {
         for (const std::string& extension : file_.extensionsRequired) {
             if (!is_harmless(extension)) {
-                throw GltfError(fmt::format("the file requires the extension {}, which is not supported", extension));
+                throw GltfError(
+                    fmt::format("the file requires the extension {}, which is not supported", extension));
             }
         }
         for (const tinygltf::Image& image : file_.images) add_texture(image);
         for (const tinygltf::Material& material : file_.materials) add_material(material);
         for (const tinygltf::Mesh& mesh : file_.meshes) add_mesh(mesh);
         add_scene();
+        if (model_.triangle_count() == 0) warn("there are no triangles");
         if (!file_.animations.empty()) warn("animations are ignored");
-        if (model_.dropped_nonfinite) warn(fmt::format("{} triangles with non-finite or huge coordinates dropped", model_.dropped_nonfinite));
-        if (model_.dropped_degenerate) warn(fmt::format("{} degenerate triangles dropped", model_.dropped_degenerate));
+        if (model_.dropped_nonfinite)
+            warn(fmt::format("{} triangles with non-finite or huge coordinates dropped",
+                             model_.dropped_nonfinite));
+        if (model_.dropped_degenerate)
+            warn(fmt::format("{} degenerate triangles dropped", model_.dropped_degenerate));
     }
 
   private:
@@ -49,9 +55,11 @@ class Loader {
 
     void add_texture(const tinygltf::Image& image) {
         Texture& texture = model_.textures.emplace_back();
-        const size_t texels = static_cast<size_t>(std::max(image.width, 0)) * static_cast<size_t>(std::max(image.height, 0));
+        const size_t texels =
+            static_cast<size_t>(std::max(image.width, 0)) * static_cast<size_t>(std::max(image.height, 0));
         const size_t step = static_cast<size_t>(image.bits) / 8;
-        if (texels == 0 || image.component != 4 || step == 0 || image.image.size() < texels * 4 * step) return;
+        if (texels == 0 || image.component != 4 || step == 0 || image.image.size() < texels * 4 * step)
+            return;
         texture.width = static_cast<uint32_t>(image.width);
         texture.height = static_cast<uint32_t>(image.height);
         texture.rgba.resize(texels * 4);
@@ -64,14 +72,19 @@ class Loader {
         const auto& pbr = material.pbrMetallicRoughness;
         for (size_t i = 0; i < std::min<size_t>(4, pbr.baseColorFactor.size()); ++i) {
             const double value = pbr.baseColorFactor[i];
-            if (!(value >= 0 && value <= 1)) throw GltfError(fmt::format("material \"{}\": base colour {} is not in 0..1", material.name, value));
+            if (!(value >= 0 && value <= 1))
+                throw GltfError(
+                    fmt::format("material \"{}\": base colour {} is not in 0..1", material.name, value));
             out.base_color[i] = static_cast<float>(value);
         }
         if (material.alphaMode != "OPAQUE") warn("alpha is ignored: materials are drawn opaque");
         if (pbr.baseColorTexture.index < 0) return;
         const tinygltf::Texture& texture = element(file_.textures, pbr.baseColorTexture.index, "texture");
-        if (pbr.baseColorTexture.texCoord != 0 || pbr.baseColorTexture.extensions.count("KHR_texture_transform")) {
-            warn("base colour textures with transforms or other than TEXCOORD_0 are ignored: the factor is used");
+        if (pbr.baseColorTexture.texCoord != 0 ||
+            pbr.baseColorTexture.extensions.count("KHR_texture_transform")) {
+            warn(
+                "base colour textures with transforms or other than TEXCOORD_0 are ignored: the factor is "
+                "used");
             return;
         }
         if (texture.source < 0) {
@@ -123,7 +136,8 @@ class Loader {
         const auto coordinates = primitive.attributes.find("TEXCOORD_0");
         if (coordinates != primitive.attributes.end()) {
             const std::vector<float> values = read_floats(file_, coordinates->second, 2);
-            if (values.size() / 2 != positions.size()) throw GltfError("TEXCOORD_0 and POSITION differ in count");
+            if (values.size() / 2 != positions.size())
+                throw GltfError("TEXCOORD_0 and POSITION differ in count");
             uv.resize(positions.size());
             for (size_t i = 0; i < uv.size(); ++i) uv[i] = glm::make_vec2(&values[2 * i]);
         }
@@ -133,14 +147,16 @@ class Loader {
             corners = read_indices(file_, primitive.indices);
             for (const uint32_t corner : corners) {
                 if (corner >= positions.size()) {
-                    throw GltfError(fmt::format("index {} is out of range ({} vertices)", corner, positions.size()));
+                    throw GltfError(
+                        fmt::format("index {} is out of range ({} vertices)", corner, positions.size()));
                 }
             }
         } else {
             corners.resize(positions.size());
             for (size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<uint32_t>(i);
         }
-        add_part(model_, mesh, std::move(positions), std::move(uv), to_triangles(corners, mode), primitive.material);
+        add_part(model_, mesh, std::move(positions), std::move(uv), to_triangles(corners, mode),
+                 primitive.material);
     }
 
     // Section 3.7.2.1: strips and fans to lists, with the winding kept.
@@ -199,14 +215,17 @@ class Loader {
             if (node.extensions.count("EXT_mesh_gpu_instancing")) warn("EXT_mesh_gpu_instancing is ignored");
             read_transform(node, out);
             const int self = static_cast<int>(model_.nodes.size()) - 1;
-            for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) pending.emplace_back(*child, self);
+            for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
+                pending.emplace_back(*child, self);
         }
     }
 
     static void read_transform(const tinygltf::Node& node, Node& out) {
         const auto checked = [&](const std::vector<double>& values, size_t count) {
-            if (values.size() != count || !std::ranges::all_of(values, [](double v) { return std::isfinite(v); })) {
-                throw GltfError(fmt::format("node \"{}\" has a transform that is not {} finite numbers", node.name, count));
+            if (values.size() != count ||
+                !std::ranges::all_of(values, [](double v) { return std::isfinite(v); })) {
+                throw GltfError(fmt::format("node \"{}\" has a transform that is not {} finite numbers",
+                                            node.name, count));
             }
             return values.data();
         };
@@ -232,7 +251,8 @@ class Loader {
 bool decode_image(tinygltf::Image* image, const int index, std::string*, std::string*, int width, int height,
                   const unsigned char* bytes, int size, void* options) {
     std::string ignored_error, ignored_warning;
-    if (!tinygltf::LoadImageData(image, index, &ignored_error, &ignored_warning, width, height, bytes, size, options)) {
+    if (!tinygltf::LoadImageData(image, index, &ignored_error, &ignored_warning, width, height, bytes, size,
+                                 options)) {
         image->width = image->height = 0;
         image->image.clear();
     }
@@ -247,7 +267,8 @@ std::string one_line(std::string text) {
 
 bool is_binary(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return extension == ".glb";
 }
 

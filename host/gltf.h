@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// glTF 2.0 (.gltf and .glb) to a Model. Whatever is wrong with the file is a diagnostic or a warning, never a crash:
-// every index and every range of bytes is checked before it is used.
+// glTF 2.0 (.gltf and .glb) to a Model. Whatever is wrong with the file is a diagnostic or a warning, never a
+// crash: every index and every range of bytes is checked before it is used.
 #pragma once
 
 #include <filesystem>
@@ -11,9 +11,10 @@
 
 namespace penumbra {
 
-// Reads the default scene's nodes. Triangles, strips and fans; indexed or not; sparse accessors; normalised integers.
-// Ignored with a warning: points and lines, skins, morph targets, animations, alpha, vertex colours, unreadable images.
-// An error: files that break the format, and required extensions that change the geometry (Draco, meshopt, ...).
+// Reads the default scene's nodes. Triangles, strips and fans; indexed or not; sparse accessors; normalised
+// integers. Ignored with a warning: points and lines, skins, morph targets, animations, alpha, vertex
+// colours, unreadable images. An error: files that break the format, and required extensions that change the
+// geometry (Draco, meshopt, ...).
 std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
 
 }  // namespace penumbra

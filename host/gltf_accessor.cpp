@@ -32,7 +32,8 @@ Elements view_elements(const tinygltf::Model& file, int view_index, uint64_t off
         throw GltfError(fmt::format("buffer view {} reaches past the end of its buffer", view_index));
     }
     if (count > most_elements || stride > 252 + element_bytes) {
-        throw GltfError(fmt::format("buffer view {} is read with {} elements of stride {}", view_index, count, stride));
+        throw GltfError(
+            fmt::format("buffer view {} is read with {} elements of stride {}", view_index, count, stride));
     }
     const uint64_t needed = count ? (count - 1) * stride + element_bytes : 0;
     if (offset > view.byteLength || needed > view.byteLength - offset) {
@@ -59,27 +60,38 @@ float load_number(const unsigned char* from, bool normalized) {
 
 uint32_t component_bytes(int type) {
     const int bytes = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(type));
-    if (bytes != 1 && bytes != 2 && bytes != 4) throw GltfError(fmt::format("component type {} is not known", type));
+    if (bytes != 1 && bytes != 2 && bytes != 4)
+        throw GltfError(fmt::format("component type {} is not known", type));
     return static_cast<uint32_t>(bytes);
 }
 
 float load_component(const unsigned char* from, int type, bool normalized) {
     switch (type) {
-        case TINYGLTF_COMPONENT_TYPE_BYTE: return load_number<int8_t>(from, normalized);
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return load_number<uint8_t>(from, normalized);
-        case TINYGLTF_COMPONENT_TYPE_SHORT: return load_number<int16_t>(from, normalized);
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return load_number<uint16_t>(from, normalized);
-        case TINYGLTF_COMPONENT_TYPE_FLOAT: return load_number<float>(from, false);
-        default: throw GltfError(fmt::format("component type {} cannot hold coordinates", type));
+        case TINYGLTF_COMPONENT_TYPE_BYTE:
+            return load_number<int8_t>(from, normalized);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return load_number<uint8_t>(from, normalized);
+        case TINYGLTF_COMPONENT_TYPE_SHORT:
+            return load_number<int16_t>(from, normalized);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return load_number<uint16_t>(from, normalized);
+        case TINYGLTF_COMPONENT_TYPE_FLOAT:
+            return load_number<float>(from, false);
+        default:
+            throw GltfError(fmt::format("component type {} cannot hold coordinates", type));
     }
 }
 
 uint32_t load_index(const unsigned char* from, int type) {
     switch (type) {
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return load<uint8_t>(from);
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return load<uint16_t>(from);
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return load<uint32_t>(from);
-        default: throw GltfError(fmt::format("component type {} cannot hold indices", type));
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return load<uint8_t>(from);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return load<uint16_t>(from);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+            return load<uint32_t>(from);
+        default:
+            throw GltfError(fmt::format("component type {} cannot hold indices", type));
     }
 }
 
@@ -88,7 +100,8 @@ const tinygltf::Accessor& checked_accessor(const tinygltf::Model& file, int inde
     if (tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type)) != width) {
         throw GltfError(fmt::format("accessor {} does not have {} components", index, width));
     }
-    if (accessor.count > most_elements) throw GltfError(fmt::format("accessor {} has {} elements", index, accessor.count));
+    if (accessor.count > most_elements)
+        throw GltfError(fmt::format("accessor {} has {} elements", index, accessor.count));
     return accessor;
 }
 
@@ -106,15 +119,16 @@ std::vector<float> read_floats(const tinygltf::Model& file, int index, int width
         }
     };
     if (accessor.bufferView >= 0) {
-        const Elements elements = view_elements(file, accessor.bufferView, accessor.byteOffset, accessor.count,
-                                                element_bytes, true);
+        const Elements elements = view_elements(file, accessor.bufferView, accessor.byteOffset,
+                                                accessor.count, element_bytes, true);
         out.resize(accessor.count * static_cast<uint64_t>(width));
         for (uint64_t i = 0; i < elements.count; ++i) copy(elements.at(i), i);
     } else if (!accessor.sparse.isSparse) {
         throw GltfError(fmt::format("accessor {} has no data", index));
     } else {
         // Zeros with overrides. The overrides bound what a sane file would leave at zero.
-        if (accessor.count > (uint64_t(1) << 26)) throw GltfError(fmt::format("accessor {} is too large", index));
+        if (accessor.count > (uint64_t(1) << 26))
+            throw GltfError(fmt::format("accessor {} is too large", index));
         out.resize(accessor.count * static_cast<uint64_t>(width));
     }
     if (!accessor.sparse.isSparse) return out;
@@ -123,14 +137,15 @@ std::vector<float> read_floats(const tinygltf::Model& file, int index, int width
     if (sparse.count < 0) throw GltfError(fmt::format("accessor {} has a negative sparse count", index));
     const uint64_t overrides = static_cast<uint64_t>(sparse.count);
     const Elements where =
-        view_elements(file, sparse.indices.bufferView, static_cast<uint64_t>(sparse.indices.byteOffset), overrides,
-                      component_bytes(sparse.indices.componentType), false);
-    const Elements values = view_elements(file, sparse.values.bufferView,
-                                          static_cast<uint64_t>(sparse.values.byteOffset), overrides, element_bytes,
-                                          false);
+        view_elements(file, sparse.indices.bufferView, static_cast<uint64_t>(sparse.indices.byteOffset),
+                      overrides, component_bytes(sparse.indices.componentType), false);
+    const Elements values =
+        view_elements(file, sparse.values.bufferView, static_cast<uint64_t>(sparse.values.byteOffset),
+                      overrides, element_bytes, false);
     for (uint64_t i = 0; i < overrides; ++i) {
         const uint32_t target = load_index(where.at(i), sparse.indices.componentType);
-        if (target >= accessor.count) throw GltfError(fmt::format("accessor {}: sparse index {} is out of range", index, target));
+        if (target >= accessor.count)
+            throw GltfError(fmt::format("accessor {}: sparse index {} is out of range", index, target));
         copy(values.at(i), target);
     }
     return out;
@@ -141,9 +156,8 @@ std::vector<uint32_t> read_indices(const tinygltf::Model& file, int index) {
     if (accessor.sparse.isSparse || accessor.bufferView < 0) {
         throw GltfError(fmt::format("accessor {}: indices must be stored in full", index));
     }
-    const Elements elements =
-        view_elements(file, accessor.bufferView, accessor.byteOffset, accessor.count,
-                      component_bytes(accessor.componentType), false);
+    const Elements elements = view_elements(file, accessor.bufferView, accessor.byteOffset, accessor.count,
+                                            component_bytes(accessor.componentType), false);
     std::vector<uint32_t> out(elements.count);
     for (uint64_t i = 0; i < elements.count; ++i) out[i] = load_index(elements.at(i), accessor.componentType);
     return out;

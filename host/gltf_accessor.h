@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Numbers out of a glTF accessor: any component type, normalised integers, strides and sparse overrides (glTF 2.0,
-// section 3.6.2), with every range checked against the buffer that it reads.
+// Numbers out of a glTF accessor: any component type, normalised integers, strides and sparse overrides
+// (glTF 2.0, section 3.6.2), with every range checked against the buffer that it reads.
 #pragma once
 
 #include <tiny_gltf.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Buffers, images, uploads and readbacks, each blocking: they run before the first frame or after the last one.
+// Buffers, images, uploads and readbacks, each blocking: they run before the first frame or after the last
+// one.
 #include "host/gpu.h"
 
 #include <fmt/format.h>
@@ -12,7 +13,8 @@ namespace penumbra {
 
 namespace {
 
-uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFlags wanted, std::string_view what) {
+uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFlags wanted,
+                     std::string_view what) {
     const VkPhysicalDeviceMemoryProperties& memory = device.memory();
     for (uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
         if ((allowed >> i & 1) && (memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
@@ -20,8 +22,8 @@ uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFla
     throw DeviceError(fmt::format("{}: no memory type of {} fits {}", what, wanted, device.info().name));
 }
 
-Owned<VkDeviceMemory> allocate(const Device& device, const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
-                               std::string_view what) {
+Owned<VkDeviceMemory> allocate(const Device& device, const VkMemoryRequirements& needs,
+                               VkMemoryPropertyFlags wanted, std::string_view what) {
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.allocationSize = needs.size;
     info.memoryTypeIndex = memory_type(device, needs.memoryTypeBits, wanted, what);
@@ -53,7 +55,8 @@ VkImageAspectFlags aspect_of(VkFormat format) {
 }
 
 // Everything before, then everything after: blocking transfers need no finer scopes.
-void full_barrier(VkCommandBuffer commands, VkImage image, VkFormat format, VkImageLayout from, VkImageLayout to) {
+void full_barrier(VkCommandBuffer commands, VkImage image, VkFormat format, VkImageLayout from,
+                  VkImageLayout to) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -73,14 +76,18 @@ void full_barrier(VkCommandBuffer commands, VkImage image, VkFormat format, VkIm
 
 }  // namespace
 
-bool is_depth(VkFormat format) { return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM; }
+bool is_depth(VkFormat format) {
+    return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM;
+}
 
 uint32_t texel_bytes(VkFormat format) {
     switch (format) {
-        case VK_FORMAT_R8_UNORM: return 1;
+        case VK_FORMAT_R8_UNORM:
+            return 1;
         case VK_FORMAT_R8G8_UNORM:
         case VK_FORMAT_R16_SFLOAT:
-        case VK_FORMAT_D16_UNORM: return 2;
+        case VK_FORMAT_D16_UNORM:
+            return 2;
         case VK_FORMAT_R8G8B8A8_UNORM:
         case VK_FORMAT_R8G8B8A8_SRGB:
         case VK_FORMAT_R16G16_SFLOAT:
@@ -88,13 +95,18 @@ uint32_t texel_bytes(VkFormat format) {
         case VK_FORMAT_R32_UINT:
         case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
         case VK_FORMAT_B10G11R11_UFLOAT_PACK32:
-        case VK_FORMAT_D32_SFLOAT: return 4;
+        case VK_FORMAT_D32_SFLOAT:
+            return 4;
         case VK_FORMAT_R16G16B16A16_SFLOAT:
         case VK_FORMAT_R32G32_SFLOAT:
-        case VK_FORMAT_R32G32_UINT: return 8;
+        case VK_FORMAT_R32G32_UINT:
+            return 8;
         case VK_FORMAT_R32G32B32A32_SFLOAT:
-        case VK_FORMAT_R32G32B32A32_UINT: return 16;
-        default: throw std::invalid_argument(fmt::format("texel_bytes: VkFormat {} is not known here", int(format)));
+        case VK_FORMAT_R32G32B32A32_UINT:
+            return 16;
+        default:
+            throw std::invalid_argument(
+                fmt::format("texel_bytes: VkFormat {} is not known here", int(format)));
     }
 }
 
@@ -103,16 +115,18 @@ GpuBuffer make_device_buffer(const Device& device, VkDeviceSize bytes, VkBufferU
     return make_buffer(device, bytes, usage, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, what);
 }
 
-GpuBuffer make_host_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, std::string_view what) {
+GpuBuffer make_host_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage,
+                           std::string_view what) {
     GpuBuffer result =
         make_buffer(device, bytes, usage,
                     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, what);
-    check(vkMapMemory(device.get(), result.memory.get(), 0, VK_WHOLE_SIZE, 0, &result.mapped), "vkMapMemory", what);
+    check(vkMapMemory(device.get(), result.memory.get(), 0, VK_WHOLE_SIZE, 0, &result.mapped), "vkMapMemory",
+          what);
     return result;
 }
 
-GpuImage make_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t levels, VkImageUsageFlags usage,
-                    std::string_view what) {
+GpuImage make_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t levels,
+                    VkImageUsageFlags usage, std::string_view what) {
     GpuImage result;
     result.format = format;
     result.extent = extent;
@@ -195,7 +209,8 @@ std::vector<std::byte> read_image(Device& device, VkImage image, VkFormat format
         VkBufferImageCopy region{};
         region.imageSubresource = {aspect_of(format), 0, 0, 1};
         region.imageExtent = {extent.width, extent.height, 1};
-        vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.get(), 1, &region);
+        vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.get(), 1,
+                               &region);
         full_barrier(commands, image, format, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, layout);
         VkMemoryBarrier2 to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
         to_host.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Buffers and images with memory of their own, uploads and readbacks: the host's few static resources and the tests'
-// eyes. One allocation each; what is per frame and plentiful belongs to the graph's packed heaps instead.
+// Buffers and images with memory of their own, uploads and readbacks: the host's few static resources and the
+// tests' eyes. One allocation each; what is per frame and plentiful belongs to the graph's packed heaps
+// instead.
 #pragma once
 
 #include <cstddef>
@@ -37,10 +38,11 @@ struct GpuImage {
 GpuBuffer make_device_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage,
                              std::string_view what);
 // Host-visible, coherent, mapped.
-GpuBuffer make_host_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage, std::string_view what);
+GpuBuffer make_host_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage,
+                           std::string_view what);
 // 2D, one layer, optimal tiling.
-GpuImage make_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t levels, VkImageUsageFlags usage,
-                    std::string_view what);
+GpuImage make_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t levels,
+                    VkImageUsageFlags usage, std::string_view what);
 
 // A device buffer filled with `data` (at least 16 bytes are allocated, so that empty data has a buffer too).
 GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is done to every mesh on its way in, wherever it comes from: bad triangles are dropped and counted, positions
-// are moved to an origin nearby.
+// What is done to every mesh on its way in, wherever it comes from: bad triangles are dropped and counted,
+// positions are moved to an origin nearby.
 #include "host/model.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A scene as the host holds it: a tree of nodes with transforms in double precision, triangle meshes, base colours.
-// Positions are fp32 about an origin per mesh part, chosen so that moving there loses nothing (see Part::origin).
+// A scene as the host holds it: a tree of nodes with transforms in double precision, triangle meshes, base
+// colours. Positions are fp32 about an origin per mesh part, chosen so that moving there loses nothing (see
+// Part::origin).
 #pragma once
 
 #include <array>
@@ -26,8 +27,9 @@ struct Material {
 
 // Triangles that share a material.
 struct Part {
-    // Added in double precision. Per axis 0, or, where every coordinate lies within a quarter of the box's centre, a
-    // float near that centre: such a difference of floats is exact (Sterbenz), so far-away meshes keep all they have.
+    // Added in double precision. Per axis 0, or, where every coordinate lies within a quarter of the box's
+    // centre, a float near that centre: such a difference of floats is exact (Sterbenz), so far-away meshes
+    // keep all they have.
     glm::dvec3 origin{0};
     std::vector<glm::vec3> positions;
     std::vector<glm::vec2> uv;  // as many as positions, or none

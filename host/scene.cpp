@@ -13,7 +13,8 @@ namespace {
 
 glm::dmat4 local_transform(const Node& node, const ObjectKey& key) {
     if (node.matrix) return *node.matrix;
-    glm::dmat4 local = glm::translate(glm::dmat4(1), node.translation + key.translation) * glm::mat4_cast(node.rotation);
+    glm::dmat4 local =
+        glm::translate(glm::dmat4(1), node.translation + key.translation) * glm::mat4_cast(node.rotation);
     local = glm::rotate(local, glm::radians(key.rotation_deg.x), glm::dvec3(1, 0, 0));
     local = glm::rotate(local, glm::radians(key.rotation_deg.y), glm::dvec3(0, 1, 0));
     local = glm::rotate(local, glm::radians(key.rotation_deg.z), glm::dvec3(0, 0, 1));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A model in motion: where each mesh stands in each frame of a shot, and its triangles for the BVH. World positions
-// here leave out the shot's origin; whoever subtracts a camera adds it, in double precision.
+// A model in motion: where each mesh stands in each frame of a shot, and its triangles for the BVH. World
+// positions here leave out the shot's origin; whoever subtracts a camera adds it, in double precision.
 #pragma once
 
 #include <array>
@@ -29,7 +29,8 @@ class Scene {
     Scene& operator=(const Scene&) = delete;
 
     const Model& model() const { return model_; }
-    // Nodes with a mesh; those with a singular or non-finite transform show nothing and are left out (and counted).
+    // Nodes with a mesh; those with a singular or non-finite transform show nothing and are left out (and
+    // counted).
     const std::vector<Instance>& instances() const { return instances_; }
     int dropped_instances() const { return dropped_instances_; }
 
@@ -38,7 +39,8 @@ class Scene {
     // Whether any triangle stands elsewhere at frame b than at frame a.
     bool moved(double a, double b) const;
 
-    // The BVH's frame: world axes about this point (the centre of the first frame's box), without the shot's origin.
+    // The BVH's frame: world axes about this point (the centre of the first frame's box), without the shot's
+    // origin.
     const glm::dvec3& bvh_origin() const { return bvh_origin_; }
     // All triangles relative to bvh_origin(), instance by instance; the count and the order never change.
     std::vector<Triangle> triangles(double frame) const;

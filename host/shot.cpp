@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The shot at a point in time. Rotations of objects are interpolated by their angles, directions by their vectors.
+// The shot at a point in time. Rotations of objects are interpolated by their angles, directions by their
+// vectors.
 #include "host/shot.h"
 
 #include <algorithm>
@@ -45,7 +46,8 @@ double radical_inverse(uint32_t base, uint32_t i) {
 
 template <class Key>
 bool any_differs(const std::vector<Key>& keys, auto same) {
-    return std::ranges::adjacent_find(keys, [&](const Key& a, const Key& b) { return !same(a, b); }) != keys.end();
+    return std::ranges::adjacent_find(keys, [&](const Key& a, const Key& b) { return !same(a, b); }) !=
+           keys.end();
 }
 
 }  // namespace
@@ -107,8 +109,9 @@ bool check_objects(const Shot& shot, const Model& model, Diagnostics& diagnostic
             diagnostics.add(motion.place, path,
                             "the scene has " + std::to_string(matches) + " nodes named \"" + name + "\"");
         } else if (std::ranges::find(model.nodes, name, &Node::name)->matrix) {
-            diagnostics.add(motion.place, path,
-                            "the node has a matrix; only nodes with translation, rotation and scale can be moved");
+            diagnostics.add(
+                motion.place, path,
+                "the node has a matrix; only nodes with translation, rotation and scale can be moved");
         }
     }
     return diagnostics.size() == before;

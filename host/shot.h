@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A shot: what to look at, from where, under which sun, for how many frames. Keys interpolate linearly and are held
-// outside; everything is double precision until it is relative to the camera.
+// A shot: what to look at, from where, under which sun, for how many frames. Keys interpolate linearly and
+// are held outside; everything is double precision until it is relative to the camera.
 #pragma once
 
 #include <array>
@@ -39,7 +39,7 @@ struct ObjectMotion {
 };
 
 struct Shot {
-    std::string name;             // the file's name without ".shot.json"
+    std::string name;  // the file's name without ".shot.json"
     std::filesystem::path file;
     std::filesystem::path model;  // glTF, resolved against the shot's folder
     std::array<uint32_t, 2> size{1280, 720};

@@ -114,7 +114,8 @@ void read_scene(Reader& reader, const Json& root, Shot& shot) {
     const Json* scene = reader.required(root, "", "scene");
     if (!scene) return;
     if (scene->kind == Json::Kind::object) {
-        reader.error(scene->place, "scene", "analytic scenes are not supported by this version: name a glTF file");
+        reader.error(scene->place, "scene",
+                     "analytic scenes are not supported by this version: name a glTF file");
     } else if (scene->kind != Json::Kind::string || scene->string.empty()) {
         reader.error(scene->place, "scene", "expected the name of a glTF file");
     } else {
@@ -195,13 +196,15 @@ void check_frames(Reader& reader, const Json& root, const Shot& shot) {
     bool camera_good = true, sun_good = true;
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
         if (camera_good && !all_finite(camera_at(shot, frame, 1).world_from_view)) {
-            reader.error(camera_place, "camera.keys",
-                         fmt::format("at frame {} the target is at the camera, or `up` is along the view", frame));
+            reader.error(
+                camera_place, "camera.keys",
+                fmt::format("at frame {} the target is at the camera, or `up` is along the view", frame));
             camera_good = false;
         }
         const glm::dvec3 to_sun = sun_at(shot, frame).to_sun;
         if (sun_good && !all_finite(std::array{to_sun.x, to_sun.y, to_sun.z})) {
-            reader.error(sun_place, "sun.keys", fmt::format("at frame {} the direction vanishes between keys", frame));
+            reader.error(sun_place, "sun.keys",
+                         fmt::format("at frame {} the direction vanishes between keys", frame));
             sun_good = false;
         }
     }
@@ -222,16 +225,17 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     const size_t before = diagnostics.size();
     Reader reader(diagnostics);
     if (!reader.object(*root, "",
-                       {"penumbra_shot", "scene", "size", "frames", "fps", "camera", "sun", "objects", "origin",
-                        "seed"})) {
+                       {"penumbra_shot", "scene", "size", "frames", "fps", "camera", "sun", "objects",
+                        "origin", "seed"})) {
         return std::nullopt;
     }
     Shot shot;
     shot.file = path;
     shot.name = name_of(path);
     if (const Json* version = reader.required(*root, "", "penumbra_shot")) {
-        uint32_t ignored = 0;
-        reader.integer(*version, "penumbra_shot", 1, 1, ignored);
+        if (version->kind != Json::Kind::integer || version->integer != 1) {
+            reader.error(version->place, "penumbra_shot", "this program reads shots of version 1");
+        }
     }
     read_scene(reader, *root, shot);
     if (const Json* size = root->find("size")) {

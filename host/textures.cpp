@@ -29,7 +29,8 @@ void append_half(std::vector<uint8_t>& texels, size_t from, uint32_t width, uint
             for (uint32_t channel = 0; channel < 4; ++channel) {
                 float sum = 0;
                 for (uint32_t k = 0; k < 4; ++k) {
-                    const size_t sx = std::min(2 * x + (k & 1), width - 1), sy = std::min(2 * y + (k >> 1), height - 1);
+                    const size_t sx = std::min(2 * x + (k & 1), width - 1),
+                                 sy = std::min(2 * y + (k >> 1), height - 1);
                     sum += linear[texels[from + (sy * width + sx) * 4 + channel]];
                 }
                 texels.push_back(to_srgb(sum / 4));
@@ -76,7 +77,8 @@ TextureSets::TextureSets(Device& device, std::span<const Texture> textures) {
     sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR;
     sampler.maxLod = VK_LOD_CLAMP_NONE;
     VkSampler sampler_handle = VK_NULL_HANDLE;
-    check(vkCreateSampler(device.get(), &sampler, nullptr, &sampler_handle), "vkCreateSampler", "base colour");
+    check(vkCreateSampler(device.get(), &sampler, nullptr, &sampler_handle), "vkCreateSampler",
+          "base colour");
     sampler_ = {device.get(), sampler_handle};
 
     VkDescriptorSetLayoutBinding binding{};
@@ -87,8 +89,8 @@ TextureSets::TextureSets(Device& device, std::span<const Texture> textures) {
     layout.bindingCount = 1;
     layout.pBindings = &binding;
     VkDescriptorSetLayout layout_handle = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device.get(), &layout, nullptr, &layout_handle), "vkCreateDescriptorSetLayout",
-          "base colour");
+    check(vkCreateDescriptorSetLayout(device.get(), &layout, nullptr, &layout_handle),
+          "vkCreateDescriptorSetLayout", "base colour");
     layout_ = {device.get(), layout_handle};
 
     const uint32_t count = static_cast<uint32_t>(images_.size());
@@ -98,7 +100,8 @@ TextureSets::TextureSets(Device& device, std::span<const Texture> textures) {
     pool.poolSizeCount = 1;
     pool.pPoolSizes = &size;
     VkDescriptorPool pool_handle = VK_NULL_HANDLE;
-    check(vkCreateDescriptorPool(device.get(), &pool, nullptr, &pool_handle), "vkCreateDescriptorPool", "base colour");
+    check(vkCreateDescriptorPool(device.get(), &pool, nullptr, &pool_handle), "vkCreateDescriptorPool",
+          "base colour");
     pool_ = {device.get(), pool_handle};
 
     const std::vector<VkDescriptorSetLayout> layouts(count, layout_handle);
@@ -107,7 +110,8 @@ TextureSets::TextureSets(Device& device, std::span<const Texture> textures) {
     allocate.descriptorSetCount = count;
     allocate.pSetLayouts = layouts.data();
     sets_.resize(count);
-    check(vkAllocateDescriptorSets(device.get(), &allocate, sets_.data()), "vkAllocateDescriptorSets", "base colour");
+    check(vkAllocateDescriptorSets(device.get(), &allocate, sets_.data()), "vkAllocateDescriptorSets",
+          "base colour");
     for (uint32_t i = 0; i < count; ++i) {
         const VkDescriptorImageInfo info{sampler_handle, images_[i].view.get(),
                                          VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Base colour textures on the device, each with its mip chain, and one descriptor set per texture. Slot 0 is a white
-// texel for materials without one.
+// Base colour textures on the device, each with its mip chain, and one descriptor set per texture. Slot 0 is
+// a white texel for materials without one.
 #pragma once
 
 #include <span>

@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
         Vec eye, target;
     };
     const View views[] = {{"terrain", terrain(354), {-9, 9, -9}, {0, 0, 0}},
-                          {"colonnade", colonnade(64, 60, 32), {-14, 7, -16}, {0, 1, 0}}};
+                          {"colonnade", colonnade(64, 60, 32), {-13, 4.5f, -15}, {0, 0, 0}}};
     for (const View& view : views) {
         RTCScene scene = rtcNewScene(device);
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Formulas and constants of the published form; borders as published: what lies outside the image counts as nothing.
+// Formulas and constants of the published form; borders as published: what lies outside the image counts as
+// nothing.
 #include "tests/denoiser_model.h"
 
 #include <algorithm>
@@ -8,10 +9,18 @@
 namespace penumbra::model {
 namespace {
 
-size_t at(const DenoiserInputs& in, int x, int y) { return static_cast<size_t>(y) * in.width + x; }
-bool inside(const DenoiserInputs& in, int x, int y) { return x >= 0 && y >= 0 && x < in.width && y < in.height; }
-int blocks_across(const DenoiserInputs& in) { return (in.width + 7) / 8; }
-int blocks_down(const DenoiserInputs& in) { return (in.height + 7) / 8; }
+size_t at(const DenoiserInputs& in, int x, int y) {
+    return static_cast<size_t>(y) * in.width + x;
+}
+bool inside(const DenoiserInputs& in, int x, int y) {
+    return x >= 0 && y >= 0 && x < in.width && y < in.height;
+}
+int blocks_across(const DenoiserInputs& in) {
+    return (in.width + 7) / 8;
+}
+int blocks_down(const DenoiserInputs& in) {
+    return (in.height + 7) / 8;
+}
 size_t block_of(const DenoiserInputs& in, int x, int y) {
     return static_cast<size_t>(y / 8) * blocks_across(in) + x / 8;
 }
@@ -22,7 +31,8 @@ BlockState block_state(const DenoiserInputs& in, int bx, int by) {
         for (int x = 8 * bx - 8; x < 8 * bx + 16; ++x) {
             if (!inside(in, x, y)) continue;
             (in.lit[at(in, x, y)] ? any_lit : any_dark) = true;
-            if (x / 8 == bx && y / 8 == by && x >= 0 && y >= 0) any_receiver |= in.view_depth[at(in, x, y)] > 0;
+            if (x / 8 == bx && y / 8 == by && x >= 0 && y >= 0)
+                any_receiver |= in.view_depth[at(in, x, y)] > 0;
         }
     if (!any_receiver || !any_lit) return BlockState::shadowed;
     return any_dark ? BlockState::work : BlockState::lit;
@@ -62,8 +72,8 @@ double bilinear(const DenoiserInputs& in, const Image<Signal>& image, double u, 
     const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
     const int x1 = std::min(x0 + 1, in.width - 1), y1 = std::min(y0 + 1, in.height - 1);
     const auto value = [&](int column, int row) { return image[at(in, column, row)].visibility; };
-    return std::lerp(std::lerp(value(x0, y0), value(x1, y0), x - x0), std::lerp(value(x0, y1), value(x1, y1), x - x0),
-                     y - y0);
+    return std::lerp(std::lerp(value(x0, y0), value(x1, y0), x - x0),
+                     std::lerp(value(x0, y1), value(x1, y1), x - x0), y - y0);
 }
 
 Signal stored(const Signal& s, Storage storage) {
@@ -79,8 +89,8 @@ struct Accumulated {
     Moments moments;
 };
 
-Accumulated accumulate(const DenoiserInputs& in, const DenoiserState& before, const DenoiserSettings& settings, int x,
-                       int y, double mean) {
+Accumulated accumulate(const DenoiserInputs& in, const DenoiserState& before,
+                       const DenoiserSettings& settings, int x, int y, double mean) {
     const double bit = in.lit[at(in, x, y)];
     const auto motion = quad_motion(in, x, y);
     const double u = (x + 0.5) / in.width + motion[0], v = (y + 0.5) / in.height + motion[1];
@@ -120,7 +130,8 @@ Signal filter_at(const DenoiserInputs& in, const Image<Signal>& signal, int step
     for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx)
             if (inside(in, px + dx, py + dy))
-                blurred += (2 - std::abs(dx)) * (2 - std::abs(dy)) / 16.0 * signal[at(in, px + dx, py + dy)].variance;
+                blurred += (2 - std::abs(dx)) * (2 - std::abs(dy)) / 16.0 *
+                           signal[at(in, px + dx, py + dy)].variance;
     const double sigma = std::sqrt(std::max(blurred + 1e-9, 0.0));
 
     const auto unit_dot = [&](size_t a, size_t b) {
@@ -136,10 +147,11 @@ Signal filter_at(const DenoiserInputs& in, const Image<Signal>& signal, int step
             const int qx = px + step * dx, qy = py + step * dy;
             if ((dx == 0 && dy == 0) || !inside(in, qx, qy) || !(in.view_depth[at(in, qx, qy)] > 0)) continue;
             const Signal& tap = signal[at(in, qx, qy)];
-            const double w = (dx ? 2.0 / 3 : 1) * (dy ? 2.0 / 3 : 1) *
-                             std::exp(-std::abs(centre.visibility - tap.visibility) / sigma) *
-                             std::exp(-std::abs(in.view_depth[at(in, px, py)] - in.view_depth[at(in, qx, qy)])) *
-                             std::pow(unit_dot(at(in, px, py), at(in, qx, qy)), 32);
+            const double w =
+                (dx ? 2.0 / 3 : 1) * (dy ? 2.0 / 3 : 1) *
+                std::exp(-std::abs(centre.visibility - tap.visibility) / sigma) *
+                std::exp(-std::abs(in.view_depth[at(in, px, py)] - in.view_depth[at(in, qx, qy)])) *
+                std::pow(unit_dot(at(in, px, py), at(in, qx, qy)), 32);
             sum += w * tap.visibility;
             sum_variance += w * w * tap.variance;
             weights += w;
@@ -169,7 +181,8 @@ DenoiserInputs flat_receiver(int width, int height) {
             false};
 }
 
-DenoiserFrame classify_tiles(const DenoiserInputs& in, const DenoiserState& before, const DenoiserSettings& settings) {
+DenoiserFrame classify_tiles(const DenoiserInputs& in, const DenoiserState& before,
+                             const DenoiserSettings& settings) {
     DenoiserFrame out;
     const size_t n = static_cast<size_t>(in.width) * in.height;
     out.mean.resize(n);
@@ -197,15 +210,16 @@ DenoiserFrame classify_tiles(const DenoiserInputs& in, const DenoiserState& befo
     return out;
 }
 
-Image<Signal> filter(const DenoiserInputs& in, const std::vector<BlockState>& tile_meta, const Image<Signal>& signal,
-                     int step, Storage storage) {
+Image<Signal> filter(const DenoiserInputs& in, const std::vector<BlockState>& tile_meta,
+                     const Image<Signal>& signal, int step, Storage storage) {
     Image<Signal> out(signal.size());
     for (int y = 0; y < in.height; ++y)
         for (int x = 0; x < in.width; ++x) {
             const BlockState state = tile_meta[block_of(in, x, y)];
             Signal& s = out[at(in, x, y)];
             s.visibility = state == BlockState::lit ? 1 : 0;
-            if (state == BlockState::work && in.view_depth[at(in, x, y)] > 0) s = filter_at(in, signal, step, x, y);
+            if (state == BlockState::work && in.view_depth[at(in, x, y)] > 0)
+                s = filter_at(in, signal, step, x, y);
             s = stored(s, storage);
         }
     return out;

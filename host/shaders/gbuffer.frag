@@ -1,14 +1,17 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// Normal, motion and albedo of the nearest surface (conventions: host inputs `normal`, `motion`, `albedo`).
+// Normal, motion and albedo of the nearest surface (conventions: host inputs `normal`, `motion`, `albedo`). Motion is
+// formed from the interpolated *change* of the clip position: interpolation errors then scale with the motion, where
+// a difference of two interpolated positions would keep those of the positions.
+#extension GL_GOOGLE_include_directive : require
+#include "gbuffer.glsl"
 
 layout(set = 1, binding = 0) uniform sampler2D base_color_texture;
 
-layout(location = 0) in vec3 clip_xyw;
-layout(location = 1) in vec3 prev_clip_xyw;
-layout(location = 2) in vec2 texture_uv;
-layout(location = 3) flat in vec3 normal;
-layout(location = 4) flat in vec3 base_color;
+layout(location = 0) in vec3 clip_change;
+layout(location = 1) in vec2 texture_uv;
+layout(location = 2) flat in vec3 normal;
+layout(location = 3) flat in vec3 base_color;
 
 layout(location = 0) out vec4 out_normal;
 layout(location = 1) out vec4 out_motion;
@@ -19,12 +22,11 @@ const vec2 off_screen = vec2(16.0);
 const float largest_half = 65504.0;
 
 void main() {
-    vec2 motion = off_screen;
-    if (prev_clip_xyw.z > 0.0) {
-        motion = 0.5 * (prev_clip_xyw.xy / prev_clip_xyw.z - clip_xyw.xy / clip_xyw.z);
-    }
-    const float depth_change = prev_clip_xyw.z - clip_xyw.z;
+    const vec2 ndc = gl_FragCoord.xy * constants.ndc_per_pixel - 1.0 - constants.jitter_ndc;
+    const float prev_w = 1.0 / gl_FragCoord.w + clip_change.z;
+    // (c + dc) / (w + dw) - c / w with c / w = ndc.
+    const vec2 motion = prev_w > 0.0 ? 0.5 * (clip_change.xy - ndc * clip_change.z) / prev_w : off_screen;
     out_normal = vec4(normal, 0.0);
-    out_motion = vec4(clamp(vec3(motion, depth_change), -largest_half, largest_half), 0.0);
+    out_motion = vec4(clamp(vec3(motion, clip_change.z), -largest_half, largest_half), 0.0);
     out_albedo = vec4(texture(base_color_texture, texture_uv).rgb * base_color, 1.0);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the G-buffer's two stages and its C++ side share: the record of one draw.
+// What the G-buffer's two stages and its C++ side share: the record of one draw, and the push constants.
 struct Draw {
     mat4 clip_from_local;       // camera-relative, without jitter
     mat4 prev_clip_from_local;  // the previous frame's camera and transform
@@ -7,3 +7,9 @@ struct Draw {
     vec4 camera_local;          // camera position in the part's frame; w: sign of the transform's determinant
     vec4 base_color;            // linear
 };
+
+layout(push_constant) uniform Constants {
+    vec2 jitter_ndc;
+    vec2 ndc_per_pixel;  // 2 / size
+    uint draw;
+} constants;

@@ -1,32 +1,26 @@
 #version 450
 // SPDX-License-Identifier: MIT
-// Clip positions of this frame and the previous one, and the triangle's normal turned towards the viewer. The normal
-// is the provoking (first) vertex's: the host gives every triangle a first vertex of its own.
+// The clip position, how it has changed since the previous frame, and the triangle's normal turned towards the viewer.
+// The normal is the provoking (first) vertex's: the host gives every triangle a first vertex of its own.
 #extension GL_GOOGLE_include_directive : require
 #include "gbuffer.glsl"
 
 layout(set = 0, binding = 0, std430) readonly buffer Draws { Draw draws[]; };
-layout(push_constant) uniform Constants {
-    vec2 jitter_ndc;
-    uint draw;
-} constants;
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 winding_normal;
 layout(location = 2) in vec2 uv;
 
-layout(location = 0) out vec3 clip_xyw;
-layout(location = 1) out vec3 prev_clip_xyw;
-layout(location = 2) out vec2 texture_uv;
-layout(location = 3) flat out vec3 normal;
-layout(location = 4) flat out vec3 base_color;
+layout(location = 0) out vec3 clip_change;  // x, y, w: previous - current
+layout(location = 1) out vec2 texture_uv;
+layout(location = 2) flat out vec3 normal;
+layout(location = 3) flat out vec3 base_color;
 
 void main() {
     const Draw draw = draws[constants.draw];
     const vec4 clip = draw.clip_from_local * vec4(position, 1.0);
     const vec4 prev = draw.prev_clip_from_local * vec4(position, 1.0);
-    clip_xyw = clip.xyw;
-    prev_clip_xyw = prev.xyw;
+    clip_change = prev.xyw - clip.xyw;
     texture_uv = uv;
     base_color = draw.base_color.rgb;
     // The camera lies on one side of the whole triangle's plane; which one is exact to fp32 in the part's own frame,

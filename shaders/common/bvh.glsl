@@ -111,7 +111,7 @@ uint bvh_reverse4(uint mask) {
 uint bvh_bit_index(uint bit) { return (bit >> 1) - (bit >> 3); }
 
 // Whether anything lies on the ray between t_min and t_max (exclusive, t_min >= 0); both sides of a triangle block.
-// `direction` is a unit vector within 1e-3; t_max may be infinite.
+// `direction` is finite and of any length but zero, the unit of t; t_max may be infinite.
 bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
     BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
     uint away = uint(direction.x > 0.0) | uint(direction.y > 0.0) << 1 | uint(direction.z > 0.0) << 2;
@@ -121,37 +121,41 @@ bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
     uint leaf_first = 0u, leaf_mask = 0u;
     uint stack[bvh_stack_size];
     uint depth = 0u;
-    bool found = false, pending = true;
-    while (pending) {
+    bool found = false;
+    while (true) {
         // A new node may bring new leaves, so it waits until the leaves at hand fit into this step.
-        bool visit = (group & 15u) != 0u && (leaf_mask & (leaf_mask - 1u)) == 0u;
-        uint bit = group & (~group + 1u);
-        uint node = visit ? (group >> 6) + (bvh_bit_index(bit) ^ (group >> 4 & 3u)) : 0u;
-        int texel = int(node * 3u);
-        uvec4 n0 = texelFetch(scene_nodes, texel);
-        uvec4 n1 = texelFetch(scene_nodes, texel + 1);
-        uvec4 n2 = texelFetch(scene_nodes, texel + 2);
-
-        if (leaf_mask != 0u) {
-            uint leaf_bit = leaf_mask & (~leaf_mask + 1u);
-            if (bvh_hits_leaf(ray, leaf_first + bvh_bit_index(leaf_bit))) found = true;
-            leaf_mask ^= leaf_bit;
-        }
+        uint leaf_bit = leaf_mask & (~leaf_mask + 1u);
+        uint leaf = leaf_first + bvh_bit_index(leaf_bit);
+        leaf_mask ^= leaf_bit;
+        bool visit = leaf_mask == 0u && (group & 15u) != 0u;
+        uint hits = 0u, bit = 0u;
+        uvec4 n0, n1, n2;
         if (visit) {
-            uint hits = bvh_hit_children(ray, n0, n1, n2);
-            uint nodes = hits & n0.w >> 24;
+            bit = group & (~group + 1u);
+            int texel = int(((group >> 6) + (bvh_bit_index(bit) ^ (group >> 4 & 3u))) * 3u);
+            n0 = texelFetch(scene_nodes, texel);
+            n1 = texelFetch(scene_nodes, texel + 1);
+            n2 = texelFetch(scene_nodes, texel + 2);
+            hits = bvh_hit_children(ray, n0, n1, n2);
+        }
+        if (leaf_bit != 0u) {
+            if (bvh_hits_leaf(ray, leaf)) found = true;
+        }
+        group ^= bit;
+        stack[depth] = group;  // always written, kept only if it is needed again: a store under a branch costs more
+        if (visit) {
             leaf_mask = hits & n0.w >> 28;
             leaf_first = n1.y;
-            group ^= bit;
-            if (nodes != 0u) {
-                if ((group & 15u) != 0u) stack[depth++] = group;
+            hits &= n0.w >> 24;
+            if (hits != 0u) {
+                depth += uint((group & 15u) != 0u);
                 // The child nearest to the light first: casters are more often found there than near the receiver.
                 bool last_first = (away >> (n1.x & 3u) & 1u) != 0u;
-                group = n1.x >> 2 << 6 | (last_first ? 48u | bvh_reverse4(nodes) : nodes);
+                group = n1.x >> 2 << 6 | (last_first ? 48u | bvh_reverse4(hits) : hits);
             }
         }
         if ((group & 15u) == 0u && depth > 0u) group = stack[--depth];
-        if (found || ((group & 15u) | leaf_mask) == 0u) pending = false;
+        if (found || ((group & 15u) | leaf_mask) == 0u) break;
     }
     return found;
 }

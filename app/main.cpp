@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// The penumbra program: a host of the graph like any other. The command line is declared here, one file per command.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "app/commands.h"
+
+namespace {
+
+using namespace penumbra;
+
+void add_render(CLI::App& app, RenderArguments& a) {
+    CLI::App* c = app.add_subcommand("render", "run a pipeline on a shot and write what it puts out");
+    c->add_option("pipeline", a.pipeline, "pipeline file")->required();
+    c->add_option("--shot", a.shot, "shot file")->required();
+    c->add_option("--out", a.out, "folder to write to")->required();
+    c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
+    c->add_flag("--cold", a.cold, "start at A with a reset instead of executing from frame 0");
+    c->add_option("--size", a.size, "WxH instead of the shot's size");
+    c->add_option("--capture", a.captures, "also write these resources")->delimiter(',');
+    c->add_option("--every", a.every, "write every Nth frame")->check(CLI::PositiveNumber);
+    c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline, as nodes.filter0.params.step=2");
+    c->add_option("--device", a.device, "part of a device's name");
+    c->add_option("--seed", a.seed, "instead of the shot's seed");
+    c->add_flag("--validate", a.validate, "Vulkan validation with synchronisation checks; count non-finite texels");
+    c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
+    c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
+}
+
+void add_plan(CLI::App& app, PlanArguments& a) {
+    CLI::App* c = app.add_subcommand("plan", "compile a pipeline without a device and print the plan");
+    c->add_option("pipeline", a.pipeline, "pipeline file")->required();
+    c->add_option("--size", a.size, "WxH")->required();
+    c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
+    c->add_option("--format", a.format, "text, json or dot")->check(CLI::IsMember({"text", "json", "dot"}));
+    c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline");
+    c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
+}
+
+int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
+             const std::vector<std::string>& check, const NodesArguments& nodes) {
+    if (app.got_subcommand("render")) return run_render(render);
+    if (app.got_subcommand("plan")) return run_plan(plan);
+    if (app.got_subcommand("check")) return run_check(check);
+    if (app.got_subcommand("nodes")) return run_nodes(nodes);
+    return run_devices();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app("penumbra: a render graph for hybrid ray-traced shadows");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", PENUMBRA_VERSION);
+    RenderArguments render;
+    PlanArguments plan;
+    std::vector<std::string> checked;
+    NodesArguments nodes;
+    add_render(app, render);
+    add_plan(app, plan);
+    app.add_subcommand("check", "print every error of these pipelines")->add_option("pipelines", checked)->required();
+    CLI::App* n = app.add_subcommand("nodes", "list the node types, or describe one");
+    n->add_option("type", nodes.type, "a node type");
+    n->add_option("--format", nodes.format, "text, json or md")->check(CLI::IsMember({"text", "json", "md"}));
+    app.add_subcommand("devices", "list the Vulkan devices");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& e) {
+        return app.exit(e);
+    } catch (const CLI::ParseError& e) {
+        app.exit(e);
+        return exit_wrong;
+    }
+    try {
+        return dispatch(app, render, plan, checked, nodes);
+    } catch (const std::exception& e) {  // DeviceError and VulkanError among them: their texts are meant for people
+        std::cerr << "penumbra: " << e.what() << "\n";
+    }
+    return exit_failed;
+}

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: MIT
+// Channel names follow what a resource is: Y for one channel, R,G,B for colour, Z for depth in metres, W for words.
+#include "app/outputs.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "host/texels.h"
+
+namespace penumbra {
+namespace {
+
+struct Texels {
+    PlanarImage image;
+    uint64_t hash = 0;
+};
+
+uint64_t fnv1a(std::span<const std::byte> bytes) {
+    uint64_t hash = 0xcbf29ce484222325;
+    for (const std::byte b : bytes) hash = (hash ^ static_cast<uint64_t>(b)) * 0x100000001b3;
+    return hash;
+}
+
+std::vector<std::string> channel_names(const std::string& resource, Format format) {
+    if (info(format).kind == FormatClass::uint) return {"W", "W2", "W3", "W4"};
+    switch (info(format).channels) {
+        case 1: return {"Y"};
+        case 2: return {"X", "Y"};
+        default: break;
+    }
+    const bool vectors = resource == "motion" || resource == "normal" || resource == "guide_normal" || resource == "moments";
+    return vectors ? std::vector<std::string>{"X", "Y", "Z"} : std::vector<std::string>{"R", "G", "B"};
+}
+
+// The image that a buffer of words stands for: tiles of 8x4 or 8x8 pixels where the count says so, else one row.
+Extent buffer_extent(const Plan& plan, const PlanResource& r) {
+    const uint32_t tiles_x = (plan.extent.width + 7) / 8;
+    for (const uint32_t tile_height : {4u, 8u}) {
+        const uint32_t tiles_y = (plan.extent.height + tile_height - 1) / tile_height;
+        if (r.count == uint64_t{tiles_x} * tiles_y) return {tiles_x, tiles_y};
+    }
+    return {static_cast<uint32_t>(r.count), 1};
+}
+
+Format buffer_format(const PlanResource& r) {
+    if (r.kind == PortKind::texels) return r.format;
+    if (r.element == "uvec2") return Format::rg32ui;
+    if (r.element == "uvec4") return Format::rgba32ui;
+    if (r.element == "f32") return Format::r32f;
+    return Format::r32ui;
+}
+
+Texels captured_texels(const Session& session, const std::string& name) {
+    const Plan& plan = session.plan();
+    for (const PlanPass& pass : plan.passes) {
+        if (pass.kind != PassKind::capture || pass.node != name) continue;
+        const PlanResource& r = plan.resources[pass.bindings.front().index];
+        const bool image = r.kind == PortKind::image;
+        const Extent extent = image ? r.extent : buffer_extent(plan, r);
+        const Format format = image ? r.format : buffer_format(r);
+        const std::span<const std::byte> bytes = session.view().captured(name);
+        return {decode_texels(format, extent.width, extent.height, bytes, channel_names(name, format)), fnv1a(bytes)};
+    }
+    throw FileError(fmt::format("\"{}\" was not captured", name));
+}
+
+Texels host_texels(Device& device, const Session& session, const std::string& name) {
+    const GBufferImages& images = session.host().images();
+    const GpuImage& image = name == "depth" ? images.depth : name == "normal" ? images.normal : name == "motion" ? images.motion : images.albedo;
+    const Format format = name == "depth" ? Format::d32 : name == "albedo" ? Format::rgba8 : Format::rgba16f;
+    const std::vector<std::byte> bytes = read_image(device, image.get(), image.format, image.extent, GBuffer::final_layout);
+    Texels texels{decode_texels(format, image.extent.width, image.extent.height, bytes, channel_names(name, format)), fnv1a(bytes)};
+    if (name == "depth") {  // near / view depth -> metres, 0 = sky
+        Plane& plane = texels.image.planes.front();
+        plane.name = "Z";
+        const auto near = static_cast<float>(session.host().shot().near);
+        for (float& value : plane.values) value = value > 0 ? near / value : 0;
+    }
+    return texels;
+}
+
+void write_png(const std::filesystem::path& path, const PlanarImage& image) {
+    const Plane& first = image.planes.front();
+    if (first.type == PlaneType::uint) {  // the share of set bits: how much of a tile is occluded
+        std::vector<float> values;
+        for (const uint32_t word : first.words) values.push_back(static_cast<float>(std::popcount(word)) / 32.0f);
+        return write_png_linear(path, image.width, image.height, values);
+    }
+    if (image.planes.size() < 3 || first.name != "R") {
+        if (first.name != "Z" && first.name != "X") return write_png_linear(path, image.width, image.height, first.values);
+        std::vector<float> rgb;  // vectors: -1..1 to 0..1; depth: 1 / (1 + metres)
+        for (size_t i = 0; i < first.values.size(); ++i)
+            for (size_t c = 0; c < 3; ++c) {
+                const Plane& plane = image.planes[std::min(c, image.planes.size() - 1)];
+                rgb.push_back(first.name == "Z" ? (plane.values[i] > 0 ? 1 / (1 + plane.values[i]) : 0) : 0.5f + 0.5f * plane.values[i]);
+            }
+        return write_png_color(path, image.width, image.height, rgb);
+    }
+    std::vector<float> rgb(3 * first.values.size());
+    for (size_t i = 0; i < first.values.size(); ++i)
+        for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = image.planes[c].values[i];
+    write_png_color(path, image.width, image.height, rgb);
+}
+
+void summarise(const PlanarImage& image, bool visibility, WrittenOutput& out, TexelCheck& texel_check) {
+    out.min = std::numeric_limits<double>::infinity();
+    out.max = -out.min;
+    const auto see = [&](double value) {
+        out.min = std::min(out.min, value);
+        out.max = std::max(out.max, value);
+    };
+    for (const Plane& plane : image.planes) {
+        out.channels += (out.channels.empty() ? "" : ",") + plane.name;
+        for (const uint32_t word : plane.words) see(word);
+        for (const float value : plane.values) {
+            texel_check.nan += std::isnan(value);
+            texel_check.inf += std::isinf(value);
+            if (visibility) texel_check.out_of_range += !(value >= 0 && value <= 1);
+            out.nonfinite += !std::isfinite(value);
+            if (std::isfinite(value)) see(value);
+        }
+    }
+}
+
+}  // namespace
+
+bool is_host_image(const std::string& name) {
+    return name == "depth" || name == "normal" || name == "motion" || name == "albedo";
+}
+
+void OutputWriter::write(const Session& session, const std::string& resource, uint32_t frame) {
+    const Texels texels = is_host_image(resource) ? host_texels(device_, session, resource) : captured_texels(session, resource);
+    WrittenOutput out;
+    out.resource = resource;
+    out.frame = frame;
+    out.hash = texels.hash;
+    summarise(texels.image, resource == "visibility", out, checks_[resource]);
+    const std::string base = fmt::format("{}.{:04}", resource, frame);
+    out.file = base + ".exr";
+    write_exr(folder_ / out.file, texels.image);
+    write_png(folder_ / (base + ".png"), texels.image);
+    written_.push_back(std::move(out));
+}
+
+}  // namespace penumbra

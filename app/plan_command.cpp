@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// penumbra plan: what a pipeline becomes, without a device.
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/commands.h"
+#include "app/pipeline_file.h"
+#include "nodes/nodes.h"
+
+namespace penumbra {
+namespace {
+
+// "a,!b"
+std::optional<Facts> parse_facts(const std::string& text) {
+    Facts facts;
+    std::istringstream words(text);
+    const std::vector<std::string> known(fact_names.begin(), fact_names.end());
+    for (std::string word; std::getline(words, word, ',');) {
+        const bool negated = word.starts_with('!');
+        const std::string name = word.substr(negated ? 1 : 0);
+        if (std::find(known.begin(), known.end(), name) == known.end()) {
+            std::cerr << "--facts: there is no fact \"" << name << "\"" << did_you_mean(name, known) << "\n";
+            return std::nullopt;
+        }
+        facts[name] = !negated;
+    }
+    return facts;
+}
+
+}  // namespace
+
+std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text) {
+    std::istringstream stream(text);
+    uint32_t width = 0, height = 0;
+    char x = 0;
+    if (!(stream >> width >> x >> height) || x != 'x' || width == 0 || height == 0 || stream.peek() != EOF ||
+        text.find('-') != std::string::npos) {
+        std::cerr << "--size: \"" << text << "\" is not WIDTHxHEIGHT, as 1280x720\n";
+        return std::nullopt;
+    }
+    return std::array{width, height};
+}
+
+int run_plan(const PlanArguments& arguments) {
+    const NodeSet nodes = shadow_nodes();
+    const auto size = parse_size(arguments.size);
+    const auto facts = parse_facts(arguments.facts);
+    const auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, nodes);
+    if (!size || !facts || !pipeline) return exit_wrong;
+    Target target;
+    target.extent = {(*size)[0], (*size)[1]};
+    target.facts = *facts;
+    target.device = reference_device();
+    Diagnostics diagnostics;
+    CompileOptions options;
+    options.alias = !arguments.no_alias;
+    const auto plan = compile(*pipeline, nodes, target, options, diagnostics);
+    if (!plan) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    if (arguments.format == "json")
+        std::cout << to_json(*plan).dump(2) << "\n";
+    else
+        std::cout << (arguments.format == "dot" ? to_dot(*plan) : to_text(*plan));
+    return exit_good;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// penumbra render: executes a pipeline on a shot frame by frame and writes outputs and captures. report.json comes last,
+// so that a folder with a report is a complete one.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/commands.h"
+#include "app/outputs.h"
+#include "app/pipeline_file.h"
+#include "app/progress.h"
+#include "app/report.h"
+#include "app/session.h"
+#include "host/image_file.h"
+#include "nodes/nodes.h"
+
+namespace penumbra {
+namespace {
+
+using FrameRange = std::array<uint32_t, 2>;
+
+// "A..B" or "A", inclusive.
+std::optional<FrameRange> parse_frames(const std::string& text, uint32_t shot_frames) {
+    if (text.empty()) return FrameRange{0, shot_frames - 1};
+    unsigned first = 0, last = 0;
+    char end = 0;
+    const int fields = std::sscanf(text.c_str(), "%u..%u%c", &first, &last, &end);
+    if (fields == 1 && text.find_first_not_of("0123456789") == std::string::npos) return FrameRange{first, first};
+    if (fields == 2 && text.find('-') == std::string::npos && first <= last) return FrameRange{first, last};
+    std::cerr << "--frames: \"" << text << "\" is not A..B with A <= B\n";
+    return std::nullopt;
+}
+
+struct Job {
+    CheckedPipeline pipeline;
+    Shot shot;
+    std::array<uint32_t, 2> size{};
+    FrameRange frames{};
+    std::vector<std::string> graph_captures, host_captures;
+};
+
+std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& nodes) {
+    Diagnostics diagnostics;
+    auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, nodes);
+    auto shot = read_shot(arguments.shot, diagnostics);
+    if (!shot) std::cerr << diagnostics.text();
+    if (!pipeline || !shot) return std::nullopt;
+    const auto size = arguments.size.empty() ? std::optional(shot->size) : parse_size(arguments.size);
+    const auto frames = parse_frames(arguments.frames, shot->frames);
+    if (!size || !frames) return std::nullopt;
+    Job job{std::move(*pipeline), std::move(*shot), *size, *frames, {}, {}};
+    job.graph_captures = job.pipeline.outputs;
+    for (const std::string& name : arguments.captures) {
+        auto& list = is_host_image(name) ? job.host_captures : job.graph_captures;
+        if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
+    }
+    return job;
+}
+
+int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
+    namespace fs = std::filesystem;
+    Device device({arguments.device, arguments.validate});
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    SessionOptions options;
+    options.size = job.size;
+    options.captures = job.graph_captures;
+    options.seed = arguments.seed;
+    options.alias = !arguments.no_alias;
+    options.jitter = !arguments.no_jitter;
+    const auto session = Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
+    for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
+    if (!session) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    const fs::path folder = arguments.out;
+    fs::create_directories(folder);
+    fs::remove(folder / "report.json");
+
+    OutputWriter outputs(device, folder);
+    std::vector<FrameCost> costs;
+    const uint32_t start = arguments.cold ? job.frames[0] : 0;
+    {
+        Progress progress(session->plan().pipeline, job.frames[1] - start + 1);
+        for (uint32_t frame = start; frame <= job.frames[1]; ++frame) {
+            costs.push_back(session->run_frame(frame, frame == start));
+            if (frame >= job.frames[0] && (frame - job.frames[0]) % arguments.every == 0) {
+                for (const std::string& name : job.graph_captures) outputs.write(*session, name, frame);
+                for (const std::string& name : job.host_captures) outputs.write(*session, name, frame);
+            }
+            progress.step();
+        }
+    }
+    for (const std::string& message : device.messages()) std::cerr << message << "\n";
+    const auto report = render_report(arguments, *session, device.info(), job.frames, costs, outputs);
+    const std::string text = report.dump(2) + "\n";
+    write_file(folder / "report.json", std::as_bytes(std::span(text)));
+    print_summary(report);
+    return device.message_count() == 0 ? exit_good : exit_failed;
+}
+
+}  // namespace
+
+int run_render(const RenderArguments& arguments) {
+    const NodeSet nodes = shadow_nodes();
+    auto job = prepare(arguments, nodes);
+    if (!job) return exit_wrong;
+    return render(arguments, std::move(*job), nodes);
+}
+
+}  // namespace penumbra

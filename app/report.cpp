@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// Medians rather than means: these figures are read on machines that do other things too.
+#include "app/report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace penumbra {
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+using Samples = std::vector<double>;
+
+OrderedJson quantile(Samples samples, double q) {
+    if (samples.empty()) return {};
+    std::sort(samples.begin(), samples.end());
+    return samples[std::min(samples.size() - 1, static_cast<size_t>(q * static_cast<double>(samples.size())))];
+}
+
+OrderedJson median(const Samples& samples) { return quantile(samples, 0.5); }
+
+std::span<const FrameCost> warmed_up(const std::vector<FrameCost>& costs) {
+    return std::span(costs).subspan(costs.size() > 2 ? 2 : 0);
+}
+
+template <class Get>
+Samples collect(std::span<const FrameCost> costs, Get&& get) {
+    Samples samples;
+    for (const FrameCost& cost : costs)
+        if (const std::optional<double> value = get(cost)) samples.push_back(*value);
+    return samples;
+}
+
+OrderedJson passes_with_costs(const Plan& plan, std::span<const FrameCost> costs) {
+    OrderedJson passes = passes_json(plan);
+    for (size_t p = 0; p < plan.passes.size(); ++p) {
+        const Samples ms = collect(costs, [&](const FrameCost& c) { return c.passes[p].ms; });
+        const Samples cpu = collect(costs, [&](const FrameCost& c) { return c.pass_cpu_ms[p]; });
+        passes[p]["ms"] = {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}};
+        passes[p]["cpu_ms"] = {{"median", median(cpu)}};
+        OrderedJson counters = OrderedJson::object();
+        if (plan.passes[p].entry)
+            for (size_t i = 0; i < plan.passes[p].entry->type.counters.size(); ++i)
+                counters[plan.passes[p].entry->type.counters[i]] =
+                    median(collect(costs, [&](const FrameCost& c) { return std::optional<double>(c.passes[p].counters[i]); }));
+        passes[p]["counters"] = counters;
+    }
+    return passes;
+}
+
+OrderedJson counts(const Plan& plan, const OrderedJson& passes) {
+    const uint64_t tiles = uint64_t{(plan.extent.width + 7) / 8} * ((plan.extent.height + 3) / 4);
+    OrderedJson out = {{"pixels", uint64_t{plan.extent.width} * plan.extent.height}};
+    const auto counted = [&](const char* name) {
+        OrderedJson sum;
+        for (const OrderedJson& pass : passes)
+            if (pass["counters"].contains(name)) sum = (sum.is_null() ? 0.0 : sum.get<double>()) + pass["counters"][name].get<double>();
+        return sum;
+    };
+    for (const char* name : {"receivers", "lit", "shadowed", "unknown"}) out[name] = counted(name);
+    out["tiles"] = tiles;
+    for (const char* name : {"tiles_listed", "rays"}) out[name] = counted(name);
+    out["penumbra_pixels"] = nullptr;  // known to the reference alone
+    return out;
+}
+
+// {"nodes.filter0.params.step": 2}, the last setting of a path wins.
+OrderedJson settings_json(const std::vector<std::string>& settings) {
+    OrderedJson out = OrderedJson::object();
+    for (const std::string& setting : settings) {
+        const size_t at = setting.find('=');
+        const std::string value = setting.substr(at + 1);
+        const OrderedJson parsed = OrderedJson::parse(value, nullptr, false);
+        out[setting.substr(0, at)] = parsed.is_discarded() ? OrderedJson(value) : parsed;
+    }
+    return out;
+}
+
+OrderedJson outputs_json(const OutputWriter& outputs) {
+    OrderedJson list = OrderedJson::array();
+    for (const WrittenOutput& o : outputs.written())
+        list.push_back({{"resource", o.resource},
+                        {"frame", o.frame},
+                        {"file", o.file},
+                        {"channels", o.channels},
+                        {"min", o.min},
+                        {"max", o.max},
+                        {"nonfinite", o.nonfinite},
+                        {"hash", fmt::format("{:016x}", o.hash)}});
+    return list;
+}
+
+OrderedJson validation_json(const OutputWriter& outputs) {
+    OrderedJson out = OrderedJson::object();
+    for (const auto& [name, texel_check] : outputs.checks())
+        out[name] = {{"nan", texel_check.nan}, {"inf", texel_check.inf}, {"out_of_range", texel_check.out_of_range}};
+    return out;
+}
+
+std::string number(const OrderedJson& value) {
+    return value.is_null() ? "-" : fmt::format("{:.3f}", value.get<double>());
+}
+
+std::string mebibytes(const OrderedJson& bytes) {
+    return bytes.is_null() ? "unknown" : fmt::format("{:.2f} MiB", bytes.get<double>() / (1 << 20));
+}
+
+}  // namespace
+
+OrderedJson render_report(const RenderArguments& arguments, const Session& session, const DeviceInfo& device,
+                          std::array<uint32_t, 2> frames, const std::vector<FrameCost>& costs, const OutputWriter& outputs) {
+    const Plan& plan = session.plan();
+    const auto warm = warmed_up(costs);
+    const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });
+    const Samples cpu = collect(warm, [](const FrameCost& c) { return std::optional<double>(c.cpu_ms); });
+    const OrderedJson passes = passes_with_costs(plan, warm);
+    return {{"penumbra", 1},
+            {"version", PENUMBRA_VERSION},
+            {"pipeline", plan.pipeline},
+            {"shot", session.host().shot().name},
+            {"seed", session.seed()},
+            {"size", {plan.extent.width, plan.extent.height}},
+            {"frames", frames},
+            {"settings", settings_json(arguments.settings)},
+            {"captures", arguments.captures},
+            {"device",
+             {{"name", device.name},
+              {"driver", device.driver},
+              {"class", device.is_cpu ? "cpu" : "gpu"},
+              {"api", fmt::format("{}.{}", VK_API_VERSION_MAJOR(device.api_version), VK_API_VERSION_MINOR(device.api_version))},
+              {"subgroup", device.subgroup_size}}},
+            {"facts", facts_json(plan)},
+            {"frame_ms", {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}, {"min", quantile(ms, 0)}}},
+            {"cpu_ms", {{"median", median(cpu)}, {"p95", quantile(cpu, 0.95)}}},
+            {"passes", passes},
+            {"culled", culled_json(plan)},
+            {"memory", memory_json(plan)},
+            {"counts", counts(plan, passes)},
+            {"validate", arguments.validate ? validation_json(outputs) : OrderedJson()},
+            {"outputs", outputs_json(outputs)}};
+}
+
+void print_summary(const OrderedJson& report) {
+    fmt::print("{} on {} at {}x{}, {} ({})\n", report["pipeline"].get<std::string>(), report["shot"].get<std::string>(),
+               report["size"][0].get<uint32_t>(), report["size"][1].get<uint32_t>(), report["device"]["name"].get<std::string>(),
+               report["device"]["driver"].get<std::string>());
+    fmt::print("  {:<12} {:>10} {:>10}\n", "pass", "ms", "cpu ms");
+    for (const OrderedJson& pass : report["passes"])
+        if (pass["type"] != "capture")
+            fmt::print("  {:<12} {:>10} {:>10}\n", pass["node"].get<std::string>(), number(pass["ms"]["median"]),
+                       number(pass["cpu_ms"]["median"]));
+    fmt::print("  {:<12} {:>10} {:>10}\n", "frame", number(report["frame_ms"]["median"]), number(report["cpu_ms"]["median"]));
+    const OrderedJson& memory = report["memory"];
+    fmt::print("  heap {}   live bound {}   optimum {}   unaliased {}\n", mebibytes(memory["heap_bytes"]),
+               mebibytes(memory["live_bound_bytes"]), mebibytes(memory["optimum_bytes"]), mebibytes(memory["unaliased_bytes"]));
+    const OrderedJson& counts = report["counts"];
+    fmt::print("  pixels {}   receivers {}   rays {}\n", counts["pixels"].dump(), counts["receivers"].dump(), counts["rays"].dump());
+}
+
+}  // namespace penumbra

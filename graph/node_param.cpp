@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// Parameters of a node declaration and values for them. The same function reads a declaration's default, a
+// pipeline's value, a device class's override and the VALUE of a condition, so that they cannot differ in
+// what they accept.
+#include "graph/node_param.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <limits>
+
+#include "graph/json_reader.h"
+
+namespace penumbra {
+
+namespace {
+
+constexpr uint32_t max_push_bytes = 128;  // guaranteed by every Vulkan device
+
+const std::vector<std::string> type_words = {"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"};
+
+std::string number_text(double value) {
+    return fmt::format("{}", value);
+}
+
+bool in_range(const Param& param, double value, const Json& json, const std::string& path,
+              Diagnostics& diagnostics) {
+    if (!param.range || (value >= (*param.range)[0] && value <= (*param.range)[1])) return true;
+    diagnostics.add(
+        json.place, path,
+        fmt::format("{} is outside {} .. {}{}{}", number_text(value), number_text((*param.range)[0]),
+                    number_text((*param.range)[1]), param.unit.empty() ? "" : " ", param.unit));
+    return false;
+}
+
+std::optional<float> read_float(const Param& param, const Json& json, const std::string& path,
+                                Diagnostics& diagnostics) {
+    if (!json.is_number()) {
+        diagnostics.add(json.place, path, fmt::format("expected a number, got {}", kind_name(json.kind)));
+        return std::nullopt;
+    }
+    if (!in_range(param, json.real, json, path, diagnostics)) return std::nullopt;
+    if (!(std::abs(json.real) <= static_cast<double>(FLT_MAX))) {
+        diagnostics.add(json.place, path,
+                        fmt::format("{} does not fit a 32-bit float", number_text(json.real)));
+        return std::nullopt;
+    }
+    return static_cast<float>(json.real);
+}
+
+// The limits of int and uint apply on top of the parameter's range.
+template <typename Integer>
+std::optional<ParamValue> read_integer(const Param& param, const Json& json, const std::string& path,
+                                       Diagnostics& diagnostics) {
+    using Limits = std::numeric_limits<Integer>;
+    if (!expect(json, Json::Kind::integer, path, diagnostics)) return std::nullopt;
+    if (!in_range(param, json.real, json, path, diagnostics)) return std::nullopt;
+    if (json.integer < int64_t{Limits::min()} || json.integer > int64_t{Limits::max()}) {
+        diagnostics.add(json.place, path,
+                        fmt::format("{} is outside {} .. {}", json.integer, Limits::min(), Limits::max()));
+        return std::nullopt;
+    }
+    return static_cast<Integer>(json.integer);
+}
+
+size_t components(ParamType type) {
+    switch (type) {
+        case ParamType::vec2:
+            return 2;
+        case ParamType::vec3:
+            return 3;
+        case ParamType::vec4:
+            return 4;
+        default:
+            return 1;
+    }
+}
+
+void read_values(const ObjectReader& reader, Param& param) {
+    Diagnostics& diagnostics = reader.diagnostics();
+    const Json* json = reader.find("values");
+    if (param.type != ParamType::enumeration) {
+        if (json) reader.error(*json, "values", "only an enum has values");
+        return;
+    }
+    if (!reader.require("values")) return;
+    if (!expect(*json, Json::Kind::array, reader.path("values"), diagnostics)) return;
+    if (json->items.empty()) reader.error(*json, "values", "the list is empty");
+    for (size_t i = 0; i < json->items.size(); ++i) {
+        const Json& item = json->items[i];
+        const std::string path = fmt::format("{}[{}]", reader.path("values"), i);
+        if (!expect(item, Json::Kind::string, path, diagnostics)) continue;
+        if (!is_id(item.string))
+            diagnostics.add(item.place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", item.string));
+        else if (std::ranges::find(param.values, item.string) != param.values.end())
+            diagnostics.add(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
+        else
+            param.values.push_back(item.string);
+    }
+}
+
+void read_range(const ObjectReader& reader, Param& param) {
+    Diagnostics& diagnostics = reader.diagnostics();
+    const Json* json = reader.find("range");
+    if (!json) return;
+    if (param.type == ParamType::boolean || param.type == ParamType::enumeration) {
+        reader.error(*json, "range", "only numbers have a range");
+        return;
+    }
+    if (!expect(*json, Json::Kind::array, reader.path("range"), diagnostics)) return;
+    if (json->items.size() != 2 || !json->items[0].is_number() || !json->items[1].is_number()) {
+        reader.error(*json, "range", "expected two numbers, the least and the greatest value");
+        return;
+    }
+    const std::array<double, 2> range = {json->items[0].real, json->items[1].real};
+    if (range[0] > range[1])
+        reader.error(*json, "range", "the least value exceeds the greatest");
+    else
+        param.range = range;
+}
+
+void read_param(const JsonMember& member, NodeType& type, Diagnostics& diagnostics) {
+    const std::vector<std::string> keys = {"type", "default", "doc", "unit", "range", "values", "constant"};
+    const ObjectReader reader(member.value, "params." + member.key, keys, diagnostics);
+    Param param{.name = member.key, .place = member.key_place};
+    if (reader.require("doc")) param.doc = reader.one_line("doc");
+    param.unit = reader.one_line("unit");
+    param.constant = reader.flag("constant");
+    if (param.name == "group" || param.name == "per_thread")
+        diagnostics.add(member.key_place, reader.path(), "this name belongs to the dispatch rule");
+    const Json* fallback = reader.require("default");
+    if (!reader.require("type")) return;
+    const std::optional<size_t> word = reader.choice("type", type_words);
+    if (!word) return;
+    param.type = static_cast<ParamType>(*word);
+    if (param.constant && components(param.type) > 1)
+        reader.error(*reader.find("constant"), "constant", "a vector cannot be a specialisation constant");
+    read_values(reader, param);
+    read_range(reader, param);
+    if (fallback)
+        if (const auto value = parse_param_value(param, *fallback, reader.path("default"), diagnostics))
+            param.default_value = *value;
+    type.params.push_back(std::move(param));
+}
+
+}  // namespace
+
+void parse_params(const Json& json, NodeType& type, Diagnostics& diagnostics) {
+    if (!expect(json, Json::Kind::object, "params", diagnostics)) return;
+    for (const JsonMember& member : json.members) read_param(member, type, diagnostics);
+    uint32_t bytes = 0;
+    for (const Param& param : type.params) {
+        if (param.constant) continue;
+        const ParamLayout layout = layout_of(param.type);
+        bytes = (bytes + layout.alignment - 1) / layout.alignment * layout.alignment + layout.size;
+        if (bytes <= max_push_bytes) continue;
+        diagnostics.add(
+            param.place, "params." + param.name,
+            fmt::format("the parameters that may change per frame end at byte {}; at most {} fit the push "
+                        "constants (constant parameters do not count)",
+                        bytes, max_push_bytes));
+        break;
+    }
+}
+
+ParamLayout layout_of(ParamType type) {
+    switch (type) {
+        case ParamType::vec2:
+            return {8, 8};
+        case ParamType::vec3:
+            return {12, 16};
+        case ParamType::vec4:
+            return {16, 16};
+        default:
+            return {4, 4};
+    }
+}
+
+std::optional<ParamValue> parse_param_value(const Param& param, const Json& json, const std::string& path,
+                                            Diagnostics& diagnostics) {
+    switch (param.type) {
+        case ParamType::boolean:
+            if (!expect(json, Json::Kind::boolean, path, diagnostics)) return std::nullopt;
+            return json.boolean;
+        case ParamType::integer:
+            return read_integer<int32_t>(param, json, path, diagnostics);
+        case ParamType::uint:
+            return read_integer<uint32_t>(param, json, path, diagnostics);
+        case ParamType::real:
+            return read_float(param, json, path, diagnostics);
+        case ParamType::enumeration: {
+            if (!expect(json, Json::Kind::string, path, diagnostics)) return std::nullopt;
+            if (std::ranges::find(param.values, json.string) != param.values.end()) return json.string;
+            diagnostics.add(json.place, path,
+                            fmt::format("no value \"{}\" (values: {}){}", json.string, join(param.values),
+                                        did_you_mean(json.string, param.values)));
+            return std::nullopt;
+        }
+        default:
+            break;
+    }
+    const size_t size = components(param.type);
+    if (!expect(json, Json::Kind::array, path, diagnostics)) return std::nullopt;
+    if (json.items.size() != size) {
+        diagnostics.add(json.place, path,
+                        fmt::format("expected {} numbers, got {}", size, json.items.size()));
+        return std::nullopt;
+    }
+    std::vector<float> vector;
+    for (size_t i = 0; i < size; ++i)
+        if (const auto number = read_float(param, json.items[i], fmt::format("{}[{}]", path, i), diagnostics))
+            vector.push_back(*number);
+    if (vector.size() != size) return std::nullopt;
+    return vector;
+}
+
+}  // namespace penumbra

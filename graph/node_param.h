@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// Reading the parameters of a declaration (node_type.cpp reads the rest).
+#pragma once
+
+#include "graph/node_type.h"
+
+namespace penumbra {
+
+// Appends the parameters of the section "params".
+void parse_params(const Json& section, NodeType& type, Diagnostics& diagnostics);
+
+}  // namespace penumbra

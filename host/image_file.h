@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// EXR in full precision, PNG for the eye. Files appear whole or not at all: they are written beside their
+// name and renamed.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "graph/diagnostic.h"
+
+namespace penumbra {
+
+// An output file could not be written; the text names it and says why.
+class FileError : public std::runtime_error {
+  public:
+    using std::runtime_error::runtime_error;
+};
+
+enum class PlaneType { half, real, uint };
+
+// One named channel, rows from the top.
+struct Plane {
+    std::string name;
+    PlaneType type = PlaneType::real;
+    std::vector<float> values;    // half (rounded when written) and real
+    std::vector<uint32_t> words;  // uint
+};
+
+struct PlanarImage {
+    uint32_t width = 0, height = 0;
+    std::vector<Plane> planes;
+
+    const Plane* find(std::string_view name) const;
+};
+
+// Throws FileError; std::invalid_argument where a plane's size is not width * height.
+void write_exr(const std::filesystem::path& path, const PlanarImage& image);
+
+// Any scan-line or tiled EXR; planes in the file's (alphabetical) order. Sub-sampled channels are an error.
+std::optional<PlanarImage> read_exr(const std::filesystem::path& path, Diagnostics& diagnostics);
+
+// 8-bit PNG of linear RGB triples, sRGB-encoded and clamped. NaN is shown as magenta, so that it is seen.
+void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t height,
+                     std::span<const float> rgb);
+
+// 8-bit PNG, grey = value * 255 without a transfer curve (visibility). NaN is shown as magenta.
+void write_png_linear(const std::filesystem::path& path, uint32_t width, uint32_t height,
+                      std::span<const float> values);
+
+// Replaces the file's contents in one step. Throws FileError.
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+}  // namespace penumbra

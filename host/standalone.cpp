@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Frames of a shot, and the facts about it.
+#include "host/standalone.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "host/gltf.h"
+
+namespace penumbra {
+
+std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
+                                std::vector<std::string>& warnings) {
+    std::optional<Model> model = load_gltf(shot.model, diagnostics);
+    if (!model || !check_objects(shot, *model, diagnostics)) return std::nullopt;
+    for (const std::string& warning : model->warnings)
+        warnings.push_back(shot.model.string() + ": " + warning);
+    Scene scene(std::move(*model), shot);
+    if (scene.dropped_instances()) {
+        warnings.push_back(fmt::format("{}: {} nodes with singular or non-finite transforms are not shown",
+                                       shot.model.string(), scene.dropped_instances()));
+    }
+    return scene;
+}
+
+StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const StandaloneOptions& options)
+    : shot_(std::move(shot)),
+      scene_(std::move(scene)),
+      options_(options),
+      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {}
+
+StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
+    const double aspect = double(options_.size[0]) / options_.size[1];
+    const bool has_previous = !reset && index > 0;
+    const uint32_t previous = has_previous ? index - 1 : index;
+    StandaloneFrame out;
+    FrameDescription& description = out.description;
+    description.camera = camera_at(shot_, index, aspect);
+    description.previous = camera_at(shot_, previous, aspect);
+    if (options_.jitter) {
+        description.jitter = halton_jitter(index, options_.size);
+        description.prev_jitter = halton_jitter(previous, options_.size);
+    }
+    description.size = description.prev_size = options_.size;
+    description.index = index;
+    description.dt_s = static_cast<float>(1 / shot_.fps);
+    description.flags = has_previous ? 0u : uint32_t(frame_reset);
+
+    const SunState sun = sun_at(shot_, index);
+    const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
+    const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_.bvh_origin());
+    for (int i = 0; i < 3; ++i) {
+        out.sun.to_sun.v[i] = static_cast<float>(sun.to_sun[i]);
+        out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
+    }
+    out.sun.angular_radius = static_cast<float>(sun.angular_radius);
+    out.triangles_moved = scene_.moved(previous, index);
+    return out;
+}
+
+void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& frame) {
+    const FrameDescription& description = frame.description;
+    const uint32_t previous = (description.flags & frame_reset) ? description.index : description.index - 1;
+    gbuffer_.record(commands, description, scene_.transforms(description.index), scene_.transforms(previous),
+                    shot_.origin);
+}
+
+std::map<std::string, bool> StandaloneHost::facts() const {
+    bool sun_up = false;
+    for (uint32_t frame = 0; frame < shot_.frames && !sun_up; ++frame) {
+        const SunState sun = sun_at(shot_, frame);
+        sun_up = std::asin(sun.to_sun.y) > -sun.angular_radius;
+    }
+    return {{"sun_up", sun_up},
+            {"sun_disc", shot_.sun_angular_radius_deg > 0},
+            {"casters", !scene_.instances().empty()},
+            {"alpha", false},
+            {"many_cascades", false},
+            {"moves", moves(shot_)},
+            {"motion_3d", true},
+            {"hdr", false}};
+}
+
+}  // namespace penumbra

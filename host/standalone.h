@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// The standalone host: everything that a pipeline's host inputs need for each frame of a shot. It knows
+// nothing of the graph; the program glues the two together.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graph/frame_block.h"
+#include "host/gbuffer.h"
+#include "host/scene.h"
+#include "host/shot.h"
+#include "shaders/common/blocks.h"
+
+namespace penumbra {
+
+struct StandaloneOptions {
+    std::array<uint32_t, 2> size{1280, 720};
+    uint32_t frames_in_flight = 2;
+    bool jitter = true;  // whether frames are jittered where the pipeline wants it
+};
+
+// One frame's data, a pure function of its index.
+struct StandaloneFrame {
+    FrameDescription description;
+    blocks::Sun sun{};
+    blocks::Scene scene{};
+    bool triangles_moved = false;  // since the previous frame: the BVH must follow
+};
+
+// Reads the shot's scene; warnings about it go to `warnings`.
+std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
+                                std::vector<std::string>& warnings);
+
+class StandaloneHost {
+  public:
+    StandaloneHost(Device& device, Shot shot, Scene scene, const StandaloneOptions& options);
+    StandaloneHost(const StandaloneHost&) = delete;  // the G-buffer refers to the scene beside it
+    StandaloneHost& operator=(const StandaloneHost&) = delete;
+
+    // `reset`: the frame has no history (the first one, a cut, a cold start); its previous camera is its own.
+    StandaloneFrame frame(uint32_t index, bool reset) const;
+    // Records the frame's G-buffer; see GBuffer::record() for what holds afterwards.
+    void record(VkCommandBuffer commands, const StandaloneFrame& frame);
+
+    // A pipeline says only once it is compiled whether it wants jitter.
+    void set_jitter(bool on) { options_.jitter = on; }
+
+    const GBufferImages& images() const { return gbuffer_.images(); }
+    const Scene& scene() const { return scene_; }
+    const Shot& shot() const { return shot_; }
+
+    // What holds for the whole shot: the facts that conditions in pipelines ask for.
+    std::map<std::string, bool> facts() const;
+
+  private:
+    Shot shot_;
+    Scene scene_;
+    StandaloneOptions options_;
+    GBuffer gbuffer_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+// bvh.glsl on the first Vulkan device against the reference traversal in C++: the same arithmetic, so the same answers,
+// ray for ray. A compiler that fuses multiply-add, or a driver that loses a value set inside a divergent loop, shows here.
+#include <gtest/gtest.h>
+
+#include "host/bvh.h"
+#include "tests/bvh_oracle.h"
+#include "tests/bvh_scenes.h"
+#include "tests/vulkan_compute.h"
+
+namespace penumbra {
+namespace {
+
+using namespace test;
+
+struct GpuRay {
+    float origin[3], t_min, direction[3], t_max;
+};
+
+std::vector<uint32_t> answers(Compute& compute, const Bvh& bvh, const std::vector<Ray>& rays) {
+    std::vector<GpuRay> in;
+    for (const Ray& r : rays)
+        in.push_back({{r.origin[0], r.origin[1], r.origin[2]}, r.t_min, {r.direction[0], r.direction[1], r.direction[2]}, r.t_max});
+    const std::vector<uint32_t> unanswered(rays.size(), 0xDEADBEEFu);
+    const std::span<const std::byte> contents[] = {std::as_bytes(std::span(bvh.nodes)), std::as_bytes(std::span(bvh.leaves)),
+                                                   std::as_bytes(std::span(in)), std::as_bytes(std::span(unanswered))};
+    compute.bind(contents);
+    compute.run(uint32_t((rays.size() + 63) / 64), uint32_t(rays.size()));
+    const auto* out = static_cast<const uint32_t*>(compute.mapped(3));
+    return {out, out + rays.size()};
+}
+
+class BvhGpu : public testing::Test {
+  protected:
+    void SetUp() override {
+        const VkDescriptorType bindings[] = {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+                                             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        compute.load(BVH_RAYS_SPV, bindings);
+        cpu_device = compute.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+        std::printf("device: %s\n", compute.properties().deviceName);
+    }
+
+    // A CPU device divides with correct rounding and must agree bit for bit. Vulkan allows others 2.5 ulp in the ray's
+    // slopes; then the oracle has the last word.
+    void expect_equal(const std::string& name, const std::vector<Triangle>& triangles, const std::vector<Ray>& rays) {
+        const Bvh bvh = build_bvh(triangles);
+        const std::vector<uint32_t> gpu = answers(compute, bvh, rays);
+        size_t differ = 0, hits = 0;
+        for (size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_LE(gpu[i], 1u) << "ray " << i << " was not answered";
+            const bool cpu = occluded(bvh, rays[i]);
+            hits += cpu;
+            if (gpu[i] == uint32_t(cpu)) continue;
+            ++differ;
+            EXPECT_NE(truth(triangles, rays[i]), cpu ? Truth::blocked : Truth::clear) << name << ", ray " << i;
+        }
+        std::printf("%s: %zu of %zu rays blocked, %zu differ from the reference\n", name.c_str(), hits, rays.size(), differ);
+        EXPECT_LE(differ, cpu_device ? 0 : rays.size() / 10000) << name;
+        EXPECT_GT(hits, 0u) << name;
+    }
+
+    Compute compute;
+    bool cpu_device = false;
+};
+
+TEST_F(BvhGpu, AnswersLikeTheReference) {
+    for (const Scene& s : all_scenes()) expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 1'000'000, 21));
+}
+
+TEST_F(BvhGpu, EmptySceneBlocksNothing) {
+    const std::vector<Triangle> one{triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0})};
+    for (uint32_t a : answers(compute, build_bvh({}), shadow_rays(one, 1000, 22))) ASSERT_EQ(a, 0u);
+}
+
+TEST_F(BvhGpu, ClosedMeshesDoNotLeakAtEdgesAndVertices) {
+    const Vec centre{1.5f, -2.25f, 30};
+    const std::vector<Triangle> ball = closed_ball(5, centre, 5);
+    Random random(23);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 1'000'000; ++i) {
+        const auto& t = ball[random.bits() % ball.size()].v;
+        const auto &a = t[i % 3], &b = t[(i + 1) % 3];
+        const float along = i % 2 ? 0.0f : random.unit();
+        const Vec origin = centre + random_direction(random) * random.in(0, 4);
+        rays.push_back({{origin.x, origin.y, origin.z},
+                        {a[0] + (b[0] - a[0]) * along - origin.x, a[1] + (b[1] - a[1]) * along - origin.y,
+                         a[2] + (b[2] - a[2]) * along - origin.z},
+                        0, std::numeric_limits<float>::infinity()});
+    }
+    const std::vector<uint32_t> gpu = answers(compute, build_bvh(ball), rays);
+    EXPECT_EQ(std::count(gpu.begin(), gpu.end(), 1u), std::ssize(gpu));
+}
+
+TEST_F(BvhGpu, AxisParallelRaysAnswerLikeTheReference) {
+    std::vector<Triangle> flat;
+    for (int i = 0; i < 5; ++i) {
+        const float o = float(i) * 2;
+        add_quad(flat, {o, 0, 0}, {o, 1, 0}, {o, 1, 1}, {o, 0, 1});
+        add_quad(flat, {0, o, 3}, {1, o, 3}, {1, o, 4}, {0, o, 4});
+        add_quad(flat, {3, 3, o}, {4, 3, o}, {4, 4, o}, {3, 4, o});
+    }
+    std::vector<Ray> rays;
+    const float values[] = {-1, -0.0f, 0, 1}, places[] = {-1, 0, 0.25f, 1, 2, 3, 3.5f, 5};
+    for (float dx : values)
+        for (float dy : values)
+            for (float dz : values)
+                for (float ox : places)
+                    for (float oy : places)
+                        for (float oz : places)
+                            if (dx != 0 || dy != 0 || dz != 0)
+                                rays.push_back({{ox, oy, oz}, {dx, dy, dz}, 0, std::numeric_limits<float>::infinity()});
+    expect_equal("flat", flat, rays);
+}
+
+}  // namespace
+}  // namespace penumbra

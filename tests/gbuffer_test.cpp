@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: MIT
+// The G-buffer against double-precision ray casting: depth, normals and motion of boxes that move, turn and
+// are mirrored, near the origin and a thousand kilometres away from it. Needs a Vulkan device.
+#include "host/gbuffer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/packing.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <memory>
+
+#include "host/shapes.h"
+#include "host/standalone.h"
+
+namespace penumbra {
+namespace {
+
+constexpr uint32_t width = 320, height = 180;
+
+class GBufferTest : public ::testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        device_ = std::make_unique<Device>(DeviceOptions{.name = {}, .validation = true});
+    }
+    static void TearDownTestSuite() { device_.reset(); }
+    void TearDown() override {
+        for (const std::string& message : device_->messages()) ADD_FAILURE() << message;
+    }
+    static std::unique_ptr<Device> device_;
+};
+
+std::unique_ptr<Device> GBufferTest::device_;
+
+Model boxes() {
+    Model model;
+    model.materials = {{{0.5f, 0.25f, 1, 1}}};
+    model.meshes.push_back({{to_part(ground(20, 20, 4, 4), -1)}});
+    model.meshes.push_back({{to_part(box({-0.5, 0, -0.5}, {0.5, 2, 0.5}), 0)}});
+    model.nodes = {
+        Node{.name = "floor", .mesh = 0},
+        Node{.name = "mover", .mesh = 1, .translation = {-1.5, 0.1, 0}},
+        Node{.name = "mirrored", .mesh = 1, .translation = {1.5, 0, -1}, .scale = {-1, 0.4, 2}},
+        Node{.name = "far", .mesh = 1, .translation = {-4, 0, -60}, .scale = {8, 8, 8}},
+    };
+    return model;
+}
+
+Shot boxes_shot() {
+    Shot shot;
+    shot.frames = 8;
+    shot.vertical_fov_deg = 50;
+    shot.near = 0.05;
+    shot.camera = {{.frame = 0, .position = {0.3, 1.7, 6}, .target = {0, 0.8, 0}},
+                   {.frame = 4, .position = {0.5, 1.9, 5.7}, .target = {0.1, 0.8, 0}, .up = {0.05, 1, 0}}};
+    shot.sun = {{.frame = 0, .to_sun = {0, 1, 0}}};
+    shot.objects["mover"].keys = {{.frame = 0},
+                                  {.frame = 4, .translation = {0.3, 0.2, 0.1}, .rotation_deg = {0, 40, 5}}};
+    return shot;
+}
+
+struct Rendered {
+    StandaloneFrame frame;
+    std::vector<float> depth;
+    std::vector<glm::vec4> normal, motion;
+    std::vector<glm::u8vec4> albedo;
+};
+
+template <class T>
+std::vector<T> texels(Device& device, const GpuImage& image) {
+    const std::vector<std::byte> bytes =
+        read_image(device, image.get(), image.format, image.extent, GBuffer::final_layout);
+    std::vector<T> out(bytes.size() / sizeof(T));
+    std::memcpy(out.data(), bytes.data(), bytes.size());
+    return out;
+}
+
+std::vector<glm::vec4> from_half(const std::vector<uint64_t>& packed) {
+    std::vector<glm::vec4> out;
+    for (const uint64_t p : packed) out.push_back(glm::unpackHalf4x16(p));
+    return out;
+}
+
+Rendered render(Device& device, const Shot& shot, Model model, uint32_t index, bool reset = false) {
+    StandaloneHost host(device, shot, Scene(std::move(model), shot), {.size = {width, height}});
+    Rendered out;
+    out.frame = host.frame(index, reset);
+    device.run([&](VkCommandBuffer commands) { host.record(commands, out.frame); });
+    out.depth = texels<float>(device, host.images().depth);
+    out.normal = from_half(texels<uint64_t>(device, host.images().normal));
+    out.motion = from_half(texels<uint64_t>(device, host.images().motion));
+    out.albedo = texels<glm::u8vec4>(device, host.images().albedo);
+    return out;
+}
+
+// A triangle of the scene with its corners now and one frame ago, in double precision.
+struct Reference {
+    glm::dvec3 corner[3], before[3];
+};
+
+std::vector<Reference> reference_triangles(const Scene& scene, double frame, double previous) {
+    const auto now = scene.transforms(frame), then = scene.transforms(previous);
+    std::vector<Reference> out;
+    for (const Instance& instance : scene.instances()) {
+        const auto node = static_cast<size_t>(instance.node);
+        for (const Part& part : scene.model().meshes[static_cast<size_t>(instance.mesh)].parts) {
+            for (size_t i = 0; i < part.indices.size(); ++i) {
+                if (i % 3 == 0) out.emplace_back();
+                const glm::dvec4 p(part.origin + glm::dvec3(part.positions[part.indices[i]]), 1);
+                out.back().corner[i % 3] = glm::dvec3(now[node] * p);
+                out.back().before[i % 3] = glm::dvec3(then[node] * p);
+            }
+        }
+    }
+    return out;
+}
+
+struct Hit {
+    int triangle = -1;
+    double t = INFINITY;  // view depth, since rays have view-axis length 1
+    glm::dvec3 weights;
+};
+
+Hit cast(const std::vector<Reference>& triangles, const glm::dvec3& eye, const glm::dvec3& ray) {
+    Hit best;
+    for (size_t i = 0; i < triangles.size(); ++i) {
+        const auto& c = triangles[i].corner;
+        const glm::dmat3 system(c[0] - eye, c[1] - eye, c[2] - eye);
+        const glm::dvec3 w = glm::inverse(system) * ray;  // ray = sum of w * corner; t = 1 / sum of w
+        const double sum = w.x + w.y + w.z;
+        if (!(w.x >= 0 && w.y >= 0 && w.z >= 0 && sum > 0) || 1 / sum >= best.t) continue;
+        best = {static_cast<int>(i), 1 / sum, w / sum};
+    }
+    return best;
+}
+
+glm::dvec3 ray_through(const Camera& camera, const glm::dvec2& uv) {
+    const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
+    const glm::dvec2 ndc = 2.0 * uv - 1.0;
+    return glm::make_mat3(camera.world_from_view.data()) *
+           glm::dvec3(ndc.x / clip[0][0], ndc.y / clip[1][1], -1);
+}
+
+glm::dvec3 uv_and_depth(const Camera& camera, const glm::dvec3& point) {
+    const glm::dvec3 view = glm::transpose(glm::make_mat3(camera.world_from_view.data())) *
+                            (point - glm::dvec3(glm::make_vec3(camera.position.data())));
+    const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
+    return {0.5 + 0.5 * clip[0][0] * view.x / -view.z, 0.5 + 0.5 * clip[1][1] * view.y / -view.z, -view.z};
+}
+
+// What each pixel's centre sees, with the jitter taken out.
+std::vector<Hit> reference_hits(const std::vector<Reference>& triangles, const FrameDescription& frame) {
+    std::vector<Hit> hits(width * height);
+    const glm::dvec3 eye = glm::make_vec3(frame.camera.position.data());
+    for (uint32_t y = 0; y < height; ++y) {
+        for (uint32_t x = 0; x < width; ++x) {
+            const glm::dvec2 uv((x + 0.5) / width - frame.jitter[0], (y + 0.5) / height - frame.jitter[1]);
+            hits[y * width + x] = cast(triangles, eye, ray_through(frame.camera, uv));
+        }
+    }
+    return hits;
+}
+
+// Pixels whose neighbours see the same triangle: coverage at edges is the rasteriser's own business.
+bool is_interior(const std::vector<Hit>& hits, uint32_t x, uint32_t y) {
+    if (x == 0 || y == 0 || x + 1 == width || y + 1 == height) return false;
+    for (uint32_t v = y - 1; v <= y + 1; ++v)
+        for (uint32_t u = x - 1; u <= x + 1; ++u)
+            if (hits[v * width + u].triangle != hits[y * width + x].triangle) return false;
+    return true;
+}
+
+TEST_F(GBufferTest, MatchesDoublePrecision) {
+    const Shot shot = boxes_shot();
+    const Scene scene(boxes(), shot);
+    const Rendered image = render(*device_, shot, boxes(), 3);
+    const FrameDescription& frame = image.frame.description;
+    ASSERT_NE(frame.jitter[0], 0);
+    const auto triangles = reference_triangles(scene, 3, 2);
+    const auto hits = reference_hits(triangles, frame);
+    const glm::dvec3 eye = glm::make_vec3(frame.camera.position.data());
+
+    double depth_error = 0, normal_error = 0, motion_error_px = 0, change_error = 0, moved = 0;
+    size_t surface = 0, sky = 0;
+    for (uint32_t y = 0; y < height; ++y) {
+        for (uint32_t x = 0; x < width; ++x) {
+            if (!is_interior(hits, x, y)) continue;
+            const size_t i = y * width + x;
+            const Hit& hit = hits[i];
+            if (hit.triangle < 0) {
+                EXPECT_EQ(image.depth[i], 0);
+                EXPECT_EQ(image.normal[i], glm::vec4(0));
+                EXPECT_EQ(image.motion[i], glm::vec4(0));
+                ++sky;
+                continue;
+            }
+            ++surface;
+            const Reference& triangle = triangles[static_cast<size_t>(hit.triangle)];
+            const auto at = [&](const glm::dvec3* c) {
+                return hit.weights.x * c[0] + hit.weights.y * c[1] + hit.weights.z * c[2];
+            };
+            const glm::dvec3 point = at(triangle.corner), before = at(triangle.before);
+            ASSERT_GT(image.depth[i], 0) << x << ", " << y;
+            // Devices snap vertices to a sub-pixel grid and may take depth from the snapped triangle.
+            const double slope = std::max(std::abs(hits[i + 1].t - hits[i - 1].t),
+                                          std::abs(hits[i + width].t - hits[i - width].t));
+            const double snapping = slope * std::exp2(-double(device_->limits().subPixelPrecisionBits));
+            const double view_depth = double(float(shot.near)) / image.depth[i];
+            depth_error = std::max(depth_error, (std::abs(view_depth - hit.t) - snapping) / hit.t);
+
+            glm::dvec3 normal = glm::normalize(
+                glm::cross(triangle.corner[1] - triangle.corner[0], triangle.corner[2] - triangle.corner[0]));
+            if (glm::dot(normal, point - eye) > 0) normal = -normal;
+            normal_error = std::max(normal_error, glm::length(glm::dvec3(image.normal[i]) - normal));
+
+            const glm::dvec3 expected =
+                uv_and_depth(frame.previous, before) - uv_and_depth(frame.camera, point);
+            const glm::dvec3 error = glm::dvec3(image.motion[i]) - expected;
+            // rgba16f keeps 11 bits, and a device may round either way.
+            const glm::dvec3 rounding = glm::abs(expected) / 1024.0;
+            motion_error_px = std::max(motion_error_px, std::max((std::abs(error.x) - rounding.x) * width,
+                                                                 (std::abs(error.y) - rounding.y) * height));
+            change_error = std::max(change_error, (std::abs(error.z) - rounding.z) / hit.t);
+            moved = std::max(moved, std::abs(expected.x) * width);
+        }
+    }
+    EXPECT_GT(surface, 30000u);
+    EXPECT_GT(sky, 3000u);
+    EXPECT_GT(moved, 2);
+    EXPECT_LT(depth_error, 2e-6);
+    EXPECT_LT(normal_error, 1e-3);
+    EXPECT_LT(motion_error_px, 5e-4);
+    EXPECT_LT(change_error, 1e-6);
+    for (const auto& [name, value] : {std::pair("depth_error_1e9", depth_error),
+                                      {"normal_error_1e9", normal_error},
+                                      {"motion_error_px_1e9", motion_error_px},
+                                      {"change_error_1e9", change_error}}) {
+        RecordProperty(name, static_cast<int>(value * 1e9));  // seen with --gtest_output=json
+    }
+}
+
+// Absolute fp32 matrices are wrong by pixels already at 1e5 m.
+TEST_F(GBufferTest, OriginChangesNothingBeyondRounding) {
+    Shot shot = boxes_shot();
+    const Rendered here = render(*device_, shot, boxes(), 3);
+    shot.origin = {1e6, -2e6, 3e6};
+    const Rendered there = render(*device_, shot, boxes(), 3);
+    size_t differing_coverage = 0;
+    for (size_t i = 0; i < here.depth.size(); ++i) {
+        if (here.normal[i] != there.normal[i]) {
+            ++differing_coverage;
+            continue;
+        }
+        EXPECT_NEAR(there.depth[i], here.depth[i], here.depth[i] * 2e-6);
+        // One step of the half's 11 bits, and what the camera's own position keeps at 1e6 m in double (2e-10
+        // m).
+        EXPECT_NEAR(there.motion[i].x, here.motion[i].x, std::abs(here.motion[i].x) / 1024 + 1e-6);
+        EXPECT_NEAR(there.motion[i].y, here.motion[i].y, std::abs(here.motion[i].y) / 1024 + 1e-6);
+    }
+    EXPECT_LE(differing_coverage, here.depth.size() / 10000);
+}
+
+TEST_F(GBufferTest, StandingStillIsExactlyStill) {
+    Shot shot = boxes_shot();
+    shot.camera.pop_back();
+    shot.objects.clear();
+    const Rendered image = render(*device_, shot, boxes(), 3);
+    for (const glm::vec4& motion : image.motion) ASSERT_EQ(motion, glm::vec4(0));
+}
+
+TEST_F(GBufferTest, ResetFrameHasNoMotion) {
+    const Rendered image = render(*device_, boxes_shot(), boxes(), 3, true);
+    EXPECT_EQ(image.frame.description.flags & frame_reset, uint32_t(frame_reset));
+    for (const glm::vec4& motion : image.motion) ASSERT_EQ(motion, glm::vec4(0));
+}
+
+// A half turn: what was behind the camera has no previous place in the image, and must not get a mirrored
+// one.
+TEST_F(GBufferTest, PointsBehindThePreviousCameraGoOffScreen) {
+    Shot shot = boxes_shot();
+    shot.camera = {{.frame = 0, .position = {0, 1, 6}, .target = {0, 1, 20}},
+                   {.frame = 1, .position = {0, 1, 6}, .target = {0, 1, -8}}};
+    const Rendered image = render(*device_, shot, boxes(), 1);
+    size_t seen = 0;
+    for (uint32_t y = 0; y < height; ++y) {
+        for (uint32_t x = 0; x < width; ++x) {
+            const size_t i = y * width + x;
+            if (image.depth[i] == 0) continue;
+            ++seen;
+            const glm::vec2 uv((float(x) + 0.5f) / width + image.motion[i].x,
+                               (float(y) + 0.5f) / height + image.motion[i].y);
+            ASSERT_FALSE(uv.x >= 0 && uv.x < 1 && uv.y >= 0 && uv.y < 1) << x << ", " << y;
+            ASSERT_TRUE(std::isfinite(image.motion[i].x) && std::isfinite(image.motion[i].z));
+        }
+    }
+    EXPECT_GT(seen, 1000u);
+}
+
+TEST_F(GBufferTest, AlbedoIsFactorTimesTextureInLinearLight) {
+    Model model;
+    Part part = to_part(ground(2, 2, 1, 1), 0);
+    part.uv.assign(part.positions.size(), glm::vec2(0.5f));
+    model.meshes.push_back({{part}});
+    model.nodes = {Node{.name = "floor", .mesh = 0}};
+    model.textures = {Texture{1, 1, {188, 255, 0, 255}}};  // sRGB 188 is 0.503 in linear light
+    model.materials = {{{1, 0.5f, 1, 1}, 0}};
+    Shot shot = boxes_shot();
+    shot.objects.clear();
+    const Rendered image = render(*device_, shot, model, 0);
+    const size_t centre = (height / 2 + 20) * width + width / 2;
+    ASSERT_GT(image.depth[centre], 0);
+    EXPECT_NEAR(image.albedo[centre].r, 128, 1);
+    EXPECT_NEAR(image.albedo[centre].g, 128, 1);
+    EXPECT_EQ(image.albedo[centre].b, 0);
+}
+
+TEST_F(GBufferTest, EmptySceneIsSky) {
+    Shot shot = boxes_shot();
+    shot.objects.clear();
+    const Rendered image = render(*device_, shot, Model{}, 0);
+    EXPECT_TRUE(std::ranges::all_of(image.depth, [](float d) { return d == 0; }));
+}
+
+// Zero messages mean something only if a mistake makes one.
+TEST(Device, MessengerHearsTheValidationLayer) {
+    Device device({.name = {}, .validation = true});
+    EXPECT_EQ(device.message_count(), 0u);
+    const GpuBuffer buffer = make_host_buffer(device, 64, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "source");
+    const GpuBuffer target = make_host_buffer(device, 64, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "target");
+    device.run([&](VkCommandBuffer commands) {
+        const VkBufferCopy region{0, 0, 64};
+        vkCmdCopyBuffer(commands, buffer.get(), target.get(), 1, &region);
+        vkCmdCopyBuffer(commands, buffer.get(), target.get(), 1, &region);  // writes twice without a barrier
+    });
+    EXPECT_GE(device.message_count(), 1u);
+}
+
+TEST(Device, UnknownNameListsWhatThereIs) {
+    const std::vector<DeviceInfo> devices = list_devices();
+    ASSERT_FALSE(devices.empty());
+    try {
+        const Device device({.name = "no such device"});
+        ADD_FAILURE();
+    } catch (const DeviceError& error) {
+        EXPECT_NE(std::string(error.what()).find(devices[0].name), std::string::npos) << error.what();
+    }
+    std::string part = devices[0].name.substr(0, 4);
+    for (char& c : part) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    EXPECT_EQ(Device({.name = part}).info().name, devices[0].name);
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+// Hazards: for every access of six consecutive frames, every earlier access to overlapping bytes (of the same instance,
+// or of another instance whose memory it shares) must be followed by a barrier whose source scope covers it and whose
+// destination scope covers the later one, directly or through a chain of execution dependencies. Quadratic and plain.
+#include "tests/plan_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace penumbra::test {
+namespace {
+
+// The data of an instance is needed from its first write to its last read.
+struct Held {
+    uint32_t resource = 0;
+    uint32_t frame = 0;  // that wrote it
+    uint64_t first = 0, last = 0;  // absolute pass numbers
+};
+
+std::vector<Held> holdings(const Plan& plan, uint32_t frames) {
+    const uint64_t passes = plan.passes.size();
+    std::vector<Held> result;
+    for (uint32_t frame = 0; frame < frames; ++frame)
+        for (uint32_t r = 0; r < plan.resources.size(); ++r) {
+            Held held{r, frame, ~0ull, 0};
+            for (uint64_t p = 0; p < passes; ++p)
+                for (const PassUse& use : plan.passes[p].uses)
+                    if (use.resource == r) {
+                        const uint64_t at = (frame + (use.previous ? 1 : 0)) * passes + p;
+                        held.first = std::min(held.first, at);
+                        held.last = std::max(held.last, at);
+                    }
+            if (plan.resources[r].output) held.last = std::max(held.last, (frame + 1) * passes - 1);
+            if (held.first != ~0ull) result.push_back(held);
+        }
+    return result;
+}
+
+bool share_bytes(const Plan& plan, uint32_t a, uint32_t pa, uint32_t b, uint32_t pb) {
+    const PlanResource &x = plan.resources[a], &y = plan.resources[b];
+    if (x.heap != y.heap) return false;
+    const uint64_t begin = std::max(x.offset[pa], y.offset[pb]);
+    const uint64_t end = std::min(x.offset[pa] + x.bytes, y.offset[pb] + y.bytes);
+    return begin < end;
+}
+
+struct Event {
+    bool barrier = false;
+    Dependency dependency;   // barrier
+    PassUse use;             // access
+    uint32_t parity = 0;     // of the instance accessed; barriers: of the frame
+    std::string label;
+};
+
+std::vector<Event> events(const Plan& plan, uint32_t frames) {
+    std::vector<Event> list;
+    for (uint32_t frame = 0; frame < frames; ++frame) {
+        const uint32_t parity = frame & 1;
+        for (const PlanPass& pass : plan.passes) {
+            const std::string label = fmt::format("{} of frame {}", pass.node, frame);
+            list.push_back({true, pass.before[parity], {}, parity, label});
+            for (const uint32_t r : pass.clears)
+                list.push_back({false, {}, {r, false, {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, true}}, parity, label + " (clear)"});
+            list.push_back({true, pass.after_clears[parity], {}, parity, label});
+            for (const PassUse& use : pass.uses)
+                list.push_back({false, {}, use, use.previous ? 1 - parity : parity, label});
+        }
+        list.push_back({true, plan.end[parity], {}, parity, "end"});
+    }
+    return list;
+}
+
+bool covers(uint64_t set, uint64_t subset) { return (set & subset) == subset; }
+
+// Whether the barriers between two accesses order them: `from` must happen before `to`, and be visible to it if memory
+// matters. Follows chains: a barrier's destination stages become the source of the next.
+bool ordered(const Plan& plan, const std::vector<Event>& list, size_t from, size_t to) {
+    const Use& first = list[from].use.use;
+    const Use& second = list[to].use.use;
+    const uint32_t resource = list[to].use.resource;
+    const bool needs_memory = first.write;
+    VkPipelineStageFlags2 reached = 0;  // stages that wait for `first`
+    bool available = false;             // its write is available, and visible to:
+    VkPipelineStageFlags2 visible_stages = 0;
+    VkAccessFlags2 visible_access = 0;
+    for (size_t i = from + 1; i < to; ++i) {
+        if (!list[i].barrier) continue;
+        const Dependency& d = list[i].dependency;
+        if (covers(d.src_stages, first.stages) || (d.src_stages & reached)) {
+            reached |= d.dst_stages;
+            if (covers(d.src_stages, first.stages) && covers(d.src_access, first.access & (VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT))) available = true;
+            if (available) {
+                visible_stages |= d.dst_stages;
+                visible_access |= d.dst_access;
+            }
+        }
+        for (const Activation& a : d.activations)  // the transition is part of the order for its own image
+            if (a.resource == resource && list[i].parity == list[to].parity && (covers(a.src_stages, first.stages) || (a.src_stages & reached)))
+                reached |= a.dst_stages;
+    }
+    (void)plan;
+    if (!covers(reached, second.stages)) return false;
+    return !needs_memory || (covers(visible_stages, second.stages) && covers(visible_access, second.access));
+}
+
+}  // namespace
+
+std::vector<std::string> overlap_errors(const Plan& plan) {
+    std::vector<std::string> errors;
+    const std::vector<Held> held = holdings(plan, 4);
+    for (size_t i = 0; i < held.size(); ++i)
+        for (size_t j = i + 1; j < held.size(); ++j) {
+            const Held &a = held[i], &b = held[j];
+            const bool same_time = a.first <= b.last && b.first <= a.last;
+            if (same_time && share_bytes(plan, a.resource, a.frame & 1, b.resource, b.frame & 1))
+                errors.push_back(fmt::format("{} of frame {} and {} of frame {} share bytes and time",
+                                             plan.resources[a.resource].names.front(), a.frame,
+                                             plan.resources[b.resource].names.front(), b.frame));
+        }
+    for (const PlanResource& r : plan.resources)
+        for (const uint64_t offset : r.offset) {
+            if (offset % r.alignment != 0) errors.push_back(r.names.front() + " is not aligned");
+            if (offset + r.bytes > plan.heaps[r.heap].bytes) errors.push_back(r.names.front() + " lies outside its heap");
+        }
+    return errors;
+}
+
+std::vector<std::string> hazard_errors(const Plan& plan) {
+    std::vector<std::string> errors;
+    const std::vector<Event> list = events(plan, 6);
+    const size_t settled = list.size() / 2;  // later accesses are those of frames 3 to 5: every pair of parities
+    for (size_t to = settled; to < list.size(); ++to) {
+        if (list[to].barrier) continue;
+        const Event& second = list[to];
+        for (size_t from = to - 1; from > to - settled; --from) {
+            const Event& first = list[from];
+            if (first.barrier) continue;
+            const bool same = first.use.resource == second.use.resource && first.parity == second.parity;
+            if (same && first.label == second.label) continue;
+            if (!same && !share_bytes(plan, first.use.resource, first.parity, second.use.resource, second.parity)) continue;
+            const bool conflict = first.use.use.write || second.use.use.write;
+            // The same data is written once per frame: only the latest write before a read counts, but all must be ordered.
+            if (conflict && !ordered(plan, list, from, to))
+                errors.push_back(fmt::format("{} by {} is not ordered after {} by {}", plan.resources[second.use.resource].names.front(),
+                                             second.label, plan.resources[first.use.resource].names.front(), first.label));
+        }
+    }
+    return errors;
+}
+
+}  // namespace penumbra::test

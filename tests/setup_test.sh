@@ -1,0 +1,124 @@
+#!/usr/bin/env bash
+# scripts/apt.sh on made-up systems: apt and dpkg are functions here, /etc is a folder of ours. Exits 1 on any failure.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+# shellcheck source=scripts/apt.sh
+source "$root/scripts/apt.sh"
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+checks=0 failures=0
+expect() { # what, got, wanted
+    checks=$((checks + 1))
+    [[ $2 == "$3" ]] && return
+    failures=$((failures + 1))
+    printf 'FAILED %s\n--- got\n%s\n--- wanted\n%s\n' "$1" "$2" "$3" >&2
+}
+
+# What the made-up apt does: an update fails for a source file that holds one of these words; the candidate is ...
+failing=""
+candidate=""
+as_root() { "$@"; }
+apt-get() {
+    local argument
+    for argument in "$@"; do
+        if [[ $argument == Dir::Etc::sourcelist=* && -n $failing ]]; then
+            ! grep -qE "$failing" "${argument#*=}" || return 100
+        fi
+    done
+}
+apt-cache() { printf 'mesa-vulkan-drivers:\n  Installed: (none)\n  Candidate: %s\n' "$candidate"; }
+dpkg-query() { printf 'installed cmake\nnot-installed ccache\nconfig-files ninja-build\n'; return 1; }
+
+system() { # name: an empty made-up system
+    made=$work/$1
+    mkdir -p "$made/etc/apt/sources.list.d"
+}
+candidates() { # all candidates of the system, in order
+    local folder
+    folder=$(mktemp -d -p "$work")
+    write_candidates "$made" "$folder"
+    (cd "$folder" && find . -type f -printf '%f\n' | sort -n | while read -r file; do echo "== $file"; cat "$file"; done)
+}
+own_files() { (cd "$made/etc/apt" && find . -name 'penumbra*' | sort | tr '\n' ' '); }
+
+expect "missing packages" "$(missing_packages cmake ccache ninja-build g++ | tr '\n' ' ')" "ccache ninja-build g++ "
+
+system deb822
+cat >"$made/etc/apt/sources.list.d/debian.sources" <<'END'
+# The mirror.
+Types: deb deb-src
+URIs: http://mirror.example/debian
+Suites: bookworm
+ bookworm-updates
+Components: main contrib
+Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
+
+Types: deb
+URIs: http://mirror.example/debian-security
+Suites: bookworm-security
+Components: main
+
+Enabled: no
+Types: deb
+URIs: http://switched-off.example/debian
+Suites: bookworm
+Components: main
+
+Types: deb
+URIs: http://third-party.example
+Suites: bookworm
+Components: stable
+END
+expect "deb822 entry" "$(candidates)" "== 1.sources
+URIs: http://mirror.example/debian
+Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
+Types: deb
+Suites: bookworm-backports
+Components: main"
+
+failing="" candidate=25.0.7-2~bpo12+1
+expect "backports to be had" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" yes
+expect "its files" "$(own_files)" "./preferences.d/penumbra-mesa ./sources.list.d/penumbra-backports.sources "
+expect "a second time" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" yes
+expect "still one entry" "$(candidates | grep -c ==)" 1
+
+failing=backports
+expect "backports unreachable" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" no
+expect "nothing left behind" "$(own_files)" ""
+
+failing="" candidate=22.3.6-1+deb12u2
+expect "backports without a newer Mesa" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" no
+expect "nothing left behind either" "$(own_files)" ""
+
+system oneline
+cat >"$made/etc/apt/sources.list" <<'END'
+# deb http://commented.example bookworm main
+deb [ arch=amd64 signed-by=/usr/share/keyrings/a.gpg ] http://third-party.example/x bookworm main # theirs
+deb http://mirror.example/debian bookworm main contrib
+deb-src http://mirror.example/debian bookworm main
+deb http://mirror.example/debian bookworm-updates main
+deb http://mirror.example/debian bookworm main non-free-firmware
+END
+expect "one-line entries" "$(candidates)" "== 1.list
+deb [ arch=amd64 signed-by=/usr/share/keyrings/a.gpg ] http://third-party.example/x bookworm-backports main
+== 2.list
+deb http://mirror.example/debian bookworm-backports main"
+failing=third-party candidate=25.0.7-2~bpo12+1
+expect "the second entry serves" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" yes
+expect "and is kept" "$(cat "$made/etc/apt/sources.list.d/penumbra-backports.list")" \
+    "deb http://mirror.example/debian bookworm-backports main"
+
+system present
+echo "deb http://mirror.example/debian bookworm-backports main" >"$made/etc/apt/sources.list.d/own.list"
+failing=""
+expect "backports are there already" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" yes
+expect "so only the pin is ours" "$(own_files)" "./preferences.d/penumbra-mesa "
+
+system other
+echo "deb http://mirror.example/ubuntu noble main" >"$made/etc/apt/sources.list"
+expect "another distribution" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" no
+expect "is left alone" "$(own_files)" ""
+
+echo "setup: $((checks - failures)) of $checks checks passed"
+[[ $failures -eq 0 ]]
