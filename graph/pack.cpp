@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "graph/pack_search.h"
 
@@ -103,12 +104,9 @@ class Placer {
     std::vector<Placed> placed_;      // by offset
 };
 
-// An order's result: smaller heaps first, then fewer intervals and passes that reach the top, which leads the
-// search across plateaus of equal heaps.
-struct Score {
-    uint64_t heap, passes_at_top;
-    auto operator<=>(const Score&) const = default;
-};
+// An order's result, less is better: the heap, then the passes of all intervals that reach its top, which
+// leads the search across plateaus of equal heaps.
+using Score = std::pair<uint64_t, uint64_t>;
 
 Score score(const Packing& packing, std::span<const Interval> intervals) {
     uint64_t passes = 0;

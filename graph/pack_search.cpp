@@ -210,7 +210,7 @@ class Search {
             }
             for (uint32_t t = 0; t < slots_; ++t) {
                 const uint64_t height = state.left[t] ? state.height[t] : walled;
-                sum += mix(mix(height + seed) + (t + by) % slots_ * 2 + (state.closed >> t & 1));
+                sum += mix(mix(height + seed) + uint64_t{(t + by) % slots_} * 2 + (state.closed >> t & 1));
             }
             return mix(sum);
         };

@@ -12,20 +12,22 @@
 #include "common/tiles.glsl"
 
 // How far the reconstructed point may lie below the surface that the rasteriser saw:
-// - float rounding of depth, reconstruction, shift to the scene's frame and the ray-triangle test: each is an ulp or two
-//   of the largest number involved, 16 bound the sum. (A depth error moves the point along the view ray; its share along
-//   the normal of a plane is the relative error times the view depth, however grazing the view.)
+// - float rounding of reconstruction, shift to the scene's frame and the ray-triangle test: each is an ulp or two of the
+//   largest number involved, 16 bound the sum;
+// - rounding of the depth, interpolated and stored, moves the point along the view ray, of which the normal sees a part;
 // - rasterisers snap vertices to a grid of 1/256 pixel, which displaces a surface by at most half of that on an axis.
 const float ULPS = 16.0 * 1.1920929e-7;  // 2^-23
+const float DEPTH_ROUNDINGS = 8.0;
 const float SNAP_PX = 1.0 / 256.0;
 
 const float PUBLISHED_OFFSET_M = 1e-4;  // Hybrid Shadows sample: both constants are absolute lengths
 const float PUBLISHED_T_MIN_M = 4e-2;
 
-float offset_m(vec3 relative, float z, vec3 in_scene) {
+float offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
     if (ORIGIN == ORIGIN_PUBLISHED) return PUBLISHED_OFFSET_M;
-    const vec3 p = max(abs(relative), abs(in_scene));
-    return ULPS * (p.x + p.y + p.z + z) + SNAP_PX * pixel_span_m(z);
+    const vec3 largest = max(abs(relative), abs(in_scene));
+    return ULPS * (largest.x + largest.y + largest.z + z) +
+           DEPTH_ROUNDINGS * depth_rounding_m(z) * abs(dot(n, to_viewer(p))) + SNAP_PX * pixel_span_m(z);
 }
 
 vec3 ray_direction(ivec2 p) {
@@ -40,7 +42,7 @@ bool hits_something(ivec2 p, float t_min, float t_max) {
     const vec3 relative = position(p, z);
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
     const vec3 in_scene = relative + scene.camera_from_origin;
-    const vec3 origin = in_scene + n * offset_m(relative, z, in_scene);
+    const vec3 origin = in_scene + n * offset_m(p, z, n, relative, in_scene);
     if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
     return occluded(origin, ray_direction(p), t_min, t_max);
 }

@@ -9,6 +9,7 @@
 #include "host/bvh.h"
 #include "tests/bvh_oracle.h"
 #include "tests/bvh_scenes.h"
+#include "tests/bvh_shipped_scenes.h"
 
 namespace penumbra {
 namespace {
@@ -18,7 +19,7 @@ using namespace test;
 TEST(BvhEmbree, DiffersOnlyWithinRoundingOfAnEdge) {
     RTCDevice device = rtcNewDevice(nullptr);
     uint64_t total = 0;
-    for (const Scene& s : all_scenes()) {
+    for (const TriangleScene& s : all_scenes()) {
         RTCScene scene = rtcNewScene(device);
         rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -6,6 +6,7 @@
 #include "host/bvh.h"
 #include "tests/bvh_oracle.h"
 #include "tests/bvh_scenes.h"
+#include "tests/bvh_shipped_scenes.h"
 #include "tests/vulkan_compute.h"
 
 namespace penumbra {
@@ -64,7 +65,7 @@ class BvhGpu : public testing::Test {
 };
 
 TEST_F(BvhGpu, AnswersLikeTheReference) {
-    for (const Scene& s : all_scenes()) expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 1'000'000, 21));
+    for (const TriangleScene& s : all_scenes()) expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 1'000'000, 21));
 }
 
 TEST_F(BvhGpu, EmptySceneBlocksNothing) {

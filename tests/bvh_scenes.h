@@ -166,13 +166,13 @@ inline std::vector<Triangle> scaled(std::vector<Triangle> triangles, float scale
     return triangles;
 }
 
-struct Scene {
+struct TriangleScene {
     std::string name;
     std::vector<Triangle> triangles;
 };
 
-// Every test that loops over scenes uses this list; a host's own scenes are added here.
-inline std::vector<Scene> all_scenes() {
+// Made by formula; tests/bvh_shipped_scenes.h has those that come from files.
+inline std::vector<TriangleScene> made_scenes() {
     return {{"soup", soup(20000, 1)},
             {"terrain", terrain(150)},
             {"thin_bars", thin_bars(3000, 2)},

@@ -101,7 +101,7 @@ TEST(Bvh, PairsShareOneLeafAndRespectObjects) {
 }
 
 TEST(Bvh, ReachesEveryLeafOnceWithinTheDepthLimit) {
-    for (const Scene& scene : all_scenes()) {
+    for (const TriangleScene& scene : made_scenes()) {
         const Bvh bvh = build_bvh(scene.triangles);
         EXPECT_LE(depth_of(bvh), max_bvh_depth) << scene.name;
     }

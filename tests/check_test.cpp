@@ -278,5 +278,26 @@ TEST_F(Check, APortThatItsNodesParametersRuleOutNeedsNoResource) {
     expect_valid(with("cascades", R"(, "p": {"type": "pyramid"})"));
 }
 
+TEST_F(Check, APortThatAFactRulesOutNeedsNoWriterThen) {
+    const auto with = [](const std::string& condition) {
+        return pipeline(R"("lit": {})", R"("tinted")",
+                        R"("t": {"type": "tint"}, "f": {"type": "fill", "out": {"value": "mask"}, "if": ")" +
+                            condition + "\"}");
+    };
+    expect_valid(with("alpha"));
+    EXPECT_EQ(error(with("alpha & hdr")),
+              "nodes.t.in.mask: nobody writes \"mask\" where alpha & !hdr, and the port is not optional");
+    expect_valid(pipeline(R"("lit": {})", R"("tinted")",
+                          R"("t": {"type": "tint", "if": "!alpha"}, "l": {"type": "tint", "if": "alpha",
+        "in": {"mask": "m"}}, "m": {"type": "fill", "out": {"value": "m"}})"));
+}
+
+TEST_F(Check, AHostInputOfAnyExtentKeepsThat) {
+    const auto checked =
+        run(pipeline(R"("albedo": {"extent": "any"})", R"("lit")", R"("s": {"type": "shade"})"));
+    ASSERT_TRUE(checked) << diagnostics_.text();
+    EXPECT_EQ(checked->inputs[0].extent, HostInput::Extent::any);
+}
+
 }  // namespace
 }  // namespace penumbra

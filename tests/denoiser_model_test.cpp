@@ -79,7 +79,7 @@ TEST(DenoiserModel, ScoresAsPublishedOnAStaticPenumbra) {
 TEST(DenoiserModel, LagsAsPublishedBehindAMovingShadow) {
     const DenoiserSettings published;
     const auto moving = [&](double w, double speed) {
-        return n_eff({.width_px = w, .speed_px = speed, .frames = 40}, published, 2);
+        return n_eff({.width_px = w, .speed_px = speed, .frames = 40}, published, 1);
     };
     // Known: 1.6 to 3.9 at w = 8, 2.9 to 7.2 at w = 32, for a pixel per frame and below.
     for (double speed : {-1.0, -0.25, 0.25, 1.0}) {

@@ -2,10 +2,10 @@
 // Declarations and conditions on valid input; what is rejected, and how, is in tests/golden/broken.
 #include "graph/node_type.h"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <limits>
-
-#include <gtest/gtest.h>
 
 #include "graph/condition.h"
 #include "tests/toy_nodes.h"

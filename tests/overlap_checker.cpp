@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
+// As plain as it can be, since it is what the packer is judged by.
 #include "tests/overlap_checker.h"
+
+#include <sstream>
 
 namespace penumbra::test {
 
@@ -30,6 +33,7 @@ bool share_bytes(const Placed& a, const Placed& b) {
 std::vector<PackingFault> packing_faults(const std::vector<Placed>& placed, uint32_t period, uint64_t heap) {
     std::vector<PackingFault> faults;
     std::vector<std::vector<bool>> live;
+    live.reserve(placed.size());
     for (const Placed& p : placed) live.push_back(live_passes(p, period));
     for (size_t a = 0; a < placed.size(); ++a) {
         if (placed[a].offset % placed[a].alignment != 0)
@@ -49,23 +53,22 @@ std::vector<PackingFault> packing_faults(const std::vector<Placed>& placed, uint
 }
 
 std::string describe(const std::vector<PackingFault>& faults) {
-    std::string text;
+    std::ostringstream text;
     for (const PackingFault& fault : faults) {
-        const std::string a = std::to_string(fault.a), b = std::to_string(fault.b),
-                          pass = std::to_string(fault.pass);
         switch (fault.kind) {
             case Fault::bytes_shared:
-                text += "intervals " + a + " and " + b + " share bytes in pass " + pass + "\n";
+                text << "intervals " << fault.a << " and " << fault.b << " share bytes in pass " << fault.pass
+                     << '\n';
                 break;
             case Fault::misaligned:
-                text += "interval " + a + " is not aligned\n";
+                text << "interval " << fault.a << " is not aligned\n";
                 break;
             case Fault::beyond_heap:
-                text += "interval " + a + " ends beyond the heap\n";
+                text << "interval " << fault.a << " ends beyond the heap\n";
                 break;
         }
     }
-    return text;
+    return text.str();
 }
 
 }  // namespace penumbra::test

@@ -56,7 +56,8 @@ Set render_graph(uint64_t seed, Wrap wrap, uint32_t most) {
         const uint32_t first = dice.roll(0, passes - 1), kind = dice.roll(0, 99);
         uint32_t length = std::min(kind < 70 ? dice.roll(2, 4) : dice.roll(1, passes), passes - first);
         if (kind >= 85 && wrap == Wrap::yes) length = passes - first + dice.roll(1, passes);
-        const uint64_t bytes = dice.roll(0, 9) < 8 ? pixels << dice.roll(0, 4) : 256 * dice.roll(1, 300);
+        const uint64_t bytes =
+            dice.roll(0, 9) < 8 ? pixels << dice.roll(0, 4) : uint64_t{256} * dice.roll(1, 300);
         const Interval interval{first, std::min(length, set.period), rounded_up(bytes, alignment), alignment};
         set.intervals.push_back(interval);
         if (wrap == Wrap::yes) {
@@ -247,7 +248,8 @@ TEST(Pack, ThousandsOfIntervals) {
     Dice dice(1);
     Set set{{}, 200};
     for (uint32_t i = 0; i < 2000; ++i)
-        set.intervals.push_back({dice.roll(0, 199), dice.roll(1, 12), 256u * dice.roll(1, 4000), 256});
+        set.intervals.push_back(
+            {dice.roll(0, 199), dice.roll(1, 12), uint64_t{256} * dice.roll(1, 4000), 256});
     expect_valid(set, 1);
     EXPECT_LE(pack(set.intervals, set.period).heap, live_bound(set.intervals, set.period) * 105 / 100);
 }

@@ -90,7 +90,8 @@ TEST_F(PipelineFiles, ErrorsOfAMergedValueNameTheFileItCameFrom) {
     write("variant.json",
           "{ \"extends\": \"base.json\",\n  \"nodes\": { \"two\": { \"if\": \"sun_op\" } } }");
     EXPECT_FALSE(load("variant.json"));
-    EXPECT_TRUE(errors().starts_with("variant.json:2:29: nodes.two.if: no fact \"sun_op\" (facts: ")) << errors();
+    EXPECT_TRUE(errors().starts_with("variant.json:2:29: nodes.two.if: no fact \"sun_op\" (facts: "))
+        << errors();
     write("broken.json", "{ \"penumbra\": 1,\n \"nodes\": 3 }");
     write("variant.json", R"({ "extends": "broken.json", "name": "v", "outputs": ["a"] })");
     diagnostics_ = {};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// The declarations as text. They borrow the shadow nodes' names but keep only what a rule of the front end needs.
 #include "tests/toy_nodes.h"
 
 #include <map>
@@ -127,6 +128,21 @@ const std::map<std::string, std::string>& declarations() {
   "node": "stats", "doc": "Writes a struct that the set lacks.", "shader": "stats.comp",
   "outputs": { "histogram": { "kind": "buffer", "element": "Histogram", "count": { "of": "frame", "div": [16, 16] } } },
   "dispatch": { "groups": [1, 1, 1], "group": [64, 1, 1] }
+})"},
+        {"flat_layers", R"({
+  "node": "flat_layers", "doc": "Layers without a mip chain.", "shader": "flat_layers.comp",
+  "inputs":  { "cascade_maps": { "kind": "image", "format": ["d32", "d16"], "layers": true } },
+  "outputs": { "bounds": { "kind": "image", "format": "r32f", "layers": true, "extent": "cascade_maps" } },
+  "dispatch": { "over": "cascade_maps" }
+})"},
+        {"tint", R"({
+  "node": "tint", "doc": "A port that a fact decides.", "shader": "tint.comp",
+  "inputs": {
+    "lit":  { "kind": "image", "format": "rgba16f" },
+    "mask": { "kind": "image", "format": ["r16f", "r8"], "if": "alpha" }
+  },
+  "outputs": { "tinted": { "kind": "image", "format": "rgba16f" } },
+  "dispatch": { "over": "frame", "group": [8, 8] }
 })"},
         {"probe", R"({
   "node": "probe", "doc": "Recorded by the host.", "host": true,

@@ -31,6 +31,16 @@ vec3 to_viewer(ivec2 p) {
     return -normalize(position(p, 1.0));
 }
 
+// Metres along the view axis by which rounding moves a depth kept in 32 bits: 2^-24 of the depth over its slope. That is
+// 2^-24 of the view depth for reverse Z; standard Z spends its digits near 1 and loses z^2 / near.
+float depth_rounding_m(float view_depth) {
+    const mat4 m = frame.clip_from_view;
+    const bool orthographic = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u;
+    const float depth = orthographic ? m[3].z - m[2].z * view_depth : m[3].z / view_depth - m[2].z;
+    const float slope = orthographic ? abs(m[2].z) : abs(m[3].z) / (view_depth * view_depth);
+    return 5.9604645e-8 * depth / slope;
+}
+
 // Metres that a pixel spans at a view depth, across the view axis.
 float pixel_span_m(float view_depth) {
     return frame.pixel_angle * ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? 1.0 : view_depth);

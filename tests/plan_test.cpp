@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// Every plan of every shipped pipeline, at five sizes: nothing overlaps in bytes and time, every access is ordered after
+// what it depends on, the heap is within 2 % of the smallest possible one. The checks share no code with the compiler,
+// and mutations of a plan show that they see what they are for.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "graph/graph.h"
+#include "nodes/nodes.h"
+#include "tests/plan_checks.h"
+#include "tests/toy_set.h"
+
+namespace penumbra::test {
+namespace {
+
+const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
+constexpr Extent sizes[] = {{1280, 720}, {1920, 1080}, {2560, 1440}, {3840, 2160}, {333, 777}};
+
+const NodeSet& nodes() {
+    static const NodeSet set = shadow_nodes();
+    return set;
+}
+
+std::vector<std::string> pipeline_files() {
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(root / "pipelines"))
+        if (entry.path().extension() == ".json") files.push_back(entry.path().stem().string());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+Plan plan_of(const CheckedPipeline& pipeline, const NodeSet& set, Extent extent, bool alias = true, Facts facts = {}) {
+    Target target;
+    target.extent = extent;
+    target.facts = std::move(facts);
+    target.device = reference_device();
+    CompileOptions options;
+    options.alias = alias;
+    Diagnostics diagnostics;
+    auto plan = compile(pipeline, set, target, options, diagnostics);
+    if (!plan) throw std::runtime_error(diagnostics.text());
+    return std::move(*plan);
+}
+
+CheckedPipeline checked(const std::string& name) {
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics);
+    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    if (!result) throw std::runtime_error(diagnostics.text());
+    return std::move(*result);
+}
+
+class ShippedPlan : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(ShippedPlan, NothingOverlapsInBytesAndTime) {
+    for (const Extent extent : sizes)
+        for (const bool alias : {true, false})
+            EXPECT_EQ(overlap_errors(plan_of(checked(GetParam()), nodes(), extent, alias)), std::vector<std::string>{});
+}
+
+TEST_P(ShippedPlan, EveryAccessIsOrderedAfterWhatItDependsOn) {
+    for (const bool alias : {true, false})
+        EXPECT_EQ(hazard_errors(plan_of(checked(GetParam()), nodes(), sizes[0], alias)), std::vector<std::string>{});
+}
+
+TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
+    for (const Extent extent : sizes) {
+        const MemoryReport memory = plan_of(checked(GetParam()), nodes(), extent).memory;
+        ASSERT_TRUE(memory.optimum_bytes) << "the exhaustive search did not finish";
+        EXPECT_LE(memory.live_bound_bytes, *memory.optimum_bytes);
+        EXPECT_LE(static_cast<double>(memory.heap_bytes), 1.02 * static_cast<double>(*memory.optimum_bytes))
+            << extent.width << "x" << extent.height;
+        EXPECT_LT(memory.heap_bytes, memory.unaliased_bytes);
+    }
+}
+
+TEST_P(ShippedPlan, EqualsItsGoldenText) {
+    const auto golden = root / "tests/golden/plans" / (GetParam() + ".txt");
+    const std::string text = to_text(plan_of(checked(GetParam()), nodes(), {1920, 1080}));
+    if (std::getenv("PENUMBRA_REWRITE_GOLDEN")) std::ofstream(golden) << text;
+    std::ifstream file(golden);
+    std::ostringstream expected;
+    expected << file.rdbuf();
+    EXPECT_EQ(text, expected.str()) << "rewrite on purpose with PENUMBRA_REWRITE_GOLDEN=1";
+}
+
+INSTANTIATE_TEST_SUITE_P(Pipelines, ShippedPlan, ::testing::ValuesIn(pipeline_files()),
+                         [](const auto& test) { return test.param; });
+
+TEST(ToyPlans, AreOrderedAndDoNotOverlap) {
+    const CheckedPipeline toys = toy_pipeline_file();
+    for (const bool moves : {true, false})
+        for (const bool alias : {true, false}) {
+            const Plan plan = plan_of(toys, toy_set(), {64, 48}, alias, {{"moves", moves}});
+            EXPECT_EQ(overlap_errors(plan), std::vector<std::string>{});
+            EXPECT_EQ(hazard_errors(plan), std::vector<std::string>{});
+        }
+}
+
+// Each dependency of the plan is needed: without it some access is not ordered.
+TEST(Mutation, EveryDroppedDependencyIsNoticed) {
+    const CheckedPipeline pipeline = checked("fidelityfx");
+    const Plan plan = plan_of(pipeline, nodes(), sizes[0]);
+    size_t dropped = 0;
+    for (size_t p = 0; p < plan.passes.size(); ++p)
+        for (int parity = 0; parity < 2; ++parity) {
+            if (plan.passes[p].before[parity].src_stages == 0) continue;
+            Plan mutated = plan;
+            mutated.passes[p].before[parity] = {};
+            EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{}) << plan.passes[p].node << " parity " << parity;
+            ++dropped;
+        }
+    EXPECT_GT(dropped, 10u);
+}
+
+// Each resource's bytes are reserved for as long as they are needed: moved onto another live resource it is noticed.
+TEST(Mutation, EveryResourceMovedOntoANeighbourIsNoticed) {
+    const CheckedPipeline pipeline = checked("fidelityfx");
+    const Plan plan = plan_of(pipeline, nodes(), sizes[0]);
+    for (size_t r = 0; r < plan.resources.size(); ++r)
+        for (size_t other = 0; other < plan.resources.size(); ++other) {
+            const PlanResource &a = plan.resources[r], &b = plan.resources[other];
+            const bool live_together = a.first_pass < b.first_pass + b.length && b.first_pass < a.first_pass + a.length;
+            if (r == other || a.heap != b.heap || !live_together) continue;
+            Plan mutated = plan;
+            mutated.resources[r].offset[0] = mutated.resources[other].offset[0];
+            EXPECT_NE(overlap_errors(mutated), std::vector<std::string>{}) << a.names[0] << " onto " << b.names[0];
+        }
+}
+
+TEST(Compile, AFormatThatNoReaderAcceptsNamesTheInput) {
+    Target target;
+    target.extent = {64, 64};
+    target.device = reference_device();
+    target.inputs["depth"] = {Format::rgba8, target.extent};
+    Diagnostics diagnostics;
+    EXPECT_FALSE(compile(checked("raw"), nodes(), target, {}, diagnostics));
+    EXPECT_NE(diagnostics.text().find("\"depth\" as rgba8"), std::string::npos) << diagnostics.text();
+}
+
+TEST(Compile, AFrameBeyondTheDeviceIsAnError) {
+    Target target;
+    target.extent = {20000, 64};
+    target.device = reference_device();
+    Diagnostics diagnostics;
+    EXPECT_FALSE(compile(checked("raw"), nodes(), target, {}, diagnostics));
+    EXPECT_NE(diagnostics.text().find("exceeds the device's largest image"), std::string::npos) << diagnostics.text();
+}
+
+TEST(Compile, AnUnknownCaptureIsAnErrorWithASuggestion) {
+    Target target;
+    target.extent = {64, 64};
+    target.device = reference_device();
+    CompileOptions options;
+    options.captures = {"visibilty"};
+    Diagnostics diagnostics;
+    EXPECT_FALSE(compile(checked("raw"), nodes(), target, options, diagnostics));
+    EXPECT_NE(diagnostics.text().find("did you mean \"visibility\"?"), std::string::npos) << diagnostics.text();
+}
+
+TEST(FrameBlock, ReprojectionDoesNotDependOnTheDistanceFromTheOrigin) {
+    const auto block_at = [](double offset) {
+        FrameDescription frame;
+        frame.camera.clip_from_view = frame.previous.clip_from_view = perspective(1.0, 16.0 / 9, 0.1);
+        frame.camera.position = {offset + 0.25, 1, 2};
+        frame.previous.position = {offset, 1, 2};
+        frame.size = {1920, 1080};
+        return make_frame_block(frame);
+    };
+    const FrameBlock near = block_at(0), far = block_at(1e7);
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r)
+            EXPECT_NEAR(near.prev_clip_from_rel.columns[c][r], far.prev_clip_from_rel.columns[c][r], 1e-7);
+    EXPECT_FLOAT_EQ(far.camera_delta.v[0], -0.25f);
+}
+
+}  // namespace
+}  // namespace penumbra::test

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// Whole shipped pipelines on a device: memory sharing, poison and repetition do not show in the picture, and any image
+// size works.
+#include <filesystem>
+
+#include "app/outputs.h"
+#include "app/session.h"
+#include "nodes/nodes.h"
+#include "tests/gpu_test.h"
+#include "tests/test_scene.h"
+
+namespace penumbra::test {
+namespace {
+
+const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
+
+const NodeSet& nodes() {
+    static const NodeSet set = shadow_nodes();
+    return set;
+}
+
+CheckedPipeline pipeline_named(const std::string& name) {
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics);
+    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    if (!result) throw std::runtime_error(diagnostics.text());
+    return std::move(*result);
+}
+
+std::unique_ptr<Session> open(const CheckedPipeline& pipeline, Shot shot, SessionOptions options) {
+    options.size = shot.size;
+    options.optimum = false;
+    for (const std::string& name : pipeline.outputs)
+        if (std::find(options.captures.begin(), options.captures.end(), name) == options.captures.end())
+            options.captures.push_back(name);
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    auto session = Session::open(gpu(), nodes(), pipeline, std::move(shot), options, diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    return session;
+}
+
+using Bytes = std::vector<std::byte>;
+
+// Every captured resource of every frame, in order. A reset in the middle makes garbage history likelier to show.
+std::vector<Bytes> run(const CheckedPipeline& pipeline, const Shot& shot, const SessionOptions& options, uint32_t frames) {
+    const auto session = open(pipeline, shot, options);
+    std::vector<Bytes> result;
+    for (uint32_t frame = 0; frame < frames; ++frame) {
+        session->run_frame(frame, frame == 0 || frame == 5);
+        for (const std::string& name : pipeline.outputs) {
+            const auto bytes = session->view().captured(name);
+            result.emplace_back(bytes.begin(), bytes.end());
+        }
+    }
+    return result;
+}
+
+class ShadowPipeline : public GpuTest, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(ShadowPipeline, AliasingAndPoisonDoNotShow) {
+    const CheckedPipeline pipeline = pipeline_named(GetParam());
+    const Shot shot = plaza_shot({203, 117}, 8);
+    SessionOptions plain;
+    plain.alias = false;
+    const std::vector<Bytes> expected = run(pipeline, shot, plain, 8);
+    for (const uint32_t poison : {0u, 1u})
+        for (const bool alias : {true, false}) {
+            SessionOptions options;
+            options.alias = alias;
+            options.poison = poison;
+            EXPECT_TRUE(run(pipeline, shot, options, 8) == expected) << "poison " << poison << " alias " << alias;
+        }
+}
+
+TEST_P(ShadowPipeline, IsBitIdenticalBetweenRuns) {
+    const CheckedPipeline pipeline = pipeline_named(GetParam());
+    const Shot shot = plaza_shot({640, 360}, 4);
+    EXPECT_TRUE(run(pipeline, shot, {}, 4) == run(pipeline, shot, {}, 4));
+}
+
+TEST_P(ShadowPipeline, AnySizeGivesFiniteImagesInRange) {
+    const CheckedPipeline pipeline = pipeline_named(GetParam());
+    for (const std::array<uint32_t, 2> size : {std::array{1u, 1u}, {7u, 3u}, {8u, 4u}, {9u, 5u}, {17u, 1u}, {1919u, 1079u}}) {
+        SCOPED_TRACE(testing::Message() << size[0] << "x" << size[1]);
+        const auto session = open(pipeline, plaza_shot(size, 3), {});
+        for (uint32_t frame = 0; frame < 3; ++frame) session->run_frame(frame, frame == 0);
+        const auto folder = std::filesystem::temp_directory_path() / "penumbra_sizes";
+        std::filesystem::create_directories(folder);
+        OutputWriter writer(gpu(), folder);
+        for (const std::string& name : pipeline.outputs) writer.write(*session, name, 2);
+        for (const WrittenOutput& output : writer.written()) EXPECT_EQ(output.nonfinite, 0u) << output.resource;
+        EXPECT_EQ(writer.checks().at("visibility").out_of_range, 0u);
+        std::filesystem::remove_all(folder);
+    }
+}
+
+// Seen from above, the floor fills the view and faces the sun: every tile has undecided pixels. 129 600 tiles exceed what
+// one dimension of an indirect dispatch may hold on many devices.
+TEST_P(ShadowPipeline, EveryTileOfA4kFrameIsTraced) {
+    const CheckedPipeline pipeline = pipeline_named(GetParam());
+    Shot shot = plaza_shot({3840, 2160}, 1);
+    shot.camera = {{0, {0, 6, 0.01}, {0, 0, 0}, {0, 1, 0}}};
+    const auto session = open(pipeline, shot, {});
+    const FrameCost cost = session->run_frame(0, true);
+    std::map<std::string, uint32_t> counters;
+    for (size_t p = 0; p < session->plan().passes.size(); ++p) {
+        const PlanPass& pass = session->plan().passes[p];
+        for (size_t i = 0; i < cost.passes[p].counters.size(); ++i)
+            counters[pass.entry->type.counters[i]] = cost.passes[p].counters[i];
+    }
+    EXPECT_EQ(counters.at("tiles_listed"), 480u * 540u);
+    EXPECT_EQ(counters.at("receivers"), 3840u * 2160u);
+    EXPECT_EQ(counters.at("rays"), counters.at("unknown"));
+    EXPECT_GT(counters.at("rays"), 3840u * 2160u * 9 / 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline, ::testing::Values("raw", "fidelityfx"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace penumbra::test
