@@ -1,21 +1,32 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and renders the colonnade with two pipelines into out/demo. Safe to repeat.
+# Installs what is missing, builds, and renders a colonnade and a real engine model into out/demo. Safe to repeat.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
-# The program's main job. Both pipelines run on the same frames, so that their images can be compared.
+render() { # pipeline, shot, frame to write, folder
+    build/release/app/penumbra render "pipelines/$1.json" --shot "scenes/$2.shot.json" --frames "$3..$3" --out "out/demo/$4"
+}
+
+# The program's main job: the noise that one ray per pixel gives, what the denoiser makes of it, and the frame that is
+# lit with it and anti-aliased.
 main_job() {
-    local penumbra=build/release/app/penumbra
-    local pipeline
-    for pipeline in raw fidelityfx; do
-        echo "demo: rendering scenes/colonnade.shot.json with pipelines/$pipeline.json"
-        "$penumbra" render "pipelines/$pipeline.json" scenes/colonnade.shot.json --frames 8 --out "out/demo/$pipeline"
-    done
-    "$penumbra" plan pipelines/fidelityfx.json
-    echo "demo: the images are in out/demo"
+    echo "demo: one shadow ray per pixel, not denoised"
+    render raw colonnade 15 colonnade_raw
+    echo "demo: denoised and anti-aliased, 16 frames of a moving camera"
+    render fidelityfx colonnade 15 colonnade
+    echo "demo: the same on a real model"
+    render fidelityfx engine 15 engine
+    cat <<EOF
+demo: done. Look at
+  out/demo/colonnade_raw/visibility.0015.png   noisy mask
+  out/demo/colonnade/visibility.0015.png       denoised visibility
+  out/demo/colonnade/color.0015.png            lit and anti-aliased frame
+  out/demo/engine/color.0015.png               the engine
+(.exr beside each in full precision; report.json in each folder)
+EOF
 }
 
 scripts/setup.sh
 scripts/build.sh release
-mkdir -p out/demo
+scripts/scenes.sh release
 main_job

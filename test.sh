@@ -6,6 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 
 scripts/setup.sh
 scripts/build.sh release
+scripts/scenes.sh release
 
 failed=0
 echo "test: on the default Vulkan driver"

@@ -17,10 +17,6 @@ constexpr uint32_t bins = 32;
 constexpr uint32_t sweep_below = 64;  // a full sweep of so few costs less than clearing the bins
 constexpr uint32_t width = 4;
 
-// SAH cost of visiting a node, in visits of a leaf: both are about as long in bvh.glsl, and the collapse depends on the
-// ratio only weakly (0.5 to 2 changes the traced nodes by less than 2 %).
-constexpr double node_cost = 1.0;
-
 struct BinaryNode {
     Box box;
     uint32_t left = 0;   // node; 0 (the root is nobody's child): a leaf
@@ -180,7 +176,8 @@ class BinaryTree {
     std::vector<uint32_t> order_;
 };
 
-// The cheapest way to show a binary subtree to its wide parent as at most n children, n = 1..width.
+// The cheapest way to show a binary subtree to its wide parent as at most n children, n = 1..width. Cost is the sum of
+// the wide nodes' areas: the leaves are the same whatever is chosen.
 class Collapse {
   public:
     explicit Collapse(const std::vector<BinaryNode>& nodes) : nodes_(nodes), plans_(nodes.size()) {
@@ -189,12 +186,12 @@ class Collapse {
             const BinaryNode& node = nodes[i];
             auto& best = plans_[i].as_children;
             if (node.left == 0) {
-                best.fill({node.box.area(), {}});
+                best.fill({0, {}});
                 continue;
             }
             for (uint32_t n = 2; n <= width; ++n) best[n - 1] = cheapest(node, n);
             plans_[i].as_node = best[width - 1].split;
-            best[0] = {best[width - 1].cost + node.box.area() * node_cost, {}};
+            best[0] = {best[width - 1].cost + node.box.area(), {}};
             for (uint32_t n = 1; n < width; ++n)
                 if (!(best[n].cost < best[n - 1].cost)) best[n] = best[n - 1];
         }

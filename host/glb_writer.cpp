@@ -123,7 +123,7 @@ class Writer {
         return out;
     }
 
-    Json json_;
+    Json json_ = Json::object();
     std::vector<std::byte> binary_;
 };
 

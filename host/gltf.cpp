@@ -215,8 +215,8 @@ class Loader {
             if (node.extensions.count("EXT_mesh_gpu_instancing")) warn("EXT_mesh_gpu_instancing is ignored");
             read_transform(node, out);
             const int self = static_cast<int>(model_.nodes.size()) - 1;
-            for (auto child = node.children.rbegin(); child != node.children.rend(); ++child)
-                pending.emplace_back(*child, self);
+            const std::vector<int> last_first(node.children.rbegin(), node.children.rend());
+            for (const int child : last_first) pending.emplace_back(child, self);
         }
     }
 

@@ -17,7 +17,9 @@ class TextureSets {
 
     VkDescriptorSetLayout layout() const { return layout_.get(); }
     // The set of a material's texture; -1 and unreadable textures: white.
-    VkDescriptorSet set(int texture) const { return sets_[static_cast<size_t>(texture + 1)]; }
+    VkDescriptorSet set(int texture) const {
+        return texture < 0 ? sets_[0] : sets_[1 + static_cast<size_t>(texture)];
+    }
 
   private:
     std::vector<GpuImage> images_;

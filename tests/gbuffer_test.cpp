@@ -78,8 +78,8 @@ std::vector<T> texels(Device& device, const GpuImage& image) {
 }
 
 std::vector<glm::vec4> from_half(const std::vector<uint64_t>& packed) {
-    std::vector<glm::vec4> out;
-    for (const uint64_t p : packed) out.push_back(glm::unpackHalf4x16(p));
+    std::vector<glm::vec4> out(packed.size());
+    std::ranges::transform(packed, out.begin(), [](uint64_t p) { return glm::unpackHalf4x16(p); });
     return out;
 }
 
@@ -152,7 +152,7 @@ glm::dvec3 uv_and_depth(const Camera& camera, const glm::dvec3& point) {
 
 // What each pixel's centre sees, with the jitter taken out.
 std::vector<Hit> reference_hits(const std::vector<Reference>& triangles, const FrameDescription& frame) {
-    std::vector<Hit> hits(width * height);
+    std::vector<Hit> hits(size_t(width) * height);
     const glm::dvec3 eye = glm::make_vec3(frame.camera.position.data());
     for (uint32_t y = 0; y < height; ++y) {
         for (uint32_t x = 0; x < width; ++x) {

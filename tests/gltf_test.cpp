@@ -234,7 +234,9 @@ TEST_F(Gltf, NodesMustFormTrees) {
     expect_error(file(R"({"rotation":[0,0,0,0]})"), "zero rotation");
 
     std::string chain;  // a recursive reader would run out of stack
-    for (int i = 1; i < 100000; ++i) chain += R"({"children":[)" + std::to_string(i) + "]},";
+    for (int i = 1; i < 100000; ++i) {
+        chain.append(R"({"children":[)").append(std::to_string(i)).append("]},");
+    }
     const auto deep = load(file(chain + "{}"));
     ASSERT_TRUE(deep) << diagnostics_.text();
     EXPECT_EQ(deep->nodes.size(), 100000u);
