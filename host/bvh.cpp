@@ -14,9 +14,9 @@ namespace bvh_detail {
 
 namespace {
 
-// The slab test's rounding against a grid of 256 steps is below 1e-3 of a step (t = q * (step / d) + (origin - o) / d:
-// each term is off by at most 3 ulp of 256 steps, the rest is relative to t and covered there). Boxes therefore keep this
-// distance from the planes that stand for them.
+// The slab test's rounding against a grid of 256 steps is below 1e-3 of a step (t = q * (step / d) + (origin
+// - o) / d: each term is off by at most 3 ulp of 256 steps, the rest is relative to t and covered there).
+// Boxes therefore keep this distance from the planes that stand for them.
 constexpr double margin = 1.0 / 64;
 
 struct Grid {
@@ -30,7 +30,8 @@ Grid fit_grid(float lo, float hi) {
     for (e = std::max(e, -100);; ++e) {
         const double step = std::ldexp(1.0, e);
         float origin = float(lo - margin * step);
-        if (origin > lo - margin * step) origin = std::nextafter(origin, -std::numeric_limits<float>::infinity());
+        if (origin > lo - margin * step)
+            origin = std::nextafter(origin, -std::numeric_limits<float>::infinity());
         if ((double(hi) - origin) / step + margin <= 255) return {origin, e + 127};
     }
 }
@@ -79,7 +80,9 @@ using namespace bvh_detail;
 
 namespace {
 
-bool same_position(const float a[3], const float b[3]) { return a[0] == b[0] && a[1] == b[1] && a[2] == b[2]; }
+bool same_position(const float a[3], const float b[3]) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
 
 bool still_paired(std::span<const Triangle> triangles, const Corners& c) {
     const auto next = [](uint32_t i) { return i % 3 == 2 ? i - 2 : i + 1; };
@@ -131,7 +134,8 @@ bool refit(Bvh& bvh, std::span<const Triangle> triangles) {
         node.first_node = texels[1][0] >> 2;
         node.first_leaf = texels[1][1] + node.nodes;
         for (uint32_t k = 0; k < node.nodes + node.leaves; ++k) {
-            node.box[k] = k < node.nodes ? boxes[node.first_node + k] : leaf_boxes[node.first_leaf + k - node.nodes];
+            node.box[k] =
+                k < node.nodes ? boxes[node.first_node + k] : leaf_boxes[node.first_leaf + k - node.nodes];
             boxes[i].add(node.box[k]);
         }
         encode(node, texels);
@@ -179,7 +183,9 @@ Sheared shear(const RaySetup& ray, const Texel* leaf, int vertex) {
     return {p[ray.kx] - ray.shear_x * p[ray.kz], p[ray.ky] - ray.shear_y * p[ray.kz], p[ray.kz]};
 }
 
-float edge(const Sheared& a, const Sheared& b) { return a.x * b.y - a.y * b.x; }
+float edge(const Sheared& a, const Sheared& b) {
+    return a.x * b.y - a.y * b.x;
+}
 
 bool inside(const RaySetup& ray, float u, float v, float w, float zu, float zv, float zw) {
     const bool miss = std::min(std::min(u, v), w) < 0 && std::max(std::max(u, v), w) > 0;
@@ -190,7 +196,8 @@ bool inside(const RaySetup& ray, float u, float v, float w, float zu, float zv, 
 }
 
 bool hits_leaf(const RaySetup& ray, const Texel* leaf) {
-    const Sheared a = shear(ray, leaf, 0), b = shear(ray, leaf, 1), c = shear(ray, leaf, 2), d = shear(ray, leaf, 3);
+    const Sheared a = shear(ray, leaf, 0), b = shear(ray, leaf, 1), c = shear(ray, leaf, 2),
+                  d = shear(ray, leaf, 3);
     const float ab = edge(a, b), bc = edge(b, c), ca = edge(c, a), bd = edge(b, d), dc = edge(d, c);
     return inside(ray, bc, ca, ab, a.z, b.z, c.z) || inside(ray, bd, dc, -bc, c.z, b.z, d.z);
 }
@@ -201,7 +208,8 @@ uint32_t hit_children(const RaySetup& ray, const Texel* node) {
         near[k] = ray.t_min;
         far[k] = ray.t_max;
     }
-    const uint32_t planes[3][2] = {{node[1][2], node[1][3]}, {node[2][0], node[2][1]}, {node[2][2], node[2][3]}};
+    const uint32_t planes[3][2] = {
+        {node[1][2], node[1][3]}, {node[2][0], node[2][1]}, {node[2][2], node[2][3]}};
     for (int a = 0; a < 3; ++a) {
         const bool negative = ray.inverse[a] < 0;
         const float step = std::bit_cast<float>((node[0][3] >> (8 * a) & 255) << 23) * ray.inverse[a];

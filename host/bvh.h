@@ -1,23 +1,27 @@
 // SPDX-License-Identifier: MIT
 // A 4-wide bounding volume hierarchy for shadow rays: triangles in, two arrays of 16-byte texels out, which
-// shaders/common/bvh.glsl reads through uniform texel buffers (rgba32ui). The library penumbra_bvh depends on std alone.
+// shaders/common/bvh.glsl reads through uniform texel buffers (rgba32ui). The library penumbra_bvh depends on
+// std alone.
 //
-// A leaf is one *pair*: two triangles that share an edge, or one alone. Node boxes are quantised to 8 bits on a grid of
-// the node's own (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs",
-// here 4 wide), always outwards. The ray-triangle test is the shear test of Woop, Benthin, Wald 2013, "Watertight
-// Ray/Triangle Intersection".
+// A leaf is one *pair*: two triangles that share an edge, or one alone. Node boxes are quantised to 8 bits on
+// a grid of the node's own (Ylitie, Karras, Laine 2017, "Efficient Incoherent Ray Traversal on GPUs Through
+// Compressed Wide BVHs", here 4 wide), always outwards. The ray-triangle test is the shear test of Woop,
+// Benthin, Wald 2013, "Watertight Ray/Triangle Intersection".
 //
-// Node, 3 texels. Children 0..i-1 are nodes, the rest leaves; every box is lo..hi on the grid origin + q * 2^(e-127).
-//   0  origin.x, origin.y, origin.z (float bits)    e.x | e.y << 8 | e.z << 16 | node mask << 24 | leaf mask << 28
-//   1  first child node << 2 | axis    first leaf - i (mod 2^32)    lo.x    hi.x      (byte k of a word: child k)
-//   2  lo.y    hi.y    lo.z    hi.z
-//   Child k is node (first child node + k) or leaf (first leaf - i + k). Child nodes ascend along `axis`.
-// Leaf, 3 texels: v0, v1, v2, v3 (12 floats in order); triangles (v0, v1, v2) and (v2, v1, v3). Alone: v3 = v2.
-// Node 0 is the root. An empty scene has a root without children and one leaf of zeros, so no buffer is ever empty.
+// Node, 3 texels. Children 0..i-1 are nodes, the rest leaves; every box is lo..hi on the grid origin + q *
+// 2^(e-127).
+//   0  origin.x, origin.y, origin.z (float bits)    e.x | e.y << 8 | e.z << 16 | node mask << 24 | leaf mask
+//   << 28 1  first child node << 2 | axis    first leaf - i (mod 2^32)    lo.x    hi.x      (byte k of a
+//   word: child k) 2  lo.y    hi.y    lo.z    hi.z Child k is node (first child node + k) or leaf (first leaf
+//   - i + k). Child nodes ascend along `axis`.
+// Leaf, 3 texels: v0, v1, v2, v3 (12 floats in order); triangles (v0, v1, v2) and (v2, v1, v3). Alone: v3 =
+// v2. Node 0 is the root. An empty scene has a root without children and one leaf of zeros, so no buffer is
+// ever empty.
 //
-// Size: 3 texels per node and per leaf, about 0.5 leaves and 0.2 nodes per triangle in a connected mesh. Vulkan
-// guarantees maxTexelBufferElements >= 65536 only (about 40 000 triangles); lavapipe and desktop drivers have 2^27 or
-// more (about 80 million). The host compares nodes.size() and leaves.size() with the device's limit.
+// Size: 3 texels per node and per leaf, about 0.5 leaves and 0.2 nodes per triangle in a connected mesh.
+// Vulkan guarantees maxTexelBufferElements >= 65536 only (about 40 000 triangles); lavapipe and desktop
+// drivers have 2^27 or more (about 80 million). The host compares nodes.size() and leaves.size() with the
+// device's limit.
 #pragma once
 
 #include <array>
@@ -53,21 +57,23 @@ inline constexpr uint32_t max_bvh_depth = 32;
 // Finite, within max_coordinate, and not degenerate to a line or a point.
 bool usable(const Triangle& triangle);
 
-// Builds by binned SAH (full sweep for few primitives), then collapses to 4-wide nodes by dynamic programming on the
-// SAH cost. Deterministic. `objects`, if not empty, gives one number per triangle: triangles of different objects are
-// never paired, which keeps refit() possible when they move apart. At most 2^30 triangles.
+// Builds by binned SAH (full sweep for few primitives), then collapses to 4-wide nodes by dynamic programming
+// on the SAH cost. Deterministic. `objects`, if not empty, gives one number per triangle: triangles of
+// different objects are never paired, which keeps refit() possible when they move apart. At most 2^30
+// triangles.
 Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects = {});
 
-// Moves the leaves to new vertex positions and fits all boxes; the tree's shape stays, so its quality decays with the
-// distance moved. `triangles` must be as many as at the build. False, with `bvh` unchanged, where the old shape cannot
-// hold the new triangles: a paired edge came apart, or a triangle that was skipped is usable now. A triangle that
-// became unusable is left out until it is usable again.
+// Moves the leaves to new vertex positions and fits all boxes; the tree's shape stays, so its quality decays
+// with the distance moved. `triangles` must be as many as at the build. False, with `bvh` unchanged, where
+// the old shape cannot hold the new triangles: a paired edge came apart, or a triangle that was skipped is
+// usable now. A triangle that became unusable is left out until it is usable again.
 bool refit(Bvh& bvh, std::span<const Triangle> triangles);
 
 struct Ray {
     float origin[3];
     float direction[3];  // finite, of any length but zero
-    float t_min, t_max;  // in lengths of direction; hits count for t_min < t < t_max; t_min >= 0, t_max may be infinite
+    float t_min, t_max;  // in lengths of direction; hits count for t_min < t < t_max; t_min >= 0, t_max may
+                         // be infinite
 };
 
 struct TraversalCounts {

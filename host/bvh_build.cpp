@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The builder: a binary tree by the surface area heuristic (Wald 2007, "On fast Construction of SAH-based Bounding Volume
-// Hierarchies": binned; a full sweep over all splits where few primitives are left), then the cheapest 4-wide tree that
-// can be cut out of it (dynamic programming over "this subtree as at most n children", as in Ylitie et al. 2017).
+// The builder: a binary tree by the surface area heuristic (Wald 2007, "On fast Construction of SAH-based
+// Bounding Volume Hierarchies": binned; a full sweep over all splits where few primitives are left), then the
+// cheapest 4-wide tree that can be cut out of it (dynamic programming over "this subtree as at most n
+// children", as in Ylitie et al. 2017).
 #include <bit>
 #include <cassert>
 #include <numeric>
@@ -87,7 +88,8 @@ class BinaryTree {
         for (int a = 1; a < 3; ++a)
             if (c.hi[a] - c.lo[a] > c.hi[axis] - c.lo[axis]) axis = a;
         const uint32_t middle = r.begin + (r.end - r.begin) / 2;
-        std::nth_element(order_.begin() + r.begin, order_.begin() + middle, order_.begin() + r.end, by_centre(axis));
+        std::nth_element(order_.begin() + r.begin, order_.begin() + middle, order_.begin() + r.end,
+                         by_centre(axis));
         return middle;
     }
 
@@ -125,7 +127,8 @@ class BinaryTree {
         for (int a = 0; a < 3; ++a) {
             const float extent = c.hi[a] - c.lo[a];
             scale[a] = extent > 0 ? float(bins) * 0.999999f / extent : 0.0f;
-            if (!(scale[a] < std::numeric_limits<float>::infinity())) scale[a] = 0;  // extent below 1 / FLT_MAX
+            if (!(scale[a] < std::numeric_limits<float>::infinity()))
+                scale[a] = 0;  // extent below 1 / FLT_MAX
         }
         const auto bin_of = [&](uint32_t p, int a) {
             return std::min(uint32_t((primitives_[p].centre2(a) - c.lo[a]) * scale[a]), bins - 1);
@@ -176,8 +179,8 @@ class BinaryTree {
     std::vector<uint32_t> order_;
 };
 
-// The cheapest way to show a binary subtree to its wide parent as at most n children, n = 1..width. Cost is the sum of
-// the wide nodes' areas: the leaves are the same whatever is chosen.
+// The cheapest way to show a binary subtree to its wide parent as at most n children, n = 1..width. Cost is
+// the sum of the wide nodes' areas: the leaves are the same whatever is chosen.
 class Collapse {
   public:
     explicit Collapse(const std::vector<BinaryNode>& nodes) : nodes_(nodes), plans_(nodes.size()) {
@@ -223,7 +226,8 @@ class Collapse {
     Choice cheapest(const BinaryNode& node, uint32_t n) const {
         Choice best;
         for (uint32_t k = 1; k < n; ++k) {
-            const double cost = plans_[node.left].as_children[k - 1].cost + plans_[node.right].as_children[n - k - 1].cost;
+            const double cost =
+                plans_[node.left].as_children[k - 1].cost + plans_[node.right].as_children[n - k - 1].cost;
             if (cost < best.cost) best = {cost, {uint8_t(k), uint8_t(n - k)}};
         }
         return best;
@@ -299,7 +303,8 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
         node.leaves = uint32_t(children.end() - leaf);
         node.axis = widest_axis(tree.nodes, {children.data(), node.nodes});
         std::sort(children.begin(), leaf, [&](uint32_t a, uint32_t b) {
-            const float x = tree.nodes[a].box.centre2(int(node.axis)), y = tree.nodes[b].box.centre2(int(node.axis));
+            const float x = tree.nodes[a].box.centre2(int(node.axis)),
+                        y = tree.nodes[b].box.centre2(int(node.axis));
             return x != y ? x < y : a < b;
         });
         node.first_node = uint32_t(bvh.nodes.size() / 3);

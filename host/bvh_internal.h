@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the builder, the encoder and refit share: boxes and the description of one wide node before it is encoded.
+// What the builder, the encoder and refit share: boxes and the description of one wide node before it is
+// encoded.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +36,8 @@ struct Box {
         }
     }
 
-    // Half the surface. In double: squares of max_coordinate are no trouble for a float, sums of many would be.
+    // Half the surface. In double: squares of max_coordinate are no trouble for a float, sums of many would
+    // be.
     double area() const {
         if (empty()) return 0;
         const double x = double(hi[0]) - lo[0], y = double(hi[1]) - lo[1], z = double(hi[2]) - lo[2];
@@ -52,10 +54,10 @@ inline const float* corner(std::span<const Triangle> triangles, uint32_t c) {
     return triangles[c / 3].v[c % 3];
 }
 
-// A leaf's box, widened by 2^-20 of its longest side. The triangle test rounds the sheared vertices by a few units in
-// the last place of their distance from the ray's origin; the part of it that grows with the distance is covered by
-// the slab test's factor, the part that grows with the triangle by this. Without it a ray along a shared edge can be
-// turned away by the box of the one triangle whose rounded form it meets.
+// A leaf's box, widened by 2^-20 of its longest side. The triangle test rounds the sheared vertices by a few
+// units in the last place of their distance from the ray's origin; the part of it that grows with the
+// distance is covered by the slab test's factor, the part that grows with the triangle by this. Without it a
+// ray along a shared edge can be turned away by the box of the one triangle whose rounded form it meets.
 Box leaf_box(std::span<const Triangle> triangles, const Corners& corners);
 
 // Pairs of triangles that share an edge, where one box around both costs less than two.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Which triangles become one leaf. Every edge shared by two triangles is a candidate pair; candidates are taken
-// greedily, the ones whose common box saves most first. Edges are matched by position, so indexed meshes and soups alike
-// find their neighbours; ties fall to the lower triangle number, so the result depends on the input alone.
+// Which triangles become one leaf. Every edge shared by two triangles is a candidate pair; candidates are
+// taken greedily, the ones whose common box saves most first. Edges are matched by position, so indexed
+// meshes and soups alike find their neighbours; ties fall to the lower triangle number, so the result depends
+// on the input alone.
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -83,7 +84,9 @@ struct Candidate {
     friend auto operator<=>(const Candidate&, const Candidate&) = default;
 };
 
-uint32_t next(uint32_t c) { return c % 3 == 2 ? c - 2 : c + 1; }
+uint32_t next(uint32_t c) {
+    return c % 3 == 2 ? c - 2 : c + 1;
+}
 
 }  // namespace
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Ulichney 1993, "The void-and-cluster method for dither array generation": start from a few evenly spread points, rank
-// them by taking away the one in the tightest cluster, then rank all other places by filling the largest void. Clusters
-// and voids are the extremes of the points' Gaussian-blurred picture, kept as a running sum on a torus.
+// Ulichney 1993, "The void-and-cluster method for dither array generation": start from a few evenly spread
+// points, rank them by taking away the one in the tightest cluster, then rank all other places by filling the
+// largest void. Clusters and voids are the extremes of the points' Gaussian-blurred picture, kept as a
+// running sum on a torus.
 #include "nodes/blue_noise.h"
 
 #include <algorithm>
@@ -71,7 +72,8 @@ std::vector<uint32_t> void_and_cluster(uint32_t size, uint32_t seed) {
     Torus torus(size);
     uint32_t state = seed * 2654435761u + 12345u;
     for (uint32_t placed = 0; placed < initial;) {
-        state = state * 1664525u + 1013904223u;  // Numerical Recipes' LCG; its high bits are good enough to scatter
+        state = state * 1664525u +
+                1013904223u;  // Numerical Recipes' LCG; its high bits are good enough to scatter
         const uint32_t at = uint32_t((uint64_t(state) * texels) >> 32);
         if (torus.has(at)) continue;
         torus.flip(at);
@@ -93,8 +95,8 @@ std::vector<uint32_t> void_and_cluster(uint32_t size, uint32_t seed) {
         thinned.flip(at);
         rank[at] = r;
     }
-    // Ulichney changes to clusters of the minority beyond one half; with a blur that sums to a constant, the tightest
-    // cluster of what is empty is the largest void of what is full, so one rule serves to the end.
+    // Ulichney changes to clusters of the minority beyond one half; with a blur that sums to a constant, the
+    // tightest cluster of what is empty is the largest void of what is full, so one rule serves to the end.
     for (uint32_t r = initial; r < texels; ++r) {
         const uint32_t at = torus.largest_void();
         torus.flip(at);
@@ -104,7 +106,8 @@ std::vector<uint32_t> void_and_cluster(uint32_t size, uint32_t seed) {
 }
 
 std::vector<uint32_t> blue_noise_table() {
-    const std::vector<uint32_t> first = void_and_cluster(blue_noise_size, 1), second = void_and_cluster(blue_noise_size, 2);
+    const std::vector<uint32_t> first = void_and_cluster(blue_noise_size, 1),
+                                second = void_and_cluster(blue_noise_size, 2);
     constexpr uint32_t step = 65536 / (blue_noise_size * blue_noise_size);
     std::vector<uint32_t> table(first.size());
     for (size_t i = 0; i < table.size(); ++i)

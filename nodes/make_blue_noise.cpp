@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
     }
     std::ofstream file(argv[1], std::ios::binary);
     for (uint32_t texel : penumbra::blue_noise_table()) {
-        const char bytes[4] = {char(texel & 255), char(texel >> 8 & 255), char(texel >> 16 & 255), char(texel >> 24)};
+        const char bytes[4] = {char(texel & 255), char(texel >> 8 & 255), char(texel >> 16 & 255),
+                               char(texel >> 24)};
         file.write(bytes, 4);
     }
     file.close();

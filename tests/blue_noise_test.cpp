@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The blue-noise table: uniform, without low frequencies at every threshold, wrapping without a seam, its two channels
-// independent. White noise of the same size fails each of the spectral tests by a factor of ten or more.
+// The blue-noise table: uniform, without low frequencies at every threshold, wrapping without a seam, its two
+// channels independent. White noise of the same size fails each of the spectral tests by a factor of ten or
+// more.
 #include "nodes/blue_noise.h"
 
 #include <gtest/gtest.h>
@@ -61,7 +62,8 @@ double correlation(const Picture& a, const Picture& b, int dx, int dy) {
     double sum = 0;
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x)
-            sum += (a[y * size + x] - 0.5) * (b[(y + dy + size) % size * size + (x + dx + size) % size] - 0.5);
+            sum +=
+                (a[y * size + x] - 0.5) * (b[(y + dy + size) % size * size + (x + dx + size) % size] - 0.5);
     return sum / (size * size / 12.0);
 }
 
@@ -95,9 +97,11 @@ TEST(BlueNoise, NeighboursDifferAcrossTheSeamAsInside) {
         const Picture p = channel(c);
         double seam = 0, inside = 0;
         for (int i = 0; i < size; ++i) {
-            seam += std::abs(p[i * size] - p[i * size + size - 1]) + std::abs(p[i] - p[(size - 1) * size + i]);
+            seam +=
+                std::abs(p[i * size] - p[i * size + size - 1]) + std::abs(p[i] - p[(size - 1) * size + i]);
             for (int k = 1; k < size; ++k)
-                inside += (std::abs(p[i * size + k] - p[i * size + k - 1]) + std::abs(p[k * size + i] - p[(k - 1) * size + i])) /
+                inside += (std::abs(p[i * size + k] - p[i * size + k - 1]) +
+                           std::abs(p[k * size + i] - p[(k - 1) * size + i])) /
                           (size - 1);
         }
         EXPECT_NEAR(seam / inside, 1, 0.08);
@@ -108,7 +112,8 @@ TEST(BlueNoise, NeighboursDifferAcrossTheSeamAsInside) {
 TEST(BlueNoise, ChannelsAreIndependent) {
     const Picture a = channel(0), b = channel(1);
     for (int dy = -3; dy <= 3; ++dy)
-        for (int dx = -3; dx <= 3; ++dx) EXPECT_LT(std::abs(correlation(a, b, dx, dy)), 0.04) << dx << ", " << dy;
+        for (int dx = -3; dx <= 3; ++dx)
+            EXPECT_LT(std::abs(correlation(a, b, dx, dy)), 0.04) << dx << ", " << dy;
     EXPECT_LT(correlation(a, a, 1, 0), -0.1) << "the test's own check: a channel is correlated with itself";
 }
 

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Rays per second of one core: bvh.glsl on the first Vulkan device (a CPU device is meant), the reference traversal, and
-// Embree's rtcOccluded1, on the same coherent sun rays and in turns, so that a busy machine slows all of them alike.
-// CPU time of the process, not wall time. Usage: bvh_bench [shader.spv]...   (docs/bvh.md)
+// Rays per second of one core: bvh.glsl on the first Vulkan device (a CPU device is meant), the reference
+// traversal, and Embree's rtcOccluded1, on the same coherent sun rays and in turns, so that a busy machine
+// slows all of them alike. CPU time of the process, not wall time. Usage: bvh_bench [shader.spv]...
+// (docs/bvh.md)
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <ctime>
+#include <functional>
+#include <limits>
 #include <memory>
 
 #include "tests/bvh_scenes.h"
@@ -29,8 +31,8 @@ struct GpuRay {
     float origin[3], t_min, direction[3], t_max;
 };
 
-// A 1024 x 512 picture of the scene, from above at a slant, in blocks of 4x2 pixels (8 lanes); every hit sends one ray
-// into the sun's cone.
+// A 1024 x 512 picture of the scene, from above at a slant, in blocks of 4x2 pixels (8 lanes); every hit
+// sends one ray into the sun's cone.
 std::vector<Ray> sun_rays(RTCScene scene, Vec eye, Vec target, float angular_radius) {
     Random random(7);
     const Vec sun = normalised({0.35f, 0.45f, 0.25f}), forward = normalised(target - eye);
@@ -41,7 +43,8 @@ std::vector<Ray> sun_rays(RTCScene scene, Vec eye, Vec target, float angular_rad
     for (int by = 0; by < 256; ++by)
         for (int bx = 0; bx < 256; ++bx)
             for (int lane = 0; lane < 8; ++lane) {
-                const float x = (float(bx * 4 + lane % 4) + 0.5f) / 512 - 1, y = 0.5f - (float(by * 2 + lane / 4) + 0.5f) / 512;
+                const float x = (float(bx * 4 + lane % 4) + 0.5f) / 512 - 1,
+                            y = 0.5f - (float(by * 2 + lane / 4) + 0.5f) / 512;
                 const Vec d = normalised(forward + right * (0.8f * x) + up * (0.8f * y));
                 RTCRayHit hit{};
                 hit.ray = {eye.x, eye.y, eye.z, 0, d.x, d.y, d.z, 0, 1e30f, ~0u, 0, 0};
@@ -54,10 +57,117 @@ std::vector<Ray> sun_rays(RTCScene scene, Vec eye, Vec target, float angular_rad
                 const Vec n = normalised({hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z});
                 const float side = n.x * d.x + n.y * d.y + n.z * d.z > 0 ? -1e-4f : 1e-4f;
                 const Vec p = eye + d * hit.ray.tfar + n * side, s = normalised(sun + jitter);
-                if ((n.x * s.x + n.y * s.y + n.z * s.z) * side <= 0) continue;  // decided shadowed without a ray
+                if ((n.x * s.x + n.y * s.y + n.z * s.z) * side <= 0)
+                    continue;  // decided shadowed without a ray
                 rays.push_back({{p.x, p.y, p.z}, {s.x, s.y, s.z}, 0, std::numeric_limits<float>::infinity()});
             }
     return rays;
+}
+
+RTCScene embree_scene(RTCDevice device, const std::vector<Triangle>& triangles) {
+    RTCScene scene = rtcNewScene(device);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                        triangles.size() * 3),
+                triangles.data(), triangles.size() * sizeof(Triangle));
+    auto* indices = static_cast<uint32_t*>(
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles.size()));
+    for (uint32_t i = 0; i < triangles.size() * 3; ++i) indices[i] = i;
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
+    rtcCommitScene(scene);
+    return scene;
+}
+
+uint64_t embree_hits(RTCScene scene, const std::vector<Ray>& rays) {
+    uint64_t hits = 0;
+    for (const Ray& r : rays) {
+        RTCRay ray{
+            r.origin[0], r.origin[1], r.origin[2], r.t_min, r.direction[0], r.direction[1], r.direction[2], 0,
+            r.t_max,     ~0u,         0,           0};
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        rtcOccluded1(scene, &context, &ray);
+        hits += ray.tfar < 0;
+    }
+    return hits;
+}
+
+// One way to answer all rays, and the best of its times.
+struct Tracer {
+    std::string name;
+    std::function<uint64_t()> trace;  // returns the hits
+    double seconds = std::numeric_limits<double>::infinity();
+    uint64_t hits = 0;
+};
+
+struct View {
+    const char* name;
+    std::vector<Triangle> triangles;
+    Vec eye, target;
+};
+
+void bench(RTCDevice device, const View& view, const std::vector<std::string>& shaders) {
+    const RTCScene scene = embree_scene(device, view.triangles);
+    const double before = cpu_seconds();
+    const Bvh bvh = build_bvh(view.triangles);
+    const double build_s = cpu_seconds() - before;
+    const std::vector<Ray> rays = sun_rays(scene, view.eye, view.target, 0.0047f);
+
+    TraversalCounts counts;
+    for (const Ray& ray : rays) occluded(bvh, ray, &counts);
+    const double n = double(rays.size());
+    fmt::print(
+        "{}: {} triangles, {} leaves, {} nodes, built in {:.2f} s; {} rays, {:.1f} nodes and {:.1f} leaves "
+        "per ray\n",
+        view.name, view.triangles.size(), bvh.corners.size(), bvh.nodes.size() / 3, build_s, rays.size(),
+        double(counts.nodes) / n, double(counts.leaves) / n);
+
+    std::vector<GpuRay> gpu_rays;
+    for (const Ray& r : rays)
+        gpu_rays.push_back({{r.origin[0], r.origin[1], r.origin[2]},
+                            r.t_min,
+                            {r.direction[0], r.direction[1], r.direction[2]},
+                            r.t_max});
+    const std::vector<uint32_t> zeros(rays.size());
+    const std::span<const std::byte> contents[] = {
+        std::as_bytes(std::span(bvh.nodes)), std::as_bytes(std::span(bvh.leaves)),
+        std::as_bytes(std::span(gpu_rays)), std::as_bytes(std::span(zeros))};
+    const VkDescriptorType bindings[] = {
+        VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+        VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+
+    std::vector<Tracer> tracers{{"Embree rtcOccluded1", [&] { return embree_hits(scene, rays); }},
+                                {"bvh.cpp, the reference", [&] {
+                                     uint64_t hits = 0;
+                                     for (const Ray& r : rays) hits += occluded(bvh, r);
+                                     return hits;
+                                 }}};
+    std::vector<std::unique_ptr<Compute>> devices;
+    for (const std::string& shader : shaders) {
+        devices.push_back(std::make_unique<Compute>());
+        Compute* gpu = devices.back().get();
+        gpu->load(shader, bindings);
+        gpu->bind(contents);
+        tracers.push_back({shader + " on " + gpu->properties().deviceName, [gpu, &rays] {
+                               gpu->run(uint32_t((rays.size() + 63) / 64), uint32_t(rays.size()));
+                               const auto* answers = static_cast<const uint32_t*>(gpu->mapped(3));
+                               return uint64_t(std::count(answers, answers + rays.size(), 1u));
+                           }});
+    }
+    for (int round = 0; round < 10; ++round)  // the first compiles and warms up
+        for (Tracer& t : tracers) {
+            const double start = cpu_seconds();
+            t.hits = t.trace();
+            if (round > 0) t.seconds = std::min(t.seconds, cpu_seconds() - start);
+        }
+    for (const Tracer& t : tracers)
+        fmt::print("  {:6.2f} Mrays/s = {:3.0f} % of Embree, {} hits: {}\n", n * 1e-6 / t.seconds,
+                   100 * tracers[0].seconds / t.seconds, t.hits, t.name);
+    rtcReleaseScene(scene);
 }
 
 }  // namespace
@@ -66,94 +176,8 @@ int main(int argc, char** argv) {
     std::vector<std::string> shaders(argv + 1, argv + argc);
     if (shaders.empty()) shaders.push_back(BVH_RAYS_SPV);
     RTCDevice device = rtcNewDevice("threads=1");
-    struct View {
-        const char* name;
-        std::vector<Triangle> triangles;
-        Vec eye, target;
-    };
-    const View views[] = {{"terrain", terrain(354), {-9, 9, -9}, {0, 0, 0}},
-                          {"colonnade", colonnade(64, 60, 32), {-13, 4.5f, -15}, {0, 0, 0}}};
-    for (const View& view : views) {
-        RTCScene scene = rtcNewScene(device);
-        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-        void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                                 view.triangles.size() * 3);
-        std::memcpy(vertices, view.triangles.data(), view.triangles.size() * sizeof(Triangle));
-        auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                      12, view.triangles.size()));
-        for (uint32_t i = 0; i < view.triangles.size() * 3; ++i) indices[i] = i;
-        rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometry(scene, geometry);
-        rtcReleaseGeometry(geometry);
-        rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
-        rtcCommitScene(scene);
-
-        const double before = cpu_seconds();
-        const Bvh bvh = build_bvh(view.triangles);
-        const double build_s = cpu_seconds() - before;
-        const std::vector<Ray> rays = sun_rays(scene, view.eye, view.target, 0.0047f);
-
-        TraversalCounts counts;
-        uint64_t hits = 0;
-        for (const Ray& ray : rays) hits += occluded(bvh, ray, &counts);
-        fmt::print("{}: {} triangles, {} leaves, {} nodes, built in {:.2f} s; {} rays, {:.1f} % blocked, {:.1f} nodes and "
-                   "{:.1f} leaves per ray\n",
-                   view.name, view.triangles.size(), bvh.corners.size(), bvh.nodes.size() / 3, build_s, rays.size(),
-                   100.0 * double(hits) / double(rays.size()), double(counts.nodes) / double(rays.size()),
-                   double(counts.leaves) / double(rays.size()));
-
-        std::vector<GpuRay> gpu_rays;
-        for (const Ray& r : rays)
-            gpu_rays.push_back({{r.origin[0], r.origin[1], r.origin[2]}, r.t_min,
-                                {r.direction[0], r.direction[1], r.direction[2]}, r.t_max});
-        const std::vector<uint32_t> zeros(rays.size());
-        const VkDescriptorType bindings[] = {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
-                                             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-        const std::span<const std::byte> contents[] = {std::as_bytes(std::span(bvh.nodes)), std::as_bytes(std::span(bvh.leaves)),
-                                                       std::as_bytes(std::span(gpu_rays)), std::as_bytes(std::span(zeros))};
-        std::vector<double> gpu_best(shaders.size(), 1e30), embree(1, 1e30), reference(1, 1e30);
-        std::vector<uint64_t> gpu_hits(shaders.size());
-        std::vector<std::unique_ptr<Compute>> gpus;
-        for (const std::string& shader : shaders) {
-            gpus.push_back(std::make_unique<Compute>());
-            gpus.back()->load(shader, bindings);
-            gpus.back()->bind(contents);
-            gpus.back()->run(uint32_t((rays.size() + 63) / 64), uint32_t(rays.size()));
-        }
-        uint64_t embree_hits = 0;
-        for (int round = 0; round < 9; ++round) {
-            for (size_t s = 0; s < shaders.size(); ++s) {
-                double start = cpu_seconds();
-                gpus[s]->run(uint32_t((rays.size() + 63) / 64), uint32_t(rays.size()));
-                gpu_best[s] = std::min(gpu_best[s], cpu_seconds() - start);
-            }
-            double start = cpu_seconds();
-            embree_hits = 0;
-            for (const Ray& r : rays) {
-                RTCRay ray{r.origin[0], r.origin[1], r.origin[2], r.t_min, r.direction[0], r.direction[1], r.direction[2], 0,
-                           r.t_max, ~0u, 0, 0};
-                RTCIntersectContext context;
-                rtcInitIntersectContext(&context);
-                rtcOccluded1(scene, &context, &ray);
-                embree_hits += ray.tfar < 0;
-            }
-            embree[0] = std::min(embree[0], cpu_seconds() - start);
-            if (round >= 2) continue;
-            start = cpu_seconds();
-            for (const Ray& r : rays) hits += occluded(bvh, r);
-            reference[0] = std::min(reference[0], cpu_seconds() - start);
-        }
-        const double n = double(rays.size()) * 1e-6;
-        fmt::print("  embree rtcOccluded1 {:6.2f} Mrays/s ({} hits)\n  reference           {:6.2f}\n", n / embree[0],
-                   embree_hits, n / reference[0]);
-        for (size_t s = 0; s < shaders.size(); ++s) {
-            const auto* answers = static_cast<const uint32_t*>(gpus[s]->mapped(3));
-            fmt::print("  {:<40} {:6.2f} Mrays/s = {:.0f} % of embree ({} hits) on {}\n", shaders[s], n / gpu_best[s],
-                       100 * embree[0] / gpu_best[s], std::count(answers, answers + rays.size(), 1u),
-                       gpus[s]->properties().deviceName);
-        }
-        rtcReleaseScene(scene);
-    }
+    bench(device, {"terrain", terrain(354), {-9, 9, -9}, {0, 0, 0}}, shaders);
+    bench(device, {"colonnade", colonnade(64, 60, 32), {-13, 4.5f, -15}, {0, 0, 0}}, shaders);
+    bench(device, {"terrain, 1 M", terrain(707), {-9, 9, -9}, {0, 0, 0}}, shaders);
     rtcReleaseDevice(device);
 }

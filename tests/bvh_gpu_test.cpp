@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// bvh.glsl on the first Vulkan device against the reference traversal in C++: the same arithmetic, so the same answers,
-// ray for ray. A compiler that fuses multiply-add, or a driver that loses a value set inside a divergent loop, shows here.
+// bvh.glsl on the first Vulkan device against the reference traversal in C++: the same arithmetic, so the
+// same answers, ray for ray. A compiler that fuses multiply-add, or a driver that loses a value set inside a
+// divergent loop, shows here.
 #include <gtest/gtest.h>
 
 #include "host/bvh.h"
@@ -21,10 +22,14 @@ struct GpuRay {
 std::vector<uint32_t> answers(Compute& compute, const Bvh& bvh, const std::vector<Ray>& rays) {
     std::vector<GpuRay> in;
     for (const Ray& r : rays)
-        in.push_back({{r.origin[0], r.origin[1], r.origin[2]}, r.t_min, {r.direction[0], r.direction[1], r.direction[2]}, r.t_max});
+        in.push_back({{r.origin[0], r.origin[1], r.origin[2]},
+                      r.t_min,
+                      {r.direction[0], r.direction[1], r.direction[2]},
+                      r.t_max});
     const std::vector<uint32_t> unanswered(rays.size(), 0xDEADBEEFu);
-    const std::span<const std::byte> contents[] = {std::as_bytes(std::span(bvh.nodes)), std::as_bytes(std::span(bvh.leaves)),
-                                                   std::as_bytes(std::span(in)), std::as_bytes(std::span(unanswered))};
+    const std::span<const std::byte> contents[] = {
+        std::as_bytes(std::span(bvh.nodes)), std::as_bytes(std::span(bvh.leaves)),
+        std::as_bytes(std::span(in)), std::as_bytes(std::span(unanswered))};
     compute.bind(contents);
     compute.run(uint32_t((rays.size() + 63) / 64), uint32_t(rays.size()));
     const auto* out = static_cast<const uint32_t*>(compute.mapped(3));
@@ -34,16 +39,18 @@ std::vector<uint32_t> answers(Compute& compute, const Bvh& bvh, const std::vecto
 class BvhGpu : public testing::Test {
   protected:
     void SetUp() override {
-        const VkDescriptorType bindings[] = {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
-                                             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        const VkDescriptorType bindings[] = {
+            VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
+            VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
         compute.load(BVH_RAYS_SPV, bindings);
         cpu_device = compute.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
         std::printf("device: %s\n", compute.properties().deviceName);
     }
 
-    // A CPU device divides with correct rounding and must agree bit for bit. Vulkan allows others 2.5 ulp in the ray's
-    // slopes; then the oracle has the last word.
-    void expect_equal(const std::string& name, const std::vector<Triangle>& triangles, const std::vector<Ray>& rays) {
+    // A CPU device divides with correct rounding and must agree bit for bit. Vulkan allows others 2.5 ulp in
+    // the ray's slopes; then the oracle has the last word.
+    void expect_equal(const std::string& name, const std::vector<Triangle>& triangles,
+                      const std::vector<Ray>& rays) {
         const Bvh bvh = build_bvh(triangles);
         const std::vector<uint32_t> gpu = answers(compute, bvh, rays);
         size_t differ = 0, hits = 0;
@@ -53,9 +60,11 @@ class BvhGpu : public testing::Test {
             hits += cpu;
             if (gpu[i] == uint32_t(cpu)) continue;
             ++differ;
-            EXPECT_NE(truth(triangles, rays[i]), cpu ? Truth::blocked : Truth::clear) << name << ", ray " << i;
+            EXPECT_NE(truth(triangles, rays[i]), cpu ? Truth::blocked : Truth::clear)
+                << name << ", ray " << i;
         }
-        std::printf("%s: %zu of %zu rays blocked, %zu differ from the reference\n", name.c_str(), hits, rays.size(), differ);
+        std::printf("%s: %zu of %zu rays blocked, %zu differ from the reference\n", name.c_str(), hits,
+                    rays.size(), differ);
         EXPECT_LE(differ, cpu_device ? 0 : rays.size() / 10000) << name;
         EXPECT_GT(hits, 0u) << name;
     }
@@ -65,7 +74,8 @@ class BvhGpu : public testing::Test {
 };
 
 TEST_F(BvhGpu, AnswersLikeTheReference) {
-    for (const TriangleScene& s : all_scenes()) expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 1'000'000, 21));
+    for (const TriangleScene& s : all_scenes())
+        expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 1'000'000, 21));
 }
 
 TEST_F(BvhGpu, EmptySceneBlocksNothing) {
@@ -86,7 +96,8 @@ TEST_F(BvhGpu, ClosedMeshesDoNotLeakAtEdgesAndVertices) {
         rays.push_back({{origin.x, origin.y, origin.z},
                         {a[0] + (b[0] - a[0]) * along - origin.x, a[1] + (b[1] - a[1]) * along - origin.y,
                          a[2] + (b[2] - a[2]) * along - origin.z},
-                        0, std::numeric_limits<float>::infinity()});
+                        0,
+                        std::numeric_limits<float>::infinity()});
     }
     const std::vector<uint32_t> gpu = answers(compute, build_bvh(ball), rays);
     EXPECT_EQ(std::count(gpu.begin(), gpu.end(), 1u), std::ssize(gpu));
@@ -109,7 +120,8 @@ TEST_F(BvhGpu, AxisParallelRaysAnswerLikeTheReference) {
                     for (float oy : places)
                         for (float oz : places)
                             if (dx != 0 || dy != 0 || dz != 0)
-                                rays.push_back({{ox, oy, oz}, {dx, dy, dz}, 0, std::numeric_limits<float>::infinity()});
+                                rays.push_back(
+                                    {{ox, oy, oz}, {dx, dy, dz}, 0, std::numeric_limits<float>::infinity()});
     expect_equal("flat", flat, rays);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The truth about a shadow ray in double precision, with a third answer for rays that meet an edge, or an end of the
-// interval, closer than single-precision vertices can tell.
+// The truth about a shadow ray in double precision, with a third answer for rays that meet an edge, or an end
+// of the interval, closer than single-precision vertices can tell.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,9 @@ namespace penumbra::test {
 
 enum class Truth { clear, blocked, either };
 
-// The ray against one triangle. Distances to edges are measured across the ray; `tolerance` is relative to the largest
-// distance from the ray's origin to a vertex, plus the origin's own magnitude (whose subtraction rounds).
+// The ray against one triangle. Distances to edges are measured across the ray; `tolerance` is relative to
+// the largest distance from the ray's origin to a vertex, plus the origin's own magnitude (whose subtraction
+// rounds).
 inline Truth against(const Triangle& triangle, const Ray& ray, double tolerance) {
     double d[3], length = 0;
     for (int a = 0; a < 3; ++a) {
@@ -25,7 +26,7 @@ inline Truth against(const Triangle& triangle, const Ray& ray, double tolerance)
     for (double& x : d) x /= length;
     // Any frame across the ray will do.
     const int least = std::abs(d[0]) < std::abs(d[1]) ? (std::abs(d[0]) < std::abs(d[2]) ? 0 : 2)
-                                                       : (std::abs(d[1]) < std::abs(d[2]) ? 1 : 2);
+                                                      : (std::abs(d[1]) < std::abs(d[2]) ? 1 : 2);
     const int i = (least + 1) % 3, j = (least + 2) % 3;
     const double r = std::hypot(d[i], d[j]);
     double u[3] = {}, v[3];
@@ -55,8 +56,8 @@ inline Truth against(const Triangle& triangle, const Ray& ray, double tolerance)
         edge[k] = sign * (x[a] * y[b] - x[b] * y[a]);
         inside = std::min(inside, edge[k] / std::max(std::hypot(x[b] - x[a], y[b] - y[a]), 1e-300));
     }
-    // Outside of the triangle's shadow by more than rounding: also judged by its bounds, for triangles seen edge-on,
-    // whose edge lines say nothing about where they end.
+    // Outside of the triangle's shadow by more than rounding: also judged by its bounds, for triangles seen
+    // edge-on, whose edge lines say nothing about where they end.
     const auto [x0, x1] = std::minmax({x[0], x[1], x[2]});
     const auto [y0, y1] = std::minmax({y[0], y[1], y[2]});
     if (inside < -near || x0 > near || x1 < -near || y0 > near || y1 < -near) return Truth::clear;

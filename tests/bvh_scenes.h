@@ -42,7 +42,9 @@ inline Vec normalised(Vec v) {
     return {float(v.x / l), float(v.y / l), float(v.z / l)};
 }
 
-inline Triangle triangle(Vec a, Vec b, Vec c) { return {{{a.x, a.y, a.z}, {b.x, b.y, b.z}, {c.x, c.y, c.z}}}; }
+inline Triangle triangle(Vec a, Vec b, Vec c) {
+    return {{{a.x, a.y, a.z}, {b.x, b.y, b.z}, {c.x, c.y, c.z}}};
+}
 
 inline Vec random_direction(Random& random) {
     const float z = random.in(-1, 1), phi = random.in(0, 2 * std::numbers::pi_v<float>);
@@ -66,7 +68,8 @@ inline std::vector<Triangle> soup(uint32_t count, uint32_t seed) {
 inline float hill(float x, float z) {
     float y = 0, amplitude = 2.5f, f = 0.35f;
     for (int octave = 0; octave < 7; ++octave, amplitude *= 0.47f, f *= 1.97f)
-        y += amplitude * std::sin(x * f + 1.3f * float(octave)) * std::cos(z * f * 1.1f - 0.7f * float(octave));
+        y += amplitude * std::sin(x * f + 1.3f * float(octave)) *
+             std::cos(z * f * 1.1f - 0.7f * float(octave));
     return y;
 }
 
@@ -92,7 +95,8 @@ inline void add_quad(std::vector<Triangle>& out, Vec a, Vec b, Vec c, Vec d) {
 
 inline void add_box(std::vector<Triangle>& out, Vec lo, Vec hi) {
     const auto p = [&](int i) { return Vec{i & 1 ? hi.x : lo.x, i & 2 ? hi.y : lo.y, i & 4 ? hi.z : lo.z}; };
-    constexpr int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+    constexpr int faces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                                 {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
     for (const auto& f : faces) add_quad(out, p(f[0]), p(f[1]), p(f[2]), p(f[3]));
 }
 
@@ -121,16 +125,20 @@ inline std::vector<Triangle> colonnade(uint32_t columns, uint32_t sides, uint32_
     for (uint32_t c = 0; c < columns; ++c) {
         const float cx = float(c % per_row) * 3 - span / 2, cz = float(c / per_row) * 3 - span / 2;
         const auto at = [&](uint32_t s, uint32_t r) {
-            const float h = float(r) / float(rings), phi = 2 * std::numbers::pi_v<float> * float(s % sides) / float(sides);
-            const float radius = (0.55f - 0.15f * h) * (1 + 0.06f * std::cos(phi * 20)) + (h < 0.04f ? 0.15f : 0.0f);
+            const float h = float(r) / float(rings),
+                        phi = 2 * std::numbers::pi_v<float> * float(s % sides) / float(sides);
+            const float radius =
+                (0.55f - 0.15f * h) * (1 + 0.06f * std::cos(phi * 20)) + (h < 0.04f ? 0.15f : 0.0f);
             return Vec{cx + radius * std::cos(phi), 6 * h, cz + radius * std::sin(phi)};
         };
         for (uint32_t r = 0; r < rings; ++r)
-            for (uint32_t s = 0; s < sides; ++s) add_quad(out, at(s, r), at(s + 1, r), at(s + 1, r + 1), at(s, r + 1));
+            for (uint32_t s = 0; s < sides; ++s)
+                add_quad(out, at(s, r), at(s + 1, r), at(s + 1, r + 1), at(s, r + 1));
     }
     add_quad(out, {-span, 0, -span}, {-span, 0, span}, {span, 0, span}, {span, 0, -span});
     for (uint32_t i = 0; i < per_row; ++i)  // beams along every row
-        add_box(out, {-span / 2 - 1, 6, float(i) * 3 - span / 2 - 0.4f}, {span / 2 + 1, 6.8f, float(i) * 3 - span / 2 + 0.4f});
+        add_box(out, {-span / 2 - 1, 6, float(i) * 3 - span / 2 - 0.4f},
+                {span / 2 + 1, 6.8f, float(i) * 3 - span / 2 + 0.4f});
     return out;
 }
 
@@ -155,7 +163,8 @@ inline std::vector<Triangle> closed_ball(uint32_t levels, Vec centre, float radi
         divide(ab, bc, ca, level - 1);
     };
     for (int i = 0; i < 8; ++i)
-        divide({i & 1 ? -1.0f : 1.0f, 0, 0}, {0, i & 2 ? -1.0f : 1.0f, 0}, {0, 0, i & 4 ? -1.0f : 1.0f}, levels);
+        divide({i & 1 ? -1.0f : 1.0f, 0, 0}, {0, i & 2 ? -1.0f : 1.0f, 0}, {0, 0, i & 4 ? -1.0f : 1.0f},
+               levels);
     return out;
 }
 
@@ -200,7 +209,8 @@ inline std::vector<Ray> shadow_rays(const std::vector<Triangle>& triangles, uint
             size = std::max({size, std::abs(t[1][a] - t[0][a]), std::abs(t[2][a] - t[0][a])});
         }
         const Vec offset = random_direction(random) * (size * (i % 4 == 0 ? 3.0f : 0.01f));
-        const Vec d = i % 2 ? normalised(sun + random_direction(random) * (0.05f * random.unit())) : random_direction(random);
+        const Vec d = i % 2 ? normalised(sun + random_direction(random) * (0.05f * random.unit()))
+                            : random_direction(random);
         const float t_max = i % 8 == 7 ? size * 8 : std::numeric_limits<float>::infinity();
         rays.push_back({{p[0] + offset.x, p[1] + offset.y, p[2] + offset.z}, {d.x, d.y, d.z}, 0, t_max});
     }

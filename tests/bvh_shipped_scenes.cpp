@@ -18,7 +18,8 @@ std::vector<TriangleScene> shipped_scenes() {
         const std::optional<Shot> shot = read_shot(folder / (std::string(name) + ".shot.json"), diagnostics);
         std::optional<Model> model;
         if (shot) model = load_gltf(shot->model, diagnostics);
-        if (!model || !check_objects(*shot, *model, diagnostics)) throw std::runtime_error(diagnostics.text());
+        if (!model || !check_objects(*shot, *model, diagnostics))
+            throw std::runtime_error(diagnostics.text());
         out.push_back({std::string("shipped_") + name, Scene(std::move(*model), *shot).triangles(0)});
     }
     return out;

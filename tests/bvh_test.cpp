@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The hierarchy by itself: nothing leaks between triangles, boxes never hide a triangle, special values do no harm.
+// The hierarchy by itself: nothing leaks between triangles, boxes never hide a triangle, special values do no
+// harm.
 #include "host/bvh.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +25,9 @@ Ray ray_to(Vec origin, Vec target) {
     return {{origin.x, origin.y, origin.z}, {d.x, d.y, d.z}, 0, infinity};
 }
 
-Vec vertex(const Triangle& t, int k) { return {t.v[k][0], t.v[k][1], t.v[k][2]}; }
+Vec vertex(const Triangle& t, int k) {
+    return {t.v[k][0], t.v[k][1], t.v[k][2]};
+}
 
 // Levels of the tree; also checks that every leaf and every node is reached exactly once.
 uint32_t depth_of(const Bvh& bvh) {
@@ -47,7 +50,8 @@ uint32_t depth_of(const Bvh& bvh) {
     return deepest;
 }
 
-// Möller and Trumbore 1997 in single precision: the form that leaks, to show that a test's rays are hard enough.
+// Möller and Trumbore 1997 in single precision: the form that leaks, to show that a test's rays are hard
+// enough.
 bool moller_trumbore(const Triangle& t, const Ray& ray) {
     float e1[3], e2[3], s[3];
     for (int a = 0; a < 3; ++a) {
@@ -56,7 +60,8 @@ bool moller_trumbore(const Triangle& t, const Ray& ray) {
         s[a] = ray.origin[a] - t.v[0][a];
     }
     const auto cross = [](const float* a, const float* b, float* out) {
-        for (int k = 0; k < 3; ++k) out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+        for (int k = 0; k < 3; ++k)
+            out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
     };
     const auto dot = [](const float* a, const float* b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
     float p[3], q[3];
@@ -129,8 +134,9 @@ TEST(Bvh, IsDeterministic) {
     EXPECT_EQ(a.leaves, b.leaves);
 }
 
-// A triangle alone in a tree answers by its own test alone; all together must answer the same, so no box may turn away
-// a ray that a triangle would have stopped. Rays go through edges and vertices, along planes, from near and far.
+// A triangle alone in a tree answers by its own test alone; all together must answer the same, so no box may
+// turn away a ray that a triangle would have stopped. Rays go through edges and vertices, along planes, from
+// near and far.
 TEST(Bvh, BoxesNeverHideATriangle) {
     for (const float scale : {1e-3f, 1.0f, 1e3f}) {
         std::vector<Triangle> triangles = soup(150, 4);
@@ -175,7 +181,8 @@ TEST(Bvh, ClosedMeshesDoNotLeakAtEdgesAndVertices) {
             const Vec a = vertex(t, k), b = vertex(t, (k + 1) % 3);
             const Vec target = i % 3 == 0 ? a : i % 3 == 1 ? (a + b) * 0.5f : a + (b - a) * random.unit();
             const Vec centre = Vec{1.5f, -2.25f, 30} * scale;
-            const Vec origin = i % 16 ? centre + random_direction(random) * (scale * random.in(0, 4)) : centre;
+            const Vec origin =
+                i % 16 ? centre + random_direction(random) * (scale * random.in(0, 4)) : centre;
             leaks += !occluded(bvh, ray_to(origin, target));
             if (i % 500 == 0) {
                 bool any = false;
@@ -214,7 +221,9 @@ TEST(Bvh, ExactlyHitEdgesAndVerticesCount) {
                         for (int dz = -8; dz <= 8; ++dz) {
                             if (dx == 0 && dy == 0 && dz == 0) continue;
                             const Ray ray{{float(ox), float(oy), float(oz)},
-                                          {float(dx) / 2, dy == 0 ? -0.0f : float(dy) / 2, float(dz) / 2}, 0, infinity};
+                                          {float(dx) / 2, dy == 0 ? -0.0f : float(dy) / 2, float(dz) / 2},
+                                          0,
+                                          infinity};
                             leaks += !occluded(bvh, ray);
                             ++rays;
                         }
@@ -222,8 +231,8 @@ TEST(Bvh, ExactlyHitEdgesAndVerticesCount) {
     EXPECT_EQ(leaks, 0);
 }
 
-// Flat boxes and rays in their planes' directions: all directions with components -1, -0, +0, 1, origins on, beside and
-// between the boxes' planes, against the oracle in double precision.
+// Flat boxes and rays in their planes' directions: all directions with components -1, -0, +0, 1, origins on,
+// beside and between the boxes' planes, against the oracle in double precision.
 TEST(Bvh, AxisParallelRaysAgreeWithDoublePrecision) {
     std::vector<Triangle> flat;
     for (int i = 0; i < 5; ++i) {
@@ -244,12 +253,14 @@ TEST(Bvh, AxisParallelRaysAgreeWithDoublePrecision) {
                     for (float ox : places)
                         for (float oy : places)
                             for (float oz : places) {
-                                const Ray ray{{ox * scale, oy * scale, oz * scale}, {dx, dy, dz}, 0, infinity};
+                                const Ray ray{
+                                    {ox * scale, oy * scale, oz * scale}, {dx, dy, dz}, 0, infinity};
                                 const Truth t = truth(triangles, ray);
                                 if (t == Truth::either) continue;
                                 ++decided;
                                 ASSERT_EQ(occluded(bvh, ray), t == Truth::blocked)
-                                    << ox << ' ' << oy << ' ' << oz << " towards " << dx << ' ' << dy << ' ' << dz;
+                                    << ox << ' ' << oy << ' ' << oz << " towards " << dx << ' ' << dy << ' '
+                                    << dz;
                             }
                 }
         EXPECT_GT(decided, 15000);

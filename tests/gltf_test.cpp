@@ -3,6 +3,7 @@
 // diagnostic for whatever is wrong. Files are made here; nothing is read from outside.
 #include "host/gltf.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -256,8 +257,10 @@ TEST_F(Gltf, UnsupportedGeometryIsAnError) {
 TEST_F(Gltf, BadImageKeepsTheModel) {
     const std::string materials =
         R"(,"materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,1,1],"baseColorTexture":{"index":0}}}],"textures":[{"source":0}])";
-    for (const std::string uri : {"missing.png", "data:image/png;base64,bm90IGFuIGltYWdl"}) {
-        const auto model = load(positions_file(5, materials + R"(,"images":[{"uri":")" + uri + "\"}]"));
+    for (const std::string uri : {"missing.png", "data:image/png;base64,bm90IGFuIGltYWdl",
+                                  "data:image/webp;base64,bm90IGFuIGltYWdl"}) {
+        const auto model =
+            load(positions_file(5, fmt::format(R"({},"images":[{{"uri":"{}"}}])", materials, uri)));
         ASSERT_TRUE(model) << uri << diagnostics_.text();
         EXPECT_EQ(model->triangle_count(), 3u);
         EXPECT_EQ(model->materials[0].texture, -1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// sun_sample.glsl on the device: uniform over the cap for suns of every size and direction, finite at every corner of the
-// square and at every pole, continuous around them.
+// sun_sample.glsl on the device: uniform over the cap for suns of every size and direction, finite at every
+// corner of the square and at every pole, continuous around them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,9 @@ struct Double3 {
     double length() const { return std::sqrt(x * x + y * y + z * z); }
 };
 
-double dot(Double3 a, Double3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double dot(Double3 a, Double3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 // Exact for small angles, where a cosine would lose all digits.
 double angle(const float* a, const float* b) {
@@ -38,10 +40,12 @@ double angle(const float* a, const float* b) {
 
 std::vector<Out> evaluate(const std::vector<In>& in) {
     Compute compute;
-    const VkDescriptorType bindings[] = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+    const VkDescriptorType bindings[] = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                         VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
     compute.load(SUN_SAMPLE_SPV, bindings);
     const std::vector<Out> none(in.size());
-    const std::span<const std::byte> contents[] = {std::as_bytes(std::span(in)), std::as_bytes(std::span(none))};
+    const std::span<const std::byte> contents[] = {std::as_bytes(std::span(in)),
+                                                   std::as_bytes(std::span(none))};
     compute.bind(contents);
     compute.run(uint32_t((in.size() + 63) / 64), uint32_t(in.size()));
     const auto* out = static_cast<const Out*>(compute.mapped(1));
@@ -68,9 +72,13 @@ TEST(SunSample, IsUniformOverTheCap) {
             std::vector<In> in;
             for (int y = 0; y < n; ++y)
                 for (int x = 0; x < n; ++x)
-                    in.push_back({{sun.x, sun.y, sun.z}, float(radius), {(float(x) + random.unit()) / n, (float(y) + random.unit()) / n}, {}});
+                    in.push_back({{sun.x, sun.y, sun.z},
+                                  float(radius),
+                                  {(float(x) + random.unit()) / n, (float(y) + random.unit()) / n},
+                                  {}});
             const std::vector<Out> out = evaluate(in);
-            // For a uniform cap (1 - cos t) / (1 - cos a) is uniform in [0, 1] and the mean direction is the axis.
+            // For a uniform cap (1 - cos t) / (1 - cos a) is uniform in [0, 1] and the mean direction is the
+            // axis.
             std::vector<double> height;
             double sum[3] = {};
             for (size_t i = 0; i < out.size(); ++i) {
@@ -79,13 +87,16 @@ TEST(SunSample, IsUniformOverTheCap) {
                 ASSERT_LT(t, radius * (1 + 1e-5) + 2e-7);
                 const double s = std::sin(t / 2) / std::sin(radius / 2);
                 height.push_back(s * s);
-                for (int a = 0; a < 3; ++a) sum[a] += (out[i].exact[a] - in[i].to_sun[a]) / double(out.size());
+                for (int a = 0; a < 3; ++a)
+                    sum[a] += (out[i].exact[a] - in[i].to_sun[a]) / double(out.size());
             }
             std::sort(height.begin(), height.end());
             double furthest = 0;
             for (size_t i = 0; i < height.size(); ++i)
-                furthest = std::max(furthest, std::abs(height[i] - (double(i) + 0.5) / double(height.size())));
-            // 64 x 64 stratified points resolve the cap's area to better than 1 %; the rest is rounding at small radii.
+                furthest =
+                    std::max(furthest, std::abs(height[i] - (double(i) + 0.5) / double(height.size())));
+            // 64 x 64 stratified points resolve the cap's area to better than 1 %; the rest is rounding at
+            // small radii.
             EXPECT_LT(furthest, 0.01 + 4e-7 / radius) << "radius " << radius;
             // What is left across the axis after averaging; along it the mean is (1 - cos a) / 2 below 1.
             const double along = sum[0] * sun.x + sum[1] * sun.y + sum[2] * sun.z;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The least Vulkan that runs one compute shader over host-visible buffers: for tests of shader functions that want to
-// stand apart from the graph. Every failing call throws with its name.
+// The least Vulkan that runs one compute shader over host-visible buffers: for tests of shader functions that
+// want to stand apart from the graph. Every failing call throws with its name.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -16,14 +16,15 @@
 namespace penumbra::test {
 
 inline void check(VkResult result, const char* call) {
-    if (result != VK_SUCCESS) throw std::runtime_error(std::string(call) + " failed: " + std::to_string(result));
+    if (result != VK_SUCCESS)
+        throw std::runtime_error(std::string(call) + " failed: " + std::to_string(result));
 }
 
 class Compute {
   public:
     Compute() {
-        const VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "penumbra tests", 0, nullptr, 0,
-                                    VK_API_VERSION_1_2};
+        const VkApplicationInfo app{
+            VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "penumbra tests", 0, nullptr, 0, VK_API_VERSION_1_2};
         VkInstanceCreateInfo instance_info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
         instance_info.pApplicationInfo = &app;
         check(vkCreateInstance(&instance_info, nullptr, &instance_), "vkCreateInstance");
@@ -98,14 +99,16 @@ class Compute {
         VkDescriptorSetLayoutCreateInfo set_info{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
         set_info.bindingCount = uint32_t(layout.size());
         set_info.pBindings = layout.data();
-        check(vkCreateDescriptorSetLayout(device_, &set_info, nullptr, &set_layout_), "vkCreateDescriptorSetLayout");
+        check(vkCreateDescriptorSetLayout(device_, &set_info, nullptr, &set_layout_),
+              "vkCreateDescriptorSetLayout");
         const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, 4};
         VkPipelineLayoutCreateInfo layout_info{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
         layout_info.setLayoutCount = 1;
         layout_info.pSetLayouts = &set_layout_;
         layout_info.pushConstantRangeCount = 1;
         layout_info.pPushConstantRanges = &push;
-        check(vkCreatePipelineLayout(device_, &layout_info, nullptr, &pipeline_layout_), "vkCreatePipelineLayout");
+        check(vkCreatePipelineLayout(device_, &layout_info, nullptr, &pipeline_layout_),
+              "vkCreatePipelineLayout");
 
         VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
         module_info.codeSize = words.size() * 4;
@@ -113,10 +116,16 @@ class Compute {
         VkShaderModule module = VK_NULL_HANDLE;
         check(vkCreateShaderModule(device_, &module_info, nullptr, &module), "vkCreateShaderModule");
         VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-        info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, nullptr, 0, VK_SHADER_STAGE_COMPUTE_BIT,
-                      module, "main", nullptr};
+        info.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+                      nullptr,
+                      0,
+                      VK_SHADER_STAGE_COMPUTE_BIT,
+                      module,
+                      "main",
+                      nullptr};
         info.layout = pipeline_layout_;
-        const VkResult made = vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
+        const VkResult made =
+            vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
         vkDestroyShaderModule(device_, module, nullptr);
         check(made, "vkCreateComputePipelines");
 
@@ -142,7 +151,8 @@ class Compute {
             Buffer& buffer = buffers_.emplace_back();
             VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
             info.size = contents[i].size();
-            info.usage = texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+            info.usage =
+                texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
             check(vkCreateBuffer(device_, &info, nullptr, &buffer.buffer), "vkCreateBuffer");
             VkMemoryRequirements needs;
             vkGetBufferMemoryRequirements(device_, buffer.buffer, &needs);
@@ -175,16 +185,18 @@ class Compute {
 
     // Runs and waits. A second run() of the same buffers starts from what the first left.
     void run(uint32_t groups, uint32_t push) {
-        const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, 0, nullptr};
+        const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, nullptr, 0,
+                                             nullptr};
         check(vkBeginCommandBuffer(cmd_, &begin), "vkBeginCommandBuffer");
         vkCmdBindPipeline(cmd_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_);
-        vkCmdBindDescriptorSets(cmd_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_layout_, 0, 1, &set_, 0, nullptr);
+        vkCmdBindDescriptorSets(cmd_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline_layout_, 0, 1, &set_, 0,
+                                nullptr);
         vkCmdPushConstants(cmd_, pipeline_layout_, VK_SHADER_STAGE_COMPUTE_BIT, 0, 4, &push);
         vkCmdDispatch(cmd_, groups, 1, 1);
         const VkMemoryBarrier to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_SHADER_WRITE_BIT,
                                       VK_ACCESS_HOST_READ_BIT};
-        vkCmdPipelineBarrier(cmd_, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0,
-                             nullptr, 0, nullptr);
+        vkCmdPipelineBarrier(cmd_, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1,
+                             &to_host, 0, nullptr, 0, nullptr);
         check(vkEndCommandBuffer(cmd_), "vkEndCommandBuffer");
         VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
         submit.commandBufferCount = 1;
@@ -205,7 +217,8 @@ class Compute {
     };
 
     uint32_t host_memory(uint32_t types) const {
-        const VkMemoryPropertyFlags wanted = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+        const VkMemoryPropertyFlags wanted =
+            VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
         for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
             if ((types >> i & 1) && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
         throw std::runtime_error("no host-visible memory");

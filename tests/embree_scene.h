@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Triangles in Embree's robust mode, for tests that compare shadow rays with it.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <cstring>
+#include <span>
+
+#include "host/bvh.h"
+
+namespace penumbra::test {
+
+class EmbreeScene {
+  public:
+    explicit EmbreeScene(std::span<const Triangle> triangles) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+        rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+        RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+        std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, triangles.size() * 3),
+                    triangles.data(), triangles.size() * sizeof(Triangle));
+        auto* indices = static_cast<uint32_t*>(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles.size()));
+        for (uint32_t i = 0; i < triangles.size() * 3; ++i) indices[i] = i;
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometry(scene_, geometry);
+        rtcReleaseGeometry(geometry);
+        rtcCommitScene(scene_);
+    }
+    ~EmbreeScene() {
+        rtcReleaseScene(scene_);
+        rtcReleaseDevice(device_);
+    }
+    EmbreeScene(const EmbreeScene&) = delete;
+    EmbreeScene& operator=(const EmbreeScene&) = delete;
+
+    bool occluded(const Ray& r) const {
+        RTCRay ray{r.origin[0], r.origin[1], r.origin[2], r.t_min, r.direction[0], r.direction[1], r.direction[2], 0,
+                   r.t_max, ~0u, 0, 0};
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        rtcOccluded1(scene_, &context, &ray);
+        return ray.tfar < 0;
+    }
+
+  private:
+    RTCDevice device_;
+    RTCScene scene_;
+};
+
+}  // namespace penumbra::test
