@@ -134,6 +134,41 @@ TEST(Bvh, IsDeterministic) {
     EXPECT_EQ(a.leaves, b.leaves);
 }
 
+// What the slab test's rounding is allowed to eat: every triangle stays 1/64 of a grid step, and 2^-20 of its
+// own size, away from the planes of the box that stands for it.
+TEST(Bvh, QuantisedBoxesKeepTheirDistance) {
+    for (const TriangleScene& scene : made_scenes()) {
+        const Bvh bvh = build_bvh(scene.triangles);
+        for (size_t n = 0; n < bvh.nodes.size(); n += 3) {
+            const Texel* t = &bvh.nodes[n];
+            for (uint32_t k = 0; k < 4; ++k) {
+                if (!(t[0][3] >> (28 + k) & 1)) continue;
+                const auto& corners = bvh.corners[t[1][1] + k];
+                double lo[3], hi[3], longest = 0;
+                for (int a = 0; a < 3; ++a) {
+                    lo[a] = infinity;
+                    hi[a] = -infinity;
+                    for (uint32_t c : corners) {
+                        lo[a] = std::min(lo[a], double(scene.triangles[c / 3].v[c % 3][a]));
+                        hi[a] = std::max(hi[a], double(scene.triangles[c / 3].v[c % 3][a]));
+                    }
+                    longest = std::max(longest, hi[a] - lo[a]);
+                }
+                const uint32_t planes[3][2] = {{t[1][2], t[1][3]}, {t[2][0], t[2][1]}, {t[2][2], t[2][3]}};
+                for (int a = 0; a < 3; ++a) {
+                    const double origin = std::bit_cast<float>(t[0][a]);
+                    const double step = std::ldexp(1.0, int(t[0][3] >> (8 * a) & 255) - 127);
+                    const double distance = 0.99 * (step / 64 + longest * 0x1p-20);
+                    ASSERT_LE(origin + (planes[a][0] >> (8 * k) & 255) * step, lo[a] - distance)
+                        << scene.name;
+                    ASSERT_GE(origin + (planes[a][1] >> (8 * k) & 255) * step, hi[a] + distance)
+                        << scene.name;
+                }
+            }
+        }
+    }
+}
+
 // A triangle alone in a tree answers by its own test alone; all together must answer the same, so no box may
 // turn away a ray that a triangle would have stopped. Rays go through edges and vertices, along planes, from
 // near and far.
