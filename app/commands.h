@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The program's commands. Each returns the process's exit code: 0 good, 1 the work failed, 2 the command or a file is wrong.
+// The program's commands. Each returns the process's exit code: 0 good, 1 the work failed, 2 the command or a
+// file is wrong.
 #pragma once
 
 #include <array>
@@ -10,15 +11,18 @@
 
 namespace penumbra {
 
+// How long reports look for the smallest possible heap: found at once where the packing meets the live bound.
+inline constexpr uint64_t report_search_nodes = 20'000'000;
+
 enum ExitCode : int { exit_good = 0, exit_failed = 1, exit_wrong = 2 };
 
 struct RenderArguments {
     std::string pipeline, shot, out;
-    std::string frames;             // "A..B", inclusive; empty: all of the shot's
-    bool cold = false;              // start at A with a reset instead of executing from frame 0
-    std::string size;               // "WxH"; empty: the shot's
+    std::string frames;  // "A..B", inclusive; empty: all of the shot's
+    bool cold = false;   // start at A with a reset instead of executing from frame 0
+    std::string size;    // "WxH"; empty: the shot's
     std::vector<std::string> captures;
-    uint32_t every = 1;             // write every Nth of the selected frames
+    uint32_t every = 1;  // write every Nth of the selected frames
     std::vector<std::string> settings;
     std::string device;
     std::optional<uint32_t> seed;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The penumbra program: a host of the graph like any other. The command line is declared here, one file per command.
+// The penumbra program: a host of the graph like any other. The command line is declared here, one file per
+// command.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -22,7 +23,8 @@ void add_render(CLI::App& app, RenderArguments& a) {
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline, as nodes.filter0.params.step=2");
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--seed", a.seed, "instead of the shot's seed");
-    c->add_flag("--validate", a.validate, "Vulkan validation with synchronisation checks; count non-finite texels");
+    c->add_flag("--validate", a.validate,
+                "Vulkan validation with synchronisation checks; count non-finite texels");
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
     c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
 }
@@ -58,10 +60,13 @@ int main(int argc, char** argv) {
     NodesArguments nodes;
     add_render(app, render);
     add_plan(app, plan);
-    app.add_subcommand("check", "print every error of these pipelines")->add_option("pipelines", checked)->required();
+    app.add_subcommand("check", "print every error of these pipelines")
+        ->add_option("pipelines", checked)
+        ->required();
     CLI::App* n = app.add_subcommand("nodes", "list the node types, or describe one");
     n->add_option("type", nodes.type, "a node type");
-    n->add_option("--format", nodes.format, "text, json or md")->check(CLI::IsMember({"text", "json", "md"}));
+    n->add_option("--format", nodes.format, "text, json, schema or md")
+        ->check(CLI::IsMember({"text", "json", "schema", "md"}));
     app.add_subcommand("devices", "list the Vulkan devices");
     try {
         app.parse(argc, argv);
@@ -73,7 +78,8 @@ int main(int argc, char** argv) {
     }
     try {
         return dispatch(app, render, plan, checked, nodes);
-    } catch (const std::exception& e) {  // DeviceError and VulkanError among them: their texts are meant for people
+    } catch (const std::exception&
+                 e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";
     }
     return exit_failed;

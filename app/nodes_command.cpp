@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: MIT
-// penumbra nodes: the node types as text, Markdown or JSON, all from their declarations.
+// penumbra nodes: the node types as text, Markdown, JSON or the JSON Schema of pipelines, all from their
+// declarations.
 #include <fmt/format.h>
 
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/pipeline_schema.h"
 #include "nodes/nodes.h"
 
 namespace penumbra {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
-
-const char* name_of(PortKind kind) {
-    constexpr const char* names[] = {"image", "texels", "buffer", "block", "scene"};
-    return names[static_cast<int>(kind)];
-}
 
 const char* name_of(ParamType type) {
     constexpr const char* names[] = {"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"};
@@ -34,23 +31,22 @@ std::vector<std::string> formats_of(const Port& port) {
 }
 
 OrderedJson json_of(const NodeType& type) {
-    OrderedJson inputs = OrderedJson::object(), outputs = OrderedJson::object(), params = OrderedJson::object();
+    OrderedJson inputs = OrderedJson::object(), outputs = OrderedJson::object(),
+                params = OrderedJson::object();
     for (const Port& port : type.ports)
-        (port.output ? outputs : inputs)[port.name] = {{"kind", name_of(port.kind)},
-                                                       {"formats", formats_of(port)},
-                                                       {"element", port.element},
-                                                       {"updates", port.updates},
-                                                       {"previous", port.previous},
-                                                       {"optional", port.optional},
-                                                       {"doc", port.doc}};
+        (port.output ? outputs : inputs)[port.name] = {
+            {"kind", kind_name(port.kind)},    {"formats", formats_of(port)},
+            {"element", port.element},         {"updates", port.updates},
+            {"previous", port.previous},       {"optional", port.optional},
+            {"if", to_string(port.condition)}, {"doc", port.doc}};
     for (const Param& param : type.params) {
         params[param.name] = {{"type", name_of(param.type)}, {"default", json_of(param.default_value)},
                               {"values", param.values},      {"unit", param.unit},
                               {"constant", param.constant},  {"doc", param.doc}};
         params[param.name]["range"] = param.range ? OrderedJson(*param.range) : OrderedJson();
     }
-    return {{"node", type.name},     {"doc", type.doc},       {"needs", type.needs},      {"inputs", inputs},
-            {"outputs", outputs},    {"params", params},      {"counters", type.counters}};
+    return {{"node", type.name},  {"doc", type.doc},  {"needs", type.needs},      {"inputs", inputs},
+            {"outputs", outputs}, {"params", params}, {"counters", type.counters}};
 }
 
 std::string joined(const std::vector<std::string>& words, const char* separator) {
@@ -58,7 +54,7 @@ std::string joined(const std::vector<std::string>& words, const char* separator)
 }
 
 std::string describe(const Port& port) {
-    std::string text = name_of(port.kind);
+    std::string text = kind_name(port.kind);
     if (!port.formats.empty()) text += " " + joined(formats_of(port), "|");
     if (!port.element.empty()) text += " " + port.element;
     if (!port.updates.empty()) text = "updates " + port.updates;
@@ -90,10 +86,11 @@ void print_text(const NodeType& type) {
 void print_markdown(const NodeType& type) {
     fmt::print("### {}\n\n{}\n\n| | name | what | |\n|---|---|---|---|\n", type.name, type.doc);
     for (const Port& port : type.ports)
-        fmt::print("| {} | `{}` | {} | {} |\n", port.output ? "out" : "in", port.name, describe(port), port.doc);
+        fmt::print("| {} | `{}` | {} | {} |\n", port.output ? "out" : "in", port.name, describe(port),
+                   port.doc);
     for (const Param& param : type.params)
-        fmt::print("| {} | `{}` | {} | {} |\n", param.constant ? "constant" : "parameter", param.name, describe(param),
-                   param.doc);
+        fmt::print("| {} | `{}` | {} | {} |\n", param.constant ? "constant" : "parameter", param.name,
+                   describe(param), param.doc);
     fmt::print("\n");
 }
 
@@ -104,10 +101,15 @@ int run_nodes(const NodesArguments& arguments) {
     std::vector<std::string> names = nodes.names();
     if (!arguments.type.empty()) {
         if (!nodes.find(arguments.type)) {
-            std::cerr << "there is no node type \"" << arguments.type << "\"" << did_you_mean(arguments.type, names) << "\n";
+            std::cerr << "there is no node type \"" << arguments.type << "\""
+                      << did_you_mean(arguments.type, names) << "\n";
             return exit_wrong;
         }
         names = {arguments.type};
+    }
+    if (arguments.format == "schema") {
+        std::cout << pipeline_schema(nodes).dump(2) << "\n";
+        return exit_good;
     }
     OrderedJson list = OrderedJson::array();
     for (const std::string& name : names) {

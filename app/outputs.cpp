@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Channel names follow what a resource is: Y for one channel, R,G,B for colour, Z for depth in metres, W for words.
+// Channel names follow what a resource is: Y for one channel, R,G,B for colour, Z for depth in metres, W for
+// words.
 #include "app/outputs.h"
 
 #include <fmt/format.h>
@@ -27,15 +28,20 @@ uint64_t fnv1a(std::span<const std::byte> bytes) {
 std::vector<std::string> channel_names(const std::string& resource, Format format) {
     if (info(format).kind == FormatClass::uint) return {"W", "W2", "W3", "W4"};
     switch (info(format).channels) {
-        case 1: return {"Y"};
-        case 2: return {"X", "Y"};
-        default: break;
+        case 1:
+            return {"Y"};
+        case 2:
+            return {"X", "Y"};
+        default:
+            break;
     }
-    const bool vectors = resource == "motion" || resource == "normal" || resource == "guide_normal" || resource == "moments";
+    const bool vectors =
+        resource == "motion" || resource == "normal" || resource == "guide_normal" || resource == "moments";
     return vectors ? std::vector<std::string>{"X", "Y", "Z"} : std::vector<std::string>{"R", "G", "B"};
 }
 
-// The image that a buffer of words stands for: tiles of 8x4 or 8x8 pixels where the count says so, else one row.
+// The image that a buffer of words stands for: tiles of 8x4 or 8x8 pixels where the count says so, else one
+// row.
 Extent buffer_extent(const Plan& plan, const PlanResource& r) {
     const uint32_t tiles_x = (plan.extent.width + 7) / 8;
     for (const uint32_t tile_height : {4u, 8u}) {
@@ -59,20 +65,28 @@ Texels captured_texels(const Session& session, const std::string& name) {
         if (pass.kind != PassKind::capture || pass.node != name) continue;
         const PlanResource& r = plan.resources[pass.bindings.front().index];
         const bool image = r.kind == PortKind::image;
-        const Extent extent = image ? r.extent : buffer_extent(plan, r);
+        Extent extent = image ? r.extent : buffer_extent(plan, r);
+        extent.height *= r.layers;  // one below the other
         const Format format = image ? r.format : buffer_format(r);
         const std::span<const std::byte> bytes = session.view().captured(name);
-        return {decode_texels(format, extent.width, extent.height, bytes, channel_names(name, format)), fnv1a(bytes)};
+        return {decode_texels(format, extent.width, extent.height, bytes, channel_names(name, format)),
+                fnv1a(bytes)};
     }
     throw FileError(fmt::format("\"{}\" was not captured", name));
 }
 
 Texels host_texels(Device& device, const Session& session, const std::string& name) {
     const GBufferImages& images = session.host().images();
-    const GpuImage& image = name == "depth" ? images.depth : name == "normal" ? images.normal : name == "motion" ? images.motion : images.albedo;
+    const GpuImage& image = name == "depth"    ? images.depth
+                            : name == "normal" ? images.normal
+                            : name == "motion" ? images.motion
+                                               : images.albedo;
     const Format format = name == "depth" ? Format::d32 : name == "albedo" ? Format::rgba8 : Format::rgba16f;
-    const std::vector<std::byte> bytes = read_image(device, image.get(), image.format, image.extent, GBuffer::final_layout);
-    Texels texels{decode_texels(format, image.extent.width, image.extent.height, bytes, channel_names(name, format)), fnv1a(bytes)};
+    const std::vector<std::byte> bytes =
+        read_image(device, image.get(), image.format, image.extent, GBuffer::final_layout);
+    Texels texels{
+        decode_texels(format, image.extent.width, image.extent.height, bytes, channel_names(name, format)),
+        fnv1a(bytes)};
     if (name == "depth") {  // near / view depth -> metres, 0 = sky
         Plane& plane = texels.image.planes.front();
         plane.name = "Z";
@@ -86,16 +100,19 @@ void write_png(const std::filesystem::path& path, const PlanarImage& image) {
     const Plane& first = image.planes.front();
     if (first.type == PlaneType::uint) {  // the share of set bits: how much of a tile is occluded
         std::vector<float> values;
-        for (const uint32_t word : first.words) values.push_back(static_cast<float>(std::popcount(word)) / 32.0f);
+        for (const uint32_t word : first.words)
+            values.push_back(static_cast<float>(std::popcount(word)) / 32.0f);
         return write_png_linear(path, image.width, image.height, values);
     }
     if (image.planes.size() < 3 || first.name != "R") {
-        if (first.name != "Z" && first.name != "X") return write_png_linear(path, image.width, image.height, first.values);
+        if (first.name != "Z" && first.name != "X")
+            return write_png_linear(path, image.width, image.height, first.values);
         std::vector<float> rgb;  // vectors: -1..1 to 0..1; depth: 1 / (1 + metres)
         for (size_t i = 0; i < first.values.size(); ++i)
             for (size_t c = 0; c < 3; ++c) {
                 const Plane& plane = image.planes[std::min(c, image.planes.size() - 1)];
-                rgb.push_back(first.name == "Z" ? (plane.values[i] > 0 ? 1 / (1 + plane.values[i]) : 0) : 0.5f + 0.5f * plane.values[i]);
+                rgb.push_back(first.name == "Z" ? (plane.values[i] > 0 ? 1 / (1 + plane.values[i]) : 0)
+                                                : 0.5f + 0.5f * plane.values[i]);
             }
         return write_png_color(path, image.width, image.height, rgb);
     }
@@ -132,7 +149,8 @@ bool is_host_image(const std::string& name) {
 }
 
 void OutputWriter::write(const Session& session, const std::string& resource, uint32_t frame) {
-    const Texels texels = is_host_image(resource) ? host_texels(device_, session, resource) : captured_texels(session, resource);
+    const Texels texels = is_host_image(resource) ? host_texels(device_, session, resource)
+                                                  : captured_texels(session, resource);
     WrittenOutput out;
     out.resource = resource;
     out.frame = frame;

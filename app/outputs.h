@@ -15,15 +15,15 @@ namespace penumbra {
 struct WrittenOutput {
     std::string resource;
     uint32_t frame = 0;
-    std::string file;      // relative to the output folder
-    std::string channels;  // "Y", "R,G,B"
+    std::string file;         // relative to the output folder
+    std::string channels;     // "Y", "R,G,B"
     double min = 0, max = 0;  // of the finite values
     uint64_t nonfinite = 0;
-    uint64_t hash = 0;     // FNV-1a over the stored texels
+    uint64_t hash = 0;  // FNV-1a over the stored texels
 };
 
-// Non-finite and out-of-range texels of one resource over all frames looked at. Visibility lies in [0, 1]; other
-// resources have no range of their own.
+// Non-finite and out-of-range texels of one resource over all frames looked at. Visibility lies in [0, 1];
+// other resources have no range of their own.
 struct TexelCheck {
     uint64_t nan = 0, inf = 0, out_of_range = 0;
 };
@@ -33,7 +33,8 @@ bool is_host_image(const std::string& name);
 
 class OutputWriter {
   public:
-    OutputWriter(Device& device, std::filesystem::path folder) : device_(device), folder_(std::move(folder)) {}
+    OutputWriter(Device& device, std::filesystem::path folder)
+        : device_(device), folder_(std::move(folder)) {}
 
     // Writes one resource of the frame that has just completed.
     void write(const Session& session, const std::string& resource, uint32_t frame);

@@ -5,8 +5,8 @@
 
 namespace penumbra {
 
-std::optional<CheckedPipeline> open_pipeline(const std::string& file, const std::vector<std::string>& settings,
-                                             const NodeSet& nodes) {
+std::optional<CheckedPipeline> open_pipeline(const std::string& file,
+                                             const std::vector<std::string>& settings, const NodeSet& nodes) {
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(file, settings, diagnostics);
     auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;

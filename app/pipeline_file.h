@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-std::optional<CheckedPipeline> open_pipeline(const std::string& file, const std::vector<std::string>& settings,
-                                             const NodeSet& nodes);
+std::optional<CheckedPipeline> open_pipeline(const std::string& file,
+                                             const std::vector<std::string>& settings, const NodeSet& nodes);
 
 }  // namespace penumbra

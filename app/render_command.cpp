@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// penumbra render: executes a pipeline on a shot frame by frame and writes outputs and captures. report.json comes last,
-// so that a folder with a report is a complete one.
+// penumbra render: executes a pipeline on a shot frame by frame and writes outputs and captures. report.json
+// comes last, so that a folder with a report is a complete one.
 #include <fmt/format.h>
 
+#include <charconv>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "app/commands.h"
 #include "app/outputs.h"
@@ -22,14 +22,21 @@ namespace {
 
 using FrameRange = std::array<uint32_t, 2>;
 
+std::optional<uint32_t> parse_index(std::string_view text) {
+    uint32_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
 // "A..B" or "A", inclusive.
 std::optional<FrameRange> parse_frames(const std::string& text, uint32_t shot_frames) {
     if (text.empty()) return FrameRange{0, shot_frames - 1};
-    unsigned first = 0, last = 0;
-    char end = 0;
-    const int fields = std::sscanf(text.c_str(), "%u..%u%c", &first, &last, &end);
-    if (fields == 1 && text.find_first_not_of("0123456789") == std::string::npos) return FrameRange{first, first};
-    if (fields == 2 && text.find('-') == std::string::npos && first <= last) return FrameRange{first, last};
+    const size_t dots = text.find("..");
+    const auto first = parse_index(std::string_view(text).substr(0, dots));
+    const auto last =
+        dots == std::string::npos ? first : parse_index(std::string_view(text).substr(dots + 2));
+    if (first && last && *first <= *last) return FrameRange{*first, *last};
     std::cerr << "--frames: \"" << text << "\" is not A..B with A <= B\n";
     return std::nullopt;
 }
@@ -71,7 +78,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.seed = arguments.seed;
     options.alias = !arguments.no_alias;
     options.jitter = !arguments.no_jitter;
-    const auto session = Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
+    const auto session =
+        Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();
@@ -109,7 +117,12 @@ int run_render(const RenderArguments& arguments) {
     const NodeSet nodes = shadow_nodes();
     auto job = prepare(arguments, nodes);
     if (!job) return exit_wrong;
-    return render(arguments, std::move(*job), nodes);
+    try {
+        return render(arguments, std::move(*job), nodes);
+    } catch (const DeviceError& e) {  // a device that was asked for by name is the command's mistake
+        std::cerr << "penumbra: " << e.what() << "\n";
+        return arguments.device.empty() ? exit_failed : exit_wrong;
+    }
 }
 
 }  // namespace penumbra

@@ -16,10 +16,19 @@ using Samples = std::vector<double>;
 OrderedJson quantile(Samples samples, double q) {
     if (samples.empty()) return {};
     std::sort(samples.begin(), samples.end());
-    return samples[std::min(samples.size() - 1, static_cast<size_t>(q * static_cast<double>(samples.size())))];
+    return samples[std::min(samples.size() - 1,
+                            static_cast<size_t>(q * static_cast<double>(samples.size())))];
 }
 
-OrderedJson median(const Samples& samples) { return quantile(samples, 0.5); }
+OrderedJson median(const Samples& samples) {
+    return quantile(samples, 0.5);
+}
+
+// Quantiles are values that occurred, so those of counts are whole numbers.
+OrderedJson median_count(const Samples& samples) {
+    const OrderedJson value = median(samples);
+    return value.is_null() ? value : OrderedJson(static_cast<uint64_t>(value.get<double>()));
+}
 
 std::span<const FrameCost> warmed_up(const std::vector<FrameCost>& costs) {
     return std::span(costs).subspan(costs.size() > 2 ? 2 : 0);
@@ -44,7 +53,9 @@ OrderedJson passes_with_costs(const Plan& plan, std::span<const FrameCost> costs
         if (plan.passes[p].entry)
             for (size_t i = 0; i < plan.passes[p].entry->type.counters.size(); ++i)
                 counters[plan.passes[p].entry->type.counters[i]] =
-                    median(collect(costs, [&](const FrameCost& c) { return std::optional<double>(c.passes[p].counters[i]); }));
+                    median_count(collect(costs, [&](const FrameCost& c) {
+                        return std::optional<double>(c.passes[p].counters[i]);
+                    }));
         passes[p]["counters"] = counters;
     }
     return passes;
@@ -56,7 +67,8 @@ OrderedJson counts(const Plan& plan, const OrderedJson& passes) {
     const auto counted = [&](const char* name) {
         OrderedJson sum;
         for (const OrderedJson& pass : passes)
-            if (pass["counters"].contains(name)) sum = (sum.is_null() ? 0.0 : sum.get<double>()) + pass["counters"][name].get<double>();
+            if (const auto it = pass["counters"].find(name); it != pass["counters"].end() && !it->is_null())
+                sum = (sum.is_null() ? 0 : sum.get<uint64_t>()) + it->get<uint64_t>();
         return sum;
     };
     for (const char* name : {"receivers", "lit", "shadowed", "unknown"}) out[name] = counted(name);
@@ -95,7 +107,8 @@ OrderedJson outputs_json(const OutputWriter& outputs) {
 OrderedJson validation_json(const OutputWriter& outputs) {
     OrderedJson out = OrderedJson::object();
     for (const auto& [name, texel_check] : outputs.checks())
-        out[name] = {{"nan", texel_check.nan}, {"inf", texel_check.inf}, {"out_of_range", texel_check.out_of_range}};
+        out[name] = {
+            {"nan", texel_check.nan}, {"inf", texel_check.inf}, {"out_of_range", texel_check.out_of_range}};
     return out;
 }
 
@@ -110,7 +123,8 @@ std::string mebibytes(const OrderedJson& bytes) {
 }  // namespace
 
 OrderedJson render_report(const RenderArguments& arguments, const Session& session, const DeviceInfo& device,
-                          std::array<uint32_t, 2> frames, const std::vector<FrameCost>& costs, const OutputWriter& outputs) {
+                          std::array<uint32_t, 2> frames, const std::vector<FrameCost>& costs,
+                          const OutputWriter& outputs) {
     const Plan& plan = session.plan();
     const auto warm = warmed_up(costs);
     const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });
@@ -129,7 +143,8 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
              {{"name", device.name},
               {"driver", device.driver},
               {"class", device.is_cpu ? "cpu" : "gpu"},
-              {"api", fmt::format("{}.{}", VK_API_VERSION_MAJOR(device.api_version), VK_API_VERSION_MINOR(device.api_version))},
+              {"api", fmt::format("{}.{}", VK_API_VERSION_MAJOR(device.api_version),
+                                  VK_API_VERSION_MINOR(device.api_version))},
               {"subgroup", device.subgroup_size}}},
             {"facts", facts_json(plan)},
             {"frame_ms", {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}, {"min", quantile(ms, 0)}}},
@@ -143,20 +158,24 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
 }
 
 void print_summary(const OrderedJson& report) {
-    fmt::print("{} on {} at {}x{}, {} ({})\n", report["pipeline"].get<std::string>(), report["shot"].get<std::string>(),
-               report["size"][0].get<uint32_t>(), report["size"][1].get<uint32_t>(), report["device"]["name"].get<std::string>(),
+    fmt::print("{} on {} at {}x{}, {} ({})\n", report["pipeline"].get<std::string>(),
+               report["shot"].get<std::string>(), report["size"][0].get<uint32_t>(),
+               report["size"][1].get<uint32_t>(), report["device"]["name"].get<std::string>(),
                report["device"]["driver"].get<std::string>());
     fmt::print("  {:<12} {:>10} {:>10}\n", "pass", "ms", "cpu ms");
     for (const OrderedJson& pass : report["passes"])
         if (pass["type"] != "capture")
-            fmt::print("  {:<12} {:>10} {:>10}\n", pass["node"].get<std::string>(), number(pass["ms"]["median"]),
-                       number(pass["cpu_ms"]["median"]));
-    fmt::print("  {:<12} {:>10} {:>10}\n", "frame", number(report["frame_ms"]["median"]), number(report["cpu_ms"]["median"]));
+            fmt::print("  {:<12} {:>10} {:>10}\n", pass["node"].get<std::string>(),
+                       number(pass["ms"]["median"]), number(pass["cpu_ms"]["median"]));
+    fmt::print("  {:<12} {:>10} {:>10}\n", "frame", number(report["frame_ms"]["median"]),
+               number(report["cpu_ms"]["median"]));
     const OrderedJson& memory = report["memory"];
     fmt::print("  heap {}   live bound {}   optimum {}   unaliased {}\n", mebibytes(memory["heap_bytes"]),
-               mebibytes(memory["live_bound_bytes"]), mebibytes(memory["optimum_bytes"]), mebibytes(memory["unaliased_bytes"]));
+               mebibytes(memory["live_bound_bytes"]), mebibytes(memory["optimum_bytes"]),
+               mebibytes(memory["unaliased_bytes"]));
     const OrderedJson& counts = report["counts"];
-    fmt::print("  pixels {}   receivers {}   rays {}\n", counts["pixels"].dump(), counts["receivers"].dump(), counts["rays"].dump());
+    fmt::print("  pixels {}   receivers {}   rays {}\n", counts["pixels"].dump(), counts["receivers"].dump(),
+               counts["rays"].dump());
 }
 
 }  // namespace penumbra

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Host slots are found by name; a pipeline that asks for an input the standalone host does not have is an error.
+// Host slots are found by name; a pipeline that asks for an input the standalone host does not have is an
+// error.
 #include "app/session.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <ctime>
+
+#include "app/commands.h"
 
 namespace penumbra {
 namespace {
@@ -16,12 +20,15 @@ double process_cpu_ms() {
     return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-const std::vector<std::string> known_slots = {"depth", "normal", "motion", "albedo", "sun", "scene", "scene.nodes", "scene.leaves"};
+// Slots of a plan; a pipeline names "scene", which stands for three.
+const std::vector<std::string> known_slots = {"depth", "normal", "motion",      "albedo",
+                                              "sun",   "scene",  "scene.nodes", "scene.leaves"};
 
 void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnostics) {
     for (const HostSlot& slot : plan.slots)
         if (std::find(known_slots.begin(), known_slots.end(), slot.name) == known_slots.end())
-            diagnostics.add({file}, "inputs." + slot.name, "the standalone host has no such input" + did_you_mean(slot.name, known_slots));
+            diagnostics.add({file}, "inputs." + slot.name,
+                            "the standalone host has no such input" + did_you_mean(slot.name, known_slots));
 }
 
 void set_seed(View& view, uint32_t seed) {
@@ -47,8 +54,8 @@ Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size
     return target;
 }
 
-std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, const CheckedPipeline& pipeline, Shot shot,
-                                       const SessionOptions& options, Diagnostics& diagnostics,
+std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, const CheckedPipeline& pipeline,
+                                       Shot shot, const SessionOptions& options, Diagnostics& diagnostics,
                                        std::vector<std::string>& warnings) {
     auto scene = load_scene(shot, diagnostics, warnings);
     if (!scene) return nullptr;
@@ -58,16 +65,29 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     table.ray_query = device.caps().ray_query;
     table.storage8 = device.caps().storage8;
 
-    // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in between.
+    if (std::max(options.size[0], options.size[1]) > table.max_image_extent) {
+        diagnostics.add({}, "size",
+                        fmt::format("{}x{} exceeds the device's largest image, {} per axis", options.size[0],
+                                    options.size[1], table.max_image_extent));
+        return nullptr;
+    }
+
+    // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in
+    // between.
     StandaloneOptions host_options{options.size, 1, false};
     CompileOptions compile_options;
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
     compile_options.captures = options.captures;
-    if (!options.optimum) compile_options.optimum_search_nodes = 0;
+    if (options.optimum) compile_options.optimum_search_nodes = report_search_nodes;
     host_options.jitter = options.jitter;
-    session->host_ = std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
-    const Target target = standalone_target(table, options.size, session->host_->facts());
+    session->host_ =
+        std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+    Target target = standalone_target(table, options.size, session->host_->facts());
+    for (const HostInput& input : pipeline.inputs)
+        if (input.optional &&
+            std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())
+            target.left_out.insert(input.name);
     auto plan = compile(pipeline, nodes, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;
@@ -77,8 +97,10 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     session->view_ = std::make_unique<View>(program, ViewOptions{1, options.poison});
     set_seed(*session->view_, session->seed_);
     session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0);
-    session->sun_ = MappedBuffer(handles_of(device), sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
-    session->scene_ = MappedBuffer(handles_of(device), sizeof(blocks::Scene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the scene block");
+    session->sun_ =
+        MappedBuffer(handles_of(device), sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
+    session->scene_ = MappedBuffer(handles_of(device), sizeof(blocks::Scene),
+                                   VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the scene block");
     return session;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One pipeline running on one shot: the glue between the standalone host and the graph. A frame is submitted and
-// waited for before the next one, since its results are read back.
+// One pipeline running on one shot: the glue between the standalone host and the graph. A frame is submitted
+// and waited for before the next one, since its results are read back.
 #pragma once
 
 #include <memory>
@@ -25,7 +25,8 @@ struct SessionOptions {
     bool optimum = true;  // search for the smallest possible heap, for the report
 };
 
-// What one frame cost. Process CPU time per pass needs passes submitted one by one and is measured on CPU devices only.
+// What one frame cost. Process CPU time per pass needs passes submitted one by one and is measured on CPU
+// devices only.
 struct FrameCost {
     std::vector<PassStatistics> passes;
     std::vector<std::optional<double>> pass_cpu_ms;
@@ -36,7 +37,8 @@ struct FrameCost {
 class Session {
   public:
     // Errors of the scene or the plan are diagnostics; failures of the device throw.
-    static std::unique_ptr<Session> open(Device& device, const NodeSet& nodes, const CheckedPipeline& pipeline, Shot shot,
+    static std::unique_ptr<Session> open(Device& device, const NodeSet& nodes,
+                                         const CheckedPipeline& pipeline, Shot shot,
                                          const SessionOptions& options, Diagnostics& diagnostics,
                                          std::vector<std::string>& warnings);
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The plan's frames are simulated on the two-frame circle until they repeat. Each instance (resource, parity) remembers
-// its last write, the reads since, and what earlier dependencies have already ordered. Read after write and write after
-// write need memory dependencies, write after read needs execution only (Vulkan specification, "Synchronization").
-// Dependencies are global memory barriers; image barriers only activate images in reused memory, and since their access
-// scope covers that image alone, the previous occupants' writes go into the memory barrier of the same dependency.
+// The plan's frames are simulated on the two-frame circle until they repeat. Each instance (resource, parity)
+// remembers its last write, the reads since, and what earlier dependencies have already ordered. Read after
+// write and write after write need memory dependencies, write after read needs execution only (Vulkan
+// specification, "Synchronization"). Dependencies are global memory barriers; image barriers only activate
+// images in reused memory, and since their access scope covers that image alone, the previous occupants'
+// writes go into the memory barrier of the same dependency.
 #include "graph/barriers.h"
 
 #include <algorithm>
@@ -21,13 +22,16 @@ struct State {
     VkPipelineStageFlags2 read_ordered = 0;    // stages that already wait for those reads
 };
 
-bool contains(uint64_t set, uint64_t subset) { return (set & subset) == subset; }
+bool contains(uint64_t set, uint64_t subset) {
+    return (set & subset) == subset;
+}
 
 class Simulation {
   public:
     explicit Simulation(const Plan& plan) : plan_(plan), states_(plan.resources.size()) {}
 
-    // Adds to `dependency` what `use` of an instance needs after its own and, on activation, its memory's past.
+    // Adds to `dependency` what `use` of an instance needs after its own and, on activation, its memory's
+    // past.
     void require(Dependency& dependency, uint32_t resource, uint32_t parity, const Use& use, bool activates) {
         if (activates) return activate(dependency, resource, parity, use);
         require_after(dependency, states_[resource][parity], use);
@@ -48,22 +52,22 @@ class Simulation {
 
     void done(uint32_t resource, uint32_t parity, const Use& use) {
         State& s = states_[resource][parity];
-        if (use.write)
+        if (use.write) {
             s = {.write_stages = use.stages, .write_access = use.access & write_mask};
-        else if (!contains(s.read_stages, use.stages)) {
-            s.read_stages |= use.stages;
-            s.read_ordered = 0;
         } else {
+            s.read_stages |= use.stages;
             s.read_ordered = 0;
         }
     }
 
   private:
-    static constexpr VkAccessFlags2 write_mask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT |
+    static constexpr VkAccessFlags2 write_mask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT |
+                                                 VK_ACCESS_2_TRANSFER_WRITE_BIT |
                                                  VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
 
     static void require_after(Dependency& d, const State& s, const Use& use) {
-        if (s.write_stages && !(contains(s.visible_stages, use.stages) && contains(s.visible_access, use.access))) {
+        if (s.write_stages &&
+            !(contains(s.visible_stages, use.stages) && contains(s.visible_access, use.access))) {
             d.src_stages |= s.write_stages;
             d.src_access |= s.write_access;
             d.dst_stages |= use.stages;
@@ -78,7 +82,8 @@ class Simulation {
     bool shares_bytes(uint32_t a, uint32_t pa, uint32_t b, uint32_t pb) const {
         const PlanResource& x = plan_.resources[a];
         const PlanResource& y = plan_.resources[b];
-        return x.heap == y.heap && x.offset[pa] < y.offset[pb] + y.bytes && y.offset[pb] < x.offset[pa] + x.bytes;
+        return x.heap == y.heap && x.offset[pa] < y.offset[pb] + y.bytes &&
+               y.offset[pb] < x.offset[pa] + x.bytes;
     }
 
     void activate(Dependency& d, uint32_t resource, uint32_t parity, const Use& use) {
@@ -92,14 +97,16 @@ class Simulation {
             }
         if (plan_.resources[resource].kind != PortKind::image) return;
         // The transition writes the image: it waits for every past access and precedes the first use.
-        d.activations.push_back({resource, past ? past : VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, use.stages, use.access});
+        d.activations.push_back(
+            {resource, past ? past : VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, use.stages, use.access});
     }
 
     const Plan& plan_;
     std::vector<std::array<State, 2>> states_;
 };
 
-// vkCmdFillBuffer counts as a clear in the specification and as a copy in some validation layers: ask for both.
+// vkCmdFillBuffer counts as a clear in the specification and as a copy in some validation layers: ask for
+// both.
 constexpr Use clear_use{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, true};
 
 // One pass may use a resource through several ports: their scopes are joined.
@@ -126,7 +133,8 @@ void run_frame(Plan& plan, Simulation& simulation, uint32_t parity, const Use& o
         Dependency before, after_clears;
         const std::vector<PassUse> uses = joined(pass.uses);
         const auto cleared = [&](const PassUse& use) {
-            return !use.previous && std::find(pass.clears.begin(), pass.clears.end(), use.resource) != pass.clears.end();
+            return !use.previous &&
+                   std::find(pass.clears.begin(), pass.clears.end(), use.resource) != pass.clears.end();
         };
         for (const PassUse& use : uses) {
             const bool activates = !use.previous && plan.resources[use.resource].first_pass == p;
@@ -145,7 +153,8 @@ void run_frame(Plan& plan, Simulation& simulation, uint32_t parity, const Use& o
         pass.after_clears[parity] = std::move(after_clears);
     }
     Dependency end;
-    for (const PlanOutput& output : plan.outputs) simulation.require(end, output.resource, parity, output_use, false);
+    for (const PlanOutput& output : plan.outputs)
+        simulation.require(end, output.resource, parity, output_use, false);
     simulation.apply(end);
     for (const PlanOutput& output : plan.outputs) simulation.done(output.resource, parity, output_use);
     plan.end[parity] = std::move(end);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Selected nodes to passes: resources with formats, extents and lifetimes on the circle of two frames, offsets from the
-// packer, constants and dispatch sizes, then the dependencies.
+// Selected nodes to passes: resources with formats, extents and lifetimes on the circle of two frames,
+// offsets from the packer, constants and dispatch sizes, then the dependencies.
 #include "graph/compile.h"
 
 #include <fmt/format.h>
@@ -10,13 +10,16 @@
 #include <set>
 
 #include "graph/barriers.h"
+#include "graph/host_inputs.h"
 #include "graph/lifetimes.h"
 #include "graph/select.h"
 
 namespace penumbra {
 namespace {
 
-uint32_t ceil_div(uint32_t a, uint32_t b) { return a / b + (a % b != 0); }
+uint32_t ceil_div(uint32_t a, uint32_t b) {
+    return a / b + (a % b != 0);
+}
 
 Extent apply(const ExtentRule& rule, Extent of) {
     return {std::max(ceil_div(of.width, rule.div[0]) * rule.mul[0], 1u),
@@ -48,15 +51,19 @@ class Compiler {
         plan_.cpu = target_.device.cpu;
         plan_.aliased = options_.alias;
         plan_.poison = options_.poison;
+        const size_t errors = diagnostics_.size();
         if (target_.extent.width == 0 || target_.extent.height == 0)
             error({pipeline_.file}, "", "the frame's extent is empty");
-        auto selection = select(pipeline_, nodes_, plan_.facts, options_.captures, diagnostics_);
-        if (!selection || !diagnostics_.empty()) return std::nullopt;
+        auto selection =
+            select(pipeline_, nodes_, plan_.facts, target_.left_out, options_.captures, diagnostics_);
+        if (!selection) return std::nullopt;
         plan_.culled = std::move(selection->culled);
+        inputs_ = resolve_inputs(pipeline_, *selection, target_, diagnostics_);
+        if (diagnostics_.size() != errors) return std::nullopt;
         for (const SelectedNode& node : selection->nodes) lower(node);
-        if (!diagnostics_.empty()) return std::nullopt;
+        if (diagnostics_.size() != errors) return std::nullopt;
         finish_resources();
-        if (!diagnostics_.empty()) return std::nullopt;
+        if (diagnostics_.size() != errors) return std::nullopt;
         place_memory(plan_, target_.device, options_.optimum_search_nodes);
         place_barriers(plan_, options_.output_use);
         return std::move(plan_);
@@ -67,7 +74,8 @@ class Compiler {
         diagnostics_.add(place, path, message);
     }
 
-    // --- one node ---------------------------------------------------------------------------------------------
+    // --- one node
+    // ---------------------------------------------------------------------------------------------
 
     void lower(const SelectedNode& selected) {
         plan_.passes.emplace_back();
@@ -82,11 +90,13 @@ class Compiler {
         for (size_t i = 0; i < selected.ports.size(); ++i)
             if (!selected.ports[i].bound->port->output) bind_input(node, selected.ports[i], bindings_[i]);
         for (size_t i = 0; i < selected.ports.size(); ++i)
-            if (selected.ports[i].bound->port->output) bind_output(node, selected, selected.ports[i], bindings_[i]);
+            if (selected.ports[i].bound->port->output)
+                bind_output(node, selected, selected.ports[i], bindings_[i]);
         choose_variant(node, selected);
         fill_constants(node);
         fill_dispatch(node, selected);
-        for (const std::string& counter : node.type->counters) plan_.counters.push_back(node.id + "." + counter);
+        for (const std::string& counter : node.type->counters)
+            plan_.counters.push_back(node.id + "." + counter);
     }
 
     void lower_capture(const SelectedNode& selected) {
@@ -94,7 +104,8 @@ class Compiler {
         pass.kind = PassKind::capture;
         pass.node = selected.capture;
         const uint32_t resource = internal_.at(selected.capture);
-        pass.uses.push_back({resource, false, {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, false}});
+        pass.uses.push_back(
+            {resource, false, {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, false}});
         pass.bindings.push_back({nullptr, 0, false, resource, false, selected.capture});
         pass.reads.push_back(selected.capture);
         plan_.resources[resource].image_usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
@@ -104,26 +115,39 @@ class Compiler {
     void check_needs(const BoundNode& node) {
         for (const std::string& need : node.type->needs) {
             if (need == "jitter") plan_.jitter = true;
-            if ((need == "ray_query" && !target_.device.ray_query) || (need == "storage8" && !target_.device.storage8))
-                error(node.place, "nodes." + node.id, fmt::format("the device \"{}\" lacks {}", plan_.device, need));
+            if ((need == "ray_query" && !target_.device.ray_query) ||
+                (need == "storage8" && !target_.device.storage8))
+                error(node.place, "nodes." + node.id,
+                      fmt::format("the device \"{}\" lacks {}", plan_.device, need));
         }
     }
 
-    Extent extent_of(const Connection& c) const {
+    struct Size {
+        Extent extent;
+        uint32_t layers = 1;
+    };
+
+    Size size_of(const Connection& c) const {
         if (c.source == Source::host) {
-            const auto slot = std::find_if(plan_.slots.begin(), plan_.slots.end(),
-                                           [&](const HostSlot& s) { return s.name == c.resource; });
-            return slot == plan_.slots.end() ? target_.extent : slot->extent;
+            const HostSlot& slot = *std::find_if(plan_.slots.begin(), plan_.slots.end(),
+                                                 [&](const HostSlot& s) { return s.name == c.resource; });
+            return {slot.extent, slot.layers};
         }
-        const auto found = internal_.find(c.resource);
-        return found == internal_.end() ? target_.extent : plan_.resources[found->second].extent;
+        const PlanResource& r = plan_.resources[internal_.at(c.resource)];
+        return {r.extent, r.layers};
     }
 
-    // The extent that a rule's `of` names, seen from one node.
-    std::optional<Extent> extent_named(const SelectedNode& selected, const std::string& of) const {
-        if (of == "frame") return target_.extent;
-        for (const Connection& c : selected.ports)
-            if (c.bound->port->name == of && c.source != Source::none) return extent_of(c);
+    // The size that a rule's `of` names, seen from one node.
+    std::optional<Size> size_named(const BoundNode& node, const SelectedNode& selected,
+                                   const std::string& of) {
+        if (of == "frame") return Size{target_.extent, 1};
+        for (const Connection& c : selected.ports) {
+            if (c.bound->port->name != of || c.source == Source::none) continue;
+            if (c.source == Source::host || internal_.contains(c.resource)) return size_of(c);
+            error(c.bound->place, fmt::format("nodes.{}.in.{}", node.id, of),
+                  fmt::format("a size follows \"{}@-1\", whose writer comes later in the frame", c.resource));
+            return Size{target_.extent, 1};
+        }
         return std::nullopt;
     }
 
@@ -145,23 +169,50 @@ class Compiler {
             return;
         }
         const uint32_t resource = pending->second;
-        if (!updated) pass.bindings.push_back({&port, binding, false, resource, c.previous,
-                                               c.previous ? c.resource + "@-1" : c.resource});
+        if (!updated)
+            pass.bindings.push_back(
+                {&port, binding, false, resource, c.previous, c.previous ? c.resource + "@-1" : c.resource});
         if (!updated || c.previous) use_input(pass, port, resource, c.previous);
     }
 
     void use_input(PlanPass& pass, const Port& port, uint32_t resource, bool previous) {
         PlanResource& r = plan_.resources[resource];
-        pass.uses.push_back({resource, previous, input_use(port)});
+        pass.uses.push_back({resource, previous, input_use(pass, port)});
         if (port.indirect) r.buffer_usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
         if (r.kind == PortKind::image)
             r.image_usage |= port.storage ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_SAMPLED_BIT;
         else if (port.kind == PortKind::texels)
             r.buffer_usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+        if (pass.kind == PassKind::host) {
+            r.image_usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+            r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+        }
         if (previous) r.history = true;
+        check_readable(r, port);
     }
 
-    static Use input_use(const Port& port) {
+    void check_readable(const PlanResource& r, const Port& port) {
+        const DeviceTable& device = target_.device;
+        const auto lacks = [&](VkFormatFeatureFlags feature, const char* what) {
+            if (!device.supports(r.format, feature))
+                error({pipeline_.file}, "resources." + r.names.back(),
+                      fmt::format("the device \"{}\" cannot {} {}", plan_.device, what, info(r.format).name));
+        };
+        if (port.kind == PortKind::texels) {
+            lacks(VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT, "read texels of");
+            if (r.count > device.max_texel_elements)
+                error({pipeline_.file}, "resources." + r.names.back(),
+                      fmt::format("{} texels exceed the device's largest texel buffer, {}", r.count,
+                                  device.max_texel_elements));
+        } else if (port.kind == PortKind::image && !port.storage && port.linear) {
+            lacks(VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT, "filter");
+        }
+    }
+
+    // A host node's callback may do anything with what it reads.
+    static Use input_use(const PlanPass& pass, const Port& port) {
+        if (pass.kind == PassKind::host)
+            return {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT, false};
         Use use{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT, false};
         if ((port.kind == PortKind::image && !port.storage) || port.kind == PortKind::texels)
             use.access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
@@ -175,49 +226,48 @@ class Compiler {
     uint32_t host_slot(const BoundNode& node, const Connection& c) {
         const Port& port = *c.bound->port;
         if (port.kind == PortKind::scene) {
-            const uint32_t first = slot(node, c.resource + ".nodes", PortKind::texels, Format::rgba32ui, c, "");
+            const uint32_t first =
+                slot(node, c.resource + ".nodes", PortKind::texels, Format::rgba32ui, c, "");
             slot(node, c.resource + ".leaves", PortKind::texels, Format::rgba32ui, c, "");
             slot(node, c.resource, PortKind::block, Format::r8, c, "Scene");
             return first;
         }
-        const auto brought = target_.inputs.find(c.bound->resource);
-        Format format = port.formats.empty() ? Format::r8 : port.formats.front();
-        if (brought != target_.inputs.end()) {
-            format = brought->second.format;
-            if (!port.formats.empty() && std::find(port.formats.begin(), port.formats.end(), format) == port.formats.end())
-                error(c.bound->place, fmt::format("nodes.{}.in.{}", node.id, port.name),
-                      fmt::format("the host brings \"{}\" as {}, which this port does not accept", c.bound->resource,
-                                  info(format).name));
-        }
-        return slot(node, c.resource, port.kind, format, c, port.element);
+        return slot(node, c.resource, port.kind, Format::r8, c, port.element);
     }
 
-    uint32_t slot(const BoundNode& node, const std::string& name, PortKind kind, Format format, const Connection& c,
-                  const std::string& element) {
+    uint32_t slot(const BoundNode& node, const std::string& name, PortKind kind, Format format,
+                  const Connection& c, const std::string& element) {
         for (uint32_t i = 0; i < plan_.slots.size(); ++i)
             if (plan_.slots[i].name == name) {
                 if (plan_.slots[i].readers.back() != node.id) plan_.slots[i].readers.push_back(node.id);
                 return i;
             }
-        HostSlot s{name, kind, format, target_.extent, element, 0, {node.id}};
-        if (const auto brought = target_.inputs.find(c.bound->resource); brought != target_.inputs.end())
+        HostSlot s{name, kind, format, target_.extent, 1, element, 0, {node.id}};
+        if (const auto brought = inputs_.brought.find(c.bound->resource); brought != inputs_.brought.end()) {
+            s.format = brought->second.format;
             s.extent = brought->second.extent;
-        if (const auto known = nodes_.structs().find(element); known != nodes_.structs().end()) s.bytes = known->second;
+            s.layers = brought->second.layers;
+        }
+        if (const auto known = nodes_.structs().find(element); known != nodes_.structs().end())
+            s.bytes = known->second;
         plan_.slots.push_back(std::move(s));
         return static_cast<uint32_t>(plan_.slots.size() - 1);
     }
 
-    void bind_output(const BoundNode& node, const SelectedNode& selected, const Connection& c, uint32_t binding) {
+    void bind_output(const BoundNode& node, const SelectedNode& selected, const Connection& c,
+                     uint32_t binding) {
         if (c.source == Source::none) return;
         PlanPass& pass = plan_.passes.back();
         const Port& port = *c.bound->port;
         uint32_t resource = 0;
         Use use{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, true};
         if (!port.updates.empty()) {
-            const auto in = std::find_if(selected.ports.begin(), selected.ports.end(),
-                                         [&](const Connection& o) { return o.bound->port->name == port.updates; });
+            const auto in =
+                std::find_if(selected.ports.begin(), selected.ports.end(),
+                             [&](const Connection& o) { return o.bound->port->name == port.updates; });
             resource = internal_.at(in->resource);
             plan_.resources[resource].names.push_back(c.resource);
+            if (first_of(port, c.resource) == First::clear) clear_on_reset(plan_.resources[resource]);
             use.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
         } else {
             resource = static_cast<uint32_t>(plan_.resources.size());
@@ -226,12 +276,29 @@ class Compiler {
             if (port.kind == PortKind::buffer) use.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;  // atomics
             if (port.writes == Writes::some) pass.clears.push_back(resource);
         }
-        if (pass.kind == PassKind::host) use = {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                                VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT, true};
+        if (pass.kind == PassKind::host) {
+            use = {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                   VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT, true};
+            plan_.resources[resource].image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+            plan_.resources[resource].buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+        }
         internal_[c.resource] = resource;
         pass.bindings.push_back({&port, binding, false, resource, false, c.resource});
         pass.uses.push_back({resource, false, use});
         pass.writes.push_back(c.resource);
+    }
+
+    // What a reader of `name`@-1 sees on a reset frame: the pipeline's wish, else the declaration's.
+    First first_of(const Port& port, const std::string& name) const {
+        for (const ResourceSetting& setting : pipeline_.resources)
+            if (setting.name == name && setting.first) return *setting.first;
+        return port.first;
+    }
+
+    static void clear_on_reset(PlanResource& r) {
+        r.clear_on_reset = true;
+        r.image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+        r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     }
 
     void make_resource(const BoundNode& node, const SelectedNode& selected, const Connection& c) {
@@ -240,50 +307,59 @@ class Compiler {
         r.names = {c.resource};
         r.kind = port.kind;
         r.element = port.element;
-        First first = port.first;
         if (!port.formats.empty()) r.format = port.formats.front();
         for (const ResourceSetting& setting : pipeline_.resources)
-            if (setting.name == c.resource) {
-                if (setting.format) r.format = *setting.format;
-                if (setting.first) first = *setting.first;
-            }
+            if (setting.name == c.resource && setting.format) r.format = *setting.format;
+        if (const auto kept = inputs_.kept.find(c.resource); kept != inputs_.kept.end())
+            r.format = kept->second;
         r.element_bytes = element_bytes(port, r.format, nodes_);
         r.clear_on_activation = port.writes == Writes::some;
-        r.clear_on_reset = first == First::clear;
         const std::string path = fmt::format("nodes.{}.out.{}", node.id, port.name);
         const std::string& of = port.kind == PortKind::buffer ? port.count.of : port.extent.of;
-        const auto base = of.empty() ? std::optional<Extent>{Extent{}} : extent_named(selected, of);
-        if (!base) error(c.bound->place, path, fmt::format("its size follows port \"{}\", which is not bound", of));
-        const Extent of_extent = base.value_or(Extent{});
+        const auto base = of.empty() ? std::optional<Size>{Size{}} : size_named(node, selected, of);
+        if (!base)
+            error(c.bound->place, path, fmt::format("its size follows port \"{}\", which is not bound", of));
+        const Extent of_extent = base.value_or(Size{}).extent;
         if (port.kind == PortKind::buffer) {
             const CountRule& rule = port.count;
             if (!of.empty())
-                r.count = uint64_t{ceil_div(of_extent.width, rule.div[0])} * ceil_div(of_extent.height, rule.div[1]) *
-                          rule.mul;
+                r.count = uint64_t{ceil_div(of_extent.width, rule.div[0])} *
+                          ceil_div(of_extent.height, rule.div[1]) * rule.mul;
             r.count += rule.add;
             r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
         } else {
             r.extent = apply(port.extent, of_extent);
-            if (port.levels) error(c.bound->place, path, "mip chains of storage images cannot be recorded yet");
+            r.layered = port.layers;
+            if (port.layers) r.layers = base.value_or(Size{}).layers;
+            if (port.levels)
+                error(c.bound->place, path, "mip chains of storage images cannot be recorded yet");
             r.count = uint64_t{r.extent.width} * r.extent.height;
             r.image_usage = VK_IMAGE_USAGE_STORAGE_BIT;
             r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-            if (port.kind == PortKind::image && std::max(r.extent.width, r.extent.height) > target_.device.max_image_extent)
-                error(c.bound->place, path, fmt::format("{}x{} exceeds the device's largest image, {} per axis",
-                                                        r.extent.width, r.extent.height, target_.device.max_image_extent));
+            if (port.kind == PortKind::image &&
+                std::max(r.extent.width, r.extent.height) > target_.device.max_image_extent)
+                error(c.bound->place, path,
+                      fmt::format("{}x{} exceeds the device's largest image, {} per axis", r.extent.width,
+                                  r.extent.height, target_.device.max_image_extent));
             if (port.kind == PortKind::image &&
                 !target_.device.supports(r.format, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT))
                 error(c.bound->place, path,
                       fmt::format("the device \"{}\" cannot store to {}", plan_.device, info(r.format).name));
         }
-        if (r.clear_on_activation || r.clear_on_reset || options_.poison) {
+        if (r.kind != PortKind::image && r.buffer_bytes() > target_.device.max_storage_bytes)
+            error(c.bound->place, path,
+                  fmt::format("{} bytes exceed the device's largest storage buffer, {}", r.buffer_bytes(),
+                              target_.device.max_storage_bytes));
+        if (first_of(port, c.resource) == First::clear) clear_on_reset(r);
+        if (r.clear_on_activation || options_.poison) {
             r.image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
             r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
         }
         plan_.resources.push_back(std::move(r));
     }
 
-    // --- variants, constants, dispatch ----------------------------------------------------------------------------
+    // --- variants, constants, dispatch
+    // ----------------------------------------------------------------------------
 
     void choose_variant(const BoundNode& node, const SelectedNode& selected) {
         choices_.emplace_back();
@@ -291,7 +367,8 @@ class Compiler {
             const Port& port = *c.bound->port;
             if (port.optional || !port.condition.empty())
                 plan_.passes.back().variant.present[port.name] = c.source != Source::none;
-            if (port.kind == PortKind::image && port.storage && port.formats.size() > 1 && port.updates.empty())
+            if (port.kind == PortKind::image && port.storage && port.formats.size() > 1 &&
+                port.updates.empty())
                 choices_.back().push_back({&port, c.resource, c.source, node.id});
         }
     }
@@ -316,7 +393,8 @@ class Compiler {
             ParamValue value = node.params.at(param.name);
             const auto set = node.set_by_user.find(param.name);
             const auto override_value = overrides(node).params.find(param.name);
-            if ((set == node.set_by_user.end() || !set->second) && override_value != overrides(node).params.end())
+            if ((set == node.set_by_user.end() || !set->second) &&
+                override_value != overrides(node).params.end())
                 value = override_value->second;
             const std::vector<std::byte> bytes = value_bytes(param, value);
             if (layout.offsets[i]) {
@@ -333,31 +411,41 @@ class Compiler {
         PlanPass& pass = plan_.passes.back();
         const Dispatch& dispatch = node.type->dispatch;
         switch (dispatch.kind) {
-            case Dispatch::Kind::host: return;
-            case Dispatch::Kind::groups: pass.groups = dispatch.groups; return;
+            case Dispatch::Kind::host:
+                return;
+            case Dispatch::Kind::groups:
+                pass.groups = dispatch.groups;
+                return;
             case Dispatch::Kind::indirect:
                 for (const Connection& c : selected.ports)
                     if (c.bound->port->name == dispatch.indirect) {
-                        if (c.source != Source::internal)
-                            return error(c.bound->place, "nodes." + node.id, "dispatch arguments must be written by a node");
+                        if (c.source != Source::internal || c.previous)
+                            return error(c.bound->place, "nodes." + node.id,
+                                         "dispatch arguments must be written by a node of the same frame");
                         pass.indirect = internal_.at(c.resource);
                         pass.indirect_offset = dispatch.offset;
+                        if (dispatch.offset + 12 > plan_.resources[*pass.indirect].buffer_bytes())
+                            error(c.bound->place, "nodes." + node.id,
+                                  fmt::format("\"{}\" is too small for dispatch arguments at byte {}",
+                                              c.resource, dispatch.offset));
                     }
                 return;
             case Dispatch::Kind::over: {
-                const auto extent = extent_named(selected, dispatch.over);
-                if (!extent)
-                    return error(node.place, "nodes." + node.id,
-                                 fmt::format("it is dispatched over port \"{}\", which is not bound", dispatch.over));
-                pass.groups = {ceil_div(extent->width, pass.constants[0] * pass.constants[3]),
-                               ceil_div(extent->height, pass.constants[1] * pass.constants[4]), 1};
+                const auto size = size_named(node, selected, dispatch.over);
+                if (!size)
+                    return error(
+                        node.place, "nodes." + node.id,
+                        fmt::format("it is dispatched over port \"{}\", which is not bound", dispatch.over));
+                pass.groups = {ceil_div(size->extent.width, pass.constants[0] * pass.constants[3]),
+                               ceil_div(size->extent.height, pass.constants[1] * pass.constants[4]), 1};
                 if (std::max(pass.groups[0], pass.groups[1]) > 65535)
                     error(node.place, "nodes." + node.id, "the dispatch exceeds 65535 groups per axis");
             }
         }
     }
 
-    // --- after all passes -----------------------------------------------------------------------------------------
+    // --- after all passes
+    // -----------------------------------------------------------------------------------------
 
     struct Late {
         size_t pass, binding;
@@ -385,8 +473,9 @@ class Compiler {
         for (PlanPass& pass : plan_.passes) {
             if (pass.kind == PassKind::capture) continue;
             for (const FormatChoice& choice : choices_[compute_pass])
-                if (choice.source == Source::internal)
-                    pass.variant.formats[choice.port->name] = plan_.resources[internal_.at(choice.resource)].format;
+                pass.variant.formats[choice.port->name] =
+                    choice.source == Source::internal ? plan_.resources[internal_.at(choice.resource)].format
+                                                      : choice.port->formats.front();
             ++compute_pass;
             if (pass.kind == PassKind::compute && !pass.entry->shaders.empty() &&
                 !pass.entry->shaders.contains(to_string(pass.variant)))
@@ -402,6 +491,7 @@ class Compiler {
     const CompileOptions& options_;
     Diagnostics& diagnostics_;
     Plan plan_;
+    ResolvedInputs inputs_;
     std::vector<uint32_t> bindings_;
     std::map<std::string, uint32_t> internal_;  // name -> resource
     std::vector<Late> late_;
@@ -409,6 +499,10 @@ class Compiler {
 };
 
 }  // namespace
+
+uint64_t PlanResource::buffer_bytes() const {
+    return std::max<uint64_t>((count * element_bytes + 3) / 4 * 4, 4);
+}
 
 const PlanOutput* Plan::output(std::string_view name) const {
     for (const PlanOutput& o : outputs)

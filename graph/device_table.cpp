@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A fixed device for tests and for planning without one: tight images with rows padded to 64 bytes, alignment 4 KiB.
-#include "graph/plan.h"
-
+// A fixed device for tests and for planning without one: tight images with rows padded to 64 bytes, alignment
+// 4 KiB.
 #include <algorithm>
+
+#include "graph/plan.h"
 
 namespace penumbra {
 
@@ -14,7 +15,8 @@ DeviceTable reference_device(bool cpu) {
     table.image_memory = [round_up](const ImageNeed& need) {
         uint64_t size = 0;
         for (uint32_t level = 0; level < need.levels; ++level) {
-            const uint64_t width = std::max(need.extent.width >> level, 1u), height = std::max(need.extent.height >> level, 1u);
+            const uint64_t width = std::max(need.extent.width >> level, 1u),
+                           height = std::max(need.extent.height >> level, 1u);
             size += round_up(width * info(need.format).bytes, 64) * height * need.layers;
         }
         return MemoryNeed{round_up(size, 4096), 4096, ~0u};

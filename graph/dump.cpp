@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The text form shows everything that decides correctness (order, bindings, lifetimes, offsets, dependencies) and
-// nothing that depends on the machine, so that a change shows up as a readable difference.
+// The text form shows everything that decides correctness (order, bindings, lifetimes, offsets, dependencies)
+// and nothing that depends on the machine, so that a change shows up as a readable difference.
 #include "graph/dump.h"
 
 #include <fmt/format.h>
@@ -23,20 +23,15 @@ struct FlagName {
     const char* name;
 };
 
-constexpr FlagName stage_names[] = {{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"},
-                                    {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
-                                    {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, "transfer"},
-                                    {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
-                                    {VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, "top"},
-                                    {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"}};
-constexpr FlagName access_names[] = {{VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "write"},
-                                     {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, "read"},
-                                     {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, "sample"},
-                                     {VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, "arguments"},
-                                     {VK_ACCESS_2_TRANSFER_READ_BIT, "copy_read"},
-                                     {VK_ACCESS_2_TRANSFER_WRITE_BIT, "copy_write"},
-                                     {VK_ACCESS_2_MEMORY_READ_BIT, "any_read"},
-                                     {VK_ACCESS_2_MEMORY_WRITE_BIT, "any_write"}};
+constexpr FlagName stage_names[] = {
+    {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"}, {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
+    {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, "transfer"},  {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
+    {VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, "top"},        {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"}};
+constexpr FlagName access_names[] = {
+    {VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "write"}, {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, "read"},
+    {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, "sample"}, {VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, "arguments"},
+    {VK_ACCESS_2_TRANSFER_READ_BIT, "copy_read"},    {VK_ACCESS_2_TRANSFER_WRITE_BIT, "copy_write"},
+    {VK_ACCESS_2_MEMORY_READ_BIT, "any_read"},       {VK_ACCESS_2_MEMORY_WRITE_BIT, "any_write"}};
 
 template <size_t n>
 std::string flags(uint64_t value, const FlagName (&names)[n]) {
@@ -54,18 +49,21 @@ std::string dependency_text(const Plan& plan, const Dependency& d, const char* l
                             flags(d.src_access, access_names), flags(d.dst_stages, stage_names),
                             flags(d.dst_access, access_names));
     for (const Activation& a : d.activations)
-        text += fmt::format("      {} activates {} after {} for {}:{}\n", label, plan.resources[a.resource].names.front(),
-                            flags(a.src_stages, stage_names), flags(a.dst_stages, stage_names),
-                            flags(a.dst_access, access_names));
+        text += fmt::format("      {} activates {} after {} for {}:{}\n", label,
+                            plan.resources[a.resource].names.front(), flags(a.src_stages, stage_names),
+                            flags(a.dst_stages, stage_names), flags(a.dst_access, access_names));
     return text;
 }
 
 std::string shape(const PlanResource& r) {
+    if (r.layered)
+        return fmt::format("{} {}x{}x{}", info(r.format).name, r.extent.width, r.extent.height, r.layers);
     if (r.kind == PortKind::buffer) return fmt::format("{} x {}", r.count, r.element);
     return fmt::format("{} {}x{}", info(r.format).name, r.extent.width, r.extent.height);
 }
 
 OrderedJson groups_json(const PlanPass& pass) {
+    if (pass.kind != PassKind::compute) return nullptr;
     if (pass.indirect) return "indirect";
     return pass.groups;
 }
@@ -79,10 +77,11 @@ std::string to_text(const Plan& plan) {
     for (size_t p = 0; p < plan.passes.size(); ++p) {
         const PlanPass& pass = plan.passes[p];
         const std::string groups =
-            pass.indirect ? "indirect" : fmt::format("{}x{}x{}", pass.groups[0], pass.groups[1], pass.groups[2]);
+            pass.indirect ? "indirect"
+                          : fmt::format("{}x{}x{}", pass.groups[0], pass.groups[1], pass.groups[2]);
         text += fmt::format("  {:2} {} ({}) {}\n      reads  {}\n      writes {}\n", p, pass.node,
-                            pass.kind == PassKind::capture ? "capture" : pass.entry->type.name, groups, join(pass.reads),
-                            join(pass.writes));
+                            pass.kind == PassKind::capture ? "capture" : pass.entry->type.name, groups,
+                            join(pass.reads), join(pass.writes));
         for (uint32_t parity = 0; parity < 2; ++parity) {
             const std::string label = fmt::format("[{}]", parity);
             text += dependency_text(plan, pass.before[parity], label.c_str());
@@ -93,14 +92,16 @@ std::string to_text(const Plan& plan) {
         if (!plan.end[parity].empty())
             text += dependency_text(plan, plan.end[parity], fmt::format("end [{}]", parity).c_str());
     for (const Culled& culled : plan.culled)
-        text += fmt::format("  culled {} ({}{}{})\n", culled.node, culled.why, culled.cond.empty() ? "" : " ", culled.cond);
+        text += fmt::format("  culled {} ({}{}{})\n", culled.node, culled.why, culled.cond.empty() ? "" : " ",
+                            culled.cond);
     text += "resources\n";
     for (const PlanResource& r : plan.resources)
         text += fmt::format("  {} {} {}{}passes {}+{} heap {} at {} {} size {}\n", join(r.names), shape(r),
-                            r.history ? "history " : "", r.output ? "output " : "", r.first_pass, r.length, r.heap,
-                            r.offset[0], r.offset[1], r.bytes);
+                            r.history ? "history " : "", r.output ? "output " : "", r.first_pass, r.length,
+                            r.heap, r.offset[0], r.offset[1], r.bytes);
     text += "host slots\n";
-    for (const HostSlot& slot : plan.slots) text += fmt::format("  {} for {}\n", slot.name, join(slot.readers));
+    for (const HostSlot& slot : plan.slots)
+        text += fmt::format("  {} for {}\n", slot.name, join(slot.readers));
     const MemoryReport& m = plan.memory;
     text += fmt::format("memory heap {} live bound {} optimum {} unaliased {} persistent {}\n", m.heap_bytes,
                         m.live_bound_bytes, m.optimum_bytes ? fmt::to_string(*m.optimum_bytes) : "unknown",
@@ -112,7 +113,8 @@ std::string to_dot(const Plan& plan) {
     std::string text = fmt::format("digraph {} {{\n  rankdir=LR;\n  node [shape=box];\n", plan.pipeline);
     for (const HostSlot& slot : plan.slots) {
         text += fmt::format("  \"{}\" [shape=ellipse, style=dashed];\n", slot.name);
-        for (const std::string& reader : slot.readers) text += fmt::format("  \"{}\" -> \"{}\";\n", slot.name, reader);
+        for (const std::string& reader : slot.readers)
+            text += fmt::format("  \"{}\" -> \"{}\";\n", slot.name, reader);
     }
     std::map<std::string, std::string> writer;
     for (const PlanPass& pass : plan.passes)
@@ -147,7 +149,9 @@ OrderedJson passes_json(const Plan& plan) {
 OrderedJson culled_json(const Plan& plan) {
     OrderedJson culled = OrderedJson::array();
     for (const Culled& c : plan.culled)
-        culled.push_back({{"node", c.node}, {"why", c.why}, {"cond", c.cond.empty() ? OrderedJson() : OrderedJson(c.cond)}});
+        culled.push_back({{"node", c.node},
+                          {"why", c.why},
+                          {"cond", c.cond.empty() ? OrderedJson() : OrderedJson(c.cond)}});
     return culled;
 }
 
@@ -181,12 +185,9 @@ OrderedJson memory_json(const Plan& plan) {
 }
 
 OrderedJson to_json(const Plan& plan) {
-    return {{"pipeline", plan.pipeline},
-            {"size", {plan.extent.width, plan.extent.height}},
-            {"device", plan.device},
-            {"facts", facts_json(plan)},
-            {"passes", passes_json(plan)},
-            {"culled", culled_json(plan)},
+    return {{"pipeline", plan.pipeline},   {"size", {plan.extent.width, plan.extent.height}},
+            {"device", plan.device},       {"facts", facts_json(plan)},
+            {"passes", passes_json(plan)}, {"culled", culled_json(plan)},
             {"memory", memory_json(plan)}};
 }
 

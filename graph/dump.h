@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Plans for people and tools: text (also the golden form of tests), Graphviz dot, and JSON with the keys of report.json.
+// Plans for people and tools: text (also the golden form of tests), Graphviz dot, and JSON with the keys of
+// report.json.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

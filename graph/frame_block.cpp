@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Reprojection is formed as P_prev * R_prev^-1 * T(current - previous) with every factor in double precision and only
-// the product rounded: an fp32 product of absolute matrices is wrong by 20 px at 10^5 m from the origin.
+// Reprojection is formed as P_prev * R_prev^-1 * T(current - previous) with every factor in double precision
+// and only the product rounded: an fp32 product of absolute matrices is wrong by 20 px at 10^5 m from the
+// origin.
 #include "graph/frame_block.h"
 
 #include <algorithm>
@@ -43,9 +44,11 @@ FrameBlock make_frame_block(const FrameDescription& frame) {
     block.clip_from_view = to_block(clip_from_view);
     block.view_from_clip = to_block(glm::inverse(clip_from_view));
     for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) block.world_from_view.columns[c][r] = static_cast<float>(world_from_view[c][r]);
-    block.prev_clip_from_rel = to_block(prev_clip_from_view * glm::dmat4(glm::transpose(prev_world_from_view)) *
-                                        glm::translate(glm::dmat4(1.0), -delta));
+        for (int r = 0; r < 3; ++r)
+            block.world_from_view.columns[c][r] = static_cast<float>(world_from_view[c][r]);
+    block.prev_clip_from_rel =
+        to_block(prev_clip_from_view * glm::dmat4(glm::transpose(prev_world_from_view)) *
+                 glm::translate(glm::dmat4(1.0), -delta));
     for (int i = 0; i < 3; ++i) block.camera_delta.v[i] = static_cast<float>(delta[i]);
     block.near = static_cast<float>(frame.camera.near);
     block.jitter = to_block(frame.jitter);
@@ -55,7 +58,8 @@ FrameBlock make_frame_block(const FrameDescription& frame) {
         block.prev_size.v[i] = frame.prev_size[i];
     }
     // One pixel spans 2 / height in ndc; at the centre ndc.y = clip[1][1] * tan(angle).
-    block.pixel_angle = static_cast<float>(2.0 / (std::max(frame.size[1], 1u) * std::abs(clip_from_view[1][1])));
+    block.pixel_angle =
+        static_cast<float>(2.0 / (std::max(frame.size[1], 1u) * std::abs(clip_from_view[1][1])));
     block.dt_s = frame.dt_s;
     block.frame_index = frame.index;
     block.flags = frame.flags;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The frame block made from two cameras. All differences of positions are taken in double precision, so that the
-// picture does not depend on where in the world the camera stands.
+// The frame block made from two cameras. All differences of positions are taken in double precision, so that
+// the picture does not depend on where in the world the camera stands.
 #pragma once
 
 #include <array>
@@ -10,11 +10,21 @@ namespace penumbra {
 
 namespace std140 {
 using uint = uint32_t;
-struct alignas(8) vec2 { float v[2]; };
-struct alignas(8) uvec2 { uint32_t v[2]; };
-struct vec3 { float v[3]; };  // the GLSL file follows each vec3 with a float, which fills the slot
-struct alignas(16) mat3 { float columns[3][4]; };
-struct alignas(16) mat4 { float columns[4][4]; };
+struct alignas(8) vec2 {
+    float v[2];
+};
+struct alignas(8) uvec2 {
+    uint32_t v[2];
+};
+struct vec3 {
+    float v[3];
+};  // the GLSL file follows each vec3 with a float, which fills the slot
+struct alignas(16) mat3 {
+    float columns[3][4];
+};
+struct alignas(16) mat4 {
+    float columns[4][4];
+};
 #include "graph/frame_block.glsl"
 static_assert(sizeof(FrameBlock) == 64 * 3 + 48 + 16 + 32 + 16);
 }  // namespace std140
@@ -25,10 +35,10 @@ enum FrameFlags : uint32_t { frame_reset = 1, frame_standard_z = 2, frame_orthog
 
 // A camera in double precision. The view looks along its -z axis, x right, y up.
 struct Camera {
-    std::array<double, 3> position{0, 0, 0};                         // metres, world
+    std::array<double, 3> position{0, 0, 0};                           // metres, world
     std::array<double, 9> world_from_view{1, 0, 0, 0, 1, 0, 0, 0, 1};  // columns: right, up, back
-    std::array<double, 16> clip_from_view{};                         // columns; unjittered, Vulkan clip (y down)
-    double near = 0.05;                                              // metres
+    std::array<double, 16> clip_from_view{};  // columns; unjittered, Vulkan clip (y down)
+    double near = 0.05;                       // metres
 };
 
 // Infinite reverse-Z perspective: depth = near / view_depth. aspect = width / height.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 namespace penumbra {
 namespace {
@@ -15,7 +16,9 @@ std::string upper(std::string text) {
     return text;
 }
 
-bool has_presence(const Port& port) { return port.optional || !port.condition.empty(); }
+bool has_presence(const Port& port) {
+    return port.optional || !port.condition.empty();
+}
 bool has_format_choice(const Port& port) {
     return port.kind == PortKind::image && port.storage && port.formats.size() > 1 && port.updates.empty();
 }
@@ -31,7 +34,9 @@ const Port& described_by(const NodeType& type, const Port& port) {
     return port.updates.empty() ? port : *type.port(port.updates);
 }
 
-const char* prefix(Format format) { return info(format).kind == FormatClass::uint ? "u" : ""; }
+const char* prefix(Format format) {
+    return info(format).kind == FormatClass::uint ? "u" : "";
+}
 
 const char* element_glsl(const std::string& element) {
     if (element == "u32") return "uint";
@@ -39,23 +44,31 @@ const char* element_glsl(const std::string& element) {
     return element.c_str();
 }
 
-// Texel buffers are written as plain storage buffers: one element per texel, or packed words for narrow formats.
+// Texel buffers are written as plain storage buffers: one element per texel, or packed words for narrow
+// formats.
 const char* texel_element_glsl(Format format) {
     switch (format) {
-        case Format::r32f: return "float";
-        case Format::rg32f: return "vec2";
-        case Format::rg32ui: return "uvec2";
-        case Format::rgba32ui: return "uvec4";
-        default: return "uint";
+        case Format::r32f:
+            return "float";
+        case Format::rg32f:
+            return "vec2";
+        case Format::rg32ui:
+            return "uvec2";
+        case Format::rgba32ui:
+            return "uvec4";
+        default:
+            return "uint";
     }
 }
 
-std::string declare_image(const Port& port, const std::string& name, Format format, const char* access, uint32_t b) {
+std::string declare_image(const Port& port, const std::string& name, Format format, const char* access,
+                          uint32_t b) {
     const char* dim = port.layers ? "2DArray" : "2D";
     if (!port.storage)
-        return fmt::format("layout(set = 0, binding = {}) uniform {}sampler{} {};\n", b, prefix(format), dim, name);
-    return fmt::format("layout(set = 0, binding = {}, {}) uniform {}{}image{} {};\n", b, info(format).glsl, access,
-                       prefix(format), dim, name);
+        return fmt::format("layout(set = 0, binding = {}) uniform {}sampler{} {};\n", b, prefix(format), dim,
+                           name);
+    return fmt::format("layout(set = 0, binding = {}, {}) uniform {}{}image{} {};\n", b, info(format).glsl,
+                       access, prefix(format), dim, name);
 }
 
 std::string declare_port(const NodeType& type, const Port& port, const Variant& variant, uint32_t b) {
@@ -71,14 +84,16 @@ std::string declare_port(const NodeType& type, const Port& port, const Variant& 
             if (!port.output)
                 return fmt::format("layout(set = 0, binding = {}) uniform {}samplerBuffer {};\n", b,
                                    prefix(what.formats.front()), port.name);
-            return fmt::format("layout(set = 0, binding = {}, std430) restrict buffer {}_buffer {{ {} {}[]; }};\n", b,
-                               port.name, texel_element_glsl(what.formats.front()), port.name);
+            return fmt::format(
+                "layout(set = 0, binding = {}, std430) restrict buffer {}_buffer {{ {} {}[]; }};\n", b,
+                port.name, texel_element_glsl(what.formats.front()), port.name);
         case PortKind::buffer:
-            return fmt::format("layout(set = 0, binding = {}, std430) restrict {}buffer {}_buffer {{ {} {}[]; }};\n", b,
-                               port.output ? "" : "readonly ", port.name, element_glsl(what.element), port.name);
+            return fmt::format(
+                "layout(set = 0, binding = {}, std430) restrict {}buffer {}_buffer {{ {} {}[]; }};\n", b,
+                port.output ? "" : "readonly ", port.name, element_glsl(what.element), port.name);
         case PortKind::block:
-            return fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ {} {}; }};\n", b, port.name,
-                               what.element, port.name);
+            return fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ {} {}; }};\n", b,
+                               port.name, what.element, port.name);
         case PortKind::scene:
             return fmt::format(
                 "layout(set = 0, binding = {}) uniform usamplerBuffer {}_nodes;\n"
@@ -91,14 +106,22 @@ std::string declare_port(const NodeType& type, const Port& port, const Variant& 
 
 const char* type_glsl(ParamType type) {
     switch (type) {
-        case ParamType::boolean: return "uint";
-        case ParamType::integer: return "int";
-        case ParamType::uint: return "uint";
-        case ParamType::real: return "float";
-        case ParamType::vec2: return "vec2";
-        case ParamType::vec3: return "vec3";
-        case ParamType::vec4: return "vec4";
-        case ParamType::enumeration: return "int";
+        case ParamType::boolean:
+            return "uint";
+        case ParamType::integer:
+            return "int";
+        case ParamType::uint:
+            return "uint";
+        case ParamType::real:
+            return "float";
+        case ParamType::vec2:
+            return "vec2";
+        case ParamType::vec3:
+            return "vec3";
+        case ParamType::vec4:
+            return "vec4";
+        case ParamType::enumeration:
+            return "int";
     }
     return "";
 }
@@ -115,7 +138,8 @@ std::string declare_constant(const Param& param, uint32_t id) {
         case ParamType::real:
             return fmt::format("layout(constant_id = {}) const float {} = {:#};\n", id, name,
                                std::get<float>(param.default_value));
-        case ParamType::enumeration: return fmt::format("layout(constant_id = {}) const int {} = 0;\n", id, name);
+        case ParamType::enumeration:
+            return fmt::format("layout(constant_id = {}) const int {} = 0;\n", id, name);
         default:
             return fmt::format("layout(constant_id = {}) const int {} = {};\n", id, name,
                                std::get<int32_t>(param.default_value));
@@ -133,7 +157,8 @@ std::string declare_params(const NodeType& type) {
         else
             dynamic += fmt::format("    {} {};\n", type_glsl(param.type), param.name);
     }
-    if (!dynamic.empty()) constants += "layout(push_constant, std430) uniform Params {\n" + dynamic + "} params;\n";
+    if (!dynamic.empty())
+        constants += "layout(push_constant, std430) uniform Params {\n" + dynamic + "} params;\n";
     return constants;
 }
 
@@ -200,8 +225,8 @@ std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value) 
     std::vector<std::byte> out;
     if (param.type == ParamType::enumeration) {
         const auto& name = std::get<std::string>(value);
-        const auto index =
-            static_cast<int32_t>(std::find(param.values.begin(), param.values.end(), name) - param.values.begin());
+        const auto index = static_cast<int32_t>(std::find(param.values.begin(), param.values.end(), name) -
+                                                param.values.begin());
         append(out, &index, 4);
     } else if (const bool* flag = std::get_if<bool>(&value)) {
         const uint32_t word = *flag;
@@ -209,11 +234,30 @@ std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value) 
     } else if (const auto* list = std::get_if<std::vector<float>>(&value)) {
         append(out, list->data(), 4 * list->size());
     } else {
-        std::visit([&](const auto& v) {
-            if constexpr (sizeof(v) == 4) append(out, &v, 4);
-        }, value);
+        std::visit(
+            [&](const auto& v) {
+                if constexpr (sizeof(v) == 4) append(out, &v, 4);
+            },
+            value);
     }
     return out;
+}
+
+bool fits(const Param& param, const ParamValue& value) {
+    if (value.index() != param.default_value.index()) return false;
+    const auto in_range = [&](double number) {
+        return std::isfinite(number) &&
+               (!param.range || ((*param.range)[0] <= number && number <= (*param.range)[1]));
+    };
+    if (const auto* name = std::get_if<std::string>(&value))
+        return std::find(param.values.begin(), param.values.end(), *name) != param.values.end();
+    if (const auto* list = std::get_if<std::vector<float>>(&value))
+        return list->size() * sizeof(float) == layout_of(param.type).size &&
+               std::all_of(list->begin(), list->end(), in_range);
+    if (const auto* number = std::get_if<float>(&value)) return in_range(static_cast<double>(*number));
+    if (const auto* number = std::get_if<int32_t>(&value)) return in_range(*number);
+    if (const auto* number = std::get_if<uint32_t>(&value)) return in_range(*number);
+    return true;
 }
 
 std::string to_string(const Variant& variant) {
@@ -235,7 +279,8 @@ std::vector<Variant> all_variants(const NodeType& type) {
     };
     for (const Port& port : type.ports) {
         if (has_format_choice(port))
-            multiply(port.formats.size(), [&](Variant& v, size_t i) { v.formats[port.name] = port.formats[i]; });
+            multiply(port.formats.size(),
+                     [&](Variant& v, size_t i) { v.formats[port.name] = port.formats[i]; });
         if (has_presence(port)) multiply(2, [&](Variant& v, size_t i) { v.present[port.name] = i == 1; });
     }
     return variants;
@@ -249,12 +294,15 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "#extension GL_KHR_shader_subgroup_ballot : require\n"
         "#include \"graph/frame_block.glsl\"\n"
         "#include \"common/blocks.h\"\n"
-        "const uint FRAME_RESET = 1u;\nconst uint FRAME_STANDARD_Z = 2u;\nconst uint FRAME_ORTHOGRAPHIC = 4u;\n"
+        "const uint FRAME_RESET = 1u;\nconst uint FRAME_STANDARD_Z = 2u;\nconst uint FRAME_ORTHOGRAPHIC = "
+        "4u;\n"
         "layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;\n"
         "#define GROUP_X gl_WorkGroupSize.x\n#define GROUP_Y gl_WorkGroupSize.y\n"
-        "layout(constant_id = 3) const uint PER_THREAD_X = 1u;\nlayout(constant_id = 4) const uint PER_THREAD_Y = 1u;\n";
-    text += fmt::format("layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
-                        frame_binding);
+        "layout(constant_id = 3) const uint PER_THREAD_X = 1u;\nlayout(constant_id = 4) const uint "
+        "PER_THREAD_Y = 1u;\n";
+    text +=
+        fmt::format("layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
+                    frame_binding);
     const std::vector<uint32_t> bindings = port_bindings(type);
     for (size_t i = 0; i < type.ports.size(); ++i) {
         const Port& port = type.ports[i];
@@ -280,11 +328,13 @@ void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<uint32_t>& hos
     std::map<uint32_t, uint32_t> binding_of;  // variable id -> binding
     const auto each_decoration = [&](uint32_t decoration, auto&& visit) {
         for (size_t at = 5; at < spirv.size(); at += std::max(spirv[at] >> 16, 1u))
-            if ((spirv[at] & 0xffff) == op_decorate && spirv[at + 2] == decoration) visit(spirv[at + 1], spirv[at + 3]);
+            if ((spirv[at] & 0xffff) == op_decorate && spirv[at + 2] == decoration)
+                visit(spirv[at + 1], spirv[at + 3]);
     };
     each_decoration(decoration_binding, [&](uint32_t id, uint32_t& value) { binding_of[id] = value; });
     each_decoration(decoration_set, [&](uint32_t id, uint32_t& value) {
-        const bool host = std::find(host_bindings.begin(), host_bindings.end(), binding_of[id]) != host_bindings.end();
+        const bool host =
+            std::find(host_bindings.begin(), host_bindings.end(), binding_of[id]) != host_bindings.end();
         if (host) value = 1;
     });
 }

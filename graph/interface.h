@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a declaration means to a shader: bindings, specialisation constants, push constants, variants, and the GLSL
-// text ("node.glsl") that spells them out. One definition, used to compile the shader and to fill its descriptors.
+// What a declaration means to a shader: bindings, specialisation constants, push constants, variants, and the
+// GLSL text ("node.glsl") that spells them out. One definition, used to compile the shader and to fill its
+// descriptors.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +14,8 @@
 
 namespace penumbra {
 
-// Binding numbers are unique within a node over both sets, so that wiring a port to a host slot (set 1) instead of an
-// internal resource (set 0) only moves it between sets: see bind_to_sets().
+// Binding numbers are unique within a node over both sets, so that wiring a port to a host slot (set 1)
+// instead of an internal resource (set 0) only moves it between sets: see bind_to_sets().
 inline constexpr uint32_t frame_binding = 0;     // set 1: FrameBlock
 inline constexpr uint32_t counters_binding = 1;  // set 1: u32 sums of every pass of the frame
 inline constexpr uint32_t first_port_binding = 2;
@@ -28,7 +29,8 @@ inline constexpr uint32_t first_param_constant = 6;
 // The slots that a scene port expands to, in binding order.
 inline constexpr std::array<const char*, 3> scene_slots = {"nodes", "leaves", "block"};
 
-// First binding of each port (parallel to NodeType::ports); an input that an output updates shares the output's.
+// First binding of each port (parallel to NodeType::ports); an input that an output updates shares the
+// output's.
 std::vector<uint32_t> port_bindings(const NodeType& type);
 // First binding of the tables; table i is at first + i, set 1.
 uint32_t first_table_binding(const NodeType& type);
@@ -43,18 +45,24 @@ PushConstants push_constants(const NodeType& type);
 // A value's bits as a specialisation or push constant: enums become their index, booleans 0 or 1.
 std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value);
 
-// What a compiled variant depends on: the formats of storage images that have a choice and which optional ports exist.
+// Whether a value has the parameter's type, component count and range.
+bool fits(const Param& param, const ParamValue& value);
+
+// What a compiled variant depends on: the formats of storage images that have a choice and which optional
+// ports exist.
 struct Variant {
     std::map<std::string, Format> formats;  // storage image ports with more than one format
     std::map<std::string, bool> present;    // optional and conditional ports
 };
-std::string to_string(const Variant& variant);  // the key of ShaderVariants: "filtered=r8,history=1"; "" if no choice
+std::string to_string(
+    const Variant& variant);  // the key of ShaderVariants: "filtered=r8,history=1"; "" if no choice
 std::vector<Variant> all_variants(const NodeType& type);
 
 // The text that `#include "node.glsl"` stands for.
 std::string generate_glsl(const NodeType& type, const Variant& variant);
 
-// Sets the DescriptorSet decoration of each variable: bindings listed in `host` go to set 1, other ports to set 0.
+// Sets the DescriptorSet decoration of each variable: bindings listed in `host` go to set 1, other ports to
+// set 0.
 void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<uint32_t>& host_bindings);
 
 }  // namespace penumbra

@@ -17,7 +17,8 @@ struct Instance {
     uint32_t resource, parity;
 };
 
-// Without aliasing each resource has memory of its own: a pair for history, else one placement for both parities.
+// Without aliasing each resource has memory of its own: a pair for history, else one placement for both
+// parities.
 uint64_t place_apart(Plan& plan, uint32_t heap) {
     uint64_t end = 0;
     for (PlanResource& r : plan.resources) {
@@ -39,7 +40,8 @@ uint64_t place_apart(Plan& plan, uint32_t heap) {
 
 void place_lifetimes(Plan& plan) {
     const auto passes = static_cast<uint32_t>(plan.passes.size());
-    std::vector<uint32_t> end(plan.resources.size(), 0);  // one past the last use, counted from the frame's first pass
+    std::vector<uint32_t> end(plan.resources.size(),
+                              0);  // one past the last use, counted from the frame's first pass
     for (uint32_t p = 0; p < passes; ++p)
         for (const PassUse& use : plan.passes[p].uses)
             end[use.resource] = std::max(end[use.resource], (use.previous ? passes : 0) + p + 1);
@@ -56,7 +58,7 @@ void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search
         const bool image = r.kind == PortKind::image;
         const MemoryNeed need =
             image ? device.image_memory({r.format, r.extent, r.layers, r.levels, r.image_usage})
-                  : device.buffer_memory(std::max<uint64_t>(r.count, 1) * r.element_bytes, r.buffer_usage);
+                  : device.buffer_memory(r.buffer_bytes(), r.buffer_usage);
         r.bytes = need.size;
         r.alignment = need.alignment;
         const std::string type = image ? "images" : "buffers";
@@ -93,7 +95,8 @@ void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search
             plan.heaps[h].bytes = place_apart(plan, h);
         }
         report.heap_bytes += plan.heaps[h].bytes;
-        const auto best = optimum_search_nodes ? optimum(intervals, plan.period(), optimum_search_nodes) : std::nullopt;
+        const auto best =
+            optimum_search_nodes ? optimum(intervals, plan.period(), optimum_search_nodes) : std::nullopt;
         if (best && report.optimum_bytes)
             *report.optimum_bytes += *best;
         else

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// When each resource is live and where it lies. A frame of P passes and the next one make a circle of 2P, since a
-// history resource of frame f lives from its write in f to its last reader in f + 1 and the placements repeat every
-// second frame. History is packed among the transients; nothing lives outside the heaps.
+// When each resource is live and where it lies. A frame of P passes and the next one make a circle of 2P,
+// since a history resource of frame f lives from its write in f to its last reader in f + 1 and the
+// placements repeat every second frame. History is packed among the transients; nothing lives outside the
+// heaps.
 #pragma once
 
 #include "graph/plan.h"

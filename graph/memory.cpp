@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sizes are asked from the device before anything is created (vkGetDevice*MemoryRequirements, Vulkan 1.3), so that a
-// plan for a device is final before its memory exists.
+// Sizes are asked from the device before anything is created (vkGetDevice*MemoryRequirements, Vulkan 1.3), so
+// that a plan for a device is final before its memory exists.
 #include "graph/memory.h"
 
 #include <fmt/format.h>
@@ -29,7 +29,8 @@ VkBufferCreateInfo buffer_info(uint64_t bytes, VkBufferUsageFlags usage) {
     return create;
 }
 
-Owned<VkDeviceMemory> allocate(const DeviceHandles& handles, VkDeviceSize bytes, uint32_t type, std::string_view what) {
+Owned<VkDeviceMemory> allocate(const DeviceHandles& handles, VkDeviceSize bytes, uint32_t type,
+                               std::string_view what) {
     VkMemoryAllocateInfo allocate_info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, bytes, type};
     VkDeviceMemory memory = VK_NULL_HANDLE;
     check(vkAllocateMemory(handles.device, &allocate_info, nullptr, &memory), "vkAllocateMemory",
@@ -47,7 +48,7 @@ void make_image(const DeviceHandles& handles, const PlanResource& r, VkDeviceMem
     check(vkBindImageMemory(handles.device, image, heap, offset), "vkBindImageMemory", name);
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     view.image = image;
-    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    view.viewType = r.layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
     view.format = create.format;
     view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, r.levels, 0, r.layers};
     VkImageView handle = VK_NULL_HANDLE;
@@ -55,16 +56,15 @@ void make_image(const DeviceHandles& handles, const PlanResource& r, VkDeviceMem
     out.image_view = {handles.device, handle};
 }
 
-void make_buffer(const DeviceHandles& handles, const PlanResource& r, VkDeviceMemory heap, VkDeviceSize offset,
-                 ResourceInstance& out) {
+void make_buffer(const DeviceHandles& handles, const PlanResource& r, VkDeviceMemory heap,
+                 VkDeviceSize offset, ResourceInstance& out) {
     const std::string& name = r.names.front();
-    const uint64_t bytes = std::max<uint64_t>(r.count, 1) * r.element_bytes;
-    const VkBufferCreateInfo create = buffer_info(bytes, r.buffer_usage);
+    const VkBufferCreateInfo create = buffer_info(r.buffer_bytes(), r.buffer_usage);
     VkBuffer buffer = VK_NULL_HANDLE;
     check(vkCreateBuffer(handles.device, &create, nullptr, &buffer), "vkCreateBuffer", name);
     out.buffer = {handles.device, buffer};
     check(vkBindBufferMemory(handles.device, buffer, heap, offset), "vkBindBufferMemory", name);
-    out.bytes = bytes;
+    out.bytes = r.buffer_bytes();
     if (!(r.buffer_usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)) return;
     VkBufferViewCreateInfo view{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
     view.buffer = buffer;
@@ -85,11 +85,13 @@ DeviceTable device_table(const DeviceHandles& handles) {
     table.cpu = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     table.max_image_extent = properties.limits.maxImageDimension2D;
     table.max_texel_elements = properties.limits.maxTexelBufferElements;
+    table.max_storage_bytes = properties.limits.maxStorageBufferRange;
     table.max_workgroup_invocations = properties.limits.maxComputeWorkGroupInvocations;
     const VkDevice device = handles.device;
     table.image_memory = [device](const ImageNeed& need) {
         const VkImageCreateInfo create = image_info(need);
-        const VkDeviceImageMemoryRequirements ask{VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS, nullptr, &create, {}};
+        const VkDeviceImageMemoryRequirements ask{
+            VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS, nullptr, &create, {}};
         VkMemoryRequirements2 answer{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
         vkGetDeviceImageMemoryRequirements(device, &ask, &answer);
         return MemoryNeed{answer.memoryRequirements.size, answer.memoryRequirements.alignment,
@@ -97,7 +99,8 @@ DeviceTable device_table(const DeviceHandles& handles) {
     };
     table.buffer_memory = [device](uint64_t bytes, VkBufferUsageFlags usage) {
         const VkBufferCreateInfo create = buffer_info(bytes, usage);
-        const VkDeviceBufferMemoryRequirements ask{VK_STRUCTURE_TYPE_DEVICE_BUFFER_MEMORY_REQUIREMENTS, nullptr, &create};
+        const VkDeviceBufferMemoryRequirements ask{VK_STRUCTURE_TYPE_DEVICE_BUFFER_MEMORY_REQUIREMENTS,
+                                                   nullptr, &create};
         VkMemoryRequirements2 answer{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
         vkGetDeviceBufferMemoryRequirements(device, &ask, &answer);
         return MemoryNeed{answer.memoryRequirements.size, answer.memoryRequirements.alignment,
@@ -107,7 +110,8 @@ DeviceTable device_table(const DeviceHandles& handles) {
     table.supports = [physical](Format format, VkFormatFeatureFlags features) {
         VkFormatProperties supported;
         vkGetPhysicalDeviceFormatProperties(physical, info(format).vk, &supported);
-        return (supported.optimalTilingFeatures & features) == features;
+        // Image and buffer features are different bits.
+        return ((supported.optimalTilingFeatures | supported.bufferFeatures) & features) == features;
     };
     return table;
 }
@@ -130,8 +134,9 @@ MappedBuffer::MappedBuffer(const DeviceHandles& handles, VkDeviceSize bytes, VkB
     buffer_ = {handles.device, buffer};
     VkMemoryRequirements need;
     vkGetBufferMemoryRequirements(handles.device, buffer, &need);
-    const uint32_t type = memory_type(handles.physical, need.memoryTypeBits,
-                                      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    const uint32_t type =
+        memory_type(handles.physical, need.memoryTypeBits,
+                    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
     memory_ = allocate(handles, need.size, type, what);
     check(vkBindBufferMemory(handles.device, buffer, memory_.get(), 0), "vkBindBufferMemory", what);
     void* mapped = nullptr;
@@ -141,14 +146,15 @@ MappedBuffer::MappedBuffer(const DeviceHandles& handles, VkDeviceSize bytes, VkB
 
 PlanMemory::PlanMemory(const DeviceHandles& handles, const Plan& plan) : instances_(plan.resources.size()) {
     for (const Heap& heap : plan.heaps)
-        heaps_.push_back(allocate(handles, std::max<uint64_t>(heap.bytes, 1),
-                                  memory_type(handles.physical, heap.memory_type_bits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT),
-                                  "the heap of " + heap.type));
+        heaps_.push_back(allocate(
+            handles, std::max<uint64_t>(heap.bytes, 1),
+            memory_type(handles.physical, heap.memory_type_bits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT),
+            "the heap of " + heap.type));
     for (uint32_t i = 0; i < plan.resources.size(); ++i) {
         const PlanResource& r = plan.resources[i];
         for (uint32_t parity = 0; parity < 2; ++parity)
-            (r.kind == PortKind::image ? make_image : make_buffer)(handles, r, heaps_[r.heap].get(), r.offset[parity],
-                                                                   instances_[i][parity]);
+            (r.kind == PortKind::image ? make_image : make_buffer)(handles, r, heaps_[r.heap].get(),
+                                                                   r.offset[parity], instances_[i][parity]);
     }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A plan's resources on a device: one allocation per heap, and for each resource two instances (by frame parity), each
-// an image or a buffer bound at the offset that the packer chose.
+// A plan's resources on a device: one allocation per heap, and for each resource two instances (by frame
+// parity), each an image or a buffer bound at the offset that the packer chose.
 #pragma once
 
 #include <array>
@@ -19,7 +19,8 @@ struct DeviceHandles {
     uint32_t queue_family = 0;
 };
 
-// Limits, format features and memory sizes of a real device. The table asks `handles.device` later: it must outlive it.
+// Limits, format features and memory sizes of a real device, which must outlive the table. Whether ray_query
+// and storage8 are enabled cannot be asked of a device: the caller fills them in.
 DeviceTable device_table(const DeviceHandles& handles);
 
 // The first memory type of `type_bits` with all `wanted` properties; throws VulkanError where there is none.
@@ -33,11 +34,12 @@ struct ResourceInstance {
     VkDeviceSize bytes = 0;
 };
 
-// A buffer of its own memory: host-visible and mapped, or device-local.
+// A buffer of its own, host-visible and coherent memory, mapped for its lifetime.
 class MappedBuffer {
   public:
     MappedBuffer() = default;
-    MappedBuffer(const DeviceHandles& handles, VkDeviceSize bytes, VkBufferUsageFlags usage, std::string_view what);
+    MappedBuffer(const DeviceHandles& handles, VkDeviceSize bytes, VkBufferUsageFlags usage,
+                 std::string_view what);
     VkBuffer get() const { return buffer_.get(); }
     std::byte* data() const { return data_; }
     VkDeviceSize size() const { return size_; }
@@ -52,7 +54,9 @@ class MappedBuffer {
 class PlanMemory {
   public:
     PlanMemory(const DeviceHandles& handles, const Plan& plan);
-    const ResourceInstance& at(uint32_t resource, uint32_t parity) const { return instances_[resource][parity]; }
+    const ResourceInstance& at(uint32_t resource, uint32_t parity) const {
+        return instances_[resource][parity];
+    }
 
   private:
     std::vector<Owned<VkDeviceMemory>> heaps_;

@@ -251,6 +251,8 @@ class Linker {
         if (source->previous)
             error(port, "updates", fmt::format("\"{}\" is a previous frame's value", source->name));
         if (source->optional) error(port, "updates", fmt::format("\"{}\" is optional", source->name));
+        if (port.optional)
+            error(port, "updates", "an update cannot be optional: its input is bound through it");
         if (source->condition != port.condition)
             error(port, "updates", fmt::format("\"{}\" has another condition (\"if\")", source->name));
         for (const Port& other : type_.ports)

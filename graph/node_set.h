@@ -16,7 +16,7 @@
 
 namespace penumbra {
 
-struct HostPassContext;  // record.h: command buffer, bindings and parameters of a host node's pass
+struct HostPassContext;  // view.h: command buffer, bindings and parameters of a host node's pass
 using HostCallback = std::function<void(const HostPassContext&)>;
 
 // SPIR-V per variant key (see interface.h: the storage formats and optional ports that a variant was compiled for).

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A compiled pipeline: pure data. Passes in order with their bindings, constants and dependencies; resources with
-// their lifetimes and byte offsets. A host with its own RHI can realise a plan without the runtime in view.h.
+// A compiled pipeline: pure data. Passes in order with their bindings, constants and dependencies; resources
+// with their lifetimes and byte offsets. A host with its own RHI can realise a plan without the runtime in
+// view.h.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -10,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,13 +38,15 @@ struct ImageNeed {
     VkImageUsageFlags usage = 0;
 };
 
-// All that compile() asks of a device. device_table() (memory.h) reads a real one; reference_device() is a fixed one
-// for tests and for planning without a device.
+// All that compile() asks of a device. device_table() (memory.h) reads a real one; reference_device() is a
+// fixed one for tests and for planning without a device. Which features are enabled only the host can say:
+// ray_query, storage8.
 struct DeviceTable {
     std::string name;
-    bool cpu = false;                    // device class: selects the declarations' overrides
-    uint32_t max_image_extent = 16384;   // pixels per axis
+    bool cpu = false;                   // device class: selects the declarations' overrides
+    uint32_t max_image_extent = 16384;  // pixels per axis
     uint32_t max_texel_elements = 1u << 27;
+    uint32_t max_storage_bytes = 1u << 27;  // of one buffer binding
     uint32_t max_workgroup_invocations = 1024;
     bool ray_query = false, storage8 = false;
     std::function<MemoryNeed(const ImageNeed&)> image_memory;
@@ -60,7 +64,10 @@ struct HostResource {
 
 struct Target {
     Extent extent;
-    std::map<std::string, HostResource> inputs;  // images and texels; absent: the frame's extent, the first format accepted
+    // Images and texels; absent: the declared extent and format, or the frame's and the first that all
+    // readers accept.
+    std::map<std::string, HostResource> inputs;
+    std::set<std::string> left_out;  // optional inputs that the host does not bring at all
     Facts facts;
     DeviceTable device;
 };
@@ -74,12 +81,13 @@ struct Use {
 
 // A slot the host fills at every record(): an input, or an input's previous value.
 struct HostSlot {
-    std::string name;   // "depth", "depth@-1", "scene.nodes"
+    std::string name;  // "depth", "depth@-1", "scene.nodes"
     PortKind kind = PortKind::image;
     Format format = Format::r8;
     Extent extent;
+    uint32_t layers = 1;
     std::string element;
-    uint32_t bytes = 0;  // blocks: size of the struct
+    uint32_t bytes = 0;                // blocks: size of the struct
     std::vector<std::string> readers;  // node ids
 };
 
@@ -89,9 +97,10 @@ struct PlanResource {
     PortKind kind = PortKind::image;
     Format format = Format::r8;
     Extent extent;
+    bool layered = false;  // a 2D array, be it of one layer
     uint32_t layers = 1, levels = 1;
     std::string element;
-    uint64_t count = 0;              // elements (buffers, texels)
+    uint64_t count = 0;  // elements (buffers, texels)
     uint32_t element_bytes = 4;
     VkImageUsageFlags image_usage = 0;
     VkBufferUsageFlags buffer_usage = 0;
@@ -99,19 +108,21 @@ struct PlanResource {
     bool clear_on_activation = false;  // writes: some
     bool clear_on_reset = false;       // first: clear
     uint32_t first_pass = 0;
-    uint32_t length = 1;               // passes on the circle of 2P
+    uint32_t length = 1;  // passes on the circle of 2P
     uint64_t bytes = 0, alignment = 1;
     uint32_t heap = 0;
     std::array<uint64_t, 2> offset{0, 0};  // by frame parity
+
+    uint64_t buffer_bytes() const;  // of the VkBuffer: whole words, never none
 };
 
 struct PlanBinding {
     const Port* port = nullptr;
     uint32_t binding = 0;
     bool host = false;
-    uint32_t index = 0;      // of Plan::resources or Plan::slots (a scene port: its first slot)
-    bool previous = false;   // internal: the other parity's placement
-    std::string resource;    // the name it is bound to, with @-1 where previous
+    uint32_t index = 0;     // of Plan::resources or Plan::slots (a scene port: its first slot)
+    bool previous = false;  // internal: the other parity's placement
+    std::string resource;   // the name it is bound to, with @-1 where previous
 };
 
 // One image that starts to use its memory: UNDEFINED -> GENERAL.
@@ -140,7 +151,7 @@ enum class PassKind : uint8_t { compute, host, capture };
 
 struct PlanPass {
     PassKind kind = PassKind::compute;
-    std::string node;                 // node id; captures: the resource's name
+    std::string node;  // node id; captures: the resource's name
     const NodeEntry* entry = nullptr;
     Variant variant;
     std::vector<PlanBinding> bindings;
@@ -149,7 +160,7 @@ struct PlanPass {
     std::array<uint32_t, 3> groups{1, 1, 1};
     std::optional<uint32_t> indirect;  // resource with the arguments
     uint32_t indirect_offset = 0;
-    uint32_t counter_base = 0;         // first of the entry's counters among all passes'
+    uint32_t counter_base = 0;  // first of the entry's counters among all passes'
     std::vector<PassUse> uses;
     std::vector<uint32_t> clears;      // resources cleared before the pass (writes: some)
     std::array<Dependency, 2> before;  // by frame parity
@@ -195,7 +206,7 @@ struct Plan {
     std::vector<Culled> culled;
     std::vector<PlanOutput> outputs;
     std::vector<Heap> heaps;
-    std::array<Dependency, 2> end;  // makes the outputs visible to the host
+    std::array<Dependency, 2> end;      // makes the outputs visible to the host
     std::vector<std::string> counters;  // "node.counter", in the counter buffer's order
     bool jitter = false;                // a node asks the host to jitter
     MemoryReport memory;

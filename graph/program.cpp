@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One pipeline per compute pass, specialised with the plan's constants; set 0 holds internal resources, set 1 the frame
-// block, counters, host slots and tables.
+// One pipeline per compute pass, specialised with the plan's constants; set 0 holds internal resources, set 1
+// the frame block, counters, host slots and tables.
 #include "graph/program.h"
 
 #include <fmt/format.h>
@@ -15,25 +15,29 @@ VkDescriptorSetLayoutBinding layout_binding(uint32_t binding, VkDescriptorType t
     return {binding, type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
 }
 
-Owned<VkDescriptorSetLayout> make_set_layout(VkDevice device, const std::vector<VkDescriptorSetLayoutBinding>& bindings,
+Owned<VkDescriptorSetLayout> make_set_layout(VkDevice device,
+                                             const std::vector<VkDescriptorSetLayoutBinding>& bindings,
                                              const std::string& what) {
     VkDescriptorSetLayoutCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     create.bindingCount = static_cast<uint32_t>(bindings.size());
     create.pBindings = bindings.data();
     VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device, &create, nullptr, &layout), "vkCreateDescriptorSetLayout", what);
+    check(vkCreateDescriptorSetLayout(device, &create, nullptr, &layout), "vkCreateDescriptorSetLayout",
+          what);
     return {device, layout};
 }
 
 std::vector<uint32_t> spirv_of(const PlanPass& pass) {
     const auto found = pass.entry->shaders.find(to_string(pass.variant));
     if (found == pass.entry->shaders.end())
-        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED, fmt::format("node {} has no shader for its variant", pass.node));
+        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
+                          fmt::format("node {} has no shader for its variant", pass.node));
     std::vector<uint32_t> spirv = found->second;
     std::vector<uint32_t> host;
     for (const PlanBinding& binding : pass.bindings)
         if (binding.host)
-            for (uint32_t i = 0; i < descriptor_types(*binding.port, false).size(); ++i) host.push_back(binding.binding + i);
+            for (uint32_t i = 0; i < descriptor_types(*binding.port, false).size(); ++i)
+                host.push_back(binding.binding + i);
     bind_to_sets(spirv, host);
     return spirv;
 }
@@ -43,11 +47,14 @@ std::vector<uint32_t> spirv_of(const PlanPass& pass) {
 std::vector<VkDescriptorType> descriptor_types(const Port& port, bool output) {
     switch (port.kind) {
         case PortKind::image:
-            return {port.storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER};
+            return {port.storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
+                                 : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER};
         case PortKind::texels:
             return {output ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER};
-        case PortKind::buffer: return {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-        case PortKind::block: return {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER};
+        case PortKind::buffer:
+            return {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+        case PortKind::block:
+            return {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER};
         case PortKind::scene:
             return {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
                     VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER};
@@ -60,18 +67,26 @@ Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan)
     for (int linear = 0; linear < 2; ++linear) {
         VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
         create.magFilter = create.minFilter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
-        create.addressModeU = create.addressModeV = create.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+        create.addressModeU = create.addressModeV = create.addressModeW =
+            VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
         VkSampler sampler = VK_NULL_HANDLE;
-        check(vkCreateSampler(handles_.device, &create, nullptr, &sampler), "vkCreateSampler", "a port's sampler");
+        check(vkCreateSampler(handles_.device, &create, nullptr, &sampler), "vkCreateSampler",
+              "a port's sampler");
         samplers_[linear] = {handles_.device, sampler};
     }
     VkPipelineCacheCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
     VkPipelineCache cache = VK_NULL_HANDLE;
-    check(vkCreatePipelineCache(handles_.device, &create, nullptr, &cache), "vkCreatePipelineCache", plan_->pipeline);
+    check(vkCreatePipelineCache(handles_.device, &create, nullptr, &cache), "vkCreatePipelineCache",
+          plan_->pipeline);
     cache_ = {handles_.device, cache};
     make_tables();
-    for (size_t i = 0; i < passes_.size(); ++i)
-        if (plan_->passes[i].kind == PassKind::compute) make_pass(i);
+    for (size_t i = 0; i < passes_.size(); ++i) {
+        const PlanPass& pass = plan_->passes[i];
+        if (pass.kind == PassKind::host && !pass.entry->callback)
+            throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
+                              fmt::format("host node {} has no callback", pass.node));
+        if (pass.kind == PassKind::compute) make_pass(i);
+    }
 }
 
 const TableImage& Program::table(const std::string& node_type, const std::string& name) const {
@@ -85,12 +100,15 @@ void Program::make_tables() {
         for (const Table& table : pass.entry->type.tables) {
             TableImage t;
             t.name = pass.entry->type.name + "/" + table.name;
-            if (std::any_of(tables_.begin(), tables_.end(), [&](const TableImage& o) { return o.name == t.name; })) continue;
+            if (std::any_of(tables_.begin(), tables_.end(),
+                            [&](const TableImage& o) { return o.name == t.name; }))
+                continue;
             const auto data = std::find_if(pass.entry->tables.begin(), pass.entry->tables.end(),
                                            [&](const TableData& d) { return d.name == table.name; });
             const size_t bytes = size_t{table.extent[0]} * table.extent[1] * info(table.format).bytes;
             if (data == pass.entry->tables.end() || data->texels.size() != bytes)
-                throw VulkanError(VK_ERROR_INITIALIZATION_FAILED, fmt::format("table {} does not hold {} bytes", t.name, bytes));
+                throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
+                                  fmt::format("table {} does not hold {} bytes", t.name, bytes));
             t.extent = table.extent;
             VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
             create.imageType = VK_IMAGE_TYPE_2D;
@@ -141,7 +159,8 @@ void Program::make_pass(size_t index) {
             sets[binding.host].push_back(layout_binding(at++, t));
     }
     for (uint32_t i = 0; i < type.tables.size(); ++i)
-        sets[1].push_back(layout_binding(first_table_binding(type) + i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER));
+        sets[1].push_back(
+            layout_binding(first_table_binding(type) + i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER));
     std::array<VkDescriptorSetLayout, 2> layouts{};
     for (size_t s = 0; s < 2; ++s) {
         out.set_layouts[s] = make_set_layout(handles_.device, sets[s], pass.node);
@@ -155,7 +174,8 @@ void Program::make_pass(size_t index) {
     layout_create.pushConstantRangeCount = pass.push.empty() ? 0 : 1;
     layout_create.pPushConstantRanges = &push;
     VkPipelineLayout layout = VK_NULL_HANDLE;
-    check(vkCreatePipelineLayout(handles_.device, &layout_create, nullptr, &layout), "vkCreatePipelineLayout", pass.node);
+    check(vkCreatePipelineLayout(handles_.device, &layout_create, nullptr, &layout), "vkCreatePipelineLayout",
+          pass.node);
     out.layout = {handles_.device, layout};
 
     const std::vector<uint32_t> spirv = spirv_of(pass);
@@ -163,7 +183,8 @@ void Program::make_pass(size_t index) {
     module_create.codeSize = spirv.size() * sizeof(uint32_t);
     module_create.pCode = spirv.data();
     VkShaderModule module = VK_NULL_HANDLE;
-    check(vkCreateShaderModule(handles_.device, &module_create, nullptr, &module), "vkCreateShaderModule", pass.node);
+    check(vkCreateShaderModule(handles_.device, &module_create, nullptr, &module), "vkCreateShaderModule",
+          pass.node);
     const Owned<VkShaderModule> owned_module(handles_.device, module);
 
     std::vector<VkSpecializationMapEntry> entries;
@@ -200,7 +221,8 @@ void Program::record_uploads(VkCommandBuffer cmd) const {
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.imageExtent = {t.extent[0], t.extent[1], 1};
-        vkCmdCopyBufferToImage(cmd, t.staging.get(), t.image.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
+        vkCmdCopyBufferToImage(cmd, t.staging.get(), t.image.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                               &copy);
         barrier.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
         barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
         barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;

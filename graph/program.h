@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A plan's shaders and tables on a device: immutable after construction, shared by any number of views.
+// A plan's shaders and tables on a device, shared by any number of views of one queue. Immutable after
+// construction but for the one upload of the tables, which the first frame recorded carries.
 #pragma once
 
 #include <memory>

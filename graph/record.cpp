@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A plan to commands: per pass its dependency, clears, descriptors, push constants and dispatch, between two timestamps
-// and inside a debug label.
+// A plan to commands: per pass its dependency, clears, descriptors, push constants and dispatch, between two
+// timestamps and inside a debug label.
 #include <fmt/format.h>
 
 #include <array>
@@ -17,7 +17,8 @@ namespace {
 constexpr VkImageSubresourceRange whole_image{VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0,
                                               VK_REMAINING_ARRAY_LAYERS};
 
-VkImageMemoryBarrier2 activate(VkImage image, VkPipelineStageFlags2 src, VkPipelineStageFlags2 dst, VkAccessFlags2 access) {
+VkImageMemoryBarrier2 activate(VkImage image, VkPipelineStageFlags2 src, VkPipelineStageFlags2 dst,
+                               VkAccessFlags2 access) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = src;
     barrier.dstStageMask = dst;
@@ -49,15 +50,22 @@ void memory_dependency(VkCommandBuffer cmd, VkPipelineStageFlags2 src_stages, Vk
 // Everything before, before everything after: reset frames and poisoning, where cost does not matter.
 void full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemoryBarrier2> images = {}) {
     constexpr VkAccessFlags2 all = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    memory_dependency(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, all, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, all, images);
+    memory_dependency(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, all, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                      all, images);
 }
 
 VkClearColorValue poison_colour(FormatClass kind, uint32_t pattern) {
     VkClearColorValue colour{};
     for (int c = 0; c < 4; ++c) switch (kind) {
-            case FormatClass::uint: colour.uint32[c] = pattern ? 0x5A5A5A5Au : 0xDEADBEEFu; break;
-            case FormatClass::unorm: colour.float32[c] = pattern ? 0.1234f : 0.7312f; break;
-            default: colour.float32[c] = pattern ? -3e4f : std::numeric_limits<float>::quiet_NaN(); break;
+            case FormatClass::uint:
+                colour.uint32[c] = pattern ? 0x5A5A5A5Au : 0xDEADBEEFu;
+                break;
+            case FormatClass::unorm:
+                colour.float32[c] = pattern ? 0.1234f : 0.7312f;
+                break;
+            default:
+                colour.float32[c] = pattern ? -3e4f : std::numeric_limits<float>::quiet_NaN();
+                break;
         }
     return colour;
 }
@@ -73,11 +81,12 @@ void View::record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<
 void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots) {
     if (frame.size[0] != plan().extent.width || frame.size[1] != plan().extent.height)
         throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                          fmt::format("the frame is {}x{}, the plan was compiled for {}x{}", frame.size[0], frame.size[1],
-                                      plan().extent.width, plan().extent.height));
+                          fmt::format("the frame is {}x{}, the plan was compiled for {}x{}", frame.size[0],
+                                      frame.size[1], plan().extent.width, plan().extent.height));
+    check_slot_bindings(slots);
     parity_ = static_cast<uint32_t>(recorded_ & 1);
     slot_ = static_cast<uint32_t>(recorded_ % slots_.size());
-    Slot& slot = slots_[slot_];
+    const Slot& slot = slots_[slot_];
     write_slot_bindings(slot, slots);
 
     frame_block_ = make_frame_block(frame);
@@ -95,13 +104,15 @@ void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<c
     if (frame_block_.flags & frame_reset) record_reset(cmd);
 }
 
-// No history exists: the previous parity's images get a layout, those with `first: clear` (and, in tests, a poison) a value.
+// No history exists: the previous parity's images get a layout, those with `first: clear` (and, in tests, a
+// poison) a value.
 void View::record_reset(VkCommandBuffer cmd) {
     const uint32_t previous = 1 - parity_;
     std::vector<VkImageMemoryBarrier2> images;
     for (uint32_t i = 0; i < plan().resources.size(); ++i)
         if (plan().resources[i].history && memory_.at(i, previous).image)
-            images.push_back(activate(memory_.at(i, previous).image.get(), VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+            images.push_back(activate(memory_.at(i, previous).image.get(),
+                                      VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                       VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT));
     full_dependency(cmd, images);
@@ -117,12 +128,14 @@ void View::record_dependency(VkCommandBuffer cmd, const Dependency& dependency) 
     if (dependency.empty()) return;
     std::vector<VkImageMemoryBarrier2> images;
     for (const Activation& a : dependency.activations)
-        images.push_back(activate(memory_.at(a.resource, parity_).image.get(), a.src_stages, a.dst_stages, a.dst_access));
-    memory_dependency(cmd, dependency.src_stages, dependency.src_access, dependency.dst_stages, dependency.dst_access,
-                      images);
+        images.push_back(
+            activate(memory_.at(a.resource, parity_).image.get(), a.src_stages, a.dst_stages, a.dst_access));
+    memory_dependency(cmd, dependency.src_stages, dependency.src_access, dependency.dst_stages,
+                      dependency.dst_access, images);
 }
 
-void View::record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity, std::optional<uint32_t> poison) const {
+void View::record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
+                        std::optional<uint32_t> poison) const {
     const ResourceInstance& r = memory_.at(resource, parity);
     const FormatClass kind = info(plan().resources[resource].format).kind;
     if (r.image) {
@@ -157,24 +170,31 @@ void View::record_pass(VkCommandBuffer cmd, size_t index) {
     for (const uint32_t resource : pass.clears) record_clear(cmd, resource, parity_, std::nullopt);
     record_dependency(cmd, pass.after_clears[parity_]);
     switch (pass.kind) {
-        case PassKind::capture: record_capture(cmd, index); break;
-        case PassKind::host: record_host_pass(cmd, index); break;
+        case PassKind::capture:
+            record_capture(cmd, index);
+            break;
+        case PassKind::host:
+            record_host_pass(cmd, index);
+            break;
         case PassKind::compute: {
             const PassProgram& program = program_->pass(index);
             const std::array sets{internal_sets_[index][parity_], slot.sets[index]};
             vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline.get());
-            vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2, sets.data(), 0, nullptr);
+            vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2,
+                                    sets.data(), 0, nullptr);
             if (!push_[index].empty())
                 vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                                    static_cast<uint32_t>(push_[index].size()), push_[index].data());
             if (pass.indirect)
-                vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer.get(), pass.indirect_offset);
+                vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer.get(),
+                                      pass.indirect_offset);
             else
                 vkCmdDispatch(cmd, pass.groups[0], pass.groups[1], pass.groups[2]);
         }
     }
     if (slot.timestamps)
-        vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(), first_query + 1);
+        vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
+                             first_query + 1);
     if (end_label_) end_label_(cmd);
 }
 
@@ -187,7 +207,7 @@ void View::record_capture(VkCommandBuffer cmd, size_t index) const {
     if (r.image) {
         const Extent extent = plan().resources[binding.index].extent;
         VkBufferImageCopy copy{};
-        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, plan().resources[binding.index].layers};
         copy.imageExtent = {extent.width, extent.height, 1};
         vkCmdCopyImageToBuffer(cmd, r.image.get(), VK_IMAGE_LAYOUT_GENERAL, target.get(), 1, &copy);
     } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Conditions choose the producers, reachability from the outputs (through @-1 too) does the rest. The order is the
-// dataflow's; among nodes that are ready the file's order decides, so that a plan reads like its pipeline.
+// Conditions choose the producers, reachability from the outputs (through @-1 too) does the rest. The order
+// is the dataflow's; among nodes that are ready the file's order decides, so that a plan reads like its
+// pipeline.
 #include "graph/select.h"
 
 #include <algorithm>
@@ -12,16 +13,18 @@ namespace {
 
 class Selector {
   public:
-    Selector(const CheckedPipeline& pipeline, const NodeSet& nodes, const Facts& facts, Diagnostics& diagnostics)
-        : pipeline_(pipeline), nodes_(nodes), facts_(facts), diagnostics_(diagnostics) {}
+    Selector(const CheckedPipeline& pipeline, const NodeSet& nodes, const Facts& facts,
+             const std::set<std::string>& left_out, Diagnostics& diagnostics)
+        : pipeline_(pipeline), nodes_(nodes), facts_(facts), left_out_(left_out), diagnostics_(diagnostics) {}
 
     std::optional<Selection> run(const std::vector<std::string>& captures) {
+        const size_t errors = diagnostics_.size();
         for (const BoundNode& node : pipeline_.nodes) consider(node);
         add_history_copies();
         for (Candidate& candidate : candidates_) connect(candidate);
         for (const std::string& name : captures) add_capture(name);
         mark_needed();
-        if (!diagnostics_.empty()) return std::nullopt;
+        if (diagnostics_.size() != errors) return std::nullopt;
         drop_unneeded();
         return order();
     }
@@ -33,7 +36,9 @@ class Selector {
         bool is_copy = false;
     };
 
-    bool exists(const BoundNode& node, const Port& port) const { return holds(port.condition, facts_, node.params); }
+    bool exists(const BoundNode& node, const Port& port) const {
+        return holds(port.condition, facts_, node.params);
+    }
 
     void consider(const BoundNode& node) {
         if (!holds(node.condition, facts_, node.params)) {
@@ -51,9 +56,10 @@ class Selector {
                 producer_[port.resource] = index;
     }
 
+    // Nothing where the host leaves an optional input out.
     const HostInput* host_input(const std::string& name) const {
         for (const HostInput& input : pipeline_.inputs)
-            if (input.name == name) return &input;
+            if (input.name == name && !(input.optional && left_out_.contains(name))) return &input;
         return nullptr;
     }
 
@@ -111,7 +117,8 @@ class Selector {
         if (!producer_.contains(name)) {
             std::vector<std::string> known;
             for (const auto& [resource, index] : producer_) known.push_back(resource);
-            diagnostics_.add({}, "capture", "no node of this plan writes \"" + name + "\"" + did_you_mean(name, known));
+            diagnostics_.add({}, "capture",
+                             "no node of this plan writes \"" + name + "\"" + did_you_mean(name, known));
             return;
         }
         candidates_.push_back({{nullptr, name, {{nullptr, Source::internal, name, false}}}, true, false});
@@ -148,7 +155,8 @@ class Selector {
         producer_.clear();
         for (size_t i = 0; i < candidates_.size(); ++i)
             for (const Connection& c : candidates_[i].selected.ports)
-                if (c.bound && c.bound->port->output && c.source == Source::internal) producer_[c.resource] = i;
+                if (c.bound && c.bound->port->output && c.source == Source::internal)
+                    producer_[c.resource] = i;
     }
 
     // An optional output that nobody asks for does not exist: it costs no memory and no store.
@@ -156,7 +164,8 @@ class Selector {
         std::set<std::string> read(pipeline_.outputs.begin(), pipeline_.outputs.end());
         for (const Candidate& candidate : candidates_)
             for (const Connection& c : candidate.selected.ports)
-                if (c.source == Source::internal && (!c.bound || !c.bound->port->output)) read.insert(c.resource);
+                if (c.source == Source::internal && (!c.bound || !c.bound->port->output))
+                    read.insert(c.resource);
         for (Candidate& candidate : candidates_)
             for (Connection& c : candidate.selected.ports)
                 if (c.bound && c.bound->port->output && c.bound->port->optional && !read.contains(c.resource))
@@ -172,7 +181,8 @@ class Selector {
         std::map<std::string, size_t> updater;  // name -> the node that turns it into the next name
         for (size_t i = 0; i < candidates_.size(); ++i)
             for (const Connection& c : candidates_[i].selected.ports)
-                if (c.bound && c.source == Source::internal && c.bound->port->output && !c.bound->port->updates.empty())
+                if (c.bound && c.source == Source::internal && c.bound->port->output &&
+                    !c.bound->port->updates.empty())
                     for (const Connection& in : candidates_[i].selected.ports)
                         if (in.bound->port->name == c.bound->port->updates) updater[in.resource] = i;
         for (size_t i = 0; i < candidates_.size(); ++i)
@@ -189,7 +199,8 @@ class Selector {
         return edges;
     }
 
-    // A kept copy is taken after the last reader of the kept value, so that the two placements hardly overlap.
+    // A kept copy is taken after the last reader of the kept value, so that the two placements hardly
+    // overlap.
     template <class Edge>
     void keep_after_reader(size_t reader, const Connection& c, Edge&& edge) const {
         const auto writer = producer_.find(c.resource);
@@ -217,6 +228,7 @@ class Selector {
     const CheckedPipeline& pipeline_;
     const NodeSet& nodes_;
     const Facts& facts_;
+    const std::set<std::string>& left_out_;
     Diagnostics& diagnostics_;
     Selection selection_;
     std::vector<Candidate> candidates_;
@@ -225,11 +237,14 @@ class Selector {
 
 }  // namespace
 
-std::string kept_copy(const std::string& input) { return input + "@copy"; }
+std::string kept_copy(const std::string& input) {
+    return input + "@copy";
+}
 
 std::optional<Selection> select(const CheckedPipeline& pipeline, const NodeSet& nodes, const Facts& facts,
+                                const std::set<std::string>& left_out,
                                 const std::vector<std::string>& captures, Diagnostics& diagnostics) {
-    return Selector(pipeline, nodes, facts, diagnostics).run(captures);
+    return Selector(pipeline, nodes, facts, left_out, diagnostics).run(captures);
 }
 
 }  // namespace penumbra

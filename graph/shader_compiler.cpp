@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// SPIR-V 1.5 rather than 1.6: at 1.6 glslang emits LocalSizeId, which needs maintenance4 to be enabled by the host.
+// SPIR-V 1.5 rather than 1.6: at 1.6 glslang emits LocalSizeId, which needs maintenance4 to be enabled by the
+// host.
 #include "graph/shader_compiler.h"
 
 #include <fmt/format.h>
@@ -10,9 +11,9 @@
 #include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <spirv-tools/libspirv.hpp>
 #include <spirv-tools/optimizer.hpp>
+#include <sstream>
 
 namespace penumbra {
 namespace {
@@ -77,10 +78,12 @@ void report_log(const std::string& log, const ShaderSource& source, Diagnostics&
     if (!any) diagnostics.add({source.file.string()}, "", "glslang: " + log);
 }
 
-std::optional<std::vector<uint32_t>> validate_and_optimise(std::vector<uint32_t> words, const ShaderSource& source,
+std::optional<std::vector<uint32_t>> validate_and_optimise(std::vector<uint32_t> words,
+                                                           const ShaderSource& source,
                                                            Diagnostics& diagnostics) {
     std::string messages;
-    const auto collect = [&](spv_message_level_t level, const char*, const spv_position_t&, const char* text) {
+    const auto collect = [&](spv_message_level_t level, const char*, const spv_position_t&,
+                             const char* text) {
         if (level <= SPV_MSG_ERROR) messages += std::string(text) + "\n";
     };
     spvtools::Optimizer optimizer(SPV_ENV_VULKAN_1_2);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// GLSL to SPIR-V with glslang, validated and optimised with SPIRV-Tools. The build uses it to embed the node set.
+// GLSL to SPIR-V with glslang, validated and optimised with SPIRV-Tools. The build uses it to embed the node
+// set.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +20,7 @@ struct ShaderSource {
 };
 
 struct CompiledShader {
-    std::vector<uint32_t> spirv;  // SPIR-V 1.5, Vulkan 1.2 environment
+    std::vector<uint32_t> spirv;                      // SPIR-V 1.5, Vulkan 1.2 environment
     std::vector<std::filesystem::path> dependencies;  // files that were included
 };
 

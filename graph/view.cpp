@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A view's objects: immutable descriptor sets of internal resources per parity, and per frame in flight the sets that
-// hold what the host passes, rewritten only where a handle changed.
+// A view's objects: immutable descriptor sets of internal resources per parity, and per frame in flight the
+// sets that hold what the host passes.
 #include "graph/view.h"
 
 #include <fmt/format.h>
@@ -17,14 +17,17 @@ class Writer {
   public:
     explicit Writer(VkDevice device) : device_(device) {}
     ~Writer() { flush(); }
-    void image(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, const VkDescriptorImageInfo& info) {
+    void image(VkDescriptorSet set, uint32_t binding, VkDescriptorType type,
+               const VkDescriptorImageInfo& info) {
         write(set, binding, type).pImageInfo = &images_.emplace_back(info);
     }
-    void buffer(VkDescriptorSet set, uint32_t binding, VkDescriptorType type, const VkDescriptorBufferInfo& info) {
+    void buffer(VkDescriptorSet set, uint32_t binding, VkDescriptorType type,
+                const VkDescriptorBufferInfo& info) {
         write(set, binding, type).pBufferInfo = &buffers_.emplace_back(info);
     }
     void texels(VkDescriptorSet set, uint32_t binding, VkBufferView view) {
-        write(set, binding, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER).pTexelBufferView = &views_.emplace_back(view);
+        write(set, binding, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER).pTexelBufferView =
+            &views_.emplace_back(view);
     }
 
   private:
@@ -48,7 +51,8 @@ class Writer {
 };
 
 uint64_t captured_bytes(const PlanResource& r) {
-    if (r.kind == PortKind::image) return uint64_t{r.extent.width} * r.extent.height * info(r.format).bytes;
+    if (r.kind == PortKind::image)
+        return uint64_t{r.extent.width} * r.extent.height * r.layers * info(r.format).bytes;
     return r.count * r.element_bytes;
 }
 
@@ -58,7 +62,8 @@ View::View(std::shared_ptr<const Program> program, const ViewOptions& options)
     : program_(std::move(program)), options_(options), memory_(program_->handles(), program_->plan()) {
     if (options_.frames_in_flight == 0) options_.frames_in_flight = 1;
     if (options_.poison && !plan().poison)
-        throw VulkanError(VK_ERROR_FEATURE_NOT_PRESENT, "poison needs a plan compiled with CompileOptions::poison");
+        throw VulkanError(VK_ERROR_FEATURE_NOT_PRESENT,
+                          "poison needs a plan compiled with CompileOptions::poison");
     for (size_t i = 0; i < plan().passes.size(); ++i) {
         if (plan().passes[i].kind == PassKind::capture) capture_passes_.push_back(i);
         push_.push_back(plan().passes[i].push);
@@ -69,13 +74,16 @@ View::View(std::shared_ptr<const Program> program, const ViewOptions& options)
     vkGetPhysicalDeviceQueueFamilyProperties(program_->handles().physical, &families, nullptr);
     std::vector<VkQueueFamilyProperties> queues(families);
     vkGetPhysicalDeviceQueueFamilyProperties(program_->handles().physical, &families, queues.data());
-    if (queues[program_->handles().queue_family].timestampValidBits > 0)
+    const uint32_t bits = queues[program_->handles().queue_family].timestampValidBits;
+    if (bits > 0 && !plan().passes.empty()) {
         ms_per_tick_ = static_cast<double>(properties.limits.timestampPeriod) * 1e-6;
+        tick_mask_ = bits < 64 ? (uint64_t{1} << bits) - 1 : ~uint64_t{0};
+    }
     const VkDevice device = program_->handles().device;
     begin_label_ = reinterpret_cast<PFN_vkCmdBeginDebugUtilsLabelEXT>(
         vkGetDeviceProcAddr(device, "vkCmdBeginDebugUtilsLabelEXT"));
-    end_label_ =
-        reinterpret_cast<PFN_vkCmdEndDebugUtilsLabelEXT>(vkGetDeviceProcAddr(device, "vkCmdEndDebugUtilsLabelEXT"));
+    end_label_ = reinterpret_cast<PFN_vkCmdEndDebugUtilsLabelEXT>(
+        vkGetDeviceProcAddr(device, "vkCmdEndDebugUtilsLabelEXT"));
     make_descriptor_pool();
     make_internal_sets();
     slots_.resize(options_.frames_in_flight);
@@ -92,7 +100,8 @@ void View::make_descriptor_pool() {
         counts[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER] += n;
         counts[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER] += n;
         if (!pass.entry->type.tables.empty())
-            counts[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] += n * static_cast<uint32_t>(pass.entry->type.tables.size());
+            counts[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] +=
+                n * static_cast<uint32_t>(pass.entry->type.tables.size());
         for (const PlanBinding& binding : pass.bindings) {
             const Port& port =
                 binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
@@ -130,13 +139,15 @@ void View::make_internal_sets() {
             check(vkAllocateDescriptorSets(device, &allocate, &set), "vkAllocateDescriptorSets", pass.node);
             for (const PlanBinding& binding : pass.bindings) {
                 if (binding.host) continue;
-                const Port& port =
-                    binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
+                const Port& port = binding.port->updates.empty()
+                                       ? *binding.port
+                                       : *pass.entry->type.port(binding.port->updates);
                 const ResourceInstance& r = memory_.at(binding.index, binding.previous ? 1 - parity : parity);
                 const VkDescriptorType type = descriptor_types(port, binding.port->output).front();
                 if (r.image)
-                    writer.image(set, binding.binding, type,
-                                 {program_->sampler(port.linear), r.image_view.get(), VK_IMAGE_LAYOUT_GENERAL});
+                    writer.image(
+                        set, binding.binding, type,
+                        {program_->sampler(port.linear), r.image_view.get(), VK_IMAGE_LAYOUT_GENERAL});
                 else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
                     writer.texels(set, binding.binding, r.buffer_view.get());
                 else
@@ -154,14 +165,18 @@ void View::make_slot(Slot& slot) {
         create.queryType = VK_QUERY_TYPE_TIMESTAMP;
         create.queryCount = 2 * passes;
         VkQueryPool pool = VK_NULL_HANDLE;
-        check(vkCreateQueryPool(handles.device, &create, nullptr, &pool), "vkCreateQueryPool", plan().pipeline);
+        check(vkCreateQueryPool(handles.device, &create, nullptr, &pool), "vkCreateQueryPool",
+              plan().pipeline);
         slot.timestamps = {handles.device, pool};
     }
-    slot.frame_block = MappedBuffer(handles, sizeof(FrameBlock), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the frame block");
-    slot.counters = MappedBuffer(handles, std::max<size_t>(plan().counters.size(), 1) * sizeof(uint32_t),
-                                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, "counters");
+    slot.frame_block =
+        MappedBuffer(handles, sizeof(FrameBlock), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the frame block");
+    slot.counters =
+        MappedBuffer(handles, std::max<size_t>(plan().counters.size(), 1) * sizeof(uint32_t),
+                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, "counters");
     for (const size_t p : capture_passes_)
-        slot.captures.emplace_back(handles, captured_bytes(plan().resources[plan().passes[p].bindings.front().index]),
+        slot.captures.emplace_back(handles,
+                                   captured_bytes(plan().resources[plan().passes[p].bindings.front().index]),
                                    VK_BUFFER_USAGE_TRANSFER_DST_BIT, "a capture of " + plan().passes[p].node);
     slot.sets.resize(passes);
     for (size_t p = 0; p < passes; ++p) {
@@ -174,7 +189,6 @@ void View::make_slot(Slot& slot) {
         check(vkAllocateDescriptorSets(handles.device, &allocate, &slot.sets[p]), "vkAllocateDescriptorSets",
               plan().passes[p].node);
     }
-    slot.bound.resize(plan().slots.size());
     write_fixed_bindings(slot);
 }
 
@@ -189,16 +203,32 @@ void View::write_fixed_bindings(const Slot& slot) {
         writer.buffer(slot.sets[p], counters_binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                       {slot.counters.get(), 0, VK_WHOLE_SIZE});
         for (uint32_t t = 0; t < type.tables.size(); ++t)
-            writer.image(slot.sets[p], first_table_binding(type) + t, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                         {program_->sampler(false), program_->table(type.name, type.tables[t].name).view.get(),
-                          VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+            writer.image(
+                slot.sets[p], first_table_binding(type) + t, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                {program_->sampler(false), program_->table(type.name, type.tables[t].name).view.get(),
+                 VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
     }
 }
 
-void View::write_slot_bindings(Slot& slot, std::span<const SlotBinding> bindings) {
-    if (bindings.size() != slot.bound.size())
-        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                          fmt::format("{} slots were bound, the plan has {}", bindings.size(), slot.bound.size()));
+void View::check_slot_bindings(std::span<const SlotBinding> bindings) const {
+    if (bindings.size() != plan().slots.size())
+        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED, fmt::format("{} slots were bound, the plan has {}",
+                                                                      bindings.size(), plan().slots.size()));
+    for (size_t i = 0; i < bindings.size(); ++i) {
+        const SlotBinding& b = bindings[i];
+        const PortKind kind = plan().slots[i].kind;
+        const bool bound = kind == PortKind::image    ? b.image != VK_NULL_HANDLE
+                           : kind == PortKind::texels ? b.texels != VK_NULL_HANDLE
+                                                      : b.buffer != VK_NULL_HANDLE;
+        if (!bound)
+            throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
+                              fmt::format("nothing is bound to the slot \"{}\"", plan().slots[i].name));
+    }
+}
+
+// Written every frame, even where a handle is the same as before: drivers reuse the values of destroyed
+// handles.
+void View::write_slot_bindings(const Slot& slot, std::span<const SlotBinding> bindings) {
     Writer writer(program_->handles().device);
     for (size_t p = 0; p < plan().passes.size(); ++p) {
         const PlanPass& pass = plan().passes[p];
@@ -208,22 +238,19 @@ void View::write_slot_bindings(Slot& slot, std::span<const SlotBinding> bindings
             uint32_t at = binding.binding;
             size_t index = binding.index;
             for (const VkDescriptorType type : descriptor_types(*binding.port, false)) {
-                const SlotBinding& value = bindings[index];
-                if (!(value == slot.bound[index])) {
-                    if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
-                        writer.texels(slot.sets[p], at, value.texels);
-                    else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER || type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
-                        writer.buffer(slot.sets[p], at, type, {value.buffer, value.offset, value.range});
-                    else
-                        writer.image(slot.sets[p], at, type,
-                                     {program_->sampler(binding.port->linear), value.image, value.layout});
-                }
+                const SlotBinding& value = bindings[index++];
+                if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+                    writer.texels(slot.sets[p], at, value.texels);
+                else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ||
+                         type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
+                    writer.buffer(slot.sets[p], at, type, {value.buffer, value.offset, value.range});
+                else
+                    writer.image(slot.sets[p], at, type,
+                                 {program_->sampler(binding.port->linear), value.image, value.layout});
                 ++at;
-                ++index;
             }
         }
     }
-    std::copy(bindings.begin(), bindings.end(), slot.bound.begin());
 }
 
 const ResourceInstance& View::instance(const PlanBinding& binding) const {
@@ -237,7 +264,7 @@ bool View::set_param(std::string_view node, std::string_view param, const ParamV
         const NodeType& type = pass.entry->type;
         const PushConstants layout = push_constants(type);
         for (size_t i = 0; i < type.params.size(); ++i)
-            if (type.params[i].name == param && layout.offsets[i]) {
+            if (type.params[i].name == param && layout.offsets[i] && fits(type.params[i], value)) {
                 const std::vector<std::byte> bytes = value_bytes(type.params[i], value);
                 std::memcpy(push_[p].data() + *layout.offsets[i], bytes.data(), bytes.size());
                 return true;
@@ -265,14 +292,16 @@ std::vector<PassStatistics> View::statistics() const {
     std::vector<uint64_t> ticks(2 * result.size());
     const bool timed =
         slot.timestamps && !ticks.empty() &&
-        vkGetQueryPoolResults(program_->handles().device, slot.timestamps.get(), 0, static_cast<uint32_t>(ticks.size()),
-                              ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t),
-                              VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+        vkGetQueryPoolResults(program_->handles().device, slot.timestamps.get(), 0,
+                              static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t),
+                              ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
     for (size_t p = 0; p < result.size(); ++p) {
-        if (timed) result[p].ms = static_cast<double>(ticks[2 * p + 1] - ticks[2 * p]) * ms_per_tick_;
+        if (timed)
+            result[p].ms = static_cast<double>((ticks[2 * p + 1] - ticks[2 * p]) & tick_mask_) * ms_per_tick_;
         if (!plan().passes[p].entry) continue;
         result[p].counters.resize(plan().passes[p].entry->type.counters.size());
-        std::memcpy(result[p].counters.data(), slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t),
+        std::memcpy(result[p].counters.data(),
+                    slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t),
                     result[p].counters.size() * sizeof(uint32_t));
     }
     return result;

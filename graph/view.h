@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// One camera's use of a program: memory, history, descriptors, frames in flight. record() writes commands into the
-// host's command buffer; it submits nothing, waits for nothing and owns no thread.
+// One camera's use of a program: memory, history, descriptors, frames in flight. record() writes commands
+// into the host's command buffer; it submits nothing, waits for nothing and owns no thread.
 //
-// The host promises: one queue, frames submitted in the order they were recorded, and that frame f - frames_in_flight
-// has completed when frame f is recorded. Outputs are valid until the next record() of the same view.
+// The host promises: one queue, frames submitted in the order they were recorded, and that frame f -
+// frames_in_flight has completed when frame f is recorded. Outputs are valid until the next record() of the
+// same view.
 #pragma once
 
 #include <functional>
@@ -25,13 +26,13 @@ struct SlotBinding {
     VkBufferView texels = VK_NULL_HANDLE;  // kind texels
     VkBuffer buffer = VK_NULL_HANDLE;      // kinds buffer and block
     VkDeviceSize offset = 0, range = VK_WHOLE_SIZE;
-    friend bool operator==(const SlotBinding&, const SlotBinding&) = default;
 };
 
 struct ViewOptions {
     uint32_t frames_in_flight = 2;
-    // Fills every activated resource before its first use: floats with NaN, unorm with 0.7312 and words with 0xDEADBEEF for
-    // pattern 0; other values for pattern 1. The plan must have been compiled with CompileOptions::poison.
+    // Fills every activated resource before its first use: floats with NaN, unorm with 0.7312 and words with
+    // 0xDEADBEEF for pattern 0; other values for pattern 1. The plan must have been compiled with
+    // CompileOptions::poison.
     std::optional<uint32_t> poison;
 };
 
@@ -45,15 +46,18 @@ struct HostPassContext {
 };
 
 struct PassStatistics {
-    std::optional<double> ms;         // GPU timestamps; nothing where the queue has none
-    std::vector<uint32_t> counters;   // in the declaration's order
+    std::optional<double> ms;        // GPU timestamps; nothing where the queue has none
+    std::vector<uint32_t> counters;  // in the declaration's order
 };
 
 class View {
   public:
     View(std::shared_ptr<const Program> program, const ViewOptions& options);
 
-    // Records the whole frame. `slots` is parallel to Plan::slots. The first frame is a reset frame whatever its flags.
+    // Records the whole frame. `slots` is parallel to Plan::slots; one without a handle is a VulkanError that
+    // names it. The first frame is a reset frame whatever its flags. The host orders its own accesses to what
+    // it binds: writes before the compute stage's reads of this frame, and the next frame's writes after
+    // them.
     void record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
 
     // The same in parts, for hosts that put passes into separate command buffers of the same queue, in order:
@@ -62,7 +66,8 @@ class View {
     void record_pass(VkCommandBuffer cmd, size_t pass);
     void end(VkCommandBuffer cmd);
 
-    // A dynamic parameter's value from the next frame on; false where the node or parameter does not exist.
+    // A dynamic parameter's value from the next frame on; false where there is no such node or dynamic
+    // parameter, or where the value is not of its type and range.
     bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
 
     // The most recently recorded frame's output (its image stays in VK_IMAGE_LAYOUT_GENERAL).
@@ -78,19 +83,20 @@ class View {
     struct Slot {  // one frame in flight
         Owned<VkQueryPool> timestamps;
         MappedBuffer frame_block, counters;
-        std::vector<VkDescriptorSet> sets;  // set 1 of every pass
-        std::vector<SlotBinding> bound;     // what those sets hold
-        std::vector<MappedBuffer> captures; // parallel to capture_passes_
+        std::vector<VkDescriptorSet> sets;   // set 1 of every pass
+        std::vector<MappedBuffer> captures;  // parallel to capture_passes_
     };
 
     void make_descriptor_pool();
     void make_internal_sets();
     void make_slot(Slot& slot);
     void write_fixed_bindings(const Slot& slot);
-    void write_slot_bindings(Slot& slot, std::span<const SlotBinding> bindings);
+    void check_slot_bindings(std::span<const SlotBinding> bindings) const;
+    void write_slot_bindings(const Slot& slot, std::span<const SlotBinding> bindings);
     void record_reset(VkCommandBuffer cmd);
     void record_dependency(VkCommandBuffer cmd, const Dependency& dependency) const;
-    void record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity, std::optional<uint32_t> poison) const;
+    void record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
+                      std::optional<uint32_t> poison) const;
     void record_poison(VkCommandBuffer cmd, size_t pass) const;
     void record_capture(VkCommandBuffer cmd, size_t pass) const;
     void record_host_pass(VkCommandBuffer cmd, size_t pass) const;
@@ -105,8 +111,9 @@ class View {
     std::vector<size_t> capture_passes_;
     std::vector<std::vector<std::byte>> push_;  // per pass
     FrameBlock frame_block_{};
-    double ms_per_tick_ = 0;
-    uint64_t recorded_ = 0;  // frames
+    double ms_per_tick_ = 0;  // 0: no timestamps
+    uint64_t tick_mask_ = 0;  // the bits of a timestamp that count
+    uint64_t recorded_ = 0;   // frames
     uint32_t parity_ = 0;
     uint32_t slot_ = 0;
     PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Owning Vulkan handles and checked calls. A thin stand-in for vk::raii, whose header costs several seconds in every
-// translation unit: an owner destroys one handle, check() turns a VkResult into an exception that names the call.
+// Owning Vulkan handles and checked calls. A thin stand-in for vk::raii, whose header costs several seconds
+// in every translation unit: an owner destroys one handle, check() turns a VkResult into an exception that
+// names the call.
 #pragma once
 
 #include <vulkan/vulkan_core.h>

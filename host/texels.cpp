@@ -28,7 +28,7 @@ T load(const std::byte* at) {
     return value;
 }
 
-float channel_value(Format format, const std::byte* texel, uint32_t c) {
+float channel_value(Format format, const std::byte* texel, size_t c) {
     switch (format) {
         case Format::r8:
         case Format::rg8:
@@ -59,7 +59,7 @@ PlanarImage decode_texels(Format format, uint32_t width, uint32_t height, std::s
     const FormatInfo& what = info(format);
     PlanarImage image{width, height, {}};
     const size_t count = size_t{width} * height;
-    for (uint32_t c = 0; c < what.channels && c < names.size(); ++c) {
+    for (size_t c = 0; c < what.channels && c < names.size(); ++c) {
         Plane plane;
         plane.name = names[c];
         if (what.kind == FormatClass::uint) {

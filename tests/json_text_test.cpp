@@ -199,10 +199,10 @@ TEST(Diagnostics, AMisspeltNameFindsTheNearest) {
 }
 
 TEST(Diagnostics, StayOneLineWhateverTheNamesHold) {
-    EXPECT_EQ(to_string(Diagnostic{{"a\nb", 1, 2}, "p", "no \"\x1b[0m\""}),
+    EXPECT_EQ(to_string(Diagnostic{Place{"a\nb", 1, 2}, "p", "no \"\x1b[0m\""}),
               "a\\x0ab:1:2: p: no \"\\x1b[0m\"");
-    EXPECT_EQ(to_string(Diagnostic{{}, "", "m"}), "m");
-    EXPECT_EQ(to_string(Diagnostic{{"f"}, "p", "m"}), "f: p: m");
+    EXPECT_EQ(to_string(Diagnostic{Place{"", 0, 0}, "", "m"}), "m");
+    EXPECT_EQ(to_string(Diagnostic{Place{"f", 0, 0}, "p", "m"}), "f: p: m");
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Hazards: for every access of six consecutive frames, every earlier access to overlapping bytes (of the same instance,
-// or of another instance whose memory it shares) must be followed by a barrier whose source scope covers it and whose
-// destination scope covers the later one, directly or through a chain of execution dependencies. Quadratic and plain.
+// Hazards: for every access of six consecutive frames, every earlier access to overlapping bytes (of the same
+// instance, or of another instance whose memory it shares) must be followed by a barrier whose source scope
+// covers it and whose destination scope covers the later one, directly or through a chain of execution
+// dependencies. Quadratic and plain.
 #include "tests/plan_checks.h"
 
 #include <fmt/format.h>
@@ -14,7 +15,7 @@ namespace {
 // The data of an instance is needed from its first write to its last read.
 struct Held {
     uint32_t resource = 0;
-    uint32_t frame = 0;  // that wrote it
+    uint32_t frame = 0;            // that wrote it
     uint64_t first = 0, last = 0;  // absolute pass numbers
 };
 
@@ -47,9 +48,9 @@ bool share_bytes(const Plan& plan, uint32_t a, uint32_t pa, uint32_t b, uint32_t
 
 struct Event {
     bool barrier = false;
-    Dependency dependency;   // barrier
-    PassUse use;             // access
-    uint32_t parity = 0;     // of the instance accessed; barriers: of the frame
+    Dependency dependency;  // barrier
+    PassUse use;            // access
+    uint32_t parity = 0;    // of the instance accessed; barriers: of the frame
     std::string label;
 };
 
@@ -61,7 +62,12 @@ std::vector<Event> events(const Plan& plan, uint32_t frames) {
             const std::string label = fmt::format("{} of frame {}", pass.node, frame);
             list.push_back({true, pass.before[parity], {}, parity, label});
             for (const uint32_t r : pass.clears)
-                list.push_back({false, {}, {r, false, {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, true}}, parity, label + " (clear)"});
+                list.push_back(
+                    {false,
+                     {},
+                     {r, false, {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, true}},
+                     parity,
+                     label + " (clear)"});
             list.push_back({true, pass.after_clears[parity], {}, parity, label});
             for (const PassUse& use : pass.uses)
                 list.push_back({false, {}, use, use.previous ? 1 - parity : parity, label});
@@ -71,37 +77,78 @@ std::vector<Event> events(const Plan& plan, uint32_t frames) {
     return list;
 }
 
-bool covers(uint64_t set, uint64_t subset) { return (set & subset) == subset; }
+bool covers(uint64_t set, uint64_t subset) {
+    return (set & subset) == subset;
+}
 
-// Whether the barriers between two accesses order them: `from` must happen before `to`, and be visible to it if memory
-// matters. Follows chains: a barrier's destination stages become the source of the next.
-bool ordered(const Plan& plan, const std::vector<Event>& list, size_t from, size_t to) {
-    const Use& first = list[from].use.use;
-    const Use& second = list[to].use.use;
-    const uint32_t resource = list[to].use.resource;
-    const bool needs_memory = first.write;
-    VkPipelineStageFlags2 reached = 0;  // stages that wait for `first`
-    bool available = false;             // its write is available, and visible to:
+constexpr VkAccessFlags2 write_access =
+    VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+
+// The stages that wait for an access, and what its write is visible to.
+struct Reach {
+    VkPipelineStageFlags2 stages = 0;
+    bool available = false;
     VkPipelineStageFlags2 visible_stages = 0;
     VkAccessFlags2 visible_access = 0;
+};
+
+bool flushes(const Dependency& d, const Use& use) {
+    return covers(d.src_stages, use.stages) && covers(d.src_access, use.access & write_access);
+}
+
+// How far the barriers between two events carry the first, for the second's use of one instance. Follows
+// chains: a barrier's destination stages become the source of the next; a transition is part of the order for
+// its own image.
+Reach reach(const std::vector<Event>& list, size_t from, size_t to, uint32_t resource, uint32_t parity) {
+    const Use& first = list[from].use.use;
+    Reach r;
     for (size_t i = from + 1; i < to; ++i) {
         if (!list[i].barrier) continue;
         const Dependency& d = list[i].dependency;
-        if (covers(d.src_stages, first.stages) || (d.src_stages & reached)) {
-            reached |= d.dst_stages;
-            if (covers(d.src_stages, first.stages) && covers(d.src_access, first.access & (VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT))) available = true;
-            if (available) {
-                visible_stages |= d.dst_stages;
-                visible_access |= d.dst_access;
+        if (covers(d.src_stages, first.stages) || (d.src_stages & r.stages)) {
+            r.stages |= d.dst_stages;
+            r.available |= flushes(d, first);
+            if (r.available) {
+                r.visible_stages |= d.dst_stages;
+                r.visible_access |= d.dst_access;
             }
         }
-        for (const Activation& a : d.activations)  // the transition is part of the order for its own image
-            if (a.resource == resource && list[i].parity == list[to].parity && (covers(a.src_stages, first.stages) || (a.src_stages & reached)))
-                reached |= a.dst_stages;
+        for (const Activation& a : d.activations)
+            if (a.resource == resource && list[i].parity == parity &&
+                (covers(a.src_stages, first.stages) || (a.src_stages & r.stages)))
+                r.stages |= a.dst_stages;
     }
-    (void)plan;
-    if (!covers(reached, second.stages)) return false;
-    return !needs_memory || (covers(visible_stages, second.stages) && covers(visible_access, second.access));
+    return r;
+}
+
+// `from` happens before `to`, and is visible to it if it wrote.
+bool ordered(const std::vector<Event>& list, size_t from, size_t to) {
+    const Use& second = list[to].use.use;
+    const Reach r = reach(list, from, to, list[to].use.resource, list[to].parity);
+    if (!covers(r.stages, second.stages)) return false;
+    return !list[from].use.use.write ||
+           (covers(r.visible_stages, second.stages) && covers(r.visible_access, second.access));
+}
+
+// A transition writes the image's memory: every earlier access to those bytes happens before it, and what it
+// wrote is available.
+bool transition_ordered(const std::vector<Event>& list, size_t from, size_t to, const Activation& a) {
+    const Use& first = list[from].use.use;
+    const Reach r = reach(list, from, to, a.resource, list[to].parity);
+    if (!covers(a.src_stages, first.stages) && !(a.src_stages & r.stages)) return false;
+    return !first.write || r.available || flushes(list[to].dependency, first);
+}
+
+// Images come to life undefined, every frame.
+std::vector<std::string> missing_activations(const Plan& plan) {
+    std::vector<std::string> errors;
+    for (uint32_t r = 0; r < plan.resources.size(); ++r)
+        for (const Dependency& d : plan.passes[plan.resources[r].first_pass].before)
+            if (plan.resources[r].kind == PortKind::image &&
+                std::none_of(d.activations.begin(), d.activations.end(),
+                             [&](const Activation& a) { return a.resource == r; }))
+                errors.push_back(plan.resources[r].names.front() + " is used without a layout");
+    return errors;
 }
 
 }  // namespace
@@ -121,16 +168,30 @@ std::vector<std::string> overlap_errors(const Plan& plan) {
     for (const PlanResource& r : plan.resources)
         for (const uint64_t offset : r.offset) {
             if (offset % r.alignment != 0) errors.push_back(r.names.front() + " is not aligned");
-            if (offset + r.bytes > plan.heaps[r.heap].bytes) errors.push_back(r.names.front() + " lies outside its heap");
+            if (offset + r.bytes > plan.heaps[r.heap].bytes)
+                errors.push_back(r.names.front() + " lies outside its heap");
         }
     return errors;
 }
 
 std::vector<std::string> hazard_errors(const Plan& plan) {
-    std::vector<std::string> errors;
+    std::vector<std::string> errors = missing_activations(plan);
     const std::vector<Event> list = events(plan, 6);
-    const size_t settled = list.size() / 2;  // later accesses are those of frames 3 to 5: every pair of parities
+    const size_t settled =
+        list.size() / 2;  // later accesses are those of frames 3 to 5: every pair of parities
     for (size_t to = settled; to < list.size(); ++to) {
+        for (const Activation& a : list[to].dependency.activations)
+            for (size_t from = to - settled; from < to; ++from) {
+                const Event& first = list[from];
+                if (first.barrier ||
+                    !share_bytes(plan, a.resource, list[to].parity, first.use.resource, first.parity))
+                    continue;
+                if (!transition_ordered(list, from, to, a))
+                    errors.push_back(fmt::format("the transition of {} in {} is not ordered after {} by {}",
+                                                 plan.resources[a.resource].names.front(), list[to].label,
+                                                 plan.resources[first.use.resource].names.front(),
+                                                 first.label));
+            }
         if (list[to].barrier) continue;
         const Event& second = list[to];
         for (size_t from = to - 1; from > to - settled; --from) {
@@ -138,12 +199,16 @@ std::vector<std::string> hazard_errors(const Plan& plan) {
             if (first.barrier) continue;
             const bool same = first.use.resource == second.use.resource && first.parity == second.parity;
             if (same && first.label == second.label) continue;
-            if (!same && !share_bytes(plan, first.use.resource, first.parity, second.use.resource, second.parity)) continue;
+            if (!same &&
+                !share_bytes(plan, first.use.resource, first.parity, second.use.resource, second.parity))
+                continue;
             const bool conflict = first.use.use.write || second.use.use.write;
-            // The same data is written once per frame: only the latest write before a read counts, but all must be ordered.
-            if (conflict && !ordered(plan, list, from, to))
-                errors.push_back(fmt::format("{} by {} is not ordered after {} by {}", plan.resources[second.use.resource].names.front(),
-                                             second.label, plan.resources[first.use.resource].names.front(), first.label));
+            // The same data is written once per frame: only the latest write before a read counts, but all
+            // must be ordered.
+            if (conflict && !ordered(list, from, to))
+                errors.push_back(fmt::format("{} by {} is not ordered after {} by {}",
+                                             plan.resources[second.use.resource].names.front(), second.label,
+                                             plan.resources[first.use.resource].names.front(), first.label));
         }
     }
     return errors;

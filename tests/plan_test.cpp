@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Every plan of every shipped pipeline, at five sizes: nothing overlaps in bytes and time, every access is ordered after
-// what it depends on, the heap is within 2 % of the smallest possible one. The checks share no code with the compiler,
-// and mutations of a plan show that they see what they are for.
+// Every plan of every shipped pipeline, at five sizes: nothing overlaps in bytes and time, every access is
+// ordered after what it depends on, the heap is within 2 % of the smallest possible one. The checks share no
+// code with the compiler, and mutations of a plan show that they see what they are for.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -32,13 +32,15 @@ std::vector<std::string> pipeline_files() {
     return files;
 }
 
-Plan plan_of(const CheckedPipeline& pipeline, const NodeSet& set, Extent extent, bool alias = true, Facts facts = {}) {
+Plan plan_of(const CheckedPipeline& pipeline, const NodeSet& set, Extent extent, bool alias = true,
+             Facts facts = {}) {
     Target target;
     target.extent = extent;
     target.facts = std::move(facts);
     target.device = reference_device();
     CompileOptions options;
     options.alias = alias;
+    options.optimum_search_nodes = 20'000'000;
     Diagnostics diagnostics;
     auto plan = compile(pipeline, set, target, options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
@@ -58,12 +60,14 @@ class ShippedPlan : public ::testing::TestWithParam<std::string> {};
 TEST_P(ShippedPlan, NothingOverlapsInBytesAndTime) {
     for (const Extent extent : sizes)
         for (const bool alias : {true, false})
-            EXPECT_EQ(overlap_errors(plan_of(checked(GetParam()), nodes(), extent, alias)), std::vector<std::string>{});
+            EXPECT_EQ(overlap_errors(plan_of(checked(GetParam()), nodes(), extent, alias)),
+                      std::vector<std::string>{});
 }
 
 TEST_P(ShippedPlan, EveryAccessIsOrderedAfterWhatItDependsOn) {
     for (const bool alias : {true, false})
-        EXPECT_EQ(hazard_errors(plan_of(checked(GetParam()), nodes(), sizes[0], alias)), std::vector<std::string>{});
+        EXPECT_EQ(hazard_errors(plan_of(checked(GetParam()), nodes(), sizes[0], alias)),
+                  std::vector<std::string>{});
 }
 
 TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
@@ -110,24 +114,62 @@ TEST(Mutation, EveryDroppedDependencyIsNoticed) {
             if (plan.passes[p].before[parity].src_stages == 0) continue;
             Plan mutated = plan;
             mutated.passes[p].before[parity] = {};
-            EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{}) << plan.passes[p].node << " parity " << parity;
+            EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{})
+                << plan.passes[p].node << " parity " << parity;
             ++dropped;
         }
     EXPECT_GT(dropped, 10u);
 }
 
-// Each resource's bytes are reserved for as long as they are needed: moved onto another live resource it is noticed.
+// The same for what activates an image: without it, or not ordered after the memory's past, the plan is
+// wrong.
+TEST(Mutation, EveryDroppedOrUnorderedActivationIsNoticed) {
+    const Plan plan = plan_of(checked("fidelityfx"), nodes(), sizes[0]);
+    size_t dropped = 0;
+    for (size_t p = 0; p < plan.passes.size(); ++p)
+        for (int parity = 0; parity < 2; ++parity)
+            for (size_t a = 0; a < plan.passes[p].before[parity].activations.size(); ++a) {
+                Plan mutated = plan;
+                std::vector<Activation>& activations = mutated.passes[p].before[parity].activations;
+                activations[a].src_stages = VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT;
+                EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{}) << plan.passes[p].node;
+                activations.erase(activations.begin() + static_cast<std::ptrdiff_t>(a));
+                EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{}) << plan.passes[p].node;
+                ++dropped;
+            }
+    EXPECT_GT(dropped, 10u);
+}
+
+// Partial writes are cleared first: the use waits for the clear.
+TEST(Mutation, EveryUseThatDoesNotWaitForItsClearIsNoticed) {
+    const Plan plan = plan_of(toy_pipeline_file(), toy_set(), {64, 48});
+    size_t dropped = 0;
+    for (size_t p = 0; p < plan.passes.size(); ++p)
+        for (int parity = 0; parity < 2; ++parity) {
+            if (plan.passes[p].after_clears[parity].empty()) continue;
+            Plan mutated = plan;
+            mutated.passes[p].after_clears[parity] = {};
+            EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{}) << plan.passes[p].node;
+            ++dropped;
+        }
+    EXPECT_EQ(dropped, 4u);
+}
+
+// Each resource's bytes are reserved for as long as they are needed: moved onto another live resource it is
+// noticed.
 TEST(Mutation, EveryResourceMovedOntoANeighbourIsNoticed) {
     const CheckedPipeline pipeline = checked("fidelityfx");
     const Plan plan = plan_of(pipeline, nodes(), sizes[0]);
     for (size_t r = 0; r < plan.resources.size(); ++r)
         for (size_t other = 0; other < plan.resources.size(); ++other) {
             const PlanResource &a = plan.resources[r], &b = plan.resources[other];
-            const bool live_together = a.first_pass < b.first_pass + b.length && b.first_pass < a.first_pass + a.length;
+            const bool live_together =
+                a.first_pass < b.first_pass + b.length && b.first_pass < a.first_pass + a.length;
             if (r == other || a.heap != b.heap || !live_together) continue;
             Plan mutated = plan;
             mutated.resources[r].offset[0] = mutated.resources[other].offset[0];
-            EXPECT_NE(overlap_errors(mutated), std::vector<std::string>{}) << a.names[0] << " onto " << b.names[0];
+            EXPECT_NE(overlap_errors(mutated), std::vector<std::string>{})
+                << a.names[0] << " onto " << b.names[0];
         }
 }
 
@@ -147,7 +189,8 @@ TEST(Compile, AFrameBeyondTheDeviceIsAnError) {
     target.device = reference_device();
     Diagnostics diagnostics;
     EXPECT_FALSE(compile(checked("raw"), nodes(), target, {}, diagnostics));
-    EXPECT_NE(diagnostics.text().find("exceeds the device's largest image"), std::string::npos) << diagnostics.text();
+    EXPECT_NE(diagnostics.text().find("exceeds the device's largest image"), std::string::npos)
+        << diagnostics.text();
 }
 
 TEST(Compile, AnUnknownCaptureIsAnErrorWithASuggestion) {
@@ -158,7 +201,8 @@ TEST(Compile, AnUnknownCaptureIsAnErrorWithASuggestion) {
     options.captures = {"visibilty"};
     Diagnostics diagnostics;
     EXPECT_FALSE(compile(checked("raw"), nodes(), target, options, diagnostics));
-    EXPECT_NE(diagnostics.text().find("did you mean \"visibility\"?"), std::string::npos) << diagnostics.text();
+    EXPECT_NE(diagnostics.text().find("did you mean \"visibility\"?"), std::string::npos)
+        << diagnostics.text();
 }
 
 TEST(FrameBlock, ReprojectionDoesNotDependOnTheDistanceFromTheOrigin) {

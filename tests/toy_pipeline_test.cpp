@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the shadow pipelines do not exercise, on nodes whose results are exact: update chains, history read before and
-// after its writer, optional ports, two producers under exclusive conditions, culling through history, indirect lists
-// and partial writes; all with aliased memory that is poisoned before its first use.
+// What the shadow pipelines do not exercise, on nodes whose results are exact: update chains, history read
+// before and after its writer, optional ports, two producers under exclusive conditions, culling through
+// history, indirect lists and partial writes; all with aliased memory that is poisoned before its first use.
 #include <algorithm>
 #include <cstring>
 
@@ -109,8 +109,8 @@ struct Expected {
 };
 
 void run_and_compare(bool moves, bool alias, uint32_t poison) {
-    auto program = std::make_shared<Program>(handles_of(gpu()),
-                                             std::make_shared<Plan>(toy_plan({{"moves", moves}}, alias, true)));
+    auto program = std::make_shared<Program>(
+        handles_of(gpu()), std::make_shared<Plan>(toy_plan({{"moves", moves}}, alias, true)));
     View view(program, {2, poison});
     Expected expected;
     for (uint32_t index = 0; index < 7; ++index) {
@@ -118,7 +118,8 @@ void run_and_compare(bool moves, bool alias, uint32_t poison) {
         frame.camera.clip_from_view = frame.previous.clip_from_view = perspective(1.0, 1.0, 0.1);
         frame.size = frame.prev_size = {width, height};
         frame.index = index;
-        const bool reset = index == 0 || index == 4;  // a cut at an even and at an odd parity is the same to the graph
+        const bool reset =
+            index == 0 || index == 4;  // a cut at an even and at an odd parity is the same to the graph
         if (index == 4) frame.flags = frame_reset;
         gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame, {}); });
         expected.frame(index, reset, moves);
@@ -133,14 +134,15 @@ TEST_F(ToyRun, ComputesWhatTheDataflowSays) {
     for (const bool moves : {false, true})
         for (const bool alias : {false, true})
             for (const uint32_t poison : {0u, 1u}) {
-                SCOPED_TRACE(testing::Message() << "moves " << moves << " alias " << alias << " poison " << poison);
+                SCOPED_TRACE(testing::Message()
+                             << "moves " << moves << " alias " << alias << " poison " << poison);
                 run_and_compare(moves, alias, poison);
             }
 }
 
 TEST_F(ToyRun, DynamicParametersChangeBetweenFrames) {
-    auto program =
-        std::make_shared<Program>(handles_of(gpu()), std::make_shared<Plan>(toy_plan({{"moves", false}}, true, true)));
+    auto program = std::make_shared<Program>(
+        handles_of(gpu()), std::make_shared<Plan>(toy_plan({{"moves", false}}, true, true)));
     View view(program, {});
     EXPECT_TRUE(view.set_param("dim", "scale", ParamValue(2.0f)));
     EXPECT_FALSE(view.set_param("dim", "bias", ParamValue(int32_t{1}))) << "constants are part of the plan";

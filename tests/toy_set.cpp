@@ -19,7 +19,8 @@ NodeEntry compile_toy(const std::filesystem::path& file) {
     if (!type) throw std::runtime_error(diagnostics.text());
     NodeEntry entry;
     for (const Variant& variant : all_variants(*type)) {
-        const ShaderSource source{file.parent_path() / type->shader, generate_glsl(*type, variant), {root / "shaders", root}};
+        const ShaderSource source{
+            file.parent_path() / type->shader, generate_glsl(*type, variant), {root / "shaders", root}};
         auto shader = compile_shader(source, diagnostics);
         if (!shader) throw std::runtime_error(diagnostics.text());
         entry.shaders[to_string(variant)] = std::move(shader->spirv);
@@ -33,7 +34,8 @@ NodeEntry compile_toy(const std::filesystem::path& file) {
 const NodeSet& toy_set() {
     static const NodeSet set = [] {
         NodeSet nodes;
-        for (const char* name : {"toy_blend", "toy_double", "toy_fill", "toy_list", "toy_scatter"})
+        for (const char* name :
+             {"toy_blend", "toy_double", "toy_fill", "toy_list", "toy_remember", "toy_scatter"})
             nodes.add(compile_toy(root / "tests/toy" / (std::string(name) + ".json")));
         return nodes;
     }();

@@ -20,6 +20,7 @@ uint pixel_bit(ivec2 p) { return 1u << uint((p.y & 3) * 8 + (p.x & 7)); }
 
 // The bits of a tile that are pixels of the image.
 uint inside_mask(ivec2 tile) {
+    if (any(lessThan(tile, ivec2(0)))) return 0u;
     const ivec2 size = clamp(ivec2(frame.size) - tile * TILE, ivec2(0), TILE);
     const uint row = (1u << uint(size.x)) - 1u;
     const uint columns = row | row << 8 | row << 16 | row << 24;

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+// The program as a shell sees it: exit codes (0 good, 1 the work failed, 2 the command or a file is wrong),
+// what goes to which stream, and the documents it prints.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+namespace penumbra::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+std::string read_file(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+struct Result {
+    int code = -1;
+    std::string out, err;
+};
+
+class Cli : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+        folder_ = fs::temp_directory_path() / (std::string("penumbra_cli_") + test->name());
+        fs::remove_all(folder_);
+        fs::create_directories(folder_);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    // Runs in the source tree, so that diagnostics name files as a user there would see them.
+    Result run(const std::string& arguments) const {
+        const std::string command = "cd '" PENUMBRA_SOURCE_DIR "' && '" PENUMBRA_PROGRAM "' " + arguments +
+                                    " >'" + (folder_ / "out").string() + "' 2>'" +
+                                    (folder_ / "err").string() + "'";
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder_ / "out"),
+                read_file(folder_ / "err")};
+    }
+    std::string file(const std::string& name, const std::string& text) const {
+        std::ofstream(folder_ / name) << text;
+        return (folder_ / name).string();
+    }
+    std::string render(const std::string& more) const {
+        return "render pipelines/raw.json --shot scenes/colonnade.shot.json " + more;
+    }
+
+    fs::path folder_;
+};
+
+void expect(const Result& result, int code, const std::string& in_err) {
+    EXPECT_EQ(result.code, code) << result.err;
+    EXPECT_NE(result.err.find(in_err), std::string::npos) << result.err;
+    if (code == 2) {
+        EXPECT_EQ(result.out, "") << "errors go to the standard error stream";
+    }
+}
+
+TEST_F(Cli, CheckPrintsEveryErrorOfAFile) {
+    const Result good = run("check pipelines/raw.json pipelines/fidelityfx.json");
+    EXPECT_EQ(good.code, 0) << good.err;
+    EXPECT_EQ(good.err, "");
+    const std::string broken = file("broken.json", R"({
+  "penumbra": 1,
+  "name": "broken",
+  "inputs": { "depth": {}, "normal": {} },
+  "outputs": ["view_dpeth"],
+  "nodes": {
+    "guides": { "type": "guids" },
+    "g": { "type": "guides", "in": { "depht": "depth" } }
+  }
+})");
+    const Result bad = run("check pipelines/raw.json " + broken);
+    EXPECT_EQ(bad.code, 2);
+    EXPECT_EQ(bad.out, "");
+    EXPECT_EQ(bad.err, broken +
+                           ":7:25: nodes.guides.type: no node type \"guids\"; did you mean \"guides\"?\n" +
+                           broken +
+                           ":8:38: nodes.g.in.depht: node type \"guides\" has no input \"depht\"; did you "
+                           "mean \"depth\"?\n");
+    for (const std::string& command :
+         {"plan " + broken + " --size 64x64",
+          "render " + broken + " --shot scenes/colonnade.shot.json --out " + (folder_ / "o").string()}) {
+        expect(run(command), 2, "did you mean \"guides\"?");
+        EXPECT_FALSE(fs::exists(folder_ / "o")) << "nothing is made for a command that is wrong";
+    }
+}
+
+TEST_F(Cli, FilesThatCannotBeReadAreTheCommandsMistake) {
+    expect(run("check nosuch.json"), 2, "nosuch.json: no such file");
+    expect(run("check " + folder_.string()), 2, "cannot be read");
+    expect(run("check"), 2, "pipelines");
+    expect(run("render pipelines/raw.json --shot nosuch.shot.json --out " + (folder_ / "o").string()), 2,
+           "nosuch.shot.json");
+    expect(run("render pipelines/raw.json --out " + (folder_ / "o").string()), 2, "--shot");
+    const std::string shot =
+        file("s.shot.json", R"({ "penumbra_shot": 1, "scene": "nosuch.glb", "size": [8, 8], "frames": 1,
+        "fps": 60, "camera": { "vertical_fov_deg": 60, "near": 0.05, "keys": [ { "frame": 0, "position": [0, 2, 8],
+        "target": [0, 1, 0], "up": [0, 1, 0] } ] }, "sun": { "angular_radius_deg": 0.27,
+        "keys": [ { "frame": 0, "to_sun": [0, 1, 0] } ] } })");
+    expect(run("render pipelines/raw.json --shot " + shot + " --out " + (folder_ / "o").string()), 2,
+           "nosuch.glb");
+}
+
+TEST_F(Cli, ArgumentsThatMakeNoSenseAreTheCommandsMistake) {
+    expect(run(""), 2, "");
+    expect(run("frobnicate"), 2, "");
+    for (const char* size : {"0x5", "5", "5x", "x5", "-5x5", "5x5x5", "5 x5k", "99999999999x1", "wxh"})
+        expect(run("plan pipelines/raw.json --size '" + std::string(size) + "'"), 2, "is not WIDTHxHEIGHT");
+    expect(run("plan pipelines/raw.json --size 100000x8"), 2, "exceeds the device's largest image");
+    expect(run("plan pipelines/raw.json --size 8x8 --facts moves,!alhpa"), 2, "did you mean \"alpha\"?");
+    expect(run("plan pipelines/raw.json --size 8x8 --format xml"), 2, "xml");
+    expect(run("plan pipelines/raw.json --size 8x8 --set nodes.trace"), 2, "expected PATH=VALUE");
+    expect(run("nodes filtre"), 2, "did you mean \"filter\"?");
+    for (const char* frames : {"5..2", "-1..2", "a..b", "1..", "..1", "1...2", "0..99999999999", "1-2"})
+        expect(run(render("--out " + (folder_ / "o").string() + " --frames '" + frames + "'")), 2,
+               "is not A..B with A <= B");
+    expect(run(render("--out " + (folder_ / "o").string() + " --every 0")), 2, "every");
+    expect(run(render("--out " + (folder_ / "o").string() + " --seed x")), 2, "seed");
+}
+
+TEST_F(Cli, PlanIsTextOrDotOrJsonWithTheKeysOfTheReport) {
+    EXPECT_EQ(run("plan pipelines/raw.json --size 64x64").out.substr(0, 14), "plan raw 64x64");
+    EXPECT_EQ(run("plan pipelines/raw.json --size 64x64 --format dot").out.substr(0, 13), "digraph raw {");
+    const Json plan =
+        Json::parse(run("plan pipelines/fidelityfx.json --size 64x64 --facts '!moves' --format json").out);
+    EXPECT_EQ(plan["facts"]["moves"], false);
+    EXPECT_EQ(plan["facts"]["casters"], true);
+    EXPECT_TRUE(plan["culled"].is_array());
+    for (const Json& pass : plan["passes"])
+        for (const char* key : {"node", "type", "groups", "reads", "writes"})
+            EXPECT_TRUE(pass.contains(key)) << key;
+    for (const char* key :
+         {"heap_bytes", "live_bound_bytes", "optimum_bytes", "unaliased_bytes", "dedicated_history_bytes",
+          "persistent_bytes", "bytes_per_pixel", "heaps", "resources"})
+        EXPECT_TRUE(plan["memory"].contains(key)) << key;
+    const Json apart =
+        Json::parse(run("plan pipelines/fidelityfx.json --size 64x64 --no-alias --format json").out);
+    EXPECT_GT(apart["memory"]["heap_bytes"], plan["memory"]["heap_bytes"]);
+}
+
+TEST_F(Cli, NodesAreListedDescribedAndMadeASchema) {
+    EXPECT_NE(run("nodes").out.find("\ntrace "), std::string::npos);
+    EXPECT_EQ(run("nodes trace").out.substr(0, 7), "trace: ");
+    EXPECT_EQ(run("nodes filter --format md").out.substr(0, 11), "### filter\n");
+    const Json nodes = Json::parse(run("nodes --format json").out);
+    const Json schema = Json::parse(run("nodes --format schema").out);
+    EXPECT_EQ(schema["$defs"].size(), nodes.size());
+    for (const Json& node : nodes) {
+        const Json& properties = schema["$defs"][node["node"].get<std::string>()]["properties"];
+        EXPECT_EQ(properties["params"]["properties"].size(), node["params"].size()) << node["node"];
+        EXPECT_EQ(properties["in"]["properties"].size(), node["inputs"].size()) << node["node"];
+        EXPECT_EQ(properties["out"]["properties"].size(), node["outputs"].size()) << node["node"];
+    }
+}
+
+class CliRender : public Cli {};
+
+TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
+    const fs::path out = folder_ / "a/b";
+    const Result result =
+        run(render("--out " + out.string() + " --size 48x32 --frames 1..3 --every 2 --capture depth,view_depth"));
+    ASSERT_EQ(result.code, 0) << result.err;
+    const Json report = Json::parse(read_file(out / "report.json"));
+    for (const char* key : {"penumbra", "version", "pipeline", "shot", "seed", "size", "frames", "settings",
+                            "captures", "device", "facts", "frame_ms", "cpu_ms", "passes", "culled", "memory",
+                            "counts", "validate", "outputs"})
+        EXPECT_TRUE(report.contains(key)) << key;
+    EXPECT_EQ(report["frames"], (Json{1, 3}));
+    EXPECT_EQ(report["size"], (Json{48, 32}));
+    EXPECT_TRUE(report["validate"].is_null());
+    for (const char* key : {"pixels", "receivers", "lit", "shadowed", "unknown", "tiles", "tiles_listed",
+                            "rays", "penumbra_pixels"}) {
+        ASSERT_TRUE(report["counts"].contains(key)) << key;
+        const Json& count = report["counts"][key];
+        EXPECT_TRUE(count.is_null() || count.is_number_integer()) << key << " " << count;
+    }
+    EXPECT_EQ(report["counts"]["pixels"], 48 * 32);
+    for (const Json& pass : report["passes"])
+        for (const auto& [name, value] : pass["counters"].items())
+            EXPECT_TRUE(value.is_number_integer()) << name;
+    std::set<int> frames;
+    for (const Json& output : report["outputs"]) {
+        EXPECT_TRUE(fs::exists(out / output["file"].get<std::string>()));
+        frames.insert(output["frame"].get<int>());
+    }
+    EXPECT_EQ(frames, (std::set<int>{1, 3}));
+}
+
+TEST_F(CliRender, AFolderThatCannotBeWrittenIsFailedWork) {
+    const std::string plain = file("plain", "a file where the folder should be");
+    expect(run(render("--size 16x16 --frames 0 --out " + plain + "/inside")), 1, plain);
+    EXPECT_EQ(read_file(plain), "a file where the folder should be");
+}
+
+TEST_F(CliRender, WishesThatCannotBeMetAreExplained) {
+    const std::string out = " --out " + (folder_ / "o").string();
+    const Result device = run(render("--device nosuch" + out));
+    expect(device, 2, "no usable Vulkan device is named \"nosuch\" among:\n");
+    const std::string first = run("devices").out;
+    EXPECT_NE(device.err.find(first.substr(0, first.find("  ["))), std::string::npos)
+        << "it says which exist";
+    expect(run(render("--capture visibilty --size 16x16 --frames 0" + out)), 2,
+           "did you mean \"visibility\"?");
+    expect(run(render("--size 1000000x8 --frames 0" + out)), 2, "exceeds the device's largest image");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+}  // namespace
+}  // namespace penumbra::test
