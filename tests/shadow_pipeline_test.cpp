@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Whole shipped pipelines on a device: memory sharing, poison and repetition do not show in the picture, and any image
 // size works.
+#include <unistd.h>
+
 #include <filesystem>
 
 #include "app/outputs.h"
@@ -85,7 +87,7 @@ TEST_P(ShadowPipeline, AnySizeGivesFiniteImagesInRange) {
         SCOPED_TRACE(testing::Message() << size[0] << "x" << size[1]);
         const auto session = open(pipeline, plaza_shot(size, 3), {});
         for (uint32_t frame = 0; frame < 3; ++frame) session->run_frame(frame, frame == 0);
-        const auto folder = std::filesystem::temp_directory_path() / "penumbra_sizes";
+        const auto folder = std::filesystem::temp_directory_path() / ("penumbra_sizes_" + std::to_string(getpid()));
         std::filesystem::create_directories(folder);
         OutputWriter writer(gpu(), folder);
         for (const std::string& name : pipeline.outputs) writer.write(*session, name, 2);
