@@ -24,6 +24,7 @@ struct RenderArguments {
     std::vector<std::string> captures;
     uint32_t every = 1;  // write every Nth of the selected frames
     std::vector<std::string> settings;
+    std::vector<std::string> node_folders;  // --nodes
     std::string device;
     std::optional<uint32_t> seed;
     bool validate = false;
@@ -33,19 +34,39 @@ struct RenderArguments {
 
 struct PlanArguments {
     std::string pipeline, size, facts, format = "text";
-    std::vector<std::string> settings;
+    std::vector<std::string> settings, node_folders;
     bool no_alias = false;
+};
+
+struct CheckArguments {
+    std::vector<std::string> pipelines, node_folders;
 };
 
 struct NodesArguments {
     std::string type, format = "text";
+    std::vector<std::string> node_folders;
+};
+
+struct ReferenceArguments {
+    std::string shot, out, frames, size, device;
+    uint32_t rays = 1024;  // per pixel
+};
+
+struct CompareArguments {
+    std::string image, reference;   // folders
+    std::vector<std::string> also;  // folders of the same images under other seeds
+    std::string frames, mask;
+    uint32_t border = 0;            // pixels along the image's border that are left out
+    bool json = false;
 };
 
 int run_render(const RenderArguments& arguments);
 int run_plan(const PlanArguments& arguments);
-int run_check(const std::vector<std::string>& pipelines);
+int run_check(const CheckArguments& arguments);
 int run_nodes(const NodesArguments& arguments);
 int run_devices();
+int run_reference(const ReferenceArguments& arguments);
+int run_compare(const CompareArguments& arguments);
 
 // "1280x720"; nothing where it is not two positive numbers.
 std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text);

@@ -10,6 +10,13 @@ namespace {
 
 using namespace penumbra;
 
+void add_node_folders(CLI::App* command, std::vector<std::string>& folders) {
+    command
+        ->add_option("--nodes", folders,
+                     "a folder of node types of your own: NAME.json, each with its shader")
+        ->allow_extra_args(false);  // `check --nodes DIR a.json b.json`: one folder per --nodes
+}
+
 void add_render(CLI::App& app, RenderArguments& a) {
     CLI::App* c = app.add_subcommand("render", "run a pipeline on a shot and write what it puts out");
     c->add_option("pipeline", a.pipeline, "pipeline file")->required();
@@ -21,6 +28,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
     c->add_option("--capture", a.captures, "also write these resources")->delimiter(',');
     c->add_option("--every", a.every, "write every Nth frame")->check(CLI::PositiveNumber);
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline, as nodes.filter0.params.step=2");
+    add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--seed", a.seed, "instead of the shot's seed");
     c->add_flag("--validate", a.validate,
@@ -36,11 +44,39 @@ void add_plan(CLI::App& app, PlanArguments& a) {
     c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
     c->add_option("--format", a.format, "text, json or dot")->check(CLI::IsMember({"text", "json", "dot"}));
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline");
+    add_node_folders(c, a.node_folders);
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
 }
 
+void add_reference(CLI::App& app, ReferenceArguments& a) {
+    CLI::App* c =
+        app.add_subcommand("reference", "write the true visibility of a shot, each frame frozen in time");
+    c->add_option("--shot", a.shot, "shot file")->required();
+    c->add_option("--out", a.out, "folder to write to")->required();
+    c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
+    c->add_option("--size", a.size, "WxH instead of the shot's size");
+    c->add_option("--rays", a.rays, "per pixel of a penumbra; analytic scenes need none")
+        ->check(CLI::Range(16u, 1u << 24));
+    c->add_option("--device", a.device, "part of a device's name");
+}
+
+void add_compare(CLI::App& app, CompareArguments& a) {
+    CLI::App* c = app.add_subcommand("compare", "measure a rendered visibility against a reference");
+    c->add_option("image", a.image, "folder written by render")->required();
+    c->add_option("reference", a.reference, "folder written by reference")->required();
+    c->add_option("--also", a.also, "the same images under another seed; may be repeated")
+        ->allow_extra_args(false);
+    c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
+    c->add_option("--mask", a.mask, "EXR; only pixels where its first channel is above 0 are measured");
+    c->add_option("--border", a.border, "leave out this many pixels along the image's border");
+    c->add_flag("--json", a.json, "print JSON");
+}
+
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
-             const std::vector<std::string>& check, const NodesArguments& nodes) {
+             const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
+             const CompareArguments& compare) {
+    if (app.got_subcommand("reference")) return run_reference(reference);
+    if (app.got_subcommand("compare")) return run_compare(compare);
     if (app.got_subcommand("render")) return run_render(render);
     if (app.got_subcommand("plan")) return run_plan(plan);
     if (app.got_subcommand("check")) return run_check(check);
@@ -56,17 +92,22 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", PENUMBRA_VERSION);
     RenderArguments render;
     PlanArguments plan;
-    std::vector<std::string> checked;
+    CheckArguments check;
     NodesArguments nodes;
+    ReferenceArguments reference;
+    CompareArguments compare;
     add_render(app, render);
     add_plan(app, plan);
-    app.add_subcommand("check", "print every error of these pipelines")
-        ->add_option("pipelines", checked)
-        ->required();
+    add_reference(app, reference);
+    add_compare(app, compare);
+    CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
+    checking->add_option("pipelines", check.pipelines)->required();
+    add_node_folders(checking, check.node_folders);
     CLI::App* n = app.add_subcommand("nodes", "list the node types, or describe one");
     n->add_option("type", nodes.type, "a node type");
-    n->add_option("--format", nodes.format, "text, json, schema or md")
-        ->check(CLI::IsMember({"text", "json", "schema", "md"}));
+    n->add_option("--format", nodes.format, "text, json, md, or schema (a JSON Schema of pipelines)")
+        ->check(CLI::IsMember({"text", "json", "md", "schema"}));
+    add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
     try {
         app.parse(argc, argv);
@@ -77,7 +118,7 @@ int main(int argc, char** argv) {
         return exit_wrong;
     }
     try {
-        return dispatch(app, render, plan, checked, nodes);
+        return dispatch(app, render, plan, check, nodes, reference, compare);
     } catch (const std::exception&
                  e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";

@@ -75,6 +75,15 @@ Texels captured_texels(const Session& session, const std::string& name) {
     throw FileError(fmt::format("\"{}\" was not captured", name));
 }
 
+// Reverse-Z depth to metres along the view axis, 0 = sky. The last element of a projection tells the two
+// kinds apart.
+float metres_of_depth(const Camera& camera, float depth) {
+    if (!(depth > 0)) return 0;
+    const auto& m = camera.clip_from_view;
+    const bool orthographic = m[15] == 1;
+    return static_cast<float>(orthographic ? (m[14] - depth) / m[10] : camera.near / depth);
+}
+
 Texels host_texels(Device& device, const Session& session, const std::string& name) {
     const GBufferImages& images = session.host().images();
     const GpuImage& image = name == "depth"    ? images.depth
@@ -87,11 +96,11 @@ Texels host_texels(Device& device, const Session& session, const std::string& na
     Texels texels{
         decode_texels(format, image.extent.width, image.extent.height, bytes, channel_names(name, format)),
         fnv1a(bytes)};
-    if (name == "depth") {  // near / view depth -> metres, 0 = sky
+    if (name == "depth") {
         Plane& plane = texels.image.planes.front();
         plane.name = "Z";
-        const auto near = static_cast<float>(session.host().shot().near);
-        for (float& value : plane.values) value = value > 0 ? near / value : 0;
+        const Camera camera = camera_at(session.host().shot(), 0, 1);  // the lens is the same in every frame
+        for (float& value : plane.values) value = metres_of_depth(camera, value);
     }
     return texels;
 }

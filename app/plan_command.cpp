@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "app/commands.h"
+#include "app/node_folders.h"
 #include "app/pipeline_file.h"
-#include "nodes/nodes.h"
 
 namespace penumbra {
 namespace {
@@ -43,10 +43,11 @@ std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text) {
 }
 
 int run_plan(const PlanArguments& arguments) {
-    const NodeSet nodes = shadow_nodes();
+    const auto nodes = open_nodes(arguments.node_folders);
+    if (!nodes) return exit_wrong;
     const auto size = parse_size(arguments.size);
     const auto facts = parse_facts(arguments.facts);
-    const auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, nodes);
+    const auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, *nodes);
     if (!size || !facts || !pipeline) return exit_wrong;
     Target target;
     target.extent = {(*size)[0], (*size)[1]};
@@ -56,7 +57,7 @@ int run_plan(const PlanArguments& arguments) {
     CompileOptions options;
     options.alias = !arguments.no_alias;
     options.optimum_search_nodes = report_search_nodes;
-    const auto plan = compile(*pipeline, nodes, target, options, diagnostics);
+    const auto plan = compile(*pipeline, *nodes, target, options, diagnostics);
     if (!plan) {
         std::cerr << diagnostics.text();
         return exit_wrong;

@@ -3,43 +3,22 @@
 // comes last, so that a folder with a report is a complete one.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/frame_range.h"
+#include "app/node_folders.h"
 #include "app/outputs.h"
 #include "app/pipeline_file.h"
 #include "app/progress.h"
 #include "app/report.h"
 #include "app/session.h"
 #include "host/image_file.h"
-#include "nodes/nodes.h"
 
 namespace penumbra {
 namespace {
-
-using FrameRange = std::array<uint32_t, 2>;
-
-std::optional<uint32_t> parse_index(std::string_view text) {
-    uint32_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-    return value;
-}
-
-// "A..B" or "A", inclusive.
-std::optional<FrameRange> parse_frames(const std::string& text, uint32_t shot_frames) {
-    if (text.empty()) return FrameRange{0, shot_frames - 1};
-    const size_t dots = text.find("..");
-    const auto first = parse_index(std::string_view(text).substr(0, dots));
-    const auto last =
-        dots == std::string::npos ? first : parse_index(std::string_view(text).substr(dots + 2));
-    if (first && last && *first <= *last) return FrameRange{*first, *last};
-    std::cerr << "--frames: \"" << text << "\" is not A..B with A <= B\n";
-    return std::nullopt;
-}
 
 struct Job {
     CheckedPipeline pipeline;
@@ -114,11 +93,11 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
 }  // namespace
 
 int run_render(const RenderArguments& arguments) {
-    const NodeSet nodes = shadow_nodes();
-    auto job = prepare(arguments, nodes);
+    const auto nodes = open_nodes(arguments.node_folders);
+    auto job = nodes ? prepare(arguments, *nodes) : std::nullopt;
     if (!job) return exit_wrong;
     try {
-        return render(arguments, std::move(*job), nodes);
+        return render(arguments, std::move(*job), *nodes);
     } catch (const DeviceError& e) {  // a device that was asked for by name is the command's mistake
         std::cerr << "penumbra: " << e.what() << "\n";
         return arguments.device.empty() ? exit_failed : exit_wrong;

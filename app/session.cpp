@@ -20,20 +20,15 @@ double process_cpu_ms() {
     return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
-// Slots of a plan; a pipeline names "scene", which stands for three.
-const std::vector<std::string> known_slots = {"depth", "normal", "motion",      "albedo",
-                                              "sun",   "scene",  "scene.nodes", "scene.leaves"};
+// Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
+const std::vector<std::string> known_slots = {"depth", "normal",      "motion",       "albedo",    "sun",
+                                              "scene", "scene.nodes", "scene.leaves", "scene.tlas"};
 
 void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnostics) {
     for (const HostSlot& slot : plan.slots)
         if (std::find(known_slots.begin(), known_slots.end(), slot.name) == known_slots.end())
             diagnostics.add({file}, "inputs." + slot.name,
                             "the standalone host has no such input" + did_you_mean(slot.name, known_slots));
-}
-
-void set_seed(View& view, uint32_t seed) {
-    for (const PlanPass& pass : view.plan().passes)
-        if (pass.entry && pass.entry->type.param("seed")) view.set_param(pass.node, "seed", ParamValue(seed));
 }
 
 }  // namespace
@@ -57,6 +52,7 @@ Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size
 std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, const CheckedPipeline& pipeline,
                                        Shot shot, const SessionOptions& options, Diagnostics& diagnostics,
                                        std::vector<std::string>& warnings) {
+    shot.size = options.size;  // analytic scenes measure their camera in pixels
     auto scene = load_scene(shot, diagnostics, warnings);
     if (!scene) return nullptr;
     auto session = std::unique_ptr<Session>(new Session(device));
@@ -95,8 +91,13 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));
     session->view_ = std::make_unique<View>(program, ViewOptions{1, options.poison});
-    set_seed(*session->view_, session->seed_);
-    session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0);
+    session->set_param("seed", session->seed_);
+    for (const HostSlot& slot : session->plan().slots) {
+        if (slot.name == "scene.nodes")
+            session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0);
+        if (slot.name == "scene.tlas")
+            session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0);
+    }
     session->sun_ =
         MappedBuffer(handles_of(device), sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
     session->scene_ = MappedBuffer(handles_of(device), sizeof(blocks::Scene),
@@ -122,14 +123,32 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "scene") b.buffer = scene_.get();
         if (slot.name == "scene.nodes") b.texels = bvh_->nodes();
         if (slot.name == "scene.leaves") b.texels = bvh_->leaves();
+        if (slot.name == "scene.tlas") b.tlas = tlas_->get();
     }
     return bindings;
 }
 
+void Session::set_param(std::string_view name, const ParamValue& value) {
+    for (const PlanPass& pass : plan().passes)
+        if (pass.entry && pass.entry->type.param(name)) view_->set_param(pass.node, name, value);
+}
+
+void Session::repeat_frame() {
+    last_.flags &= ~uint32_t{frame_reset};
+    const std::vector<SlotBinding> slots = bind_slots();
+    device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, last_, slots); });
+}
+
 FrameCost Session::run_frame(uint32_t index, bool reset) {
     const StandaloneFrame frame = host_->frame(index, reset);
-    if (frame.triangles_moved) bvh_->update(index);
+    // Since the frame that was traced last, which need not be the one before: a session may start anywhere.
+    if (host_->scene().moved(traced_frame_, index)) {
+        if (bvh_) bvh_->update(index);
+        if (tlas_) tlas_->update(index);
+    }
+    traced_frame_ = index;
     write_blocks(frame);
+    last_ = frame.description;
     const std::vector<SlotBinding> slots = bind_slots();
     const bool pass_by_pass = plan().cpu;
     FrameCost cost;

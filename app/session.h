@@ -11,6 +11,7 @@
 #include "graph/graph.h"
 #include "host/device.h"
 #include "host/scene_bvh.h"
+#include "host/scene_tlas.h"
 #include "host/standalone.h"
 
 namespace penumbra {
@@ -44,6 +45,11 @@ class Session {
 
     FrameCost run_frame(uint32_t index, bool reset);
 
+    // The last frame's passes once more, on the same inputs and the history that they have just left.
+    void repeat_frame();
+    // A dynamic parameter of every node that has one of this name, from the next frame on.
+    void set_param(std::string_view name, const ParamValue& value);
+
     const Plan& plan() const { return view_->plan(); }
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
@@ -56,8 +62,11 @@ class Session {
 
     Device& device_;
     uint32_t seed_ = 0;
+    FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
-    std::unique_ptr<SceneBvh> bvh_;
+    std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it
+    std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
+    uint32_t traced_frame_ = 0;        // the frame that both stand at
     MappedBuffer sun_, scene_;
     std::unique_ptr<View> view_;
 };

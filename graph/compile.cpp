@@ -86,6 +86,7 @@ class Compiler {
         pass.entry = nodes_.find(node.type->name);
         pass.kind = node.type->host ? PassKind::host : PassKind::compute;
         check_needs(node);
+        choose_backend(node);
         bindings_ = port_bindings(*node.type);
         for (size_t i = 0; i < selected.ports.size(); ++i)
             if (!selected.ports[i].bound->port->output) bind_input(node, selected.ports[i], bindings_[i]);
@@ -159,7 +160,8 @@ class Compiler {
                                          [&](const Port& p) { return p.output && p.updates == port.name; });
         pass.reads.push_back(c.previous ? c.bound->resource + "@-1" : c.bound->resource);
         if (c.source == Source::host) {
-            pass.bindings.push_back({&port, binding, true, host_slot(node, c), c.previous, c.resource});
+            for (const uint32_t slot : host_slots(node, c))
+                pass.bindings.push_back({&port, binding++, true, slot, c.previous, c.resource});
             return;
         }
         const auto pending = internal_.find(c.resource);
@@ -223,16 +225,20 @@ class Compiler {
         return use;
     }
 
-    uint32_t host_slot(const BoundNode& node, const Connection& c) {
+    // The slots behind a port's bindings, in their order: one, or those of a scene port's backend.
+    std::vector<uint32_t> host_slots(const BoundNode& node, const Connection& c) {
         const Port& port = *c.bound->port;
         if (port.kind == PortKind::scene) {
-            const uint32_t first =
-                slot(node, c.resource + ".nodes", PortKind::texels, Format::rgba32ui, c, "");
-            slot(node, c.resource + ".leaves", PortKind::texels, Format::rgba32ui, c, "");
-            slot(node, c.resource, PortKind::block, Format::r8, c, "Scene");
-            return first;
+            std::vector<uint32_t> slots;
+            if (uses_ray_query(plan_.passes.back().variant))
+                slots = {slot(node, c.resource + ".tlas", PortKind::scene, Format::r8, c, "")};
+            else
+                slots = {slot(node, c.resource + ".nodes", PortKind::texels, Format::rgba32ui, c, ""),
+                         slot(node, c.resource + ".leaves", PortKind::texels, Format::rgba32ui, c, "")};
+            slots.push_back(slot(node, c.resource, PortKind::block, Format::r8, c, "Scene"));
+            return slots;
         }
-        return slot(node, c.resource, port.kind, Format::r8, c, port.element);
+        return {slot(node, c.resource, port.kind, Format::r8, c, port.element)};
     }
 
     uint32_t slot(const BoundNode& node, const std::string& name, PortKind kind, Format format,
@@ -361,6 +367,20 @@ class Compiler {
     // --- variants, constants, dispatch
     // ----------------------------------------------------------------------------
 
+    // The rule of `auto`: ray queries of a CPU device are two orders of magnitude slower than the tree in
+    // compute.
+    void choose_backend(const BoundNode& node) {
+        const Param* choice = backend_choice(*node.type);
+        if (!choice) return;
+        const DeviceTable& device = target_.device;
+        std::string& backend = plan_.passes.back().variant.backend;
+        backend = std::get<std::string>(value_of(node, *choice));
+        if (backend == "auto") backend = device.ray_query && !device.cpu ? "ray_query" : "bvh";
+        if (backend == "ray_query" && !device.ray_query)
+            error(node.place, fmt::format("nodes.{}.params.{}", node.id, choice->name),
+                  fmt::format("the device \"{}\" lacks ray_query; \"bvh\" runs everywhere", plan_.device));
+    }
+
     void choose_variant(const BoundNode& node, const SelectedNode& selected) {
         choices_.emplace_back();
         for (const Connection& c : selected.ports) {
@@ -377,6 +397,15 @@ class Compiler {
         return target_.device.cpu ? node.type->cpu : node.type->gpu;
     }
 
+    // The pipeline's own value, else the device class's, else the declaration's.
+    const ParamValue& value_of(const BoundNode& node, const Param& param) const {
+        const auto set = node.set_by_user.find(param.name);
+        const auto override_value = overrides(node).params.find(param.name);
+        if ((set == node.set_by_user.end() || !set->second) && override_value != overrides(node).params.end())
+            return override_value->second;
+        return node.params.at(param.name);
+    }
+
     void fill_constants(const BoundNode& node) {
         PlanPass& pass = plan_.passes.back();
         const Dispatch& dispatch = node.type->dispatch;
@@ -390,13 +419,9 @@ class Compiler {
         pass.push.resize(layout.size);
         for (size_t i = 0; i < node.type->params.size(); ++i) {
             const Param& param = node.type->params[i];
-            ParamValue value = node.params.at(param.name);
-            const auto set = node.set_by_user.find(param.name);
-            const auto override_value = overrides(node).params.find(param.name);
-            if ((set == node.set_by_user.end() || !set->second) &&
-                override_value != overrides(node).params.end())
-                value = override_value->second;
-            const std::vector<std::byte> bytes = value_bytes(param, value);
+            const bool is_backend = &param == backend_choice(*node.type);
+            const std::vector<std::byte> bytes =
+                value_bytes(param, is_backend ? ParamValue(pass.variant.backend) : value_of(node, param));
             if (layout.offsets[i]) {
                 std::memcpy(pass.push.data() + *layout.offsets[i], bytes.data(), bytes.size());
             } else {
@@ -470,6 +495,7 @@ class Compiler {
             plan_.outputs.push_back({name, resource});
         }
         size_t compute_pass = 0;
+        std::set<std::pair<const NodeEntry*, std::string>> missing;  // each is reported once
         for (PlanPass& pass : plan_.passes) {
             if (pass.kind == PassKind::capture) continue;
             for (const FormatChoice& choice : choices_[compute_pass])
@@ -477,10 +503,15 @@ class Compiler {
                     choice.source == Source::internal ? plan_.resources[internal_.at(choice.resource)].format
                                                       : choice.port->formats.front();
             ++compute_pass;
-            if (pass.kind == PassKind::compute && !pass.entry->shaders.empty() &&
-                !pass.entry->shaders.contains(to_string(pass.variant)))
+            if (pass.kind != PassKind::compute || (pass.entry->shaders.empty() && !pass.entry->supplier))
+                continue;
+            const size_t errors = diagnostics_.size();
+            const std::pair variant(pass.entry, to_string(pass.variant));
+            if (missing.contains(variant) || find_shader(*pass.entry, pass.variant, diagnostics_)) continue;
+            missing.insert(variant);
+            if (diagnostics_.size() == errors)
                 error({pipeline_.file}, "nodes." + pass.node,
-                      fmt::format("no shader was compiled for its variant \"{}\"", to_string(pass.variant)));
+                      fmt::format("no shader was compiled for its variant \"{}\"", variant.second));
         }
         place_lifetimes(plan_);
     }

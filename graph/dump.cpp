@@ -79,9 +79,11 @@ std::string to_text(const Plan& plan) {
         const std::string groups =
             pass.indirect ? "indirect"
                           : fmt::format("{}x{}x{}", pass.groups[0], pass.groups[1], pass.groups[2]);
-        text += fmt::format("  {:2} {} ({}) {}\n      reads  {}\n      writes {}\n", p, pass.node,
+        const std::string backend =
+            pass.variant.backend.empty() ? "" : fmt::format(" backend {}", pass.variant.backend);
+        text += fmt::format("  {:2} {} ({}) {}{}\n      reads  {}\n      writes {}\n", p, pass.node,
                             pass.kind == PassKind::capture ? "capture" : pass.entry->type.name, groups,
-                            join(pass.reads), join(pass.writes));
+                            backend, join(pass.reads), join(pass.writes));
         for (uint32_t parity = 0; parity < 2; ++parity) {
             const std::string label = fmt::format("[{}]", parity);
             text += dependency_text(plan, pass.before[parity], label.c_str());
@@ -138,11 +140,13 @@ std::string to_dot(const Plan& plan) {
 OrderedJson passes_json(const Plan& plan) {
     OrderedJson passes = OrderedJson::array();
     for (const PlanPass& pass : plan.passes)
-        passes.push_back({{"node", pass.node},
-                          {"type", pass.kind == PassKind::capture ? "capture" : pass.entry->type.name},
-                          {"groups", groups_json(pass)},
-                          {"reads", pass.reads},
-                          {"writes", pass.writes}});
+        passes.push_back(
+            {{"node", pass.node},
+             {"type", pass.kind == PassKind::capture ? "capture" : pass.entry->type.name},
+             {"groups", groups_json(pass)},
+             {"backend", pass.variant.backend.empty() ? OrderedJson() : OrderedJson(pass.variant.backend)},
+             {"reads", pass.reads},
+             {"writes", pass.writes}});
     return passes;
 }
 

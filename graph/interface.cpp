@@ -71,6 +71,19 @@ std::string declare_image(const Port& port, const std::string& name, Format form
                        access, prefix(format), dim, name);
 }
 
+std::string declare_scene(const Port& port, const Variant& variant, uint32_t b) {
+    std::string text;
+    if (uses_ray_query(variant))
+        text = fmt::format("layout(set = 0, binding = {}) uniform accelerationStructureEXT {}_tlas;\n", b++,
+                           port.name);
+    else
+        for (const char* array : {"nodes", "leaves"})
+            text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
+                                port.name, array);
+    return text + fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ Scene {}; }};\n", b,
+                              port.name, port.name);
+}
+
 std::string declare_port(const NodeType& type, const Port& port, const Variant& variant, uint32_t b) {
     const Port& what = described_by(type, port);
     const char* access = !port.output ? "readonly " : port.updates.empty() ? "writeonly " : "";
@@ -95,11 +108,7 @@ std::string declare_port(const NodeType& type, const Port& port, const Variant& 
             return fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ {} {}; }};\n", b,
                                port.name, what.element, port.name);
         case PortKind::scene:
-            return fmt::format(
-                "layout(set = 0, binding = {}) uniform usamplerBuffer {}_nodes;\n"
-                "layout(set = 0, binding = {}) uniform usamplerBuffer {}_leaves;\n"
-                "layout(set = 0, binding = {}, std140) uniform {}_block {{ Scene {}; }};\n",
-                b, port.name, b + 1, port.name, b + 2, port.name, port.name);
+            return declare_scene(port, variant, b);
     }
     return {};
 }
@@ -146,13 +155,21 @@ std::string declare_constant(const Param& param, uint32_t id) {
     }
 }
 
-std::string declare_params(const NodeType& type) {
+size_t index_of(const std::vector<std::string>& names, const std::string& name) {
+    return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+std::string declare_params(const NodeType& type, const Variant& variant) {
     std::string constants, dynamic;
     uint32_t id = first_param_constant;
     for (const Param& param : type.params) {
         for (size_t i = 0; i < param.values.size(); ++i)
             constants += fmt::format("#define {}_{} {}\n", upper(param.name), upper(param.values[i]), i);
-        if (param.constant)
+        if (&param == backend_choice(type))
+            constants +=
+                fmt::format("#define {} {}\n", upper(param.name), index_of(param.values, variant.backend)),
+                ++id;
+        else if (param.constant)
             constants += declare_constant(param, id++);
         else
             dynamic += fmt::format("    {} {};\n", type_glsl(param.type), param.name);
@@ -190,7 +207,7 @@ std::vector<uint32_t> port_bindings(const NodeType& type) {
     for (size_t i = 0; i < type.ports.size(); ++i) {
         if (updater_of(type, type.ports[i])) continue;
         bindings[i] = next;
-        next += type.ports[i].kind == PortKind::scene ? static_cast<uint32_t>(scene_slots.size()) : 1;
+        next += type.ports[i].kind == PortKind::scene ? scene_bindings : 1;
     }
     for (size_t i = 0; i < type.ports.size(); ++i)
         if (const Port* updater = updater_of(type, type.ports[i]))
@@ -201,8 +218,7 @@ std::vector<uint32_t> port_bindings(const NodeType& type) {
 uint32_t first_table_binding(const NodeType& type) {
     uint32_t next = first_port_binding;
     for (const Port& port : type.ports)
-        if (!updater_of(type, port))
-            next += port.kind == PortKind::scene ? static_cast<uint32_t>(scene_slots.size()) : 1;
+        if (!updater_of(type, port)) next += port.kind == PortKind::scene ? scene_bindings : 1;
     return next;
 }
 
@@ -225,8 +241,7 @@ std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value) 
     std::vector<std::byte> out;
     if (param.type == ParamType::enumeration) {
         const auto& name = std::get<std::string>(value);
-        const auto index = static_cast<int32_t>(std::find(param.values.begin(), param.values.end(), name) -
-                                                param.values.begin());
+        const auto index = static_cast<int32_t>(index_of(param.values, name));
         append(out, &index, 4);
     } else if (const bool* flag = std::get_if<bool>(&value)) {
         const uint32_t word = *flag;
@@ -260,12 +275,24 @@ bool fits(const Param& param, const ParamValue& value) {
     return true;
 }
 
+const Param* backend_choice(const NodeType& type) {
+    const bool traces = std::any_of(type.ports.begin(), type.ports.end(),
+                                    [](const Port& port) { return port.kind == PortKind::scene; });
+    return traces ? type.param(backend_param) : nullptr;
+}
+
+bool uses_ray_query(const Variant& variant) {
+    return variant.backend == "ray_query";
+}
+
 std::string to_string(const Variant& variant) {
     std::string key;
     for (const auto& [port, format] : variant.formats)
         key += fmt::format("{}{}={}", key.empty() ? "" : ",", port, info(format).name);
     for (const auto& [port, present] : variant.present)
         key += fmt::format("{}{}={:d}", key.empty() ? "" : ",", port, present);
+    if (!variant.backend.empty())
+        key += fmt::format("{}{}={}", key.empty() ? "" : ",", backend_param, variant.backend);
     return key;
 }
 
@@ -283,6 +310,11 @@ std::vector<Variant> all_variants(const NodeType& type) {
                      [&](Variant& v, size_t i) { v.formats[port.name] = port.formats[i]; });
         if (has_presence(port)) multiply(2, [&](Variant& v, size_t i) { v.present[port.name] = i == 1; });
     }
+    if (const Param* choice = backend_choice(type)) {
+        std::vector<std::string> backends = choice->values;
+        std::erase(backends, "auto");
+        multiply(backends.size(), [&](Variant& v, size_t i) { v.backend = backends[i]; });
+    }
     return variants;
 }
 
@@ -291,7 +323,8 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "// Generated from the node's declaration.\n"
         "#extension GL_KHR_shader_subgroup_basic : require\n"
         "#extension GL_KHR_shader_subgroup_arithmetic : require\n"
-        "#extension GL_KHR_shader_subgroup_ballot : require\n"
+        "#extension GL_KHR_shader_subgroup_ballot : require\n" +
+        std::string(uses_ray_query(variant) ? "#extension GL_EXT_ray_query : require\n" : "") +
         "#include \"graph/frame_block.glsl\"\n"
         "#include \"common/blocks.h\"\n"
         "const uint FRAME_RESET = 1u;\nconst uint FRAME_STANDARD_Z = 2u;\nconst uint FRAME_ORTHOGRAPHIC = "
@@ -320,7 +353,7 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
     for (const Table& table : type.tables)
         text += fmt::format("layout(set = 1, binding = {}) uniform {}sampler2D {};\n", table_binding++,
                             prefix(table.format), table.name);
-    return text + declare_params(type) + declare_counters(type);
+    return text + declare_params(type, variant) + declare_counters(type);
 }
 
 void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<uint32_t>& host_bindings) {

@@ -26,8 +26,17 @@ inline constexpr uint32_t per_thread_constant = 3;  // 3, 4
 inline constexpr uint32_t counter_base_constant = 5;
 inline constexpr uint32_t first_param_constant = 6;
 
-// The slots that a scene port expands to, in binding order.
-inline constexpr std::array<const char*, 3> scene_slots = {"nodes", "leaves", "block"};
+// A scene port expands to the slots of a trace backend, in binding order: `bvh` to the texel buffers
+// NAME.nodes and NAME.leaves, `ray_query` to the acceleration structure NAME.tlas; the block NAME comes last.
+// Bindings are reserved for the larger of the two.
+inline constexpr uint32_t scene_bindings = 3;
+
+// A node type with a scene port may leave the backend to the pipeline: a constant enum parameter of this
+// name, whose values are `bvh`, `ray_query` and `auto` (ray_query where the device has it and is not a CPU).
+// One shader is compiled per backend; in it the parameter is a preprocessor constant. Other types trace with
+// `bvh`.
+inline constexpr const char* backend_param = "backend";
+const Param* backend_choice(const NodeType& type);  // nullptr: the type has no such choice
 
 // First binding of each port (parallel to NodeType::ports); an input that an output updates shares the
 // output's.
@@ -48,12 +57,14 @@ std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value);
 // Whether a value has the parameter's type, component count and range.
 bool fits(const Param& param, const ParamValue& value);
 
-// What a compiled variant depends on: the formats of storage images that have a choice and which optional
-// ports exist.
+// What a compiled variant depends on: the formats of storage images that have a choice, which optional ports
+// exist, and the trace backend.
 struct Variant {
     std::map<std::string, Format> formats;  // storage image ports with more than one format
     std::map<std::string, bool> present;    // optional and conditional ports
+    std::string backend;                    // "bvh" or "ray_query"; empty: the type has no choice
 };
+bool uses_ray_query(const Variant& variant);
 std::string to_string(
     const Variant& variant);  // the key of ShaderVariants: "filtered=r8,history=1"; "" if no choice
 std::vector<Variant> all_variants(const NodeType& type);

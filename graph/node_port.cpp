@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "graph/condition.h"
+#include "graph/interface.h"
 #include "graph/json_reader.h"
 
 namespace penumbra {
@@ -111,17 +112,25 @@ void read_element(const ObjectReader& reader, Port& port) {
                              port.kind == PortKind::block ? "" : did_you_mean(*element, elements)));
 }
 
+// A port's name; "" means "none" to all that follows, so nobody may write it.
+std::string read_name(const ObjectReader& reader, const char* key, const char* fallback) {
+    const std::optional<std::string> name = reader.text(key);
+    if (name && name->empty()) reader.error(*reader.find(key), key, "the name is empty");
+    return name.value_or(fallback);
+}
+
 ExtentRule read_extent(const ObjectReader& reader) {
     ExtentRule rule;
     const Json* json = reader.find("extent");
     if (!json) return rule;
     if (json->kind == Json::Kind::string) {
         rule.of = json->string;
+        if (rule.of.empty()) reader.error(*json, "extent", "the name is empty");
         return rule;
     }
     const std::vector<std::string> keys = {"of", "div", "mul"};
     const ObjectReader extent(*json, reader.path("extent"), keys, reader.diagnostics());
-    if (extent.require("of")) rule.of = extent.text("of").value_or("frame");
+    if (extent.require("of")) rule.of = read_name(extent, "of", "frame");
     rule.div = extent.pair("div", 1, max_factor).value_or(rule.div);
     rule.mul = extent.pair("mul", 1, max_factor).value_or(rule.mul);
     return rule;
@@ -138,7 +147,7 @@ CountRule read_count(const ObjectReader& reader) {
     }
     const std::vector<std::string> keys = {"of", "div", "mul", "add"};
     const ObjectReader count(*json, reader.path("count"), keys, reader.diagnostics());
-    if (count.require("of")) rule.of = count.text("of").value_or("frame");
+    if (count.require("of")) rule.of = read_name(count, "of", "frame");
     rule.div = count.pair("div", 1, max_factor).value_or(rule.div);
     rule.mul = count.whole("mul", 1, max_factor).value_or(1);
     rule.add = count.whole("add", 0, most).value_or(0);
@@ -194,7 +203,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
         const std::vector<std::string> words = {"any", "clear"};
         port.first = static_cast<First>(reader.choice("first", words).value_or(0));
     }
-    if (updates) port.updates = reader.text("updates").value_or("");
+    if (updates) port.updates = read_name(reader, "updates", "");
     if (const Json* condition = reader.find("if"))
         port.condition =
             parse_condition(*condition, type.params, reader.path("if"), diagnostics).value_or(Condition{});
@@ -321,10 +330,28 @@ class Linker {
             const bool counted = source && source->storage;  // one list, shared
             if (depends && !counted && !port.formats.empty()) variants *= port.formats.size();
         }
+        if (const Param* choice = backend_choice(type_)) {
+            check_backends(*choice);
+            variants *= choice->values.size() - static_cast<size_t>(std::ranges::count(choice->values, "auto"));
+        }
         if (variants > max_variants)
             diagnostics_.add(type_.place, "",
                              fmt::format("the format lists make {} shader variants; at most {} are allowed",
                                          variants, max_variants));
+    }
+
+    // The backend is chosen with the device in hand, after ports and conditions: see interface.h.
+    void check_backends(const Param& choice) {
+        const auto known = [](const std::string& v) { return v == "auto" || v == "bvh" || v == "ray_query"; };
+        const auto decides = [&](const Port& port) {
+            return std::ranges::any_of(port.condition, [&](const Literal& l) { return l.name == choice.name; });
+        };
+        const std::string path = "params." + choice.name;
+        if (choice.type != ParamType::enumeration || !choice.constant || !std::ranges::all_of(choice.values, known))
+            diagnostics_.add(choice.place, path,
+                             "beside a scene port this is a constant enum with values of auto, bvh, ray_query");
+        else if (std::ranges::any_of(type_.ports, decides))
+            diagnostics_.add(choice.place, path, "it may vary with the device, so no port can exist by it");
     }
 
     const Json& declaration_;

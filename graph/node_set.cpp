@@ -3,7 +3,15 @@
 // more.
 #include "graph/node_set.h"
 
+#include "graph/interface.h"
+
 namespace penumbra {
+
+const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& variant, Diagnostics& diagnostics) {
+    const auto found = entry.shaders.find(to_string(variant));
+    if (found != entry.shaders.end()) return &found->second;
+    return entry.supplier ? entry.supplier(variant, diagnostics) : nullptr;
+}
 
 void NodeSet::add(NodeEntry entry) {
     std::unique_ptr<NodeEntry>& slot = entries_[entry.type.name];

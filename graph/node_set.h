@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The node types a pipeline may name: declarations with their compiled shaders. An explicit table that a host fills
-// (nodes/nodes.h has penumbra's own); no static registration, which would vanish from a static library.
+// The node types a pipeline may name: declarations with their compiled shaders. An explicit table that a host
+// fills (nodes/nodes.h has penumbra's own); no static registration, which would vanish from a static library.
 #pragma once
 
 #include <cstddef>
@@ -16,11 +16,17 @@
 
 namespace penumbra {
 
+struct Variant;          // interface.h
 struct HostPassContext;  // view.h: command buffer, bindings and parameters of a host node's pass
 using HostCallback = std::function<void(const HostPassContext&)>;
 
-// SPIR-V per variant key (see interface.h: the storage formats and optional ports that a variant was compiled for).
+// SPIR-V per variant key (see interface.h: the storage formats and optional ports that a variant was compiled
+// for).
 using ShaderVariants = std::map<std::string, std::vector<uint32_t>>;
+
+// Gives a variant that ShaderVariants lack, for nodes that are compiled when they are used (user_nodes.h):
+// nullptr after reporting why not. What it points to lives as long as the function.
+using ShaderSupplier = std::function<const std::vector<uint32_t>*(const Variant&, Diagnostics&)>;
 
 struct TableData {
     std::string name;
@@ -32,11 +38,17 @@ struct NodeEntry {
     ShaderVariants shaders;
     std::vector<TableData> tables;
     HostCallback callback;  // host nodes
+    ShaderSupplier supplier;
 };
+
+// The variant's SPIR-V; nullptr where the entry has none and cannot supply it (reported only if that failed).
+const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& variant,
+                                         Diagnostics& diagnostics);
 
 class NodeSet {
   public:
-    // Adds a type; a type of the same name is replaced. Pointers to entries stay valid for the set's lifetime.
+    // Adds a type; a type of the same name is replaced. Pointers to entries stay valid for the set's
+    // lifetime.
     void add(NodeEntry entry);
     const NodeEntry* find(std::string_view name) const;
     std::vector<std::string> names() const;  // sorted

@@ -28,6 +28,7 @@ class DeclarationReader {
 
     NodeType read(const std::string& basename) {
         if (!reader_.is_object()) return {};
+        reader_.text("$schema");  // for editors
         read_name(basename);
         if (reader_.require("doc")) type_.doc = reader_.one_line("doc");
         read_shader();
@@ -324,7 +325,7 @@ const Param* NodeType::param(std::string_view param_name) const {
 std::optional<NodeType> parse_node_type(const Json& json, const std::string& basename,
                                         Diagnostics& diagnostics) {
     const size_t errors = diagnostics.size();
-    const std::vector<std::string> keys = {"node",    "doc",    "shader", "host",     "needs",   "inputs",
+    const std::vector<std::string> keys = {"$schema", "node",   "doc",    "shader",   "host",    "needs",   "inputs",
                                            "outputs", "tables", "params", "dispatch", "classes", "counters"};
     NodeType type = DeclarationReader(json, keys, diagnostics).read(basename);
     if (diagnostics.size() != errors) return std::nullopt;

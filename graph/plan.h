@@ -48,7 +48,7 @@ struct DeviceTable {
     uint32_t max_texel_elements = 1u << 27;
     uint32_t max_storage_bytes = 1u << 27;  // of one buffer binding
     uint32_t max_workgroup_invocations = 1024;
-    bool ray_query = false, storage8 = false;
+    bool ray_query = false, storage8 = false;  // enabled on the host's device, which only the host can tell
     std::function<MemoryNeed(const ImageNeed&)> image_memory;
     std::function<MemoryNeed(uint64_t bytes, VkBufferUsageFlags usage)> buffer_memory;
     std::function<bool(Format, VkFormatFeatureFlags)> supports;
@@ -81,8 +81,8 @@ struct Use {
 
 // A slot the host fills at every record(): an input, or an input's previous value.
 struct HostSlot {
-    std::string name;  // "depth", "depth@-1", "scene.nodes"
-    PortKind kind = PortKind::image;
+    std::string name;                 // "depth", "depth@-1", "scene.nodes"
+    PortKind kind = PortKind::image;  // scene: an acceleration structure
     Format format = Format::r8;
     Extent extent;
     uint32_t layers = 1;
@@ -120,7 +120,7 @@ struct PlanBinding {
     const Port* port = nullptr;
     uint32_t binding = 0;
     bool host = false;
-    uint32_t index = 0;     // of Plan::resources or Plan::slots (a scene port: its first slot)
+    uint32_t index = 0;     // of Plan::resources or Plan::slots (a scene port has a binding per slot)
     bool previous = false;  // internal: the other parity's placement
     std::string resource;   // the name it is bound to, with @-1 where previous
 };

@@ -28,38 +28,41 @@ Owned<VkDescriptorSetLayout> make_set_layout(VkDevice device,
 }
 
 std::vector<uint32_t> spirv_of(const PlanPass& pass) {
-    const auto found = pass.entry->shaders.find(to_string(pass.variant));
-    if (found == pass.entry->shaders.end())
-        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                          fmt::format("node {} has no shader for its variant", pass.node));
-    std::vector<uint32_t> spirv = found->second;
+    Diagnostics diagnostics;
+    const std::vector<uint32_t>* found = find_shader(*pass.entry, pass.variant, diagnostics);
+    if (!found)
+        throw VulkanError(
+            VK_ERROR_INITIALIZATION_FAILED,
+            fmt::format("node {} has no shader for its variant\n{}", pass.node, diagnostics.text()));
+    std::vector<uint32_t> spirv = *found;
     std::vector<uint32_t> host;
     for (const PlanBinding& binding : pass.bindings)
-        if (binding.host)
-            for (uint32_t i = 0; i < descriptor_types(*binding.port, false).size(); ++i)
-                host.push_back(binding.binding + i);
+        if (binding.host) host.push_back(binding.binding);
     bind_to_sets(spirv, host);
     return spirv;
 }
 
 }  // namespace
 
-std::vector<VkDescriptorType> descriptor_types(const Port& port, bool output) {
-    switch (port.kind) {
+VkDescriptorType descriptor_type(const Plan& plan, const PlanPass& pass, const PlanBinding& binding) {
+    const Port& port =
+        binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
+    // A scene port's slots have kinds of their own.
+    switch (binding.host ? plan.slots[binding.index].kind : port.kind) {
         case PortKind::image:
-            return {port.storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
-                                 : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER};
+            return port.storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
+                                : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
         case PortKind::texels:
-            return {output ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER};
+            return binding.port->output ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                                        : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
         case PortKind::buffer:
-            return {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
+            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
         case PortKind::block:
-            return {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER};
+            return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
         case PortKind::scene:
-            return {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
-                    VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER};
+            return VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR;
     }
-    return {};
+    return VK_DESCRIPTOR_TYPE_MAX_ENUM;
 }
 
 Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan)
@@ -152,12 +155,8 @@ void Program::make_pass(size_t index) {
     std::array<std::vector<VkDescriptorSetLayoutBinding>, 2> sets;
     sets[1].push_back(layout_binding(frame_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER));
     sets[1].push_back(layout_binding(counters_binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER));
-    for (const PlanBinding& binding : pass.bindings) {
-        uint32_t at = binding.binding;
-        const Port& port = binding.port->updates.empty() ? *binding.port : *type.port(binding.port->updates);
-        for (const VkDescriptorType t : descriptor_types(port, binding.port->output))
-            sets[binding.host].push_back(layout_binding(at++, t));
-    }
+    for (const PlanBinding& binding : pass.bindings)
+        sets[binding.host].push_back(layout_binding(binding.binding, descriptor_type(*plan_, pass, binding)));
     for (uint32_t i = 0; i < type.tables.size(); ++i)
         sets[1].push_back(
             layout_binding(first_table_binding(type) + i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER));

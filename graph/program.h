@@ -55,7 +55,6 @@ class Program {
     mutable bool uploaded_ = false;
 };
 
-// The descriptor types of a port's bindings, in order (a scene port has three).
-std::vector<VkDescriptorType> descriptor_types(const Port& port, bool output);
+VkDescriptorType descriptor_type(const Plan& plan, const PlanPass& pass, const PlanBinding& binding);
 
 }  // namespace penumbra

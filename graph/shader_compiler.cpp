@@ -15,14 +15,10 @@
 #include <spirv-tools/optimizer.hpp>
 #include <sstream>
 
+#include "graph/shared_glsl.h"
+
 namespace penumbra {
 namespace {
-
-std::optional<std::string> read_text(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return std::nullopt;
-    return std::string(std::istreambuf_iterator<char>(file), {});
-}
 
 // glslang needs the process initialised once; the last user finalises it.
 struct GlslangProcess {
@@ -36,12 +32,11 @@ class Includer : public glslang::TShader::Includer {
 
     IncludeResult* includeLocal(const char* header, const char*, size_t) override {
         if (std::string_view(header) == "node.glsl") return keep("node.glsl", source_.node_glsl);
-        for (const auto& dir : source_.include_dirs)
-            if (auto text = read_text(dir / header)) {
-                included.insert(dir / header);
-                return keep((dir / header).string(), std::move(*text));
-            }
-        return nullptr;
+        auto found = resolve_include(source_, header);
+        if (!found) return nullptr;
+        if (!found->embedded) files.insert(found->name);
+        texts[header] = found->text;
+        return keep(found->name, std::move(found->text));
     }
     void releaseInclude(IncludeResult* result) override {
         if (!result) return;
@@ -49,7 +44,8 @@ class Includer : public glslang::TShader::Includer {
         delete result;
     }
 
-    std::set<std::filesystem::path> included;
+    std::set<std::filesystem::path> files;
+    std::map<std::string, std::string> texts;
 
   private:
     // glslang owns the result until it calls releaseInclude.
@@ -65,12 +61,13 @@ class Includer : public glslang::TShader::Includer {
 
 // "ERROR: file:12: 'x' : undeclared identifier" -> diagnostics with places.
 void report_log(const std::string& log, const ShaderSource& source, Diagnostics& diagnostics) {
-    static const std::regex pattern(R"(^ERROR: ([^:]+):(\d+): (.*)$)");
+    static const std::regex pattern(R"(^ERROR: (.+?):(\d+): (.*)$)");
     std::istringstream lines(log);
     bool any = false;
     for (std::string line; std::getline(lines, line);) {
         std::smatch match;
         if (!std::regex_match(line, match, pattern)) continue;
+        if (any && match[3].str().find("compilation terminated") != std::string::npos) continue;  // says nothing new
         const std::string file = match[1] == "0" ? source.file.string() : match[1].str();
         diagnostics.add({file, std::stoi(match[2]), 1}, "", match[3]);
         any = true;
@@ -101,9 +98,38 @@ std::optional<std::vector<uint32_t>> validate_and_optimise(std::vector<uint32_t>
 
 }  // namespace
 
+std::optional<std::string> read_text(const std::filesystem::path& path) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;  // a folder opens, and reads as empty
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return std::nullopt;
+    return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+std::optional<IncludedText> resolve_include(const ShaderSource& source, const std::string& name) {
+    for (const auto& dir : source.include_dirs)
+        if (auto text = read_text(dir / name)) return IncludedText{(dir / name).string(), std::move(*text), false};
+    for (const SharedGlsl& shared : shared_glsl())
+        if (shared.name == name) return IncludedText{name, std::string(shared.text), true};
+    return std::nullopt;
+}
+
+bool is_valid_spirv(std::span<const uint32_t> words) {
+    spvtools::SpirvTools tools(SPV_ENV_VULKAN_1_2);
+    tools.SetMessageConsumer([](spv_message_level_t, const char*, const spv_position_t&, const char*) {});
+    return tools.Validate(words.data(), words.size());
+}
+
+std::string shader_compiler_version() {
+    const glslang::Version glslang = glslang::GetVersion();
+    // The last number counts changes of compile_shader: options, passes, preamble.
+    return fmt::format("glslang {}.{}.{}{}, {}, penumbra 1", glslang.major, glslang.minor, glslang.patch, glslang.flavor,
+                       spvSoftwareVersionDetailsString());
+}
+
 std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnostics& diagnostics) {
     static const GlslangProcess process;
-    const auto text = read_text(source.file);
+    const auto text = source.text ? source.text : read_text(source.file);
     if (!text) {
         diagnostics.add({source.file.string()}, "", "cannot read the shader");
         return std::nullopt;
@@ -135,7 +161,7 @@ std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnos
     glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words);
     auto spirv = validate_and_optimise(std::move(words), source, diagnostics);
     if (!spirv) return std::nullopt;
-    return CompiledShader{std::move(*spirv), {includer.included.begin(), includer.included.end()}};
+    return CompiledShader{std::move(*spirv), {includer.files.begin(), includer.files.end()}, std::move(includer.texts)};
 }
 
 }  // namespace penumbra

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // GLSL to SPIR-V with glslang, validated and optimised with SPIRV-Tools. The build uses it to embed the node
-// set.
+// set, hosts to load a user's nodes (user_nodes.h).
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -14,17 +15,38 @@
 namespace penumbra {
 
 struct ShaderSource {
-    std::filesystem::path file;                       // the .comp file
-    std::string node_glsl;                            // what `#include "node.glsl"` stands for
-    std::vector<std::filesystem::path> include_dirs;  // for every other #include
+    std::filesystem::path file;  // the .comp file
+    std::string node_glsl;       // what `#include "node.glsl"` stands for
+    std::vector<std::filesystem::path>
+        include_dirs;                 // for every other #include; then the embedded shared_glsl()
+    std::optional<std::string> text;  // the file's content, where it has been read already
 };
 
 struct CompiledShader {
     std::vector<uint32_t> spirv;                      // SPIR-V 1.5, Vulkan 1.2 environment
-    std::vector<std::filesystem::path> dependencies;  // files that were included
+    std::vector<std::filesystem::path> dependencies;  // files that were included (embedded ones are none)
+    std::map<std::string, std::string>
+        includes;  // what was included, as #include spells it, and the text it gave
 };
+
+// What `#include "name"` gives, and the name that errors in it carry (a path, or the name itself where
+// embedded).
+struct IncludedText {
+    std::string name, text;
+    bool embedded = false;
+};
+std::optional<IncludedText> resolve_include(const ShaderSource& source, const std::string& name);
 
 // Errors carry the GLSL file and line that glslang names.
 std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnostics& diagnostics);
+
+// Whether SPIRV-Tools find these words valid for compile_shader's environment.
+bool is_valid_spirv(std::span<const uint32_t> words);
+
+// Names the versions of glslang and SPIRV-Tools and of what this file makes of them: the same sources and the
+// same text give the same SPIR-V.
+std::string shader_compiler_version();
+
+std::optional<std::string> read_text(const std::filesystem::path& path);
 
 }  // namespace penumbra

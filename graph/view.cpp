@@ -29,6 +29,14 @@ class Writer {
         write(set, binding, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER).pTexelBufferView =
             &views_.emplace_back(view);
     }
+    void tlas(VkDescriptorSet set, uint32_t binding, VkAccelerationStructureKHR handle) {
+        VkWriteDescriptorSetAccelerationStructureKHR structure{
+            VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
+        structure.accelerationStructureCount = 1;
+        structure.pAccelerationStructures = &handles_.emplace_back(handle);
+        write(set, binding, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR).pNext =
+            &structures_.emplace_back(structure);
+    }
 
   private:
     VkWriteDescriptorSet& write(VkDescriptorSet set, uint32_t binding, VkDescriptorType type) {
@@ -48,6 +56,8 @@ class Writer {
     std::deque<VkDescriptorImageInfo> images_;
     std::deque<VkDescriptorBufferInfo> buffers_;
     std::deque<VkBufferView> views_;
+    std::deque<VkAccelerationStructureKHR> handles_;
+    std::deque<VkWriteDescriptorSetAccelerationStructureKHR> structures_;
 };
 
 uint64_t captured_bytes(const PlanResource& r) {
@@ -102,12 +112,8 @@ void View::make_descriptor_pool() {
         if (!pass.entry->type.tables.empty())
             counts[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] +=
                 n * static_cast<uint32_t>(pass.entry->type.tables.size());
-        for (const PlanBinding& binding : pass.bindings) {
-            const Port& port =
-                binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
-            for (const VkDescriptorType type : descriptor_types(port, binding.port->output))
-                counts[type] += binding.host ? n : 2;
-        }
+        for (const PlanBinding& binding : pass.bindings)
+            counts[descriptor_type(plan(), pass, binding)] += binding.host ? n : 2;
     }
     if (sets == 0) return;
     std::vector<VkDescriptorPoolSize> sizes;
@@ -143,7 +149,7 @@ void View::make_internal_sets() {
                                        ? *binding.port
                                        : *pass.entry->type.port(binding.port->updates);
                 const ResourceInstance& r = memory_.at(binding.index, binding.previous ? 1 - parity : parity);
-                const VkDescriptorType type = descriptor_types(port, binding.port->output).front();
+                const VkDescriptorType type = descriptor_type(plan(), pass, binding);
                 if (r.image)
                     writer.image(
                         set, binding.binding, type,
@@ -219,6 +225,7 @@ void View::check_slot_bindings(std::span<const SlotBinding> bindings) const {
         const PortKind kind = plan().slots[i].kind;
         const bool bound = kind == PortKind::image    ? b.image != VK_NULL_HANDLE
                            : kind == PortKind::texels ? b.texels != VK_NULL_HANDLE
+                           : kind == PortKind::scene  ? b.tlas != VK_NULL_HANDLE
                                                       : b.buffer != VK_NULL_HANDLE;
         if (!bound)
             throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
@@ -235,20 +242,18 @@ void View::write_slot_bindings(const Slot& slot, std::span<const SlotBinding> bi
         if (pass.kind != PassKind::compute) continue;
         for (const PlanBinding& binding : pass.bindings) {
             if (!binding.host) continue;
-            uint32_t at = binding.binding;
-            size_t index = binding.index;
-            for (const VkDescriptorType type : descriptor_types(*binding.port, false)) {
-                const SlotBinding& value = bindings[index++];
-                if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
-                    writer.texels(slot.sets[p], at, value.texels);
-                else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER ||
-                         type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
-                    writer.buffer(slot.sets[p], at, type, {value.buffer, value.offset, value.range});
-                else
-                    writer.image(slot.sets[p], at, type,
-                                 {program_->sampler(binding.port->linear), value.image, value.layout});
-                ++at;
-            }
+            const SlotBinding& value = bindings[binding.index];
+            const uint32_t at = binding.binding;
+            const VkDescriptorType type = descriptor_type(plan(), pass, binding);
+            if (type == VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR)
+                writer.tlas(slot.sets[p], at, value.tlas);
+            else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+                writer.texels(slot.sets[p], at, value.texels);
+            else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER || type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
+                writer.buffer(slot.sets[p], at, type, {value.buffer, value.offset, value.range});
+            else
+                writer.image(slot.sets[p], at, type,
+                             {program_->sampler(binding.port->linear), value.image, value.layout});
         }
     }
 }

@@ -26,6 +26,7 @@ struct SlotBinding {
     VkBufferView texels = VK_NULL_HANDLE;  // kind texels
     VkBuffer buffer = VK_NULL_HANDLE;      // kinds buffer and block
     VkDeviceSize offset = 0, range = VK_WHOLE_SIZE;
+    VkAccelerationStructureKHR tlas = VK_NULL_HANDLE;  // kind scene
 };
 
 struct ViewOptions {

@@ -170,6 +170,8 @@ struct RaySetup {
     }
 };
 
+constexpr float hit_roundings = 4 * 0x1p-24f;
+
 struct Sheared {
     float x, y, z;
 };
@@ -187,19 +189,35 @@ float edge(const Sheared& a, const Sheared& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-bool inside(const RaySetup& ray, float u, float v, float w, float zu, float zv, float zw) {
+// How far rounding can move the hit of a triangle along the ray, times the triangle's sheared area; see bvh.glsl.
+float hit_rounding(const RaySetup& ray, const Sheared& a, const Sheared& b, const Sheared& c) {
+    const float ta = a.z * ray.scale_z, tb = b.z * ray.scale_z, tc = c.z * ray.scale_z;
+    const float first = std::min(std::min(ta, tb), tc);
+    if (first > 0) return 0;
+    const float range = std::max(std::max(ta, tb), tc) - first;
+    const float x = std::max(std::max(std::abs(a.x), std::abs(b.x)), std::abs(c.x));
+    const float y = std::max(std::max(std::abs(a.y), std::abs(b.y)), std::abs(c.y));
+    const float z = range / std::abs(ray.scale_z);
+    const float edges = x * y + z * (std::abs(ray.shear_x) * y + std::abs(ray.shear_y) * x);
+    return hit_roundings * range * edges;
+}
+
+// u, v, w: the edge functions opposite to a, b, c.
+bool inside(const RaySetup& ray, float u, float v, float w, const Sheared& a, const Sheared& b,
+            const Sheared& c) {
     const bool miss = std::min(std::min(u, v), w) < 0 && std::max(std::max(u, v), w) > 0;
     const float det = u + v + w;
-    const float t = (u * zu + v * zv + w * zw) * ray.scale_z;
+    const float t = (u * a.z + v * b.z + w * c.z) * ray.scale_z;
     const float signed_t = det < 0 ? -t : t, size = std::abs(det);
-    return !miss && size > 0 && signed_t > ray.t_min * size && signed_t < ray.t_max * size;
+    return !miss && size > 0 && signed_t > ray.t_min * size + hit_rounding(ray, a, b, c) &&
+           signed_t < ray.t_max * size;
 }
 
 bool hits_leaf(const RaySetup& ray, const Texel* leaf) {
     const Sheared a = shear(ray, leaf, 0), b = shear(ray, leaf, 1), c = shear(ray, leaf, 2),
                   d = shear(ray, leaf, 3);
     const float ab = edge(a, b), bc = edge(b, c), ca = edge(c, a), bd = edge(b, d), dc = edge(d, c);
-    return inside(ray, bc, ca, ab, a.z, b.z, c.z) || inside(ray, bd, dc, -bc, c.z, b.z, d.z);
+    return inside(ray, bc, ca, ab, a, b, c) || inside(ray, bd, dc, -bc, c, b, d);
 }
 
 uint32_t hit_children(const RaySetup& ray, const Texel* node) {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-#include "host/shapes.h"
+#include "host/model_builder.h"
 
 namespace penumbra {
 
@@ -32,29 +32,6 @@ std::vector<Material> materials() {
             {{0.16f, 0.17f, 0.19f, 1}},
             {{0.38f, 0.24f, 0.14f, 1}}};
 }
-
-class Builder {
-  public:
-    Builder() { model_.materials = materials(); }
-
-    int mesh(Shape shape, int material) {
-        model_.meshes.emplace_back().parts.push_back(to_part(std::move(shape), material));
-        return static_cast<int>(model_.meshes.size()) - 1;
-    }
-    void node(const std::string& name, int mesh, const glm::dvec3& translation) {
-        Node& node = model_.nodes.emplace_back();
-        node.name = name;
-        node.mesh = mesh;
-        node.translation = translation;
-    }
-    void solid(const std::string& name, Shape shape, int material) {
-        node(name, mesh(std::move(shape), material), {});
-    }
-    Model take() { return std::move(model_); }
-
-  private:
-    Model model_;
-};
 
 // Attic base, fluted shaft that tapers with entasis, capital and abacus.
 Shape column() {
@@ -166,7 +143,7 @@ Shape steps() {
 }  // namespace
 
 Model make_colonnade() {
-    Builder builder;
+    ModelBuilder builder(materials());
     builder.solid("floor", ground(24, 24, 48, 48), floor_stone);
 
     const int column_mesh = builder.mesh(column(), marble);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Writes the scenes that the project makes itself: penumbra_make_scenes DIR.
+// Writes the scenes that the project makes itself, and the one shot whose keys are computed:
+// penumbra_make_scenes DIR.
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <span>
 
-#include "host/colonnade.h"
+#include "host/generated_scenes.h"
 #include "host/glb_writer.h"
 #include "host/image_file.h"
+#include "host/lamp.h"
 
 int main(int argc, char** argv) {
     if (argc != 2) {
@@ -14,8 +17,11 @@ int main(int argc, char** argv) {
         return 2;
     }
     try {
-        const std::filesystem::path path = std::filesystem::path(argv[1]) / "colonnade.glb";
-        penumbra::write_file(path, penumbra::to_glb(penumbra::make_colonnade()));
+        const std::filesystem::path folder = argv[1];
+        for (const penumbra::GeneratedScene& scene : penumbra::generated_scenes)
+            penumbra::write_file(folder / (std::string(scene.name) + ".glb"), penumbra::to_glb(scene.make()));
+        const std::string shot = penumbra::make_lamp_shot();
+        penumbra::write_file(folder / "lamp.shot.json", std::as_bytes(std::span(shot)));
         return 0;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "%s\n", error.what());

@@ -130,8 +130,6 @@ Shape link(double ring_radius, double bar_radius, double straight, int ring_segm
         }
     }
     join_rings(shape, 0, static_cast<uint32_t>(ring_segments), static_cast<uint32_t>(bar_segments), true);
-    for (size_t i = 0; i < shape.indices.size(); i += 3)
-        std::swap(shape.indices[i + 1], shape.indices[i + 2]);
     return shape;
 }
 

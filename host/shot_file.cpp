@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "graph/json_text.h"
+#include "host/analytic.h"
 #include "host/shot.h"
 
 namespace penumbra {
@@ -110,17 +111,44 @@ class Reader {
     Diagnostics& diagnostics_;
 };
 
+void read_analytic(Reader& reader, const Json& scene, Shot& shot) {
+    const Json* name = reader.required(scene, "scene", "analytic");
+    if (!name) return;
+    if (name->kind != Json::Kind::string || name->string != "half_plane") {
+        reader.error(
+            name->place, "scene.analytic",
+            fmt::format("{} is not an analytic scene of this version, which has \"half_plane\"",
+                        name->kind == Json::Kind::string ? '"' + name->string + '"' : kind_name(name->kind)));
+        return;
+    }
+    HalfPlane& out = shot.half_plane.emplace();
+    if (!reader.object(scene, "scene", {"analytic", "penumbra_px", "edge_deg", "speed_px", "offset_px"}))
+        return;
+    if (const Json* v = reader.required(scene, "scene", "penumbra_px"))
+        reader.number(*v, "scene.penumbra_px", 0.5, 4096, out.penumbra_px);
+    if (const Json* v = scene.find("edge_deg")) reader.number(*v, "scene.edge_deg", -360, 360, out.edge_deg);
+    if (const Json* v = scene.find("speed_px")) reader.number(*v, "scene.speed_px", -64, 64, out.speed_px);
+    if (const Json* v = scene.find("offset_px"))
+        reader.number(*v, "scene.offset_px", -1e5, 1e5, out.offset_px);
+}
+
 void read_scene(Reader& reader, const Json& root, Shot& shot) {
     const Json* scene = reader.required(root, "", "scene");
     if (!scene) return;
     if (scene->kind == Json::Kind::object) {
-        reader.error(scene->place, "scene",
-                     "analytic scenes are not supported by this version: name a glTF file");
+        read_analytic(reader, *scene, shot);
     } else if (scene->kind != Json::Kind::string || scene->string.empty()) {
         reader.error(scene->place, "scene", "expected the name of a glTF file");
     } else {
         shot.model = shot.file.parent_path() / scene->string;
     }
+}
+
+// Analytic scenes bring a camera and a motion of their own: what a shot says besides would not be heeded.
+void refuse_with_analytic(Reader& reader, const Json& root) {
+    for (const char* key : {"camera", "objects"})
+        if (const Json* value = root.find(key))
+            reader.error(value->place, key, "an analytic scene has its own");
 }
 
 void read_camera(Reader& reader, const Json& root, Shot& shot) {
@@ -191,11 +219,11 @@ void check_frames(Reader& reader, const Json& root, const Shot& shot) {
             if (!std::isfinite(value)) return false;
         return true;
     };
-    const Place camera_place = root.find("camera")->find("keys")->place;
     const Place sun_place = root.find("sun")->find("keys")->place;
+    const Place camera_place = shot.half_plane ? sun_place : root.find("camera")->find("keys")->place;
     bool camera_good = true, sun_good = true;
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
-        if (camera_good && !all_finite(camera_at(shot, frame, 1).world_from_view)) {
+        if (!shot.half_plane && camera_good && !all_finite(camera_at(shot, frame, 1).world_from_view)) {
             reader.error(
                 camera_place, "camera.keys",
                 fmt::format("at frame {} the target is at the camera, or `up` is along the view", frame));
@@ -206,6 +234,11 @@ void check_frames(Reader& reader, const Json& root, const Shot& shot) {
             reader.error(sun_place, "sun.keys",
                          fmt::format("at frame {} the direction vanishes between keys", frame));
             sun_good = false;
+        } else if (shot.half_plane && sun_good) {
+            if (const auto problem = half_plane_problem(shot, frame)) {
+                reader.error(sun_place, "sun.keys", *problem);
+                sun_good = false;
+            }
         }
     }
 }
@@ -225,8 +258,8 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     const size_t before = diagnostics.size();
     Reader reader(diagnostics);
     if (!reader.object(*root, "",
-                       {"penumbra_shot", "scene", "size", "frames", "fps", "camera", "sun", "objects",
-                        "origin", "seed"})) {
+                       {"$schema", "penumbra_shot", "scene", "size", "frames", "fps", "camera", "sun",
+                        "objects", "origin", "seed"})) {
         return std::nullopt;
     }
     Shot shot;
@@ -237,6 +270,8 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
             reader.error(version->place, "penumbra_shot", "this program reads shots of version 1");
         }
     }
+    if (const Json* schema = root->find("$schema"); schema && schema->kind != Json::Kind::string)
+        reader.error(schema->place, "$schema", "expected the name of a JSON Schema, for editors");
     read_scene(reader, *root, shot);
     if (const Json* size = root->find("size")) {
         if (size->kind == Json::Kind::array && size->items.size() == 2) {
@@ -249,15 +284,19 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     }
     if (const Json* frames = root->find("frames")) reader.integer(*frames, "frames", 1, 100000, shot.frames);
     if (const Json* fps = root->find("fps")) reader.number(*fps, "fps", 0.001, 10000, shot.fps);
-    read_camera(reader, *root, shot);
+    const Json* scene = root->find("scene");
+    const bool analytic = scene && scene->kind == Json::Kind::object;
+    if (!analytic) read_camera(reader, *root, shot);
     read_sun(reader, *root, shot);
-    read_objects(reader, *root, shot);
+    if (!analytic) read_objects(reader, *root, shot);
+    if (analytic) refuse_with_analytic(reader, *root);
     if (const Json* origin = root->find("origin")) reader.vector(*origin, "origin", shot.origin);
     if (const Json* seed = root->find("seed")) {
         reader.integer(*seed, "seed", 0, std::numeric_limits<uint32_t>::max(), shot.seed);
     }
     if (diagnostics.size() == before) check_frames(reader, *root, shot);
     if (diagnostics.size() != before) return std::nullopt;
+    if (shot.half_plane) add_half_plane_motion(shot);
     return shot;
 }
 

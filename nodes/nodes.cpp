@@ -11,13 +11,17 @@
 namespace penumbra {
 
 #define PENUMBRA_NODES(X) \
+    X(accumulate)         \
     X(classify)           \
     X(copy)               \
     X(filter)             \
     X(guides)             \
     X(prepare)            \
+    X(receivers)          \
+    X(reference)          \
     X(resolve)            \
     X(shade)              \
+    X(smooth)             \
     X(taa)                \
     X(tileclass)          \
     X(trace)

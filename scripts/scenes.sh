@@ -1,14 +1,17 @@
 #!/usr/bin/env bash
-# Puts the models that the shots in scenes/ look at in place: the colonnade is generated (always the same bytes), the
+# Puts the models that the shots in scenes/ look at in place: the project's own are generated (always the same bytes), the
 # engine comes from Debian's package assimp-testmodels. Usage: scripts/scenes.sh PRESET
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:?usage: scripts/scenes.sh PRESET}
 
-if [[ ! -f scenes/colonnade.glb || build/$preset/host/penumbra_make_scenes -nt scenes/colonnade.glb ]]; then
-    echo "scenes: generating scenes/colonnade.glb"
-    "build/$preset/host/penumbra_make_scenes" scenes
-fi
+for name in colonnade fan heightfield lamp trees; do
+    if [[ ! -f scenes/$name.glb || build/$preset/host/penumbra_make_scenes -nt scenes/$name.glb ]]; then
+        echo "scenes: generating the project's own models"
+        "build/$preset/host/penumbra_make_scenes" scenes
+        break
+    fi
+done
 
 engine=/usr/share/assimp/models/glTF2/2CylinderEngine-glTF-Binary/2CylinderEngine.glb
 if [[ ! -f scenes/2CylinderEngine.glb ]]; then

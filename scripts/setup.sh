@@ -16,7 +16,7 @@ packages=(
     spirv-tools               # libraries, CMake package and spirv-val in one
     libglm-dev nlohmann-json3-dev libfmt-dev libcli11-dev
     libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
-    libembree-dev librapidcheck-dev libgtest-dev # the tests
+    libembree-dev librapidcheck-dev libgtest-dev libvalijson-dev # the tests
 )
 [[ ${1:-} == --dev ]] && packages+=(clang-14 clang-format-14 clang-tidy-14 shellcheck)
 driver="mesa-vulkan-drivers"

@@ -6,6 +6,7 @@
 #include "node.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/round_store.glsl"
 #include "common/tiles.glsl"
 
 const float LOG2_E = 1.442695;
@@ -23,16 +24,6 @@ float local_deviation(ivec2 p) {
             variance += weight * variance_at(p + ivec2(x, y));
         }
     return sqrt(max(variance + 1e-9, 0.0));
-}
-
-// saturate(a.b)^32 of the normalised vectors, from their lengths' squares: no square root per tap.
-float normal_weight(vec3 a, float a2, vec3 b) {
-    const float cosine = max(dot(a, b), 0.0);
-    float w = min(cosine * cosine / max(a2 * dot(b, b), 1e-12), 1.0);
-    w *= w;
-    w *= w;
-    w *= w;
-    return w * w;
 }
 
 vec2 filter_at(ivec2 p, float z) {
@@ -69,7 +60,11 @@ void for_pixel(ivec2 p) {
     const float z = imageLoad(view_depth, p).x;
     vec2 s = vec2(state == BLOCK_LIT ? 1.0 : 0.0, 0.0);
     if (state == BLOCK_WORK && z > 0.0) s = filter_at(p, z);
-    imageStore(filtered, p, vec4(with_contrast(s), s.y, 0.0, 0.0));
+    s.x = with_contrast(s);
+#ifndef FORMAT_FILTERED_R8  // which rounds by definition
+    s = round_to(s, HALF_BITS);
+#endif
+    imageStore(filtered, p, vec4(s, 0.0, 0.0));
 }
 
 void main() { for_each_pixel(); }

@@ -4,30 +4,24 @@
 // Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl.
 #include "node.glsl"
 #include "common/blue_noise.glsl"
-#include "common/bvh.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
+#include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
-
-// How far the reconstructed point may lie below the surface that the rasteriser saw:
-// - float rounding of reconstruction, shift to the scene's frame and the ray-triangle test: each is an ulp or two of the
-//   largest number involved, 16 bound the sum;
-// - rounding of the depth, interpolated and stored, moves the point along the view ray, of which the normal sees a part;
-// - rasterisers snap vertices to a grid of 1/256 pixel, which displaces a surface by at most half of that on an axis.
-const float ULPS = 16.0 * 1.1920929e-7;  // 2^-23
-const float DEPTH_ROUNDINGS = 8.0;
-const float SNAP_PX = 1.0 / 256.0;
+#if BACKEND == BACKEND_RAY_QUERY
+#include "common/ray_query.glsl"
+#else
+#include "common/bvh.glsl"
+#endif
 
 const float PUBLISHED_OFFSET_M = 1e-4;  // Hybrid Shadows sample: both constants are absolute lengths
 const float PUBLISHED_T_MIN_M = 4e-2;
 
 float offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
     if (ORIGIN == ORIGIN_PUBLISHED) return PUBLISHED_OFFSET_M;
-    const vec3 largest = max(abs(relative), abs(in_scene));
-    return ULPS * (largest.x + largest.y + largest.z + z) +
-           DEPTH_ROUNDINGS * depth_rounding_m(z) * abs(dot(n, to_viewer(p))) + SNAP_PX * pixel_span_m(z);
+    return robust_offset_m(p, z, n, relative, in_scene);
 }
 
 vec3 ray_direction(ivec2 p) {

@@ -2,9 +2,11 @@
 // bvh.glsl on the first Vulkan device against the reference traversal in C++: the same arithmetic, so the
 // same answers, ray for ray. A compiler that fuses multiply-add, or a driver that loses a value set inside a
 // divergent loop, shows here.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include "host/bvh.h"
+#include "tests/bvh_large_planes.h"
 #include "tests/bvh_oracle.h"
 #include "tests/bvh_scenes.h"
 #include "tests/bvh_shipped_scenes.h"
@@ -76,6 +78,20 @@ class BvhGpu : public testing::Test {
 TEST_F(BvhGpu, AnswersLikeTheReference) {
     for (const TriangleScene& s : all_scenes())
         expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 1'000'000, 21));
+}
+
+TEST_F(BvhGpu, LargePlanesAnswerLikeTheReference) {
+    for (const double half : {1e3, 1e4})
+        for (const glm::dvec3& normal : plane_normals) {
+            LargePlane plane = large_plane(half, 3, normal, 100'000, 24);
+            // Half of the origins within the bound around the plane, where the last bit decides.
+            Random random(25);
+            for (size_t i = 0; i < plane.rays.size(); i += 2)
+                for (int axis = 0; axis < 3; ++axis)
+                    plane.rays[i].origin[axis] -= float(normal[axis] * half) * random.in(0, 4e-6f);
+            expect_equal(fmt::format("plane +-{} m, normal {} {} {}", half, normal.x, normal.y, normal.z), plane.quad,
+                         plane.rays);
+        }
 }
 
 TEST_F(BvhGpu, EmptySceneBlocksNothing) {

@@ -4,7 +4,9 @@
 
 #include <embree3/rtcore.h>
 
+#include <array>
 #include <cstring>
+#include <optional>
 #include <span>
 
 #include "host/bvh.h"
@@ -13,13 +15,15 @@ namespace penumbra::test {
 
 class EmbreeScene {
   public:
-    explicit EmbreeScene(std::span<const Triangle> triangles) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+    explicit EmbreeScene(std::span<const Triangle> triangles)
+        : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
         rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
         RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-        std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, triangles.size() * 3),
+        std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                            triangles.size() * 3),
                     triangles.data(), triangles.size() * sizeof(Triangle));
-        auto* indices = static_cast<uint32_t*>(
-            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles.size()));
+        auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles.size()));
         for (uint32_t i = 0; i < triangles.size() * 3; ++i) indices[i] = i;
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(scene_, geometry);
@@ -34,12 +38,29 @@ class EmbreeScene {
     EmbreeScene& operator=(const EmbreeScene&) = delete;
 
     bool occluded(const Ray& r) const {
-        RTCRay ray{r.origin[0], r.origin[1], r.origin[2], r.t_min, r.direction[0], r.direction[1], r.direction[2], 0,
-                   r.t_max, ~0u, 0, 0};
+        RTCRay ray{
+            r.origin[0], r.origin[1], r.origin[2], r.t_min, r.direction[0], r.direction[1], r.direction[2], 0,
+            r.t_max,     ~0u,         0,           0};
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
         rtcOccluded1(scene_, &context, &ray);
         return ray.tfar < 0;
+    }
+
+    struct Hit {
+        float t;
+        std::array<float, 3> normal;  // of the winding, any length
+    };
+    std::optional<Hit> nearest(const Ray& r) const {
+        RTCRayHit query{{r.origin[0], r.origin[1], r.origin[2], r.t_min, r.direction[0], r.direction[1],
+                         r.direction[2], 0, r.t_max, ~0u, 0, 0},
+                        {}};
+        query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        rtcIntersect1(scene_, &context, &query);
+        if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+        return Hit{query.ray.tfar, {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z}};
     }
 
   private:

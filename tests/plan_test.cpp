@@ -27,7 +27,8 @@ const NodeSet& nodes() {
 std::vector<std::string> pipeline_files() {
     std::vector<std::string> files;
     for (const auto& entry : std::filesystem::directory_iterator(root / "pipelines"))
-        if (entry.path().extension() == ".json") files.push_back(entry.path().stem().string());
+        if (entry.path().extension() == ".json" && entry.path().stem().extension() != ".schema")
+            files.push_back(entry.path().stem().string());
     std::sort(files.begin(), files.end());
     return files;
 }

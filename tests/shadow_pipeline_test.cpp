@@ -7,6 +7,7 @@
 
 #include "app/outputs.h"
 #include "app/session.h"
+#include "host/texels.h"
 #include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
@@ -117,7 +118,33 @@ TEST_P(ShadowPipeline, EveryTileOfA4kFrameIsTraced) {
     EXPECT_GT(counters.at("rays"), 3840u * 2160u * 9 / 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline, ::testing::Values("raw", "fidelityfx"),
+class ShadowsSky : public GpuTest {};
+
+// Where there is no surface there is no shadow, also in blocks whose surfaces are all in shadow.
+TEST_F(ShadowsSky, IsLit) {
+    Shot shot = plaza_shot({160, 96}, 3);
+    shot.camera = {{0, {0.5, 0.4, 1.2}, {-0.8, 0.9, -1}, {0, 1, 0}}};  // past the block's shadowed side, up
+    SessionOptions options;
+    options.captures = {"view_depth"};
+    const auto session = open(pipeline_named("shadows"), shot, options);
+    size_t sky = 0, dark = 0;
+    for (uint32_t frame = 0; frame < 3; ++frame) {
+        session->run_frame(frame, frame == 0);
+        const auto depth = session->view().captured("view_depth"), visibility = session->view().captured("visibility");
+        const PlanarImage z = decode_texels(Format::r32f, 160, 96, depth, {"Z"});
+        const PlanarImage v = decode_texels(Format::r16f, 160, 96, visibility, {"Y"});
+        for (size_t i = 0; i < z.planes[0].values.size(); ++i) {
+            dark += v.planes[0].values[i] == 0;
+            if (z.planes[0].values[i] > 0) continue;
+            ++sky;
+            ASSERT_EQ(v.planes[0].values[i], 1) << "pixel " << i << " of frame " << frame;
+        }
+    }
+    EXPECT_GT(sky, 1000u);
+    EXPECT_GT(dark, 1000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -21,7 +21,7 @@ constexpr const char* pipeline_text = R"({
   "nodes": {
     "guides": { "type": "guides" },
     "shade": { "type": "shade", "params": { "sun_color": [0, 0, 0], "ambient": [1, 1, 1] } },
-    "taa": { "type": "taa", "in": { "history": "color@-1" } }
+    "taa": { "type": "taa", "params": { "form": "published", "box": "rgb" }, "in": { "history": "color@-1" } }
   }
 })";
 

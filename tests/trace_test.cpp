@@ -2,107 +2,15 @@
 // The node trace, as it runs in a pipeline, against Embree: the test makes each pixel's ray anew in double precision from
 // the depth and normal that the node read, the noise tile and the sun, and asks Embree. Where the two differ, double
 // precision must say that the ray passes an edge within rounding.
-#include <cmath>
-#include <cstring>
-#include <glm/glm.hpp>
-#include <glm/gtc/type_ptr.hpp>
-
-#include "app/session.h"
 #include "nodes/nodes.h"
-#include "tests/bvh_oracle.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
+#include "tests/ray_maker.h"
 
 namespace penumbra::test {
 namespace {
 
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
-
-template <class T>
-std::vector<T> captured(const Session& session, const char* name) {
-    const auto bytes = session.view().captured(name);
-    std::vector<T> values(bytes.size() / sizeof(T));
-    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
-    return values;
-}
-
-uint32_t hash(uint32_t v) {  // PCG, as blue_noise.glsl names its source
-    const uint32_t state = v * 747796405u + 2891336453u;
-    const uint32_t word = ((state >> ((state >> 28) + 4)) ^ state) * 277803737u;
-    return word >> 22 ^ word;
-}
-
-class RayMaker {
-  public:
-    RayMaker(const Session& session, const NodeSet& nodes, const StandaloneFrame& frame)
-        : frame_(frame), size_(frame.description.size), seed_(session.seed()), noise_(16384) {
-        std::memcpy(noise_.data(), nodes.find("trace")->tables[0].texels.data(), noise_.size() * 4);
-    }
-
-    Ray ray(uint32_t x, uint32_t y, float depth, uint32_t normal_texel) const {
-        const Camera& camera = frame_.description.camera;
-        const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
-        const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
-        const double z = depth;
-        const glm::dvec2 uv = (glm::dvec2(x, y) + 0.5) / glm::dvec2(size_[0], size_[1]) -
-                              glm::dvec2(frame_.description.jitter[0], frame_.description.jitter[1]);
-        const glm::dvec2 ndc = 2.0 * uv - 1.0;
-        const glm::dvec3 relative = world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
-        const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
-        glm::dvec3 n;
-        for (int c = 0; c < 3; ++c) n[c] = 2 * static_cast<double>(normal_texel >> (10 * c) & 1023) / 1023 - 1;
-        n = glm::normalize(n);
-        const glm::dvec3 origin = in_scene + n * offset(n, relative, in_scene, z);
-        const glm::dvec3 direction = sun_direction(sample(x, y));
-        Ray ray{};
-        for (int c = 0; c < 3; ++c) {
-            ray.origin[c] = static_cast<float>(origin[c]);
-            ray.direction[c] = static_cast<float>(direction[c]);
-        }
-        ray.t_min = 0;
-        ray.t_max = INFINITY;
-        return ray;
-    }
-
-  private:
-    static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
-    double offset(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene, double z) const {
-        const glm::dvec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
-        const double pixel_angle = 2.0 / (size_[1] * std::abs(frame_.description.camera.clip_from_view[5]));
-        const double facing = std::abs(glm::dot(n, -glm::normalize(relative)));
-        return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing + pixel_angle * z / 256;
-    }
-
-    glm::dvec2 sample(uint32_t x, uint32_t y) const {
-        const uint32_t o = hash(seed_), first = hash(seed_ ^ 0x9E3779B9u), second = hash(first);
-        const uint32_t texel = noise_[((y + (o >> 7 & 127)) & 127) * 128 + ((x + (o & 127)) & 127)];
-        const uint32_t frame = frame_.description.index;
-        const uint32_t u = (texel << 16) + frame * 3242174889u + first, v = (texel & 0xFFFF0000u) + frame * 2447445414u + second;
-        return {(u >> 8) * 0x1p-24, (v >> 8) * 0x1p-24};
-    }
-
-    // Uniform over the cap, through the concentric map (sources in sun_sample.glsl).
-    glm::dvec3 sun_direction(const glm::dvec2& u) const {
-        const glm::dvec3 s = vector(frame_.sun.to_sun.v);
-        const glm::dvec2 p = 2.0 * u - 1.0;
-        const bool wide = std::abs(p.x) > std::abs(p.y);
-        const double r = wide ? p.x : p.y, angle = M_PI / 4 * (wide ? p.y : p.x) / (r == 0 ? 1 : r);
-        const glm::dvec2 disc = wide ? glm::dvec2(r * std::cos(angle), r * std::sin(angle)) : glm::dvec2(r * std::sin(angle), r * std::cos(angle));
-        const double one_minus_cos = (1 - std::cos(static_cast<double>(frame_.sun.angular_radius))) * glm::dot(disc, disc);
-        const double sine = std::sqrt(one_minus_cos * (2 - one_minus_cos));
-        const double length = std::sqrt(glm::dot(disc, disc));
-        const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;
-        const glm::dvec3 t1(1 + sign * s.x * s.x * a, sign * b, -sign * s.x), t2(b, sign + s.y * s.y * a, -s.y);
-        const glm::dvec2 across = length > 0 ? disc * (sine / length) : glm::dvec2(0);
-        return t1 * across.x + t2 * across.y + s * (1 - one_minus_cos);
-    }
-
-    const StandaloneFrame& frame_;
-    std::array<uint32_t, 2> size_;
-    uint32_t seed_;
-    std::vector<uint32_t> noise_;
-};
 
 class Trace : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 

@@ -11,3 +11,13 @@ vec3 decode_normal(vec4 texel) { return (2.0 * texel.xyz - 1.0) * texel.w; }
 
 // Normalised; zero stays zero.
 vec3 unit_or_zero(vec3 n) { return n * inversesqrt(max(dot(n, n), 1e-12)); }
+
+// saturate(a.b)^32 of the normalised vectors, from their lengths' squares: no square root per tap.
+float normal_weight(vec3 a, float a2, vec3 b) {
+    const float cosine = max(dot(a, b), 0.0);
+    float w = min(cosine * cosine / max(a2 * dot(b, b), 1e-12), 1.0);
+    w *= w;
+    w *= w;
+    w *= w;
+    return w * w;
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include "app/frame_range.h"
+
+#include <charconv>
+#include <iostream>
+#include <string_view>
+
+namespace penumbra {
+namespace {
+
+std::optional<uint32_t> parse_index(std::string_view text) {
+    uint32_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    return value;
+}
+
+}  // namespace
+
+std::optional<FrameRange> parse_frames(const std::string& text, uint32_t shot_frames) {
+    if (text.empty()) return FrameRange{0, shot_frames - 1};
+    const size_t dots = text.find("..");
+    const auto first = parse_index(std::string_view(text).substr(0, dots));
+    const auto last =
+        dots == std::string::npos ? first : parse_index(std::string_view(text).substr(dots + 2));
+    if (first && last && *first <= *last) return FrameRange{*first, *last};
+    std::cerr << "--frames: \"" << text << "\" is not A..B with A <= B\n";
+    return std::nullopt;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// The node types a command works with: penumbra's own and those of --nodes folders. Errors go to standard
+// error.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graph/node_set.h"
+
+namespace penumbra {
+
+std::optional<NodeSet> open_nodes(const std::vector<std::string>& folders);
+
+}  // namespace penumbra

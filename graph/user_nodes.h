@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Nodes of a user's own, without rebuilding anything: a folder of declarations (NAME.json), each with its
+// shader beside it. A variant of a shader is compiled when the first plan needs it, and kept on disk
+// (shader_cache.h).
+#pragma once
+
+#include "graph/check.h"
+#include "graph/node_set.h"
+#include "graph/shader_cache.h"
+
+namespace penumbra {
+
+// Adds every NAME.json of the folder (but *.schema.json, which an editor may want there). A name that the set
+// has already is an error: a pipeline must not change its meaning by the folder it is run with. Where
+// anything is wrong, nothing is added. `cache`: nullptr for one in the default place.
+bool add_user_nodes(NodeSet& nodes, const std::filesystem::path& folder, Diagnostics& diagnostics,
+                    std::shared_ptr<ShaderCache> cache = nullptr);
+
+// Compiles every variant of the user nodes that a pipeline names, not just those that one plan needs.
+bool compile_user_nodes(const NodeSet& nodes, const CheckedPipeline& pipeline, Diagnostics& diagnostics);
+
+}  // namespace penumbra

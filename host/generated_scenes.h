@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// The list of scenes that the project makes itself: scenes/<name>.glb comes from make().
+#pragma once
+
+#include <array>
+
+#include "host/colonnade.h"
+#include "host/fan.h"
+#include "host/heightfield.h"
+#include "host/lamp.h"
+#include "host/trees.h"
+
+namespace penumbra {
+
+struct GeneratedScene {
+    const char* name;
+    Model (*make)();
+};
+
+inline constexpr std::array<GeneratedScene, 5> generated_scenes{{{"colonnade", make_colonnade},
+                                                                 {"fan", make_fan},
+                                                                 {"heightfield", make_heightfield},
+                                                                 {"lamp", make_lamp},
+                                                                 {"trees", make_trees}}};
+
+}  // namespace penumbra

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+// Shadow rays against an acceleration structure of the driver (VK_KHR_ray_query): the counterpart of common/bvh.glsl on
+// the same triangles in the same frame. Which triangle is at an edge is the driver's to decide; nothing else differs.
+//
+// Includer declares: uniform accelerationStructureEXT scene_tlas.
+
+// Whether anything lies on the ray between t_min and t_max; both sides of a triangle block. `direction` is finite and of
+// any length but zero, the unit of t; 0 <= t_min.
+bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+    if (!(t_min < t_max)) return false;  // an empty interval is not a valid ray
+    rayQueryEXT query;
+    rayQueryInitializeEXT(query, scene_tlas, gl_RayFlagsOpaqueEXT | gl_RayFlagsTerminateOnFirstHitEXT, 0xFFu, origin, t_min,
+                          direction, t_max);
+    while (rayQueryProceedEXT(query)) {
+    }
+    return rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
+}

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// The published denoiser, through the whole pipeline on a device, on a shadow edge whose visibility is known
+// exactly: it must score as the published form is known to, in effective samples per pixel. docs/accuracy.md
+// has the table.
+#include <filesystem>
+
+#include "app/session.h"
+#include "host/analytic.h"
+#include "host/metrics.h"
+#include "nodes/nodes.h"
+#include "tests/gpu_test.h"
+
+namespace penumbra::test {
+namespace {
+
+constexpr uint32_t width = 192, height = 96, border = 24;
+
+struct Case {
+    double penumbra_px = 8, speed_px = 0;
+    uint32_t frame = 64;  // that is measured
+    uint32_t seeds = 8;
+    std::vector<std::string> settings;
+    std::string name = "fidelityfx";
+};
+
+Shot shot_of(const Case& c) {
+    Shot shot;
+    shot.half_plane = HalfPlane{c.penumbra_px, 20, c.speed_px, -c.speed_px * c.frame};
+    shot.size = {width, height};
+    shot.frames = c.frame + 1;
+    shot.sun = {{0, {0.3, 0.2, 1}}};
+    add_half_plane_motion(shot);
+    return shot;
+}
+
+std::vector<float> values_of(const Session& session) {
+    const std::span<const std::byte> bytes = session.view().captured("visibility");
+    std::vector<float> values;
+    for (const std::byte b : bytes) values.push_back(static_cast<float>(b) / 255.0f);
+    return values;
+}
+
+MaskMetrics measure_case(const Case& c) {
+    static const NodeSet nodes = shadow_nodes();
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto path = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (c.name + ".json");
+    auto pipeline = load_pipeline(path, c.settings, diagnostics);
+    if (pipeline)
+        std::erase_if(pipeline->outputs,
+                      [](const OutputName& output) { return output.name != "visibility"; });
+    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    if (!checked) throw std::runtime_error(diagnostics.text());
+
+    const Shot shot = shot_of(c);
+    std::vector<std::vector<float>> images;
+    for (uint32_t seed = 1; seed <= c.seeds; ++seed) {
+        SessionOptions options;
+        options.size = shot.size;
+        options.captures = {"visibility"};
+        options.seed = seed;
+        options.jitter = false;
+        options.optimum = false;
+        const auto session = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);
+        if (!session) throw std::runtime_error(diagnostics.text());
+        for (uint32_t frame = 0; frame <= c.frame; ++frame) session->run_frame(frame, frame == 0);
+        images.push_back(values_of(*session));
+    }
+    const std::vector<double> exact = half_plane_image(shot, c.frame);
+    const std::vector<float> truth(exact.begin(), exact.end());
+    std::vector<uint8_t> counted;  // what the published form does at the image's border is not in question
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x)
+            counted.push_back(x >= border && y >= border && x < width - border && y < height - border);
+    ComparedFrame frame{width, height, truth, counted, {}};
+    for (const std::vector<float>& image : images) frame.seeds.emplace_back(image);
+    return metrics_of(measure(frame));
+}
+
+class Accuracy : public GpuTest {};
+
+TEST_F(Accuracy, PublishedDenoiserScoresAsKnownWhereNothingMoves) {
+    const struct { double penumbra_px, n_eff; } known[] = {{8, 34}, {16, 61}, {32, 70}};
+    for (const auto& [penumbra_px, n_eff] : known) {
+        Case c;
+        c.penumbra_px = penumbra_px;
+        const MaskMetrics m = measure_case(c);
+        std::printf("static, %2.0f px: N_eff %.1f (known %.0f), bias part %.1f\n", penumbra_px,
+                    m.n_eff.value(), n_eff, m.n_bias.value_or(0));
+        EXPECT_NEAR(m.n_eff.value(), n_eff, 0.15 * n_eff) << penumbra_px;
+        EXPECT_EQ(m.nonfinite, 0u);
+    }
+}
+
+// The limit is the last pass's contrast, not the sampling and not the rest of the filter.
+TEST_F(Accuracy, PublishedDenoiserIsHeldBackByItsContrast) {
+    Case c;
+    c.penumbra_px = 32;
+    c.seeds = 4;
+    c.settings = {"nodes.filter2.params.contrast=false"};
+    EXPECT_GT(measure_case(c).n_eff.value(), 300);
+}
+
+// Known: at 32 px as for the static case; at 8 px by the model in double precision (tests/denoiser_model.h),
+// which the older figures (3.9, 3.6, 1.7, 1.6) exceed by a third, while it agrees with them at 32 px.
+TEST_F(Accuracy, PublishedDenoiserLagsAsKnownBehindAMovingEdge) {
+    const struct {
+        double penumbra_px, speed_px, n_eff;
+    } known[] = {{8, 0.25, 3.1}, {8, 1, 2.4},  {8, -0.25, 1.4},  {8, -1, 1.24},
+                 {32, 0.25, 18}, {32, 1, 7.2}, {32, -0.25, 4.6}, {32, -1, 2.9}};
+    for (const auto& [penumbra_px, speed_px, n_eff] : known) {
+        const double measured = measure_case({penumbra_px, speed_px, 48, 2, {}}).n_eff.value();
+        std::printf("%+.2f px per frame, %2.0f px: N_eff %.2f (known %.2f)\n", speed_px, penumbra_px,
+                    measured, n_eff);
+        EXPECT_NEAR(measured, n_eff, 0.3 * n_eff) << penumbra_px << " px, " << speed_px;
+    }
+}
+
+}  // namespace
+}  // namespace penumbra::test

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT
+// A user's nodes: found, compiled once, compiled again when anything they came from changes, and explained
+// where they are wrong, in the file that the user wrote.
+#include "graph/user_nodes.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "app/commands.h"
+#include "graph/compile.h"
+#include "graph/interface.h"
+#include "graph/pipeline.h"
+#include "nodes/nodes.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path root = PENUMBRA_SOURCE_DIR;
+
+constexpr const char* declaration = R"({
+  "node": "mine", "doc": "A test.", "shader": "mine.comp",
+  "outputs": { "mark": { "kind": "image", "format": ["r16f", "r8"] } },
+  "dispatch": { "over": "frame", "group": [8, 8] }
+})";
+constexpr const char* shader = R"(#include "node.glsl"
+#include "common/finite.glsl"
+#include "value.glsl"
+
+void main() { imageStore(mark, ivec2(gl_GlobalInvocationID.xy), vec4(VALUE)); }
+)";
+constexpr const char* pipeline_text =
+    R"({ "penumbra": 1, "name": "mine", "outputs": ["mark"], "nodes": { "mine": { "type": "mine" } } })";
+
+class UserNodes : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        folder_ = fs::path(::testing::TempDir()) / ("penumbra_user_nodes_" + std::to_string(getpid()));
+        fs::remove_all(folder_);
+        fs::create_directories(nodes_folder());
+        write("nodes/mine.json", declaration);
+        write("nodes/mine.comp", shader);
+        write("nodes/value.glsl", "const float VALUE = 0.25;\n");
+        write("mine.json", pipeline_text);
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    fs::path nodes_folder() const { return folder_ / "nodes"; }
+    fs::path cache_folder() const { return folder_ / "cache"; }
+
+    void write(const std::string& name, std::string_view text) const {
+        std::ofstream(folder_ / name, std::ios::binary) << text;
+    }
+
+    std::shared_ptr<ShaderCache> cache() {
+        return std::make_shared<ShaderCache>(cache_folder(),
+                                             [this](const std::string& text) { warnings_ += text + "\n"; });
+    }
+
+    // The SPIR-V of the node's first variant, from a fresh node set; empty where it did not come to be.
+    std::vector<uint32_t> first_variant(const std::shared_ptr<ShaderCache>& cache) {
+        NodeSet nodes = shadow_nodes();
+        diagnostics_ = {};
+        if (!add_user_nodes(nodes, nodes_folder(), diagnostics_, cache)) return {};
+        const NodeEntry& entry = *nodes.find("mine");
+        const auto* words = find_shader(entry, all_variants(entry.type)[0], diagnostics_);
+        return words ? *words : std::vector<uint32_t>{};
+    }
+
+    std::vector<fs::path> entries() const {
+        std::vector<fs::path> files;
+        for (const auto& entry : fs::directory_iterator(cache_folder())) files.push_back(entry.path());
+        return files;
+    }
+
+    std::string declaration_errors() {
+        NodeSet nodes = shadow_nodes();
+        const size_t before = nodes.names().size();
+        diagnostics_ = {};
+        EXPECT_FALSE(add_user_nodes(nodes, nodes_folder(), diagnostics_, cache()));
+        EXPECT_EQ(nodes.names().size(), before) << "a broken folder was added in part";
+        return diagnostics_.text();
+    }
+
+    fs::path folder_;
+    Diagnostics diagnostics_;
+    std::string warnings_;
+};
+
+TEST_F(UserNodes, APlanCompilesOnlyWhatItNeeds) {
+    NodeSet nodes = shadow_nodes();
+    const auto shaders = cache();
+    ASSERT_TRUE(add_user_nodes(nodes, nodes_folder(), diagnostics_, shaders)) << diagnostics_.text();
+    EXPECT_EQ(shaders->counts().compiled, 0u) << "nobody has used the node yet";
+    const auto pipeline = parse_pipeline(pipeline_text, "mine.json", {}, diagnostics_);
+    const auto checked = check(*pipeline, nodes, diagnostics_);
+    ASSERT_TRUE(checked) << diagnostics_.text();
+    Target target;
+    target.extent = {64, 32};
+    target.device = reference_device();
+    for (int i = 0; i < 2; ++i)
+        ASSERT_TRUE(compile(*checked, nodes, target, {}, diagnostics_)) << diagnostics_.text();
+    EXPECT_EQ(shaders->counts().compiled, 1u);
+    EXPECT_TRUE(compile_user_nodes(nodes, *checked, diagnostics_)) << diagnostics_.text();
+    EXPECT_EQ(shaders->counts().compiled, 2u) << "check looks at every variant";
+}
+
+TEST_F(UserNodes, ACachedShaderIsTheSameAndIsNotCompiledAgain) {
+    const auto first = first_variant(cache());
+    ASSERT_FALSE(first.empty()) << diagnostics_.text();
+    const auto later = cache();
+    EXPECT_EQ(first_variant(later), first);
+    EXPECT_EQ(later->counts().compiled, 0u);
+    EXPECT_EQ(later->counts().found, 1u);
+    EXPECT_EQ(entries().size(), 1u) << "something was left beside the entry";
+    EXPECT_EQ(warnings_, "");
+}
+
+TEST_F(UserNodes, AnyChangedSourceIsCompiledAgainIntoTheSameEntry) {
+    const auto first = first_variant(cache());
+    const std::pair<const char*, std::string> changes[] = {
+        {"nodes/value.glsl", "const float VALUE = 0.5;\n"},
+        {"nodes/mine.comp", std::string(shader) + "// as before\n"},
+        {"nodes/mine.json", std::string(declaration).replace(std::string(declaration).rfind('}'), 1, R"(,
+          "params": { "gain": { "type": "float", "default": 1, "doc": "factor" } } })")},
+    };
+    for (const auto& [file, text] : changes) {
+        write(file, text);
+        const auto shaders = cache();
+        EXPECT_FALSE(first_variant(shaders).empty()) << diagnostics_.text();
+        EXPECT_EQ(shaders->counts().compiled, 1u) << file;
+    }
+    EXPECT_NE(first_variant(cache()), first) << "the include's new value is in no shader";
+    EXPECT_EQ(entries().size(), 1u);
+    EXPECT_EQ(warnings_, "") << "out of date is not damaged";
+}
+
+// A file that comes to lie before another one in the search order changes what an #include means.
+TEST_F(UserNodes, AnIncludeThatIsNowFoundElsewhereIsCompiledAgain) {
+    first_variant(cache());
+    fs::create_directories(nodes_folder() / "common");
+    write("nodes/common/finite.glsl", "// mine\n");
+    const auto shaders = cache();
+    EXPECT_FALSE(first_variant(shaders).empty()) << diagnostics_.text();
+    EXPECT_EQ(shaders->counts().compiled, 1u);
+}
+
+TEST_F(UserNodes, ADamagedEntryIsNeverUsed) {
+    const auto first = first_variant(cache());
+    const fs::path entry = entries().at(0);
+    const std::string good = *read_text(entry);
+    std::vector<std::string> damaged = {"", "x", good.substr(0, good.size() / 2),
+                                        good.substr(0, good.size() - 4), good + "more"};
+    for (size_t at = 0; at < good.size(); at += 1 + good.size() / 61) {
+        damaged.push_back(good);
+        damaged.back()[at] = static_cast<char>(damaged.back()[at] ^ 0x10);
+    }
+    for (const std::string& bytes : damaged) {
+        std::ofstream(entry, std::ios::binary) << bytes;
+        warnings_.clear();
+        const auto shaders = cache();
+        ASSERT_EQ(first_variant(shaders), first) << diagnostics_.text();
+        EXPECT_EQ(shaders->counts().corrupt, 1u);
+        EXPECT_EQ(shaders->counts().compiled, 1u);
+        EXPECT_NE(warnings_.find(entry.string()), std::string::npos);
+        EXPECT_EQ(*read_text(entry), good) << "the entry was not mended";
+    }
+}
+
+TEST_F(UserNodes, AFolderThatCannotBeWrittenIsSaidOnceAndDoesNoHarm) {
+    write("cache", "a file where the folder should be");
+    const auto shaders = cache();
+    EXPECT_FALSE(first_variant(shaders).empty()) << diagnostics_.text();
+    EXPECT_FALSE(first_variant(shaders).empty());
+    EXPECT_EQ(shaders->counts().compiled, 2u);
+    EXPECT_EQ(std::ranges::count(warnings_, '\n'), 1) << warnings_;
+}
+
+TEST_F(UserNodes, GlslErrorsPointIntoTheUsersFiles) {
+    write("nodes/mine.comp", std::string(shader) + "\nfloat f() { return undeclared; }\n");
+    EXPECT_TRUE(first_variant(cache()).empty());
+    const std::string place = (nodes_folder() / "mine.comp").string();
+    EXPECT_EQ(diagnostics_.text().find(place + ":7:1: 'undeclared'"), 0u) << diagnostics_.text();
+
+    write("nodes/mine.comp", shader);
+    write("nodes/value.glsl", "\n\nconst float VALUE = vec3(1);\n");
+    EXPECT_TRUE(first_variant(cache()).empty());
+    EXPECT_EQ(diagnostics_.text().find((nodes_folder() / "value.glsl").string() + ":3:1: "), 0u)
+        << diagnostics_.text();
+
+    fs::remove(nodes_folder() / "value.glsl");
+    EXPECT_TRUE(first_variant(cache()).empty());
+    EXPECT_EQ(diagnostics_.text().find(place + ":3:1: "), 0u) << diagnostics_.text();
+    EXPECT_FALSE(fs::exists(cache_folder()) && !entries().empty())
+        << "a shader that does not compile was kept";
+}
+
+TEST_F(UserNodes, DeclarationErrorsPointIntoTheJson) {
+    const std::string file = (nodes_folder() / "mine.json").generic_string();
+    write("nodes/mine.json", R"({ "node": "mine", "doc": "d", "shader": "mine.comp", "output": {} })");
+    EXPECT_NE(declaration_errors().find(file + ":1:54: unknown key \"output\"; did you mean \"outputs\"?"),
+              std::string::npos);
+
+    write("nodes/mine.json", declaration);
+    fs::remove(nodes_folder() / "mine.comp");
+    EXPECT_EQ(declaration_errors().find(file + ":2:47: shader: no file "), 0u) << diagnostics_.text();
+}
+
+TEST_F(UserNodes, ABuiltInsNameIsAnError) {
+    std::string text = declaration;
+    text.replace(text.find("\"mine\""), 6, "\"filter\"");
+    write("nodes/filter.json", text);
+    EXPECT_NE(declaration_errors().find("filter.json:2:11: node: \"filter\" is a node type already"),
+              std::string::npos)
+        << diagnostics_.text();
+}
+
+TEST_F(UserNodes, AFolderWithoutDeclarationsIsAnError) {
+    fs::remove(nodes_folder() / "mine.json");
+    EXPECT_NE(declaration_errors().find("holds no node declarations"), std::string::npos);
+    fs::remove_all(nodes_folder());
+    EXPECT_NE(declaration_errors().find("cannot be read"), std::string::npos);
+}
+
+TEST_F(UserNodes, TablesAreReadAndMeasured) {
+    std::string text = declaration;
+    text.replace(text.rfind('}'), 1,
+                 R"(, "tables": { "noise": { "file": "noise.bin", "format": "rg8", "extent": [4, 2] } } })");
+    write("nodes/mine.json", text);
+    write("nodes/noise.bin", "0123456789abcdef");
+    NodeSet nodes = shadow_nodes();
+    ASSERT_TRUE(add_user_nodes(nodes, nodes_folder(), diagnostics_, cache())) << diagnostics_.text();
+    ASSERT_EQ(nodes.find("mine")->tables.size(), 1u);
+    EXPECT_EQ(nodes.find("mine")->tables[0].texels.size(), 16u);
+    write("nodes/noise.bin", "short");
+    EXPECT_NE(declaration_errors().find("tables.noise.file: has 5 bytes; format and extent ask for 16"),
+              std::string::npos);
+}
+
+// The commands end with 2 and say where, as for any other file of the user's.
+TEST_F(UserNodes, CommandsEndWith2OnABrokenShader) {
+    ASSERT_EQ(setenv("XDG_CACHE_HOME", cache_folder().c_str(), 1), 0);
+    CheckArguments check{{(folder_ / "mine.json").string()}, {nodes_folder().string()}};
+    PlanArguments plan;
+    plan.pipeline = check.pipelines[0];
+    plan.size = "64x32";
+    plan.node_folders = check.node_folders;
+    const auto run = [&](auto command, const auto& arguments) {
+        ::testing::internal::CaptureStderr();
+        ::testing::internal::CaptureStdout();
+        const int code = command(arguments);
+        ::testing::internal::GetCapturedStdout();
+        return std::pair(code, ::testing::internal::GetCapturedStderr());
+    };
+    EXPECT_EQ(run(run_check, check), std::pair(0, std::string()));
+    EXPECT_EQ(run(run_plan, plan), std::pair(0, std::string()));
+    EXPECT_TRUE(fs::is_directory(cache_folder() / "penumbra")) << "XDG_CACHE_HOME is not heeded";
+
+    write("nodes/mine.comp",
+          "#include \"node.glsl\"\nvoid main() { imageStore(mrak, ivec2(0), vec4(0)); }\n");
+    for (const auto& [code, text] : {run(run_check, check), run(run_plan, plan)}) {
+        EXPECT_EQ(code, 2);
+        EXPECT_EQ(text.find((nodes_folder() / "mine.comp").string() + ":2:1: 'mrak'"), 0u) << text;
+        EXPECT_EQ(text.find("'mrak'"), text.rfind("'mrak'")) << "said twice: " << text;
+    }
+    check.node_folders = plan.node_folders = {(folder_ / "nowhere").string()};
+    EXPECT_EQ(run(run_check, check).first, 2);
+    EXPECT_EQ(run(run_plan, plan).first, 2);
+}
+
+}  // namespace
+}  // namespace penumbra
