@@ -56,7 +56,7 @@ struct CompareArguments {
     std::string image, reference;   // folders
     std::vector<std::string> also;  // folders of the same images under other seeds
     std::string frames, mask;
-    uint32_t border = 0;            // pixels along the image's border that are left out
+    uint32_t border = 0;  // pixels along the image's border that are left out
     bool json = false;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A pipeline whose every name is resolved against a node set: what compile() starts from. check() reports every error
-// a pipeline can have, under any combination of facts, so that compile() cannot fail on the pipeline's account.
+// A pipeline whose every name is resolved against a node set: what compile() starts from. check() reports
+// every error a pipeline can have, under any combination of facts, so that compile() cannot fail on the
+// pipeline's account.
 #pragma once
 
 #include <map>
@@ -25,22 +26,25 @@ struct BoundPort {
 struct BoundNode {
     std::string id;
     const NodeType* type = nullptr;
-    std::vector<BoundPort> ports;               // in the type's order, every port once
-    std::map<std::string, ParamValue> params;   // every parameter, defaults filled in (class overrides are not)
-    std::map<std::string, bool> set_by_user;    // parameters the pipeline sets itself: class overrides leave these
+    std::vector<BoundPort> ports;  // in the type's order, every port once
+    std::map<std::string, ParamValue>
+        params;  // every parameter, defaults filled in (class overrides are not)
+    std::map<std::string, bool>
+        set_by_user;  // parameters the pipeline sets itself: class overrides leave these
     Condition condition;
     Place place;
 };
 
 struct CheckedPipeline {
     std::string name, doc, file;
-    std::vector<HostInput> inputs;       // kind filled in from the readers
-    std::vector<BoundNode> nodes;        // in the file's order
+    std::vector<HostInput> inputs;  // kind filled in from the readers
+    std::vector<BoundNode> nodes;   // in the file's order
     std::vector<ResourceSetting> resources;
     std::vector<std::string> outputs;
 };
 
 // `nodes` must outlive the result.
-std::optional<CheckedPipeline> check(const Pipeline& pipeline, const NodeSet& nodes, Diagnostics& diagnostics);
+std::optional<CheckedPipeline> check(const Pipeline& pipeline, const NodeSet& nodes,
+                                     Diagnostics& diagnostics);
 
 }  // namespace penumbra

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Errors are values with a place: file, line and column in the user's text, the path inside it, and what to do.
-// Functions that read user input take a Diagnostics& and return std::optional; they report every error they find.
+// Errors are values with a place: file, line and column in the user's text, the path inside it, and what to
+// do. Functions that read user input take a Diagnostics& and return std::optional; they report every error
+// they find.
 #pragma once
 
 #include <span>

@@ -13,7 +13,21 @@
 namespace penumbra {
 
 enum class Format : uint8_t {
-    r8, rg8, rgba8, r16f, rg16f, rgba16f, r32f, rg32f, r32ui, rg32ui, rgba32ui, rgb10a2, r11g11b10f, d32, d16
+    r8,
+    rg8,
+    rgba8,
+    r16f,
+    rg16f,
+    rgba16f,
+    r32f,
+    rg32f,
+    r32ui,
+    rg32ui,
+    rgba32ui,
+    rgb10a2,
+    r11g11b10f,
+    d32,
+    d16
 };
 inline constexpr int format_count = 15;
 
@@ -22,10 +36,10 @@ enum class FormatClass : uint8_t { unorm, real, uint, depth };
 struct FormatInfo {
     const char* name;
     VkFormat vk;
-    uint32_t bytes;          // per texel
+    uint32_t bytes;  // per texel
     uint32_t channels;
     FormatClass kind;
-    const char* glsl;        // layout qualifier of a storage image; nullptr: cannot be storage
+    const char* glsl;  // layout qualifier of a storage image; nullptr: cannot be storage
 };
 
 const FormatInfo& info(Format format);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // JSON values that remember where they stand in the text, so that every later error can point there.
-// nlohmann-json parses; a pass of our own over the same text gives the places. Rejects duplicate keys, NaN and comments.
+// nlohmann-json parses; a pass of our own over the same text gives the places. Rejects duplicate keys, NaN
+// and comments.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +52,8 @@ std::optional<Json> read_json(const std::filesystem::path& path, Diagnostics& di
 void merge_patch(Json& target, const Json& patch);
 
 // Sets "a.b.c" in an object, creating objects on the way. Arrays are replaced whole.
-// `value_text` is JSON if it parses as JSON, else a string. `place.file` names the source ("--set a.b.c=...").
+// `value_text` is JSON if it parses as JSON, else a string. `place.file` names the source ("--set
+// a.b.c=...").
 void set_path(Json& target, std::string_view path, std::string_view value_text, const Place& place);
 
 }  // namespace penumbra

@@ -332,7 +332,8 @@ class Linker {
         }
         if (const Param* choice = backend_choice(type_)) {
             check_backends(*choice);
-            variants *= choice->values.size() - static_cast<size_t>(std::ranges::count(choice->values, "auto"));
+            variants *=
+                choice->values.size() - static_cast<size_t>(std::ranges::count(choice->values, "auto"));
         }
         if (variants > max_variants)
             diagnostics_.add(type_.place, "",
@@ -344,12 +345,15 @@ class Linker {
     void check_backends(const Param& choice) {
         const auto known = [](const std::string& v) { return v == "auto" || v == "bvh" || v == "ray_query"; };
         const auto decides = [&](const Port& port) {
-            return std::ranges::any_of(port.condition, [&](const Literal& l) { return l.name == choice.name; });
+            return std::ranges::any_of(port.condition,
+                                       [&](const Literal& l) { return l.name == choice.name; });
         };
         const std::string path = "params." + choice.name;
-        if (choice.type != ParamType::enumeration || !choice.constant || !std::ranges::all_of(choice.values, known))
-            diagnostics_.add(choice.place, path,
-                             "beside a scene port this is a constant enum with values of auto, bvh, ray_query");
+        if (choice.type != ParamType::enumeration || !choice.constant ||
+            !std::ranges::all_of(choice.values, known))
+            diagnostics_.add(
+                choice.place, path,
+                "beside a scene port this is a constant enum with values of auto, bvh, ray_query");
         else if (std::ranges::any_of(type_.ports, decides))
             diagnostics_.add(choice.place, path, "it may vary with the device, so no port can exist by it");
     }

@@ -7,7 +7,8 @@
 
 namespace penumbra {
 
-const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& variant, Diagnostics& diagnostics) {
+const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& variant,
+                                         Diagnostics& diagnostics) {
     const auto found = entry.shaders.find(to_string(variant));
     if (found != entry.shaders.end()) return &found->second;
     return entry.supplier ? entry.supplier(variant, diagnostics) : nullptr;

@@ -325,8 +325,9 @@ const Param* NodeType::param(std::string_view param_name) const {
 std::optional<NodeType> parse_node_type(const Json& json, const std::string& basename,
                                         Diagnostics& diagnostics) {
     const size_t errors = diagnostics.size();
-    const std::vector<std::string> keys = {"$schema", "node",   "doc",    "shader",   "host",    "needs",   "inputs",
-                                           "outputs", "tables", "params", "dispatch", "classes", "counters"};
+    const std::vector<std::string> keys = {"$schema",  "node",    "doc",     "shader", "host",
+                                           "needs",    "inputs",  "outputs", "tables", "params",
+                                           "dispatch", "classes", "counters"};
     NodeType type = DeclarationReader(json, keys, diagnostics).read(basename);
     if (diagnostics.size() != errors) return std::nullopt;
     return type;

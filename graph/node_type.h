@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A node type as declared in nodes/<type>.json: ports, parameters, dispatch rule. The vocabulary is closed
-// (docs: formats of node declarations). Everything else about a node (GLSL interface, barriers, descriptors) follows.
+// (docs: formats of node declarations). Everything else about a node (GLSL interface, barriers, descriptors)
+// follows.
 #pragma once
 
 #include <array>
@@ -17,7 +18,8 @@
 
 namespace penumbra {
 
-// One literal of a condition: FACT, !FACT or PARAM=VALUE. Literals of a Condition are joined by "and"; empty = always.
+// One literal of a condition: FACT, !FACT or PARAM=VALUE. Literals of a Condition are joined by "and"; empty
+// = always.
 struct Literal {
     std::string name;
     bool negated = false;
@@ -28,8 +30,8 @@ struct Literal {
 using Condition = std::vector<Literal>;
 
 // The facts a host may promise for a plan's lifetime; all default to true.
-inline constexpr std::array<const char*, 8> fact_names = {"sun_up", "sun_disc", "casters",   "alpha",
-                                                          "many_cascades", "moves", "motion_3d", "hdr"};
+inline constexpr std::array<const char*, 8> fact_names = {"sun_up",        "sun_disc", "casters",   "alpha",
+                                                          "many_cascades", "moves",    "motion_3d", "hdr"};
 using Facts = std::map<std::string, bool>;  // name -> value; a name that is absent is true
 
 std::string to_string(const Condition& condition);
@@ -67,12 +69,12 @@ struct Port {
     ExtentRule extent;            // outputs of kind image and texels
     CountRule count;              // outputs of kind buffer
     Writes writes = Writes::all;
-    std::string updates;          // output: the input port whose memory it takes over
+    std::string updates;  // output: the input port whose memory it takes over
     First first = First::any;
-    bool previous = false;        // must be bound to NAME@-1
-    bool indirect = false;        // holds dispatch arguments
+    bool previous = false;  // must be bound to NAME@-1
+    bool indirect = false;  // holds dispatch arguments
     bool optional = false;
-    Condition condition;          // "if": the port exists only where this holds
+    Condition condition;  // "if": the port exists only where this holds
     std::string doc;
     Place place;
 };
@@ -83,17 +85,19 @@ enum class ParamType : uint8_t { boolean, integer, uint, real, vec2, vec3, vec4,
 struct Param {
     std::string name;
     ParamType type = ParamType::real;
-    ParamValue default_value;          // enum: the value's name
-    std::vector<std::string> values;   // enum
+    ParamValue default_value;                    // enum: the value's name
+    std::vector<std::string> values;             // enum
     std::optional<std::array<double, 2>> range;  // inclusive
     std::string unit;
     std::string doc;
-    bool constant = false;             // specialisation constant; otherwise a push constant
+    bool constant = false;  // specialisation constant; otherwise a push constant
     Place place;
 };
 
 // Bytes and std430 alignment of a parameter in the push-constant block; enums are int, bools uint.
-struct ParamLayout { uint32_t size, alignment; };
+struct ParamLayout {
+    uint32_t size, alignment;
+};
 ParamLayout layout_of(ParamType type);
 
 struct Dispatch {
@@ -141,17 +145,19 @@ struct NodeType {
 };
 
 // Reads a declaration; `basename` is the file's name without extension and must equal the key "node".
-std::optional<NodeType> parse_node_type(const Json& json, const std::string& basename, Diagnostics& diagnostics);
+std::optional<NodeType> parse_node_type(const Json& json, const std::string& basename,
+                                        Diagnostics& diagnostics);
 
 // Reads one value for `param` (type, enum value, range); path and place name it in errors.
 std::optional<ParamValue> parse_param_value(const Param& param, const Json& json, const std::string& path,
                                             Diagnostics& diagnostics);
 
 // Parses "a & !b & mode=x". `params` lists what PARAM=VALUE may name (empty: facts only).
-std::optional<Condition> parse_condition(const Json& json, std::span<const Param> params, const std::string& path,
-                                         Diagnostics& diagnostics);
+std::optional<Condition> parse_condition(const Json& json, std::span<const Param> params,
+                                         const std::string& path, Diagnostics& diagnostics);
 
-// Whether the condition holds under these facts and parameter values (enum by name, bool "true"/"false", numbers as text).
+// Whether the condition holds under these facts and parameter values (enum by name, bool "true"/"false",
+// numbers as text).
 bool holds(const Condition& condition, const Facts& facts, const std::map<std::string, ParamValue>& params);
 
 }  // namespace penumbra

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A pipeline as written: which nodes, wired how. load_pipeline resolves `extends` and settings; check() (check.h)
-// resolves names against a node set and finds every error a pipeline can have.
+// A pipeline as written: which nodes, wired how. load_pipeline resolves `extends` and settings; check()
+// (check.h) resolves names against a node set and finds every error a pipeline can have.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +19,8 @@ struct HostInput {
     enum class History : uint8_t { none, host, copy };
 
     std::string name;
-    std::optional<PortKind> kind;    // else from the readers
-    std::optional<Format> format;    // else whatever the readers accept and the host brings
+    std::optional<PortKind> kind;  // else from the readers
+    std::optional<Format> format;  // else whatever the readers accept and the host brings
     Extent extent = Extent::frame;
     std::array<uint32_t, 2> size{0, 0};  // Extent::fixed
     History history = History::none;
@@ -69,8 +69,8 @@ struct Pipeline {
 };
 
 // "nodes.filter0.params.step=2", as --set gives it.
-std::optional<Pipeline> load_pipeline(const std::filesystem::path& file, std::span<const std::string> settings,
-                                      Diagnostics& diagnostics);
+std::optional<Pipeline> load_pipeline(const std::filesystem::path& file,
+                                      std::span<const std::string> settings, Diagnostics& diagnostics);
 
 // The same from text, for hosts that keep pipelines in memory; `extends` is then relative to `file`'s folder.
 std::optional<Pipeline> parse_pipeline(std::string_view text, const std::string& file,

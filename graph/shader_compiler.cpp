@@ -67,7 +67,8 @@ void report_log(const std::string& log, const ShaderSource& source, Diagnostics&
     for (std::string line; std::getline(lines, line);) {
         std::smatch match;
         if (!std::regex_match(line, match, pattern)) continue;
-        if (any && match[3].str().find("compilation terminated") != std::string::npos) continue;  // says nothing new
+        if (any && match[3].str().find("compilation terminated") != std::string::npos)
+            continue;  // says nothing new
         const std::string file = match[1] == "0" ? source.file.string() : match[1].str();
         diagnostics.add({file, std::stoi(match[2]), 1}, "", match[3]);
         any = true;
@@ -100,7 +101,8 @@ std::optional<std::vector<uint32_t>> validate_and_optimise(std::vector<uint32_t>
 
 std::optional<std::string> read_text(const std::filesystem::path& path) {
     std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;  // a folder opens, and reads as empty
+    if (!std::filesystem::is_regular_file(path, error))
+        return std::nullopt;  // a folder opens, and reads as empty
     std::ifstream file(path, std::ios::binary);
     if (!file) return std::nullopt;
     return std::string(std::istreambuf_iterator<char>(file), {});
@@ -108,7 +110,8 @@ std::optional<std::string> read_text(const std::filesystem::path& path) {
 
 std::optional<IncludedText> resolve_include(const ShaderSource& source, const std::string& name) {
     for (const auto& dir : source.include_dirs)
-        if (auto text = read_text(dir / name)) return IncludedText{(dir / name).string(), std::move(*text), false};
+        if (auto text = read_text(dir / name))
+            return IncludedText{(dir / name).string(), std::move(*text), false};
     for (const SharedGlsl& shared : shared_glsl())
         if (shared.name == name) return IncludedText{name, std::string(shared.text), true};
     return std::nullopt;
@@ -123,8 +126,8 @@ bool is_valid_spirv(std::span<const uint32_t> words) {
 std::string shader_compiler_version() {
     const glslang::Version glslang = glslang::GetVersion();
     // The last number counts changes of compile_shader: options, passes, preamble.
-    return fmt::format("glslang {}.{}.{}{}, {}, penumbra 1", glslang.major, glslang.minor, glslang.patch, glslang.flavor,
-                       spvSoftwareVersionDetailsString());
+    return fmt::format("glslang {}.{}.{}{}, {}, penumbra 1", glslang.major, glslang.minor, glslang.patch,
+                       glslang.flavor, spvSoftwareVersionDetailsString());
 }
 
 std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnostics& diagnostics) {
@@ -161,7 +164,8 @@ std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnos
     glslang::GlslangToSpv(*program.getIntermediate(EShLangCompute), words);
     auto spirv = validate_and_optimise(std::move(words), source, diagnostics);
     if (!spirv) return std::nullopt;
-    return CompiledShader{std::move(*spirv), {includer.files.begin(), includer.files.end()}, std::move(includer.texts)};
+    return CompiledShader{
+        std::move(*spirv), {includer.files.begin(), includer.files.end()}, std::move(includer.texts)};
 }
 
 }  // namespace penumbra

@@ -189,7 +189,8 @@ float edge(const Sheared& a, const Sheared& b) {
     return a.x * b.y - a.y * b.x;
 }
 
-// How far rounding can move the hit of a triangle along the ray, times the triangle's sheared area; see bvh.glsl.
+// How far rounding can move the hit of a triangle along the ray, times the triangle's sheared area; see
+// bvh.glsl.
 float hit_rounding(const RaySetup& ray, const Sheared& a, const Sheared& b, const Sheared& c) {
     const float ta = a.z * ray.scale_z, tb = b.z * ray.scale_z, tc = c.z * ray.scale_z;
     const float first = std::min(std::min(ta, tb), tc);

@@ -23,7 +23,8 @@ uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFla
 }
 
 Owned<VkDeviceMemory> allocate(const Device& device, const VkMemoryRequirements& needs,
-                               VkMemoryPropertyFlags wanted, std::string_view what, bool with_address = false) {
+                               VkMemoryPropertyFlags wanted, std::string_view what,
+                               bool with_address = false) {
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.allocationSize = needs.size;
     info.memoryTypeIndex = memory_type(device, needs.memoryTypeBits, wanted, what);
@@ -48,7 +49,8 @@ GpuBuffer make_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFla
     result.buffer = {device.get(), buffer};
     VkMemoryRequirements needs{};
     vkGetBufferMemoryRequirements(device.get(), buffer, &needs);
-    result.memory = allocate(device, needs, properties, what, usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT);
+    result.memory =
+        allocate(device, needs, properties, what, usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT);
     check(vkBindBufferMemory(device.get(), buffer, result.memory.get(), 0), "vkBindBufferMemory", what);
     return result;
 }

@@ -24,10 +24,11 @@ void SceneBvh::upload_all() {
 
 SceneBvh::TexelBuffer SceneBvh::upload(const std::vector<Texel>& texels, const char* what) {
     if (texels.size() > device_.limits().maxTexelBufferElements)
-        throw DeviceError(fmt::format("{} need {} texels, the device's texel buffers hold {}", what, texels.size(),
-                                      device_.limits().maxTexelBufferElements));
+        throw DeviceError(fmt::format("{} need {} texels, the device's texel buffers hold {}", what,
+                                      texels.size(), device_.limits().maxTexelBufferElements));
     TexelBuffer out;
-    out.buffer = upload_buffer(device_, std::as_bytes(std::span(texels)), VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what);
+    out.buffer = upload_buffer(device_, std::as_bytes(std::span(texels)),
+                               VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what);
     VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
     create.buffer = out.buffer.get();
     create.format = VK_FORMAT_R32G32B32A32_UINT;

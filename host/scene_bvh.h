@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A scene's BVH on the device, as the two texel buffers that a `scene` port reads. Follows moving objects: refitted,
-// and rebuilt where the old shape cannot hold them.
+// A scene's BVH on the device, as the two texel buffers that a `scene` port reads. Follows moving objects:
+// refitted, and rebuilt where the old shape cannot hold them.
 #pragma once
 
 #include "host/bvh.h"

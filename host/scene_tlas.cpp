@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every structure keeps its size and place for the scene's lifetime: objects keep their number of triangles, so a build
-// after a move overwrites the old one.
+// Every structure keeps its size and place for the scene's lifetime: objects keep their number of triangles,
+// so a build after a move overwrites the old one.
 #include "host/scene_tlas.h"
 
 #include <algorithm>
@@ -11,7 +11,8 @@ namespace penumbra {
 namespace {
 
 constexpr VkBufferUsageFlags build_input =
-    VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+    VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR |
+    VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
 
 template <class Function>
 void load(VkDevice device, Function& function, const char* name) {
@@ -24,7 +25,9 @@ VkDeviceAddress address_of(VkDevice device, VkBuffer buffer) {
     return vkGetBufferDeviceAddress(device, &ask);
 }
 
-VkDeviceSize round_up(VkDeviceSize value, VkDeviceSize to) { return (value + to - 1) / to * to; }
+VkDeviceSize round_up(VkDeviceSize value, VkDeviceSize to) {
+    return (value + to - 1) / to * to;
+}
 
 VkAccelerationStructureBuildGeometryInfoKHR build_info(VkAccelerationStructureTypeKHR type,
                                                        const VkAccelerationStructureGeometryKHR& geometry) {
@@ -75,24 +78,24 @@ SceneTlas::SceneTlas(Device& device, const Scene& scene, double frame) : device_
     std::erase_if(objects_, [](const Object& object) { return object.count == 0; });
 
     const std::vector<Triangle> triangles = scene.triangles(frame);
-    vertices_ = make_host_buffer(device, std::max<VkDeviceSize>(triangles.size() * sizeof(Triangle), 16), build_input,
-                                 "triangles of the acceleration structures");
+    vertices_ = make_host_buffer(device, std::max<VkDeviceSize>(triangles.size() * sizeof(Triangle), 16),
+                                 build_input, "triangles of the acceleration structures");
     std::memcpy(vertices_.mapped, triangles.data(), triangles.size() * sizeof(Triangle));
     for (Object& object : objects_)
-        object.blas = make_structure(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, triangle_geometry(), object.count,
-                                     "an object's acceleration structure");
+        object.blas = make_structure(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, triangle_geometry(),
+                                     object.count, "an object's acceleration structure");
     instances_ = make_host_buffer(
-        device, std::max<VkDeviceSize>(objects_.size() * sizeof(VkAccelerationStructureInstanceKHR), 16), build_input,
-        "instances of the acceleration structure");
+        device, std::max<VkDeviceSize>(objects_.size() * sizeof(VkAccelerationStructureInstanceKHR), 16),
+        build_input, "instances of the acceleration structure");
     write_instances();
     tlas_ = make_structure(VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, instance_geometry(),
                            static_cast<uint32_t>(objects_.size()), "the scene's acceleration structure");
 
     VkDeviceSize scratch = scratch_alignment_ + tlas_.scratch_bytes;
     for (const Object& object : objects_) scratch += round_up(object.blas.scratch_bytes, scratch_alignment_);
-    scratch_ = make_device_buffer(device, scratch,
-                                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
-                                  "scratch memory of acceleration structures");
+    scratch_ = make_device_buffer(
+        device, scratch, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+        "scratch memory of acceleration structures");
     std::vector<size_t> all(objects_.size());
     std::iota(all.begin(), all.end(), size_t{0});
     build(all);
@@ -113,16 +116,18 @@ void SceneTlas::update(double frame) {
 }
 
 SceneTlas::Structure SceneTlas::make_structure(VkAccelerationStructureTypeKHR type,
-                                               const VkAccelerationStructureGeometryKHR& geometry, uint32_t primitives,
-                                               const char* what) {
+                                               const VkAccelerationStructureGeometryKHR& geometry,
+                                               uint32_t primitives, const char* what) {
     const VkAccelerationStructureBuildGeometryInfoKHR info = build_info(type, geometry);
-    VkAccelerationStructureBuildSizesInfoKHR sizes{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
+    VkAccelerationStructureBuildSizesInfoKHR sizes{
+        VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
     vk_.sizes(device_.get(), VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &info, &primitives, &sizes);
     Structure out;
     out.scratch_bytes = sizes.buildScratchSize;
     out.memory = make_device_buffer(
         device_, sizes.accelerationStructureSize,
-        VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT, what);
+        VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+        what);
     VkAccelerationStructureCreateInfoKHR create{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR};
     create.buffer = out.memory.get();
     create.size = sizes.accelerationStructureSize;
@@ -160,7 +165,8 @@ void SceneTlas::write_instances() {
     auto* instance = static_cast<VkAccelerationStructureInstanceKHR*>(instances_.mapped);
     for (const Object& object : objects_) {
         const VkAccelerationStructureDeviceAddressInfoKHR ask{
-            VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR, nullptr, object.blas.handle.get()};
+            VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR, nullptr,
+            object.blas.handle.get()};
         *instance = {};
         for (int i = 0; i < 3; ++i) instance->transform.matrix[i][i] = 1;
         instance->mask = 0xFF;
@@ -177,7 +183,8 @@ void SceneTlas::build(const std::vector<size_t>& objects) {
     std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
     for (const size_t i : objects) {
         const Object& object = objects_[i];
-        auto& info = infos.emplace_back(build_info(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, triangles));
+        auto& info =
+            infos.emplace_back(build_info(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, triangles));
         info.dstAccelerationStructure = object.blas.handle.get();
         info.scratchData.deviceAddress = scratch;
         scratch += round_up(object.blas.scratch_bytes, scratch_alignment_);

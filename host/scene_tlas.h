@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A scene's triangles in the device's own acceleration structures, for trace's backend `ray_query`. They are those of
-// SceneBvh, in the same frame of reference and to the same bit: one bottom level per object, so that only what has moved
-// is built anew, with its vertices already in place (the top level's transforms are identities and round nothing).
+// A scene's triangles in the device's own acceleration structures, for trace's backend `ray_query`. They are
+// those of SceneBvh, in the same frame of reference and to the same bit: one bottom level per object, so that
+// only what has moved is built anew, with its vertices already in place (the top level's transforms are
+// identities and round nothing).
 #pragma once
 
 #include "host/gpu.h"
@@ -45,8 +46,9 @@ class SceneTlas {
         Structure blas;
     };
 
-    Structure make_structure(VkAccelerationStructureTypeKHR type, const VkAccelerationStructureGeometryKHR& geometry,
-                             uint32_t primitives, const char* what);
+    Structure make_structure(VkAccelerationStructureTypeKHR type,
+                             const VkAccelerationStructureGeometryKHR& geometry, uint32_t primitives,
+                             const char* what);
     VkAccelerationStructureGeometryKHR triangle_geometry() const;
     VkAccelerationStructureGeometryKHR instance_geometry() const;
     void write_instances();

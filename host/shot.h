@@ -49,7 +49,7 @@ struct HalfPlane {
 struct Shot {
     std::string name;  // the file's name without ".shot.json"
     std::filesystem::path file;
-    std::filesystem::path model;  // glTF, resolved against the shot's folder
+    std::filesystem::path model;          // glTF, resolved against the shot's folder
     std::optional<HalfPlane> half_plane;  // instead of a model and a camera
     std::array<uint32_t, 2> size{1280, 720};
     uint32_t frames = 1;

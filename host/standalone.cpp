@@ -14,7 +14,8 @@ namespace penumbra {
 
 std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
                                 std::vector<std::string>& warnings) {
-    std::optional<Model> model = shot.half_plane ? half_plane_model(shot) : load_gltf(shot.model, diagnostics);
+    std::optional<Model> model =
+        shot.half_plane ? half_plane_model(shot) : load_gltf(shot.model, diagnostics);
     if (!model || !check_objects(shot, *model, diagnostics)) return std::nullopt;
     for (const std::string& warning : model->warnings)
         warnings.push_back(shot.model.string() + ": " + warning);
@@ -58,7 +59,6 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
         out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     }
     out.sun.angular_radius = static_cast<float>(sun.angular_radius);
-    out.triangles_moved = scene_.moved(previous, index);
     return out;
 }
 

@@ -27,7 +27,6 @@ struct StandaloneFrame {
     FrameDescription description;
     blocks::Sun sun{};
     blocks::Scene scene{};
-    bool triangles_moved = false;  // since the previous frame: the BVH must follow
 };
 
 // Reads the shot's scene; warnings about it go to `warnings`.

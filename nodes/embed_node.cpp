@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Build tool: reads nodes/<type>.json, generates its GLSL interface, compiles every variant of its shader and writes a
-// C++ source that embeds the lot, with a depfile for the build system.
+// Build tool: reads nodes/<type>.json, generates its GLSL interface, compiles every variant of its shader and
+// writes a C++ source that embeds the lot, with a depfile for the build system.
 //   embed_node DECLARATION --shaders DIR --root DIR --tables DIR --out FILE.cpp --depfile FILE.d
 #include <fmt/format.h>
 
@@ -47,7 +47,8 @@ std::string read(const fs::path& path, bool& ok) {
 
 std::string words_text(std::span<const uint32_t> words) {
     std::string text;
-    for (size_t i = 0; i < words.size(); ++i) text += fmt::format("{:#x},{}", words[i], i % 12 == 11 ? "\n" : "");
+    for (size_t i = 0; i < words.size(); ++i)
+        text += fmt::format("{:#x},{}", words[i], i % 12 == 11 ? "\n" : "");
     return text;
 }
 
@@ -58,7 +59,8 @@ class Embedder {
     bool compile_variants(Diagnostics& diagnostics) {
         if (type_.host) return true;
         for (const Variant& variant : all_variants(type_)) {
-            const ShaderSource source{arguments_.shaders / type_.shader, generate_glsl(type_, variant),
+            const ShaderSource source{arguments_.shaders / type_.shader,
+                                      generate_glsl(type_, variant),
                                       {arguments_.shaders, arguments_.root}};
             auto shader = compile_shader(source, diagnostics);
             if (!shader) return false;
@@ -77,7 +79,8 @@ class Embedder {
             const fs::path file = arguments_.tables / table.file;
             const std::string bytes = read(file, ok);
             if (!ok || bytes.size() % 4 != 0) {
-                std::cerr << file.string() << ": cannot read the table, or its size is not a multiple of 4 bytes\n";
+                std::cerr << file.string()
+                          << ": cannot read the table, or its size is not a multiple of 4 bytes\n";
                 return false;
             }
             dependencies_.insert(file);
@@ -91,10 +94,12 @@ class Embedder {
 
     void write(const std::string& declaration_text) const {
         std::ofstream out(arguments_.out);
-        out << "// Generated from " << arguments_.declaration.filename().string() << ".\n#include \"nodes/embedded.h\"\n"
+        out << "// Generated from " << arguments_.declaration.filename().string()
+            << ".\n#include \"nodes/embedded.h\"\n"
             << "namespace penumbra {\nnamespace {\n"
             << body_;
-        if (!variant_list_.empty()) out << "const EmbeddedVariant variants[] = {\n" << variant_list_ << "};\n";
+        if (!variant_list_.empty())
+            out << "const EmbeddedVariant variants[] = {\n" << variant_list_ << "};\n";
         if (!table_list_.empty()) out << "const EmbeddedTable tables[] = {\n" << table_list_ << "};\n";
         out << "const char declaration[] = R\"json(" << declaration_text << ")json\";\n}  // namespace\n"
             << "extern const EmbeddedNode embedded_" << type_.name << ";\n"
@@ -120,14 +125,16 @@ class Embedder {
 int main(int argc, char** argv) {
     const auto arguments = parse(argc, argv);
     if (!arguments) {
-        std::cerr << "usage: embed_node DECLARATION --shaders DIR --root DIR --tables DIR --out FILE --depfile FILE\n";
+        std::cerr << "usage: embed_node DECLARATION --shaders DIR --root DIR --tables DIR --out FILE "
+                     "--depfile FILE\n";
         return 2;
     }
     bool ok = true;
     const std::string text = read(arguments->declaration, ok);
     Diagnostics diagnostics;
     const auto json = parse_json(text, arguments->declaration.string(), diagnostics);
-    auto type = json ? parse_node_type(*json, arguments->declaration.stem().string(), diagnostics) : std::nullopt;
+    auto type =
+        json ? parse_node_type(*json, arguments->declaration.stem().string(), diagnostics) : std::nullopt;
     if (ok && type) {
         Embedder embedder(*arguments, std::move(*type));
         if (embedder.compile_variants(diagnostics) && embedder.embed_tables()) {

@@ -34,7 +34,8 @@ namespace {
 
 NodeEntry load(const EmbeddedNode& embedded) {
     Diagnostics diagnostics;
-    const auto json = parse_json(embedded.declaration, "nodes/" + std::string(embedded.name) + ".json", diagnostics);
+    const auto json =
+        parse_json(embedded.declaration, "nodes/" + std::string(embedded.name) + ".json", diagnostics);
     auto type = json ? parse_node_type(*json, embedded.name, diagnostics) : std::nullopt;
     if (!type) throw std::logic_error("an embedded declaration does not parse: " + diagnostics.text());
     NodeEntry entry{std::move(*type), {}, {}, {}};

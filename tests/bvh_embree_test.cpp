@@ -71,8 +71,9 @@ TEST(BvhEmbree, DiffersOnlyWithinRoundingOfAnEdge) {
                     s.name.c_str(), hits, rays.size(), differ, embree_wrong);
         EXPECT_GT(hits, rays.size() / 100);
         EXPECT_LT(hits, rays.size() - rays.size() / 100);
-        // Most of them in slivers and kilometre-wide triangles whose plane passes the origin within its rounding: ours
-        // leaves those out (hit_rounding() of bvh.cpp), and the oracle above has agreed to each.
+        // Most of them in slivers and kilometre-wide triangles whose plane passes the origin within its
+        // rounding: ours leaves those out (hit_rounding() of bvh.cpp), and the oracle above has agreed to
+        // each.
         EXPECT_LT(differ, rays.size() / 5000);
         rtcReleaseScene(scene);
     }

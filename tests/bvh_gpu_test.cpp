@@ -89,8 +89,8 @@ TEST_F(BvhGpu, LargePlanesAnswerLikeTheReference) {
             for (size_t i = 0; i < plane.rays.size(); i += 2)
                 for (int axis = 0; axis < 3; ++axis)
                     plane.rays[i].origin[axis] -= float(normal[axis] * half) * random.in(0, 4e-6f);
-            expect_equal(fmt::format("plane +-{} m, normal {} {} {}", half, normal.x, normal.y, normal.z), plane.quad,
-                         plane.rays);
+            expect_equal(fmt::format("plane +-{} m, normal {} {} {}", half, normal.x, normal.y, normal.z),
+                         plane.quad, plane.rays);
         }
 }
 

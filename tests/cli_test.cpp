@@ -160,7 +160,9 @@ TEST_F(Cli, NodesAreListedDescribedAndMadeASchema) {
         const std::string name = node["node"];
         ASSERT_TRUE(schema["definitions"].contains("type_" + name));
         const Json& properties = schema["definitions"]["type_" + name]["properties"];
-        const auto described = [&](const char* part) { return properties.value(part, Json::object())["properties"].size(); };
+        const auto described = [&](const char* part) {
+            return properties.value(part, Json::object())["properties"].size();
+        };
         EXPECT_EQ(described("params"), node["params"].size()) << name;
         EXPECT_EQ(described("in"), node["inputs"].size()) << name;
         EXPECT_EQ(described("out"), node["outputs"].size()) << name;
@@ -171,8 +173,8 @@ class CliRender : public Cli {};
 
 TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
     const fs::path out = folder_ / "a/b";
-    const Result result =
-        run(render("--out " + out.string() + " --size 48x32 --frames 1..3 --every 2 --capture depth,view_depth"));
+    const Result result = run(
+        render("--out " + out.string() + " --size 48x32 --frames 1..3 --every 2 --capture depth,view_depth"));
     ASSERT_EQ(result.code, 0) << result.err;
     const Json report = Json::parse(read_file(out / "report.json"));
     for (const char* key : {"penumbra", "version", "pipeline", "shot", "seed", "size", "frames", "settings",

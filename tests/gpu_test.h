@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Base of every GPU test: one device per process, with validation and synchronisation checks, which must stay silent.
+// Base of every GPU test: one device per process, with validation and synchronisation checks, which must stay
+// silent.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The shadow ray of each pixel, made anew in double precision from what the node trace reads (depth, normal, noise tile,
-// sun), so that its answers can be judged ray by ray.
+// The shadow ray of each pixel, made anew in double precision from what the node trace reads (depth, normal,
+// noise tile, sun), so that its answers can be judged ray by ray.
 #pragma once
 
 #include <cmath>
@@ -46,7 +46,8 @@ class RayMaker {
         const glm::dvec3 relative = world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
         const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
         glm::dvec3 n;
-        for (int c = 0; c < 3; ++c) n[c] = 2 * static_cast<double>(normal_texel >> (10 * c) & 1023) / 1023 - 1;
+        for (int c = 0; c < 3; ++c)
+            n[c] = 2 * static_cast<double>(normal_texel >> (10 * c) & 1023) / 1023 - 1;
         n = glm::normalize(n);
         const glm::dvec3 origin = in_scene + n * offset(n, relative, in_scene, z);
         const glm::dvec3 direction = sun_direction(sample(x, y));
@@ -63,18 +64,21 @@ class RayMaker {
   private:
     static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
-    double offset(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene, double z) const {
+    double offset(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene,
+                  double z) const {
         const glm::dvec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
         const double pixel_angle = 2.0 / (size_[1] * std::abs(frame_.description.camera.clip_from_view[5]));
         const double facing = std::abs(glm::dot(n, -glm::normalize(relative)));
-        return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing + pixel_angle * z / 256;
+        return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing +
+               pixel_angle * z / 256;
     }
 
     glm::dvec2 sample(uint32_t x, uint32_t y) const {
         const uint32_t o = hash(seed_), first = hash(seed_ ^ 0x9E3779B9u), second = hash(first);
         const uint32_t texel = noise_[((y + (o >> 7 & 127)) & 127) * 128 + ((x + (o & 127)) & 127)];
         const uint32_t frame = frame_.description.index;
-        const uint32_t u = (texel << 16) + frame * 3242174889u + first, v = (texel & 0xFFFF0000u) + frame * 2447445414u + second;
+        const uint32_t u = (texel << 16) + frame * 3242174889u + first,
+                       v = (texel & 0xFFFF0000u) + frame * 2447445414u + second;
         return {(u >> 8) * 0x1p-24, (v >> 8) * 0x1p-24};
     }
 
@@ -84,12 +88,15 @@ class RayMaker {
         const glm::dvec2 p = 2.0 * u - 1.0;
         const bool wide = std::abs(p.x) > std::abs(p.y);
         const double r = wide ? p.x : p.y, angle = M_PI / 4 * (wide ? p.y : p.x) / (r == 0 ? 1 : r);
-        const glm::dvec2 disc = wide ? glm::dvec2(r * std::cos(angle), r * std::sin(angle)) : glm::dvec2(r * std::sin(angle), r * std::cos(angle));
-        const double one_minus_cos = (1 - std::cos(static_cast<double>(frame_.sun.angular_radius))) * glm::dot(disc, disc);
+        const glm::dvec2 disc = wide ? glm::dvec2(r * std::cos(angle), r * std::sin(angle))
+                                     : glm::dvec2(r * std::sin(angle), r * std::cos(angle));
+        const double one_minus_cos =
+            (1 - std::cos(static_cast<double>(frame_.sun.angular_radius))) * glm::dot(disc, disc);
         const double sine = std::sqrt(one_minus_cos * (2 - one_minus_cos));
         const double length = std::sqrt(glm::dot(disc, disc));
         const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;
-        const glm::dvec3 t1(1 + sign * s.x * s.x * a, sign * b, -sign * s.x), t2(b, sign + s.y * s.y * a, -s.y);
+        const glm::dvec3 t1(1 + sign * s.x * s.x * a, sign * b, -sign * s.x),
+            t2(b, sign + s.y * s.y * a, -s.y);
         const glm::dvec2 across = length > 0 ? disc * (sine / length) : glm::dvec2(0);
         return t1 * across.x + t2 * across.y + s * (1 - one_minus_cos);
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whole shipped pipelines on a device: memory sharing, poison and repetition do not show in the picture, and any image
-// size works.
+// Whole shipped pipelines on a device: memory sharing, poison and repetition do not show in the picture, and
+// any image size works.
 #include <unistd.h>
 
 #include <filesystem>
@@ -45,8 +45,10 @@ std::unique_ptr<Session> open(const CheckedPipeline& pipeline, Shot shot, Sessio
 
 using Bytes = std::vector<std::byte>;
 
-// Every captured resource of every frame, in order. A reset in the middle makes garbage history likelier to show.
-std::vector<Bytes> run(const CheckedPipeline& pipeline, const Shot& shot, const SessionOptions& options, uint32_t frames) {
+// Every captured resource of every frame, in order. A reset in the middle makes garbage history likelier to
+// show.
+std::vector<Bytes> run(const CheckedPipeline& pipeline, const Shot& shot, const SessionOptions& options,
+                       uint32_t frames) {
     const auto session = open(pipeline, shot, options);
     std::vector<Bytes> result;
     for (uint32_t frame = 0; frame < frames; ++frame) {
@@ -72,7 +74,8 @@ TEST_P(ShadowPipeline, AliasingAndPoisonDoNotShow) {
             SessionOptions options;
             options.alias = alias;
             options.poison = poison;
-            EXPECT_TRUE(run(pipeline, shot, options, 8) == expected) << "poison " << poison << " alias " << alias;
+            EXPECT_TRUE(run(pipeline, shot, options, 8) == expected)
+                << "poison " << poison << " alias " << alias;
         }
 }
 
@@ -84,22 +87,25 @@ TEST_P(ShadowPipeline, IsBitIdenticalBetweenRuns) {
 
 TEST_P(ShadowPipeline, AnySizeGivesFiniteImagesInRange) {
     const CheckedPipeline pipeline = pipeline_named(GetParam());
-    for (const std::array<uint32_t, 2> size : {std::array{1u, 1u}, {7u, 3u}, {8u, 4u}, {9u, 5u}, {17u, 1u}, {1919u, 1079u}}) {
+    for (const std::array<uint32_t, 2> size :
+         {std::array{1u, 1u}, {7u, 3u}, {8u, 4u}, {9u, 5u}, {17u, 1u}, {1919u, 1079u}}) {
         SCOPED_TRACE(testing::Message() << size[0] << "x" << size[1]);
         const auto session = open(pipeline, plaza_shot(size, 3), {});
         for (uint32_t frame = 0; frame < 3; ++frame) session->run_frame(frame, frame == 0);
-        const auto folder = std::filesystem::temp_directory_path() / ("penumbra_sizes_" + std::to_string(getpid()));
+        const auto folder =
+            std::filesystem::temp_directory_path() / ("penumbra_sizes_" + std::to_string(getpid()));
         std::filesystem::create_directories(folder);
         OutputWriter writer(gpu(), folder);
         for (const std::string& name : pipeline.outputs) writer.write(*session, name, 2);
-        for (const WrittenOutput& output : writer.written()) EXPECT_EQ(output.nonfinite, 0u) << output.resource;
+        for (const WrittenOutput& output : writer.written())
+            EXPECT_EQ(output.nonfinite, 0u) << output.resource;
         EXPECT_EQ(writer.checks().at("visibility").out_of_range, 0u);
         std::filesystem::remove_all(folder);
     }
 }
 
-// Seen from above, the floor fills the view and faces the sun: every tile has undecided pixels. 129 600 tiles exceed what
-// one dimension of an indirect dispatch may hold on many devices.
+// Seen from above, the floor fills the view and faces the sun: every tile has undecided pixels. 129 600 tiles
+// exceed what one dimension of an indirect dispatch may hold on many devices.
 TEST_P(ShadowPipeline, EveryTileOfA4kFrameIsTraced) {
     const CheckedPipeline pipeline = pipeline_named(GetParam());
     Shot shot = plaza_shot({3840, 2160}, 1);
@@ -130,7 +136,8 @@ TEST_F(ShadowsSky, IsLit) {
     size_t sky = 0, dark = 0;
     for (uint32_t frame = 0; frame < 3; ++frame) {
         session->run_frame(frame, frame == 0);
-        const auto depth = session->view().captured("view_depth"), visibility = session->view().captured("visibility");
+        const auto depth = session->view().captured("view_depth"),
+                   visibility = session->view().captured("visibility");
         const PlanarImage z = decode_texels(Format::r32f, 160, 96, depth, {"Z"});
         const PlanarImage v = decode_texels(Format::r16f, 160, 96, visibility, {"Y"});
         for (size_t i = 0; i < z.planes[0].values.size(); ++i) {

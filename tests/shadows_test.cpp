@@ -116,7 +116,8 @@ double n_eff(const Edge& edge) {
 
 class Shadows : public GpuTest {};
 
-// From 8 px up the gates are about half of what is reached (docs/denoiser.md); the published form has 1.2 to 70 there.
+// From 8 px up the gates are about half of what is reached (docs/denoiser.md); the published form has 1.2 to
+// 70 there.
 TEST_F(Shadows, ConvergeToTheTruth) {
     EXPECT_GT(n_eff({.width_px = 2}), 60);
     EXPECT_GT(n_eff({.width_px = 8}), 60);

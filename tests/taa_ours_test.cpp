@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The robust form of the node taa on images that the test fills itself, beside the published form where that fails: an edge
-// under jitter becomes its area, what comes into view shows no ghost, a still image stays, nothing finite becomes infinite.
+// The robust form of the node taa on images that the test fills itself, beside the published form where that
+// fails: an edge under jitter becomes its area, what comes into view shows no ghost, a still image stays,
+// nothing finite becomes infinite.
 #include <cmath>
 #include <functional>
 #include <glm/glm.hpp>
@@ -23,12 +24,15 @@ std::string pipeline_text(const std::string& taa) {
   "nodes": {
     "guides": { "type": "guides" },
     "shade": { "type": "shade", "params": { "sun_color": [0, 0, 0], "ambient": [1, 1, 1] } },
-    "taa": )" + taa + " } }";
+    "taa": )" +
+           taa + " } }";
 }
-const std::string robust = R"({ "type": "taa", "in": { "history": "color@-1", "view_depth_prev": "view_depth@-1" } })";
+const std::string robust =
+    R"({ "type": "taa", "in": { "history": "color@-1", "view_depth_prev": "view_depth@-1" } })";
 const std::string robust_linear =
     R"({ "type": "taa", "in": { "history": "color@-1", "view_depth_prev": "view_depth@-1" }, "params": { "weighting": "linear" } })";
-const std::string published = R"({ "type": "taa", "in": { "history": "color@-1" }, "params": { "form": "published", "box": "rgb" } })";
+const std::string published =
+    R"({ "type": "taa", "in": { "history": "color@-1" }, "params": { "form": "published", "box": "rgb" } })";
 
 // One sample of the picture: a surface that faces the camera, `z` metres in front of it. 0: sky.
 struct Sample {
@@ -40,7 +44,8 @@ using Picture = std::function<Sample(glm::dvec2 point)>;  // of a point of the i
 
 class Taa {
   public:
-    Taa(Extent extent, bool cpu, const std::string& node) : extent_(extent), run_(shadow_pipeline(pipeline_text(node)), extent, options(cpu)) {
+    Taa(Extent extent, bool cpu, const std::string& node)
+        : extent_(extent), run_(shadow_pipeline(pipeline_text(node)), extent, options(cpu)) {
         run_.set("normal", std::vector<std::array<uint16_t, 4>>(pixels(), to_half4({0, 0, 1, 0})));
         run_.set("visibility", std::vector<uint8_t>(pixels(), 255));
         run_.set("sun", std::vector<blocks::Sun>{{{{0, 1, 0}}, 0.01f}});
@@ -64,13 +69,15 @@ class Taa {
         return frame(picture, description, shift);
     }
 
-    std::vector<glm::dvec3> frame(const Picture& picture, const FrameDescription& description, glm::dvec2 shift) {
+    std::vector<glm::dvec3> frame(const Picture& picture, const FrameDescription& description,
+                                  glm::dvec2 shift) {
         std::vector<std::array<uint16_t, 4>> color, motion;
         std::vector<float> depth;
         for (size_t i = 0; i < pixels(); ++i) {
             const Sample s = picture(centre(i) - shift);
             color.push_back(to_half4({s.color.x, s.color.y, s.color.z, 1}));
-            motion.push_back(to_half4({s.motion.x / extent_.width, s.motion.y / extent_.height, s.motion.z, 0}));
+            motion.push_back(
+                to_half4({s.motion.x / extent_.width, s.motion.y / extent_.height, s.motion.z, 0}));
             depth.push_back(static_cast<float>(s.z == 0 ? 0 : 0.05 / s.z));
         }
         run_.set("albedo", color);
@@ -93,8 +100,11 @@ class Taa {
     static ViewRunOptions options(bool cpu) {
         ViewRunOptions o;
         o.cpu = cpu;
-        o.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}, {"motion", Format::rgba16f},
-                     {"albedo", Format::rgba16f}, {"visibility", Format::r8}};
+        o.formats = {{"depth", Format::r32f},
+                     {"normal", Format::rgba16f},
+                     {"motion", Format::rgba16f},
+                     {"albedo", Format::rgba16f},
+                     {"visibility", Format::r8}};
         o.captures = {"lit"};
         return o;
     }
@@ -113,12 +123,15 @@ class Taa {
 
 class TaaOurs : public GpuTest, public ::testing::WithParamInterface<bool> {};
 
-double compress(double c) { return c / (1 + c); }
+double compress(double c) {
+    return c / (1 + c);
+}
 
 // Errors of the coverage over the pixels that an edge crosses, over all frames of a jitter period.
 struct EdgeError {
-    double of_area = 0;    // rms
-    double of_points = 0;  // rms, against the share of the 16 jitter positions that lie inside: the average's own error
+    double of_area = 0;  // rms
+    double of_points =
+        0;  // rms, against the share of the 16 jitter positions that lie inside: the average's own error
     double elsewhere = 0;  // largest, in pixels that the edge does not cross
 };
 
@@ -126,7 +139,8 @@ struct Edge {
     double angle_deg, bright, z_behind;
 };
 
-EdgeError edge_error(bool cpu, const std::string& node, const Edge& edge, bool linear, double& points_of_area) {
+EdgeError edge_error(bool cpu, const std::string& node, const Edge& edge, bool linear,
+                     double& points_of_area) {
     const Extent extent{48, 40};
     Taa taa(extent, cpu, node);
     const double angle = edge.angle_deg * M_PI / 180, dark = 0.05;
@@ -139,7 +153,8 @@ EdgeError edge_error(bool cpu, const std::string& node, const Edge& edge, bool l
     std::vector<double> area(taa.pixels()), points(taa.pixels());
     for (size_t i = 0; i < area.size(); ++i) {
         for (int s = 0; s < 4096; ++s)
-            area[i] += inside(taa.centre(i) + glm::dvec2((s % 64 + 0.5) / 64, (s / 64 + 0.5) / 64) - 0.5) / 4096.0;
+            area[i] +=
+                inside(taa.centre(i) + glm::dvec2((s % 64 + 0.5) / 64, (s / 64 + 0.5) / 64) - 0.5) / 4096.0;
         for (uint32_t f = 0; f < 16; ++f) {
             const auto jitter = halton_jitter(f, {1, 1});
             points[i] += inside(taa.centre(i) - glm::dvec2(jitter[0], jitter[1])) / 16.0;
@@ -169,8 +184,8 @@ EdgeError edge_error(bool cpu, const std::string& node, const Edge& edge, bool l
     return error;
 }
 
-// Sixteen points know an area to .04 to .06, whatever averages them. What the average adds to that is the ripple of its
-// weights and what its box cuts off.
+// Sixteen points know an area to .04 to .06, whatever averages them. What the average adds to that is the
+// ripple of its weights and what its box cuts off.
 TEST_P(TaaOurs, AStillEdgeUnderJitterBecomesItsArea) {
     for (const Edge& edge : {Edge{20, 0.8, 5}, Edge{20, 0.8, 1000}, Edge{71, 0.8, 10}, Edge{3, 6, 10}}) {
         SCOPED_TRACE(testing::Message() << "angle " << edge.angle_deg << " behind at " << edge.z_behind);
@@ -178,9 +193,11 @@ TEST_P(TaaOurs, AStillEdgeUnderJitterBecomesItsArea) {
         const EdgeError ours = edge_error(GetParam(), robust, edge, false, points);
         const EdgeError linear = edge_error(GetParam(), robust_linear, edge, true, points);
         const EdgeError theirs = edge_error(GetParam(), published, edge, false, points);
-        std::printf("edge %2.0f deg: 16 points %.4f; robust %.4f, of the points %.4f; linear %.4f, %.4f; published %.4f, %.4f\n",
-                    edge.angle_deg, points, ours.of_area, ours.of_points, linear.of_area, linear.of_points, theirs.of_area,
-                    theirs.of_points);
+        std::printf(
+            "edge %2.0f deg: 16 points %.4f; robust %.4f, of the points %.4f; linear %.4f, %.4f; published "
+            "%.4f, %.4f\n",
+            edge.angle_deg, points, ours.of_area, ours.of_points, linear.of_area, linear.of_points,
+            theirs.of_area, theirs.of_points);
         for (const EdgeError& e : {ours, linear}) {
             EXPECT_LT(e.of_points, 0.012);
             EXPECT_LT(e.of_area, points + 0.005);
@@ -190,8 +207,8 @@ TEST_P(TaaOurs, AStillEdgeUnderJitterBecomesItsArea) {
     }
 }
 
-// A box moves away to the right by 8 pixels a frame. What it covered in the previous frame shows its own colour at once;
-// the background has a texture, so that the colour box is wide enough to let a ghost through.
+// A box moves away to the right by 8 pixels a frame. What it covered in the previous frame shows its own
+// colour at once; the background has a texture, so that the colour box is wide enough to let a ghost through.
 double ghost(bool cpu, const std::string& node, double depth_motion_m) {
     const Extent extent{96, 48};
     Taa taa(extent, cpu, node);
@@ -208,7 +225,8 @@ double ghost(bool cpu, const std::string& node, double depth_motion_m) {
         const std::vector<float> held = taa.frames_held();
         for (size_t i = 0; frame > 0 && i < out.size(); ++i) {
             const glm::dvec2 p = taa.centre(i);
-            if (p.x < left - 8 || p.x >= left - 1 || p.y < 12 || p.y >= 36) continue;  // uncovered, not beside the box
+            if (p.x < left - 8 || p.x >= left - 1 || p.y < 12 || p.y >= 36)
+                continue;  // uncovered, not beside the box
             for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(out[i][c] - lit[i][c]));
             if (node == robust) {
                 EXPECT_EQ(held[i], 1) << "pixel " << i;
@@ -220,7 +238,8 @@ double ghost(bool cpu, const std::string& node, double depth_motion_m) {
 
 TEST_P(TaaOurs, WhatComesIntoViewShowsNoGhost) {
     for (const double depth_motion_m : {0.0, 0.3}) {
-        const double ours = ghost(GetParam(), robust, depth_motion_m), theirs = ghost(GetParam(), published, depth_motion_m);
+        const double ours = ghost(GetParam(), robust, depth_motion_m),
+                     theirs = ghost(GetParam(), published, depth_motion_m);
         std::printf("ghost: %.5f, published %.5f\n", ours, theirs);
         EXPECT_LT(ours, 1.0 / 255);
         EXPECT_GT(theirs, 10.0 / 255) << "the test would not see a ghost";
@@ -238,7 +257,8 @@ TEST_P(TaaOurs, AMovingSurfaceKeepsItsHistory) {
             const double dz = told > 0 ? -0.05 : 0;
             const Picture picture = [&](glm::dvec2) {
                 const double noise = static_cast<double>(random() % 1024) / 1024;
-                return Sample{glm::dvec3(0.3 + 0.4 * noise), 8 + dz * frame, {frame ? -1.0 : 0.0, 0, -dz * told}};
+                return Sample{
+                    glm::dvec3(0.3 + 0.4 * noise), 8 + dz * frame, {frame ? -1.0 : 0.0, 0, -dz * told}};
             };
             const auto out = taa.frame(picture, frame == 0), lit = taa.lit();
             if (frame < 20) continue;
@@ -252,23 +272,29 @@ TEST_P(TaaOurs, AMovingSurfaceKeepsItsHistory) {
     }
 }
 
-// A floor seen at grazing angles from a camera that moves forward and turns, rasterised with jitter: its depth changes by
-// many metres from row to row, and every pixel that was on the screen still finds itself. Half of the frames say nothing in
-// the motion's third component, which hosts may leave out.
+// A floor seen at grazing angles from a camera that moves forward and turns, rasterised with jitter: its
+// depth changes by many metres from row to row, and every pixel that was on the screen still finds itself.
+// Half of the frames say nothing in the motion's third component, which hosts may leave out.
 TEST_P(TaaOurs, AFloorUnderAMovingCameraKeepsItsHistory) {
     const Extent extent{96, 64};
     Taa taa(extent, GetParam(), robust);
     taa.set_normal({0, 1, 0});
     const auto camera_of = [&](int f) { return camera_at({0.02 * f, 1.2, -0.05 * f}, 0.003 * f, extent); };
     // Floor point under a pixel, in the world, and where a camera sees a point.
-    const auto axes = [](const Camera& c) { return glm::dmat3(glm::dvec3(c.world_from_view[0], c.world_from_view[1], c.world_from_view[2]),
-                                                              glm::dvec3(c.world_from_view[3], c.world_from_view[4], c.world_from_view[5]),
-                                                              glm::dvec3(c.world_from_view[6], c.world_from_view[7], c.world_from_view[8])); };
-    const auto place = [](const Camera& c) { return glm::dvec3(c.position[0], c.position[1], c.position[2]); };
+    const auto axes = [](const Camera& c) {
+        return glm::dmat3(glm::dvec3(c.world_from_view[0], c.world_from_view[1], c.world_from_view[2]),
+                          glm::dvec3(c.world_from_view[3], c.world_from_view[4], c.world_from_view[5]),
+                          glm::dvec3(c.world_from_view[6], c.world_from_view[7], c.world_from_view[8]));
+    };
+    const auto place = [](const Camera& c) {
+        return glm::dvec3(c.position[0], c.position[1], c.position[2]);
+    };
     const glm::dvec2 size(extent.width, extent.height);
     const auto seen = [&](const Camera& c, const glm::dvec3& world) {
         const glm::dvec3 v = glm::transpose(axes(c)) * (world - place(c));
-        return glm::dvec3(size * (0.5 + 0.5 * glm::dvec2(c.clip_from_view[0] * v.x, c.clip_from_view[5] * v.y) / -v.z), -v.z);
+        return glm::dvec3(
+            size * (0.5 + 0.5 * glm::dvec2(c.clip_from_view[0] * v.x, c.clip_from_view[5] * v.y) / -v.z),
+            -v.z);
     };
     FrameDescription description;
     const int frames = 12;
@@ -280,11 +306,13 @@ TEST_P(TaaOurs, AFloorUnderAMovingCameraKeepsItsHistory) {
         description.prev_jitter = f == 0 ? description.jitter : prev_jitter;
         const Picture picture = [&](glm::dvec2 p) {
             const glm::dvec2 ndc = 2.0 * p / size - 1.0;
-            const glm::dvec3 ray = axes(now) * glm::dvec3(ndc.x / now.clip_from_view[0], ndc.y / now.clip_from_view[5], -1);
+            const glm::dvec3 ray =
+                axes(now) * glm::dvec3(ndc.x / now.clip_from_view[0], ndc.y / now.clip_from_view[5], -1);
             if (ray.y > -0.01) return Sample{{}, 0};
             const double z = -place(now).y / ray.y;
             const glm::dvec3 previous = seen(before, place(now) + z * ray);
-            return Sample{glm::dvec3(0.5), z, {previous.x - p.x, previous.y - p.y, f % 2 ? previous.z - z : 0}};
+            return Sample{
+                glm::dvec3(0.5), z, {previous.x - p.x, previous.y - p.y, f % 2 ? previous.z - z : 0}};
         };
         taa.frame(picture, description, glm::dvec2(description.jitter[0], description.jitter[1]) * size);
     }
@@ -308,7 +336,8 @@ TEST_P(TaaOurs, AStillImageIsAFixedPoint) {
         std::mt19937 random(3);
         std::vector<Sample> samples(taa.pixels());
         for (Sample& s : samples) {
-            for (int c = 0; c < 3; ++c) s.color[c] = std::pow(2.0, static_cast<double>(random() % 1600) / 100 - 10);
+            for (int c = 0; c < 3; ++c)
+                s.color[c] = std::pow(2.0, static_cast<double>(random() % 1600) / 100 - 10);
             s.z = random() % 4 ? 3 + static_cast<double>(random() % 100) / 10 : 0;
         }
         const Picture picture = [&](glm::dvec2 p) {
@@ -316,22 +345,27 @@ TEST_P(TaaOurs, AStillImageIsAFixedPoint) {
         };
         for (uint32_t frame = 0; frame < 40; ++frame) {
             const auto out = taa.frame(picture, frame == 0, false), lit = taa.lit();
-            for (size_t i = 0; i < out.size(); ++i) ASSERT_EQ(out[i], lit[i]) << "frame " << frame << " pixel " << i;
+            for (size_t i = 0; i < out.size(); ++i)
+                ASSERT_EQ(out[i], lit[i]) << "frame " << frame << " pixel " << i;
         }
     }
 }
 
 TEST_P(TaaOurs, StaysFiniteWhateverComesIn) {
-    constexpr double nan_value = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    constexpr double nan_value = std::numeric_limits<double>::quiet_NaN(),
+                     infinity = std::numeric_limits<double>::infinity();
     for (const std::string& node : {robust, robust_linear}) {
         Taa taa({67, 45}, GetParam(), node);
         std::mt19937 random(5);
-        const auto one_of = [&](std::initializer_list<double> values) { return values.begin()[random() % values.size()]; };
+        const auto one_of = [&](std::initializer_list<double> values) {
+            return values.begin()[random() % values.size()];
+        };
         const Picture bad = [&](glm::dvec2) {
             Sample s;
-            for (int c = 0; c < 3; ++c) s.color[c] = one_of({0, 1e-7, 0.5, 1, 65504, 65504, 32768, infinity, -1, nan_value});
-            s.motion = {one_of({0, 0.5, -3, 1e9, nan_value, infinity, -infinity}), one_of({0, 0.2, nan_value, infinity}),
-                        one_of({0, 0.1, 65504, nan_value, infinity})};
+            for (int c = 0; c < 3; ++c)
+                s.color[c] = one_of({0, 1e-7, 0.5, 1, 65504, 65504, 32768, infinity, -1, nan_value});
+            s.motion = {one_of({0, 0.5, -3, 1e9, nan_value, infinity, -infinity}),
+                        one_of({0, 0.2, nan_value, infinity}), one_of({0, 0.1, 65504, nan_value, infinity})};
             s.z = one_of({5, 5, 10, 0, nan_value, 1e-30, 1e30, -1});
             return s;
         };
@@ -339,7 +373,8 @@ TEST_P(TaaOurs, StaysFiniteWhateverComesIn) {
             const auto out = taa.frame(bad, frame == 0 || frame == 7);
             for (size_t i = 0; i < out.size(); ++i)
                 for (int c = 0; c < 3; ++c)
-                    ASSERT_TRUE(out[i][c] >= 0 && out[i][c] <= 65504) << out[i][c] << " in frame " << frame << ", pixel " << i;
+                    ASSERT_TRUE(out[i][c] >= 0 && out[i][c] <= 65504)
+                        << out[i][c] << " in frame " << frame << ", pixel " << i;
         }
         // Two good frames later, what was bad is no longer to be seen.
         const glm::dvec3 good(0.25, 0.5, 0.75);

@@ -30,14 +30,22 @@ Model make_plaza() {
     return model;
 }
 
-std::filesystem::path plaza_file() {
-    static const std::filesystem::path file = [] {
-        const auto path = std::filesystem::temp_directory_path() / ("penumbra_plaza_" + std::to_string(getpid()) + ".glb");
-        const std::vector<std::byte> bytes = to_glb(make_plaza());
-        write_file(path, bytes);
-        return path;
-    }();
-    return file;
+// The file is gone when the process ends.
+struct PlazaFile {
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / ("penumbra_plaza_" + std::to_string(getpid()) + ".glb");
+    PlazaFile() { write_file(path, to_glb(make_plaza())); }
+    PlazaFile(const PlazaFile&) = delete;
+    PlazaFile& operator=(const PlazaFile&) = delete;
+    ~PlazaFile() {
+        std::error_code ignored;
+        std::filesystem::remove(path, ignored);
+    }
+};
+
+const std::filesystem::path& plaza_file() {
+    static const PlazaFile file;
+    return file.path;
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A small scene for tests of whole pipelines: a floor that faces the sun and fills the view, a bar and a block above it,
-// one of which moves; camera and sun move too.
+// A small scene for tests of whole pipelines: a floor that faces the sun and fills the view, a bar and a
+// block above it, one of which moves; camera and sun move too.
 #pragma once
 
 #include <array>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The declarations as text. They borrow the shadow nodes' names but keep only what a rule of the front end needs.
+// The declarations as text. They borrow the shadow nodes' names but keep only what a rule of the front end
+// needs.
 #include "tests/toy_nodes.h"
 
 #include <map>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The node set of tests/toy/, compiled when the test runs: nodes so simple that their results are exact numbers.
+// The node set of tests/toy/, compiled when the test runs: nodes so simple that their results are exact
+// numbers.
 #pragma once
 
 #include "graph/check.h"

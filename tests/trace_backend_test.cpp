@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The backends of the node trace. A plan says which one a pass runs with, and `auto` never picks ray queries on a CPU;
-// both give the same hit words, except where double precision says that a ray meets an edge.
+// The backends of the node trace. A plan says which one a pass runs with, and `auto` never picks ray queries
+// on a CPU; both give the same hit words, except where double precision says that a ray meets an edge.
 #include <unistd.h>
 
 #include <bit>
@@ -48,7 +48,8 @@ std::vector<std::string> scene_slots_of(const Plan& plan) {
     return names;
 }
 
-const std::vector<std::string> tree_slots = {"scene.nodes", "scene.leaves", "scene"}, query_slots = {"scene.tlas", "scene"};
+const std::vector<std::string> tree_slots = {"scene.nodes", "scene.leaves", "scene"},
+                               query_slots = {"scene.tlas", "scene"};
 
 TEST(TraceBackend, AutoIsRayQueryWhereTheDeviceHasItAndIsNotACpu) {
     for (const bool cpu : {false, true})
@@ -56,20 +57,23 @@ TEST(TraceBackend, AutoIsRayQueryWhereTheDeviceHasItAndIsNotACpu) {
             for (const char* asked : {"auto", "bvh", "ray_query"}) {
                 if (asked == std::string("ray_query") && !ray_query) continue;
                 SCOPED_TRACE(testing::Message() << asked << " cpu " << cpu << " ray_query " << ray_query);
-                const bool queries = asked == std::string("ray_query") || (asked == std::string("auto") && ray_query && !cpu);
+                const bool queries =
+                    asked == std::string("ray_query") || (asked == std::string("auto") && ray_query && !cpu);
                 Diagnostics diagnostics;
                 const auto plan =
-                    compile(raw_with(asked), nodes(), standalone_target(table(cpu, ray_query), {64, 32}, {}), {}, diagnostics);
+                    compile(raw_with(asked), nodes(), standalone_target(table(cpu, ray_query), {64, 32}, {}),
+                            {}, diagnostics);
                 ASSERT_TRUE(plan) << diagnostics.text();
                 EXPECT_EQ(scene_slots_of(*plan), queries ? query_slots : tree_slots);
-                EXPECT_NE(to_text(*plan).find(queries ? "backend ray_query" : "backend bvh"), std::string::npos);
+                EXPECT_NE(to_text(*plan).find(queries ? "backend ray_query" : "backend bvh"),
+                          std::string::npos);
             }
 }
 
 TEST(TraceBackend, ForcingRayQueriesOnADeviceWithoutThemIsAnError) {
     Diagnostics diagnostics;
-    EXPECT_FALSE(
-        compile(raw_with("ray_query"), nodes(), standalone_target(table(false, false), {64, 32}, {}), {}, diagnostics));
+    EXPECT_FALSE(compile(raw_with("ray_query"), nodes(), standalone_target(table(false, false), {64, 32}, {}),
+                         {}, diagnostics));
     const std::string text = diagnostics.text();
     EXPECT_EQ(diagnostics.size(), 1u) << text;
     EXPECT_NE(text.find("nodes.trace.params.backend"), std::string::npos) << text;
@@ -77,17 +81,21 @@ TEST(TraceBackend, ForcingRayQueriesOnADeviceWithoutThemIsAnError) {
 }
 
 NodeType declared(const std::string& params, const std::string& condition, Diagnostics& diagnostics) {
-    const std::string text = R"({ "node": "t", "doc": "d", "shader": "t.comp", "inputs": { "scene": { "kind": "scene" },
-        "extra": { "kind": "block", "element": "Sun")" + condition + R"( } },
+    const std::string text =
+        R"({ "node": "t", "doc": "d", "shader": "t.comp", "inputs": { "scene": { "kind": "scene" },
+        "extra": { "kind": "block", "element": "Sun")" +
+        condition + R"( } },
         "outputs": { "o": { "kind": "image", "format": "r32f" } }, "dispatch": { "over": "frame" },
-        "params": { "backend": )" + params + " } }";
+        "params": { "backend": )" +
+        params + " } }";
     const auto json = parse_json(text, "t.json", diagnostics);
     auto type = json ? parse_node_type(*json, "t", diagnostics) : std::nullopt;
     return type.value_or(NodeType{});
 }
 
 TEST(TraceBackend, DeclarationsOfABackendAreChecked) {
-    const std::string good = R"({ "type": "enum", "values": ["auto", "bvh", "ray_query"], "default": "auto", "constant": true, "doc": "d" })";
+    const std::string good =
+        R"({ "type": "enum", "values": ["auto", "bvh", "ray_query"], "default": "auto", "constant": true, "doc": "d" })";
     Diagnostics diagnostics;
     const NodeType type = declared(good, "", diagnostics);
     ASSERT_TRUE(diagnostics.empty()) << diagnostics.text();
@@ -101,11 +109,13 @@ TEST(TraceBackend, DeclarationsOfABackendAreChecked) {
     }
     EXPECT_EQ(keys, (std::vector<std::string>{"backend=bvh", "backend=ray_query"}));
 
-    for (const auto& [params, condition] : std::vector<std::pair<std::string, std::string>>{
-             {R"({ "type": "enum", "values": ["bvh", "embree"], "default": "bvh", "constant": true, "doc": "d" })", ""},
-             {R"({ "type": "enum", "values": ["bvh"], "default": "bvh", "doc": "d" })", ""},
-             {R"({ "type": "int", "default": 0, "constant": true, "doc": "d" })", ""},
-             {good, R"(, "if": "backend=bvh")"}}) {
+    for (
+        const auto& [params, condition] : std::vector<std::pair<std::string, std::string>>{
+            {R"({ "type": "enum", "values": ["bvh", "embree"], "default": "bvh", "constant": true, "doc": "d" })",
+             ""},
+            {R"({ "type": "enum", "values": ["bvh"], "default": "bvh", "doc": "d" })", ""},
+            {R"({ "type": "int", "default": 0, "constant": true, "doc": "d" })", ""},
+            {good, R"(, "if": "backend=bvh")"}}) {
         Diagnostics errors;
         declared(params, condition, errors);
         EXPECT_EQ(errors.size(), 1u) << params << condition << "\n" << errors.text();
@@ -114,7 +124,8 @@ TEST(TraceBackend, DeclarationsOfABackendAreChecked) {
 
 // One pipeline with both, side by side: the scene's block is one slot for two passes with different bindings.
 std::filesystem::path both_backends() {
-    const auto file = std::filesystem::temp_directory_path() / ("penumbra_backends_" + std::to_string(getpid()) + ".json");
+    const auto file =
+        std::filesystem::temp_directory_path() / ("penumbra_backends_" + std::to_string(getpid()) + ".json");
     const char* text = R"({
   "penumbra": 1, "name": "both", "doc": "The same rays by both backends.",
   "inputs": { "depth": {}, "normal": {}, "sun": {}, "scene": {} },
@@ -147,7 +158,8 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
     options.captures = {"view_depth", "guide_normal", "tile_list", "trace_args", "hits", "hits_q"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), nodes(), load(both_backends(), {}), shot, options, diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), nodes(), load(both_backends(), {}), shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     Comparison sum;
     for (const uint32_t frame : frames) {
@@ -157,33 +169,40 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
         const std::vector<Triangle> triangles = session->host().scene().triangles(frame);
         const auto depth = captured<float>(*session, "view_depth");
         const auto normal = captured<uint32_t>(*session, "guide_normal");
-        const auto tree = captured<uint32_t>(*session, "hits"), query = captured<uint32_t>(*session, "hits_q");
+        const auto tree = captured<uint32_t>(*session, "hits"),
+                   query = captured<uint32_t>(*session, "hits_q");
         const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
-        const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3], tiles_x = (shot.size[0] + 7) / 8;
+        const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3],
+                       tiles_x = (shot.size[0] + 7) / 8;
         for (uint32_t i = 0; i < listed; ++i) {
-            const uint32_t tile_x = list[i][0] & 0xffff, tile_y = list[i][0] >> 16, word = tile_y * tiles_x + tile_x;
+            const uint32_t tile_x = list[i][0] & 0xffff, tile_y = list[i][0] >> 16,
+                           word = tile_y * tiles_x + tile_x;
             const uint32_t traced = list[i][1], differing = (tree[word] ^ query[word]) & traced;
             sum.rays += std::popcount(traced);
             sum.blocked += std::popcount(tree[word] & traced);
             sum.differ += std::popcount(differing);
             for (uint32_t bit = 0; bit < 32; ++bit) {
                 if ((differing >> bit & 1) == 0) continue;
-                const uint32_t x = tile_x * 8 + bit % 8, y = tile_y * 4 + bit / 8, pixel = y * shot.size[0] + x;
+                const uint32_t x = tile_x * 8 + bit % 8, y = tile_y * 4 + bit / 8,
+                               pixel = y * shot.size[0] + x;
                 EXPECT_EQ(truth(triangles, maker.ray(x, y, depth[pixel], normal[pixel]), 8e-6), Truth::either)
-                    << "pixel " << x << ", " << y << " of frame " << frame << ", the tree's word " << tree[word];
+                    << "pixel " << x << ", " << y << " of frame " << frame << ", the tree's word "
+                    << tree[word];
             }
         }
         for (size_t i = 0; i < tree.size(); ++i) sum.differ_anywhere += std::popcount(tree[i] ^ query[i]);
     }
     EXPECT_EQ(sum.differ_anywhere, sum.differ) << "the words differ in pixels that were not traced";
-    std::printf("%s: %zu rays, %zu blocked, %zu differ\n", shot.name.c_str(), sum.rays, sum.blocked, sum.differ);
+    std::printf("%s: %zu rays, %zu blocked, %zu differ\n", shot.name.c_str(), sum.rays, sum.blocked,
+                sum.differ);
     return sum;
 }
 
 class TraceBackendRun : public GpuTest {};
 
-#define NEEDS_RAY_QUERIES() \
-    if (!gpu().caps().ray_query) GTEST_SKIP() << gpu().info().name << " (" << gpu().info().driver << ") has no VK_KHR_ray_query"
+#define NEEDS_RAY_QUERIES()      \
+    if (!gpu().caps().ray_query) \
+    GTEST_SKIP() << gpu().info().name << " (" << gpu().info().driver << ") has no VK_KHR_ray_query"
 
 TEST_F(TraceBackendRun, BothGiveTheSameWordsWhileThingsMove) {
     NEEDS_RAY_QUERIES();
@@ -193,8 +212,8 @@ TEST_F(TraceBackendRun, BothGiveTheSameWordsWhileThingsMove) {
     EXPECT_LT(seen.differ, seen.rays / 1000);
 }
 
-// A session that starts in the middle finds its objects where they are then, by either backend. The block stands far away
-// in frame 0 and shades the floor in frame 16.
+// A session that starts in the middle finds its objects where they are then, by either backend. The block
+// stands far away in frame 0 and shades the floor in frame 16.
 class ColdStart : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(ColdStart, TracesWhereThingsAreNow) {
@@ -207,14 +226,17 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
     options.captures = {"view_depth", "guide_normal", "tile_list", "trace_args", "hits"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), nodes(), raw_with(GetParam()), shot, options, diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), nodes(), raw_with(GetParam()), shot, options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
     session->run_frame(16, true);
     const StandaloneFrame standalone = session->host().frame(16, true);
     const RayMaker maker(*session, nodes(), standalone);
-    const std::vector<Triangle> now = session->host().scene().triangles(16), at_first = session->host().scene().triangles(0);
+    const std::vector<Triangle> now = session->host().scene().triangles(16),
+                                at_first = session->host().scene().triangles(0);
     const auto depth = captured<float>(*session, "view_depth");
-    const auto normal = captured<uint32_t>(*session, "guide_normal"), hits = captured<uint32_t>(*session, "hits");
+    const auto normal = captured<uint32_t>(*session, "guide_normal"),
+               hits = captured<uint32_t>(*session, "hits");
     const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
     const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3];
     size_t wrong = 0, wrong_at_first = 0;
@@ -224,7 +246,8 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
             if ((list[i][1] >> bit & 1) == 0) continue;
             const uint32_t x = tile_x * 8 + bit % 8, y = tile_y * 4 + bit / 8, pixel = y * 96 + x;
             const Ray ray = maker.ray(x, y, depth[pixel], normal[pixel]);
-            const Truth opposite = (hits[tile_y * 12 + tile_x] >> bit & 1) != 0 ? Truth::clear : Truth::blocked;
+            const Truth opposite =
+                (hits[tile_y * 12 + tile_x] >> bit & 1) != 0 ? Truth::clear : Truth::blocked;
             wrong += truth(now, ray, 8e-6) == opposite;
             wrong_at_first += truth(at_first, ray, 8e-6) == opposite;
         }
@@ -253,8 +276,8 @@ TEST_F(TraceBackendRun, AutoOnThisDeviceFollowsTheRule) {
     options.size = {64, 32};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), nodes(), raw_with("auto"), plaza_shot({64, 32}, 1), options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), nodes(), raw_with("auto"), plaza_shot({64, 32}, 1), options,
+                                       diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
     const bool queries = gpu().caps().ray_query && !gpu().info().is_cpu;
     EXPECT_EQ(scene_slots_of(session->plan()), queries ? query_slots : tree_slots);
@@ -262,7 +285,8 @@ TEST_F(TraceBackendRun, AutoOnThisDeviceFollowsTheRule) {
 
 TEST_F(TraceBackendRun, TheProgramRefusesRayQueriesThatTheDeviceLacks) {
     if (gpu().caps().ray_query) GTEST_SKIP() << gpu().info().name << " has VK_KHR_ray_query";
-    const auto folder = std::filesystem::temp_directory_path() / ("penumbra_refused_" + std::to_string(getpid()));
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("penumbra_refused_" + std::to_string(getpid()));
     RenderArguments arguments;
     arguments.pipeline = (root / "pipelines/raw.json").string();
     arguments.shot = (root / "scenes/colonnade.shot.json").string();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The node trace, as it runs in a pipeline, against Embree: the test makes each pixel's ray anew in double precision from
-// the depth and normal that the node read, the noise tile and the sun, and asks Embree. Where the two differ, double
-// precision must say that the ray passes an edge within rounding.
+// The node trace, as it runs in a pipeline, against Embree: the test makes each pixel's ray anew in double
+// precision from the depth and normal that the node read, the noise tile and the sun, and asks Embree. Where
+// the two differ, double precision must say that the ray passes an edge within rounding.
 #include "nodes/nodes.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
@@ -37,7 +37,8 @@ TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
         const StandaloneFrame standalone = session->host().frame(frame, frame == 0);
         const RayMaker maker(*session, nodes, standalone);
         const auto depth = captured<float>(*session, "view_depth");
-        const auto normal = captured<uint32_t>(*session, "guide_normal"), hits = captured<uint32_t>(*session, "hits");
+        const auto normal = captured<uint32_t>(*session, "guide_normal"),
+                   hits = captured<uint32_t>(*session, "hits");
         const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
         const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3];
         for (uint32_t i = 0; i < listed; ++i) {
@@ -51,7 +52,8 @@ TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
                 blocked += ours;
                 if (ours == embree.occluded(ray)) continue;
                 ++differ;
-                // Two roundings apart: the node made its ray in single precision, of coordinates as large as the scene.
+                // Two roundings apart: the node made its ray in single precision, of coordinates as large as
+                // the scene.
                 EXPECT_NE(truth(triangles, ray, 8e-6), ours ? Truth::clear : Truth::blocked)
                     << "pixel " << x << ", " << y << " of frame " << frame;
                 ASSERT_LT(differ, 2000u) << "too many differences to be rounding";
