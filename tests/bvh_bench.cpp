@@ -146,9 +146,10 @@ void bench(RTCDevice device, const View& view, const std::vector<std::string>& s
                                      for (const Ray& r : rays) hits += occluded(bvh, r);
                                      return hits;
                                  }}};
+    Device vulkan({});
     std::vector<std::unique_ptr<Compute>> devices;
     for (const std::string& shader : shaders) {
-        devices.push_back(std::make_unique<Compute>());
+        devices.push_back(std::make_unique<Compute>(vulkan));
         Compute* gpu = devices.back().get();
         gpu->load(shader, bindings);
         gpu->bind(contents);

@@ -10,6 +10,7 @@
 #include "tests/bvh_oracle.h"
 #include "tests/bvh_scenes.h"
 #include "tests/bvh_shipped_scenes.h"
+#include "tests/gpu_test.h"
 #include "tests/vulkan_compute.h"
 
 namespace penumbra {
@@ -38,9 +39,10 @@ std::vector<uint32_t> answers(Compute& compute, const Bvh& bvh, const std::vecto
     return {out, out + rays.size()};
 }
 
-class BvhGpu : public testing::Test {
+class BvhGpu : public GpuTest {
   protected:
     void SetUp() override {
+        GpuTest::SetUp();
         const VkDescriptorType bindings[] = {
             VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
@@ -71,7 +73,7 @@ class BvhGpu : public testing::Test {
         EXPECT_GT(hits, 0u) << name;
     }
 
-    Compute compute;
+    Compute compute{gpu()};
     bool cpu_device = false;
 };
 

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "tests/bvh_scenes.h"
+#include "tests/gpu_test.h"
 #include "tests/vulkan_compute.h"
 
 namespace penumbra {
@@ -39,7 +40,7 @@ double angle(const float* a, const float* b) {
 }
 
 std::vector<Out> evaluate(const std::vector<In>& in) {
-    Compute compute;
+    Compute compute(gpu());
     const VkDescriptorType bindings[] = {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                                          VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
     compute.load(SUN_SAMPLE_SPV, bindings);
@@ -64,7 +65,9 @@ std::vector<Vec> suns() {
     return out;
 }
 
-TEST(SunSample, IsUniformOverTheCap) {
+class SunSample : public GpuTest {};
+
+TEST_F(SunSample, IsUniformOverTheCap) {
     constexpr int n = 64;
     Random random(30);
     for (const double radius : {1e-4, 0.00465, 0.0349, 0.1745, 0.7854}) {
@@ -107,7 +110,7 @@ TEST(SunSample, IsUniformOverTheCap) {
     }
 }
 
-TEST(SunSample, PublishedFormIsTheTangentDisc) {
+TEST_F(SunSample, PublishedFormIsTheTangentDisc) {
     std::vector<In> in;
     for (const Vec& sun : suns())
         for (int i = 0; i < 256; ++i)
@@ -124,7 +127,7 @@ TEST(SunSample, PublishedFormIsTheTangentDisc) {
     EXPECT_NEAR(widest, 0.1745, 1e-5);
 }
 
-TEST(SunSample, MiddleAndZeroRadiusAreTheSunItself) {
+TEST_F(SunSample, MiddleAndZeroRadiusAreTheSunItself) {
     std::vector<In> in;
     for (const Vec& sun : suns()) {
         in.push_back({{sun.x, sun.y, sun.z}, 0.2f, {0.5f, 0.5f}, {}});

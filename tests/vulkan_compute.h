@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "host/device.h"
+
 namespace penumbra::test {
 
 inline void check(VkResult result, const char* call) {
@@ -22,41 +24,14 @@ inline void check(VkResult result, const char* call) {
 
 class Compute {
   public:
-    Compute() {
-        const VkApplicationInfo app{
-            VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "penumbra tests", 0, nullptr, 0, VK_API_VERSION_1_2};
-        VkInstanceCreateInfo instance_info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
-        instance_info.pApplicationInfo = &app;
-        check(vkCreateInstance(&instance_info, nullptr, &instance_), "vkCreateInstance");
-        uint32_t count = 1;
-        const VkResult found = vkEnumeratePhysicalDevices(instance_, &count, &physical_);
-        if (count == 0 || (found != VK_SUCCESS && found != VK_INCOMPLETE))
-            throw std::runtime_error("no Vulkan device");
+    // `device` must outlive this; with validation on, its messages are the test's to look at.
+    explicit Compute(Device& device)
+        : physical_(device.physical()), device_(device.get()), queue_(device.queue()) {
         vkGetPhysicalDeviceProperties(physical_, &properties_);
         vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
-
-        uint32_t families = 0;
-        vkGetPhysicalDeviceQueueFamilyProperties(physical_, &families, nullptr);
-        std::vector<VkQueueFamilyProperties> family(families);
-        vkGetPhysicalDeviceQueueFamilyProperties(physical_, &families, family.data());
-        uint32_t compute = 0;
-        while (compute < families && !(family[compute].queueFlags & VK_QUEUE_COMPUTE_BIT)) ++compute;
-        if (compute == families) throw std::runtime_error("no compute queue");
-
-        const float priority = 1;
-        VkDeviceQueueCreateInfo queue_info{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-        queue_info.queueFamilyIndex = compute;
-        queue_info.queueCount = 1;
-        queue_info.pQueuePriorities = &priority;
-        VkDeviceCreateInfo device_info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
-        device_info.queueCreateInfoCount = 1;
-        device_info.pQueueCreateInfos = &queue_info;
-        check(vkCreateDevice(physical_, &device_info, nullptr, &device_), "vkCreateDevice");
-        vkGetDeviceQueue(device_, compute, 0, &queue_);
-
         VkCommandPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
         pool_info.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-        pool_info.queueFamilyIndex = compute;
+        pool_info.queueFamilyIndex = device.queue_family();
         check(vkCreateCommandPool(device_, &pool_info, nullptr, &pool_), "vkCreateCommandPool");
         VkCommandBufferAllocateInfo cmd_info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
         cmd_info.commandPool = pool_;
@@ -77,8 +52,6 @@ class Compute {
         if (descriptors_) vkDestroyDescriptorPool(device_, descriptors_, nullptr);
         if (fence_) vkDestroyFence(device_, fence_, nullptr);
         if (pool_) vkDestroyCommandPool(device_, pool_, nullptr);
-        if (device_) vkDestroyDevice(device_, nullptr);
-        if (instance_) vkDestroyInstance(instance_, nullptr);
     }
 
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
@@ -233,7 +206,6 @@ class Compute {
         buffers_.clear();
     }
 
-    VkInstance instance_ = VK_NULL_HANDLE;
     VkPhysicalDevice physical_ = VK_NULL_HANDLE;
     VkPhysicalDeviceProperties properties_{};
     VkPhysicalDeviceMemoryProperties memory_{};
