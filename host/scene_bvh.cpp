@@ -6,8 +6,11 @@
 
 namespace penumbra {
 
-SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame)
-    : device_(device), scene_(scene), bvh_(build_bvh(scene.triangles(frame), scene.triangle_objects())) {
+SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours)
+    : device_(device),
+      scene_(scene),
+      bvh_(build_bvh(scene.triangles(frame), scene.triangle_objects())),
+      with_neighbours_(neighbours) {
     upload_all();
 }
 
@@ -20,6 +23,7 @@ void SceneBvh::update(double frame) {
 void SceneBvh::upload_all() {
     nodes_ = upload(bvh_.nodes, "the BVH's nodes");
     leaves_ = upload(bvh_.leaves, "the BVH's leaves");
+    if (with_neighbours_) neighbours_ = upload(leaf_neighbours(bvh_), "the BVH's neighbours");
 }
 
 SceneBvh::TexelBuffer SceneBvh::upload(const std::vector<Texel>& texels, const char* what) {
