@@ -12,6 +12,7 @@ namespace penumbra {
 
 #define PENUMBRA_NODES(X) \
     X(accumulate)         \
+    X(beams)              \
     X(classify)           \
     X(cones)              \
     X(copy)               \

@@ -16,15 +16,6 @@
 
 shared uint tile_lit, tile_shadowed;
 
-uint query_pixel(ivec2 p) {
-    const float z = imageLoad(view_depth, p).x;
-    const vec3 relative = position(p, z);
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
-    const vec3 in_scene = relative + scene.camera_from_origin;
-    const vec3 apex = in_scene + n * robust_offset_m(p, z, n, relative, in_scene);
-    return query_cone(Cone(apex, sun_frame(sun.to_sun), tan(sun.angular_radius)));
-}
-
 void main() {
     uvec4 record;
     if (!listed_tile(record)) return;  // the whole workgroup
@@ -37,7 +28,9 @@ void main() {
     const bool wanted = (record.y & bit) != 0u;
 
     uint answer = CONE_MIXED;
-    if (wanted) answer = query_pixel(tile * TILE + in_tile);
+    if (wanted)
+        answer = query_cone(
+            Cone(shadow_ray_origin(tile * TILE + in_tile), sun_frame(sun.to_sun), tan(sun.angular_radius), 0.0));
     const uint lit = subgroupOr(answer == CONE_CLEAR ? bit : 0u);
     const uint shadowed = subgroupOr(answer == CONE_COVERED ? bit : 0u);
     if (subgroupElect()) {
