@@ -71,10 +71,10 @@ bool refit(Bvh& bvh, std::span<const Triangle> triangles);
 
 // One texel per leaf: what lies across its outer edges, for shaders/common/cone_query.glsl. The words belong
 // to the edges (v0, v1), (v2, v0), (v1, v3), (v3, v2); of a leaf that holds one triangle, the third is (v1,
-// v2) and the fourth is none. A word is leaf << 3 | second triangle of its leaf << 2 | its corner opposite to
-// the edge, counted in (v0, v1, v2) or (v2, v1, v3); or no_neighbour. Two of them never disagree: if a names
-// b, b names a. Fewer than 2^29 leaves. Made anew after each refit: parts that moved may have come together
-// or apart.
+// v2) and the fourth is none. A word is leaf << 4 | both windings run the same way along the edge << 3 |
+// second triangle of its leaf << 2 | its corner opposite to the edge, counted in (v0, v1, v2) or (v2, v1,
+// v3); or no_neighbour. If a names b, b names a. Fewer than 2^28 leaves. Made anew after each refit: parts
+// that moved may have come together or apart.
 inline constexpr uint32_t no_neighbour = ~0u;
 std::vector<Texel> leaf_neighbours(const Bvh& bvh);
 

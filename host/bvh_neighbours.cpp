@@ -25,8 +25,8 @@ struct Side {
 // Corners of a leaf's triangles, as numbers of its vertices.
 constexpr uint32_t corner_vertex[2][3] = {{0, 1, 2}, {2, 1, 3}};
 
-uint32_t word_of(const Side& side) {
-    return side.triangle << 2 | side.corner;
+uint32_t word_of(const Side& side, bool same_way) {
+    return side.triangle >> 1 << 4 | uint32_t(same_way) << 3 | (side.triangle & 1) << 2 | side.corner;
 }
 
 // Where a leaf's texel keeps what lies across the edge opposite to a corner; the edge that two triangles of a
@@ -69,7 +69,7 @@ std::vector<Texel> leaf_neighbours(const Bvh& bvh) {
     std::vector<Texel> out(leaves, Texel{no_neighbour, no_neighbour, no_neighbour, no_neighbour});
     const auto join = [&](const Side& from, const Side& to) {
         const uint32_t leaf = from.triangle >> 1;
-        out[leaf][slot_of(from, is_pair(leaf))] = word_of(to);
+        out[leaf][slot_of(from, is_pair(leaf))] = word_of(to, from.backward == to.backward);
     };
     for (size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
         while (end < sides.size() && sides[end].edge == sides[begin].edge) ++end;

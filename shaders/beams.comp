@@ -57,15 +57,12 @@ void main() {
 
     bool lit = false, shadowed = false;
     if (mask != 0u) {
-        Walk walk;
-        make_beam(tile, mask, walk.cone, walk.starts);
-        walk.wide = cone_slabs(walk.cone.frame[2], walk.cone.spread, walk.cone.radius);
-        walk.thin = cone_slabs(walk.cone.frame[2], 0.0, 0.0);
-        walk.clean = true;
-        walk.covered = false;
-        const bool finished = walk_tree(walk, walk.cone.frame[2], BUDGET);
-        shadowed = walk.covered;
-        lit = finished && walk.clean && !walk.covered;
+        Cone cone;
+        Starts starts;
+        make_beam(tile, mask, cone, starts);
+        const uint answer = query_beam(cone, starts);
+        lit = answer == CONE_CLEAR;
+        shadowed = answer == CONE_COVERED;
         if (shadowed) preloaded_hits[tile_index(tile)] |= mask;
     }
     const bool open = mask != 0u && !lit && !shadowed;

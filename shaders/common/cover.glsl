@@ -18,49 +18,42 @@ int cover_side(Walk walk, vec3 a, vec3 b, vec3 c);
 // Whether no ray of the cone passes the surface around a triangle that its axis pierces. `first`: leaf << 1 | which.
 bool covers(Walk walk, uint first) {
     const Cone cone = walk.cone;
-    // The words of leaf_neighbours(), each entered by the edge opposite to its corner; the first by none.
+    // Triangles of the patch as words of leaf_neighbours(), each entered by the edge opposite to its corner (the first by
+    // none). Bit 3 has become the side that it must show for the edge to be no fold.
     uint patch_words[PATCH];
-    patch_words[0] = first << 2 | 3u;
+    patch_words[0] = first >> 1 << 4 | (first & 1u) << 2 | 3u;
     uint count = 1u;
-    bool closed = can_cover(first >> 1, first & 1u);
+    bool closed = true;
     for (uint i = 0u; i < count && closed; ++i) {
         const uint word = patch_words[i];
-        const uint leaf = word >> 3;
+        const uint leaf = word >> 4;
         const bool second = (word & 4u) != 0u;
         const Leaf corners = cone_leaf(cone, leaf);
         const uvec4 across = texelFetch(neighbours, int(leaf));
         // Two triangles of a leaf are each other's neighbours; see host/bvh.h for the words of the other edges.
         const bool pair = corners.v3 != corners.v2;
         vec3 a = second ? corners.v2 : corners.v0, b = corners.v1, c = second ? corners.v3 : corners.v2;
-        uvec3 next = second ? uvec3(across.z, across.w, leaf << 3)
-                            : uvec3(pair ? leaf << 3 | 6u : across.z, across.y, across.x);
+        uvec3 next = second ? uvec3(across.z, across.w, leaf << 4)
+                            : uvec3(pair ? leaf << 4 | 6u : across.z, across.y, across.x);
+        const int side = cover_side(walk, a, b, c);
+        const uint from_below = side < 0 ? 8u : 0u;
+        if (side == 0 || (i > 0u && from_below != (word & 8u)) || !can_cover(leaf, word >> 2 & 1u)) closed = false;
         for (uint k = 0u; k < 3u; ++k) {
-            if (k != (word & 3u) && edge_meets_cone(cone, b, c)) {
-                const uint n = next.x;
-                bool crossed = false;
-                if (n != NO_NEIGHBOUR && can_cover(n >> 3, n >> 2 & 1u)) {
-                    const Leaf there = cone_leaf(cone, n >> 3);
-                    const uint corner = n & 7u;  // 0 1 2: v0 v1 v2; 4 5 6: v2 v1 v3
-                    const vec3 d = corner == 0u                   ? there.v0
-                                   : (corner & 3u) == 1u          ? there.v1
-                                   : corner == 6u                 ? there.v3
-                                                                  : there.v2;
-                    const bool smooth_edge = cover_side(walk, b, c, a) * cover_side(walk, b, c, d) < 0;
-                    bool known = false;
-                    for (uint j = 0u; j < count; ++j)
-                        if (patch_words[j] >> 2 == n >> 2) known = true;
-                    crossed = smooth_edge && (known || count < PATCH);
-                    if (crossed && !known) {
-                        patch_words[count] = n;
-                        ++count;
-                    }
+            if (closed && k != (word & 3u) && edge_meets_cone(cone, b, c)) {
+                const uint entered = next.x ^ from_below;
+                bool known = false;
+                for (uint j = 0u; j < count; ++j)
+                    if (patch_words[j] >> 2 == entered >> 2) known = true;
+                if (next.x == NO_NEIGHBOUR || (!known && count == PATCH)) closed = false;
+                if (closed && !known) {
+                    patch_words[count] = entered;
+                    ++count;
                 }
-                if (!crossed) closed = false;
             }
-            const vec3 first_corner = a;
+            const vec3 rotated = a;
             a = b;
             b = c;
-            c = first_corner;
+            c = rotated;
             next = next.yzx;
         }
     }
