@@ -18,13 +18,12 @@ void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts) {
     const mat3 frame = sun_frame(sun.to_sun);
     const vec3 origin = shadow_ray_origin(pixel_of_bit(tile, uint(findLSB(mask))));
     // A plane through three of the starts, far apart; where there are none the axes of the frame will do.
+    const uint first_row = mask & (0xffu << (uint(findLSB(mask)) & 24u)), last_row = mask & (0xffu << (uint(findMSB(mask)) & 24u));
     const vec3 last = (shadow_ray_origin(pixel_of_bit(tile, uint(findMSB(mask)))) - origin) * frame;
-    vec3 normal = vec3(0.0);
-    for (uint i = 0u; i < 32u; ++i)
-        if ((mask >> i & 1u) != 0u) {
-            const vec3 n = cross(last, (shadow_ray_origin(pixel_of_bit(tile, i)) - origin) * frame);
-            if (dot(n, n) > dot(normal, normal)) normal = n;
-        }
+    const vec3 right = (shadow_ray_origin(pixel_of_bit(tile, uint(findMSB(first_row)))) - origin) * frame;
+    const vec3 left = (shadow_ray_origin(pixel_of_bit(tile, uint(findLSB(last_row)))) - origin) * frame;
+    const vec3 by_right = cross(last, right), by_left = cross(left, last);
+    const vec3 normal = dot(by_right, by_right) > dot(by_left, by_left) ? by_right : by_left;
     mat3 axes = mat3(1.0);
     if (dot(normal, normal) > 0.0) {
         axes[0] = normalize(last);
@@ -57,12 +56,15 @@ void main() {
 
     bool lit = false, shadowed = false;
     if (mask != 0u) {
-        Cone cone;
-        Starts starts;
-        make_beam(tile, mask, cone, starts);
-        const uint answer = query_beam(cone, starts);
-        lit = answer == CONE_CLEAR;
-        shadowed = answer == CONE_COVERED;
+        Walk walk;
+        make_beam(tile, mask, walk.cone, walk.starts);
+        walk.wide = cone_slabs(walk.cone.frame[2], walk.cone.spread, walk.cone.radius);
+        walk.thin = cone_slabs(walk.cone.frame[2], 0.0, 0.0);
+        walk.clean = true;
+        walk.covered = false;
+        const bool finished = walk_tree(walk, walk.cone.frame[2], BUDGET);
+        shadowed = walk.covered;
+        lit = finished && walk.clean && !walk.covered;
         if (shadowed) preloaded_hits[tile_index(tile)] |= mask;
     }
     const bool open = mask != 0u && !lit && !shadowed;

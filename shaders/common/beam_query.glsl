@@ -20,7 +20,9 @@ struct Starts {
 struct Walk {
     Cone cone;
     Starts starts;
-    ConeSlabs slabs;  // of the stage
+    ConeSlabs wide, thin;  // of the beam and of its axis
+    bool clean;            // nothing has been met
+    bool covered;
 };
 #include "common/bvh_walk.glsl"
 #include "common/cover.glsl"
@@ -49,44 +51,35 @@ int cover_side(Walk walk, vec3 a, vec3 b, vec3 c) {
     return side == BEHIND ? 0 : side;
 }
 
-const uint STAGE_CLEAR = 0u;  // does the beam meet anything?
-const uint STAGE_COVER = 1u;  // does its axis pierce what covers it?
-
-uint walk_children(Walk walk, uint stage, uvec4 n0, uvec4 n1, uvec4 n2) {
-    return cone_hit_children(walk.slabs, walk.cone.apex, n0, n1, n2);
+uint walk_children(Walk walk, uvec4 n0, uvec4 n1, uvec4 n2) {
+    ConeSlabs slabs = walk.thin;
+    if (walk.clean) slabs = walk.wide;
+    return cone_hit_children(slabs, walk.cone.apex, n0, n1, n2);
 }
 
-bool beam_meets(Walk walk, vec3 a, vec3 b, vec3 c) {
-    if (max(max(a.z, b.z), c.z) < -CONE_ROUNDING * (taxicab(a) + taxicab(b) + taxicab(c))) return false;
-    if (beam_side(walk, a, b, c) == BEHIND) return false;
-    return axis_passes(axis_side(b, c), axis_side(c, a), axis_side(a, b), a, b, c) != PIERCES_NOT ||
-           edge_meets_cone(walk.cone, a, b) || edge_meets_cone(walk.cone, b, c) || edge_meets_cone(walk.cone, c, a);
+const uint MISSES_BEAM = 0u;
+const uint MEETS_BEAM = 1u;
+const uint PIERCED_BY_AXIS = 2u;  // for certain, ahead of all starts
+
+uint beam_meets(Walk walk, vec3 a, vec3 b, vec3 c) {
+    const int side = beam_side(walk, a, b, c);
+    if (side == BEHIND || max(max(a.z, b.z), c.z) < -CONE_ROUNDING * (taxicab(a) + taxicab(b) + taxicab(c)))
+        return MISSES_BEAM;
+    const uint pierces = axis_passes(axis_side(b, c), axis_side(c, a), axis_side(a, b), a, b, c);
+    if (pierces == PIERCES && side != 0) return PIERCED_BY_AXIS;
+    return pierces != PIERCES_NOT || edge_meets_cone(walk.cone, a, b) || edge_meets_cone(walk.cone, b, c) ||
+                   edge_meets_cone(walk.cone, c, a)
+               ? MEETS_BEAM
+               : MISSES_BEAM;
 }
 
-// Whether the axis passes through a triangle for certain, ahead of all starts.
-bool beam_pierces(Walk walk, vec3 a, vec3 b, vec3 c) {
-    return axis_passes(axis_side(b, c), axis_side(c, a), axis_side(a, b), a, b, c) == PIERCES &&
-           cover_side(walk, a, b, c) != 0;
-}
-
-uint walk_leaf(Walk walk, uint stage, uint leaf) {
+bool walk_leaf(inout Walk walk, uint leaf) {
     const Leaf v = cone_leaf(walk.cone, leaf);
-    if (stage == STAGE_CLEAR)
-        return beam_meets(walk, v.v0, v.v1, v.v2) || (v.v3 != v.v2 && beam_meets(walk, v.v2, v.v1, v.v3)) ? LEAF_ENDS_WALK
-                                                                                                        : LEAF_IS_NOTHING;
-    return beam_pierces(walk, v.v0, v.v1, v.v2)   ? leaf << 1
-           : beam_pierces(walk, v.v2, v.v1, v.v3) ? leaf << 1 | 1u
-                                                  : LEAF_IS_NOTHING;
-}
-
-bool walk_examine(Walk walk, uint stage, uint word) { return stage == STAGE_COVER && covers(walk, word); }
-
-// CONE_CLEAR, CONE_COVERED or CONE_MIXED.
-uint query_beam(Cone cone, Starts starts) {
-    const vec3 axis = cone.frame[2];
-    const uint clear =
-        walk_tree(Walk(cone, starts, cone_slabs(axis, cone.spread, cone.radius)), STAGE_CLEAR, axis, BUDGET);
-    uint cover = WALK_CUT;
-    if (clear == WALK_ENDED) cover = walk_tree(Walk(cone, starts, cone_slabs(axis, 0.0, 0.0)), STAGE_COVER, axis, BUDGET);
-    return clear == WALK_COMPLETE ? CONE_CLEAR : cover == WALK_ENDED ? CONE_COVERED : CONE_MIXED;
+    const uint first = beam_meets(walk, v.v0, v.v1, v.v2);
+    uint second = MISSES_BEAM;
+    if (v.v3 != v.v2) second = beam_meets(walk, v.v2, v.v1, v.v3);
+    if (first == PIERCED_BY_AXIS && covers(walk, leaf << 1)) walk.covered = true;
+    if (!walk.covered && second == PIERCED_BY_AXIS && covers(walk, leaf << 1 | 1u)) walk.covered = true;
+    if ((first | second) != MISSES_BEAM) walk.clean = false;
+    return walk.covered;
 }

@@ -11,11 +11,6 @@
 
 const float CONE_ROUNDING = 16.0 * 5.9604644775390625e-8;  // 2^-24
 
-// What a query can find: nothing is met, everything is blocked, or neither is proved.
-const uint CONE_MIXED = 0u;
-const uint CONE_CLEAR = 1u;
-const uint CONE_COVERED = 2u;
-
 struct Cone {
     vec3 apex;
     mat3 frame;    // columns: across, across, axis; orthonormal
