@@ -43,16 +43,19 @@ int write_reference(const ReferenceArguments& arguments, const Shot& shot, const
         Progress progress("reference", frames[1] - frames[0] + 1);
         for (uint32_t frame = frames[0]; frame <= frames[1]; ++frame) {
             if (shot.half_plane) {
-                session->run_frame(frame, false);  // for depth and motion
+                session->run_frame(frame, false);  // for the images beside
                 write_truth(folder, shot, frame, analytic_truth(shot, frame));
             } else {
                 write_truth(folder, shot, frame, counted_truth(*session, frame, arguments.rays));
             }
-            for (const char* name : {"depth", "motion"}) host_images.write(*session, name, frame);
+            for (const char* name : {"depth", "motion", "normal", "albedo"})
+                host_images.write(*session, name, frame);
             progress.step();
         }
     }
-    ReferenceInfo info{shot.file.string(), shot.size, shot.half_plane.has_value(), {}};
+    ReferenceInfo info{shot.file.string(), shot.size, shot.half_plane.has_value(), {}, {}};
+    for (uint32_t frame = frames[0]; frame <= frames[1]; ++frame)
+        info.frames[frame] = {sun_at(shot, frame).to_sun, {}};
     if (!info.exact) info.rays = rays_cast(arguments.rays);
     write_reference_info(folder, info);
     return exit_good;

@@ -20,7 +20,7 @@ class Compare : public ::testing::Test {
     void SetUp() override {
         root_ = fs::temp_directory_path() / ("penumbra_compare_" + std::to_string(getpid()));
         for (const char* name : {"truth", "a", "b"}) fs::create_directories(root_ / name);
-        write_reference_info(root_ / "truth", {"x.shot.json", {8, 4}, true, {}});
+        write_reference_info(root_ / "truth", {"x.shot.json", {8, 4}, true, {}, {}});
         for (const uint32_t frame : {3u, 4u}) {
             write(folder("truth"), frame, 8, 0.5f, true);
             write(folder("a"), frame, 8, 0.75f, false);
