@@ -186,6 +186,7 @@ std::vector<glm::vec3> triples(const PlanarImage& image, std::array<const char*,
 // Sums over frames, until all of them have been seen.
 struct Sums {
     MetricSums mask;
+    std::optional<uint32_t> block_frame;  // with which the last group of dependent frames began
     std::optional<double> bias;
     SsimSum ssim;
     std::vector<float> flip;
@@ -236,7 +237,12 @@ void add_step_in_time(const LoadedFrame& now, const LoadedFrame& before, Flicker
 
 void add_frame(const Loader& loader, const LoadedFrame& loaded, const ReferenceInfo& info, Sums& sums) {
     const ComparedFrame frame = loaded.view();
-    sums.mask.add(measure(frame));
+    if (sums.block_frame && loaded.number < *sums.block_frame + metric_block_frames) {
+        sums.mask.add_correlated(measure(frame));
+    } else {
+        sums.mask.add(measure(frame));
+        sums.block_frame = loaded.number;
+    }
     if (const auto bias = largest_bias_9x9(frame)) sums.bias = std::max(sums.bias.value_or(0), *bias);
     sums.ssim.add(ssim_near_penumbra(frame));
     if (const auto about = info.frames.find(loaded.number); about != info.frames.end()) {

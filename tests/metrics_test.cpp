@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <stdexcept>
 
 #include "host/metrics/mask_error.h"
 #include "tests/penumbra_images.h"
@@ -125,6 +126,25 @@ TEST(Metrics, FramesArePooled) {
         (good.sums().signal + bad.sums().signal) /
         (good.sums().signal / good.metrics().n_eff.value() + bad.sums().signal / bad.metrics().n_eff.value());
     EXPECT_NEAR(metrics_of(both).n_eff.value(), expected, 1e-9);
+}
+
+// The same errors seen in eight frames are no more evidence than in one.
+TEST(Metrics, NeighbouringFramesDoNotNarrowTheInterval) {
+    Scene scene;
+    scene.add_rays(1, 4);
+    MetricSums once = scene.sums(), apart = once, near = once;
+    for (int i = 0; i < 7; ++i) {
+        apart.add(once);
+        near.add_correlated(once);
+    }
+    const auto width = [](const MetricSums& sums) {
+        const auto [low, high] = metrics_of(sums).n_eff_ci95.value();
+        return high - low;
+    };
+    EXPECT_NEAR(width(near), width(once), 1e-9);
+    EXPECT_LT(width(apart), 0.5 * width(once));  // as though they were independent
+    EXPECT_NEAR(metrics_of(near).n_eff.value(), metrics_of(once).n_eff.value(), 1e-9);
+    EXPECT_THROW(MetricSums().add_correlated(once), std::invalid_argument);
 }
 
 // The truth is noisy too: an edge at a random place of each pixel's sun, counted by side^2 stratified rays.
