@@ -9,6 +9,7 @@
 
 #include "host/analytic.h"
 #include "host/gltf.h"
+#include "host/scene_alpha.h"
 
 namespace penumbra {
 
@@ -79,7 +80,7 @@ std::map<std::string, bool> StandaloneHost::facts() const {
     return {{"sun_up", sun_up},
             {"sun_disc", shot_.sun_angular_radius_deg > 0},
             {"casters", !scene_.instances().empty()},
-            {"alpha", false},
+            {"alpha", has_alpha(scene_)},
             {"many_cascades", false},
             {"moves", moves(shot_)},
             {"motion_3d", true},
