@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/scene_alpha.h"
+
 namespace penumbra {
 
 namespace {
@@ -23,7 +25,7 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
     return {{"sun_up", sun_up(shot)},
             {"sun_disc", shot.sun_angular_radius_deg > 0},
             {"casters", !scene.instances().empty()},
-            {"alpha", false},
+            {"alpha", has_alpha(scene)},
             {"many_cascades", false},
             {"moves", moves(shot)},
             {"motion_3d", true},
