@@ -14,6 +14,7 @@ namespace penumbra {
     X(accumulate)         \
     X(beams)              \
     X(classify)           \
+    X(clear)              \
     X(cones)              \
     X(copy)               \
     X(filter)             \

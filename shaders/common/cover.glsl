@@ -8,8 +8,8 @@
 
 const uint NO_NEIGHBOUR = ~0u;
 
-// Alpha-tested triangles touch a cone but never cover it: a ray may pass through a hole. Nothing else about them differs.
-bool can_cover(uint leaf, uint which) { return true; }
+// Alpha-tested triangles touch a cone but never cover it: a ray may pass through a hole.
+bool can_cover(uint leaf, uint which) { return !bvh_alpha_tested(leaf, which); }
 
 // Which side of a triangle all rays of the cone come from: 1 or -1, opposite for opposite windings; 0 where they do not all
 // cross its plane the same way, ahead of where they start, for certain.
