@@ -22,7 +22,7 @@ double process_cpu_ms() {
 
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
 const std::vector<std::string> known_slots = {
-    "depth",        "normal",     "motion",         "albedo",         "sun", "scene", "scene.nodes",
+    "depth",        "normal",     "motion",         "albedo",          "sun",       "scene", "scene.nodes",
     "scene.leaves", "scene.tlas", "scene.alpha_uv", "scene.alpha_map", "neighbours"};
 
 void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnostics) {

@@ -170,7 +170,10 @@ TEST_F(ShadowsSky, IsLit) {
     EXPECT_GT(dark, 1000u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
+                         ::testing::Values("raw", "hybrid_raw", "fidelityfx", "shadows", "hybrid_shadows"),
+                         [](const auto& test) { return std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
