@@ -72,12 +72,13 @@ bool fits(const Param& param, const ParamValue& value);
 // shader SCENE_ALPHA is defined then, for a port named scene). Without it nothing of alpha is compiled.
 struct Variant {
     std::map<std::string, Format> formats;  // storage image ports with more than one format
-    std::map<std::string, bool> present;    // optional and conditional ports
+    std::map<std::string, bool> present;    // optional and conditional ports, conditional tables
     std::string backend;                    // "bvh" or "ray_query"; empty: the type has no choice
     bool alpha = false;                     // always false where the type has no scene port
 };
 bool uses_ray_query(const Variant& variant);
 bool traces_scene(const NodeType& type);  // has a scene port
+bool exists(const Variant& variant, const std::string& port_or_table);
 std::string to_string(
     const Variant& variant);  // the key of ShaderVariants: "filtered=r8,history=1"; "" if no choice
 std::vector<Variant> all_variants(const NodeType& type);
