@@ -77,8 +77,8 @@ struct Variant {
     bool alpha = false;                     // always false where the type has no scene port
 };
 bool uses_ray_query(const Variant& variant);
-bool traces_scene(const NodeType& type);  // has a scene port
 bool exists(const Variant& variant, const std::string& port_or_table);
+bool traces_scene(const NodeType& type);  // has a scene port
 std::string to_string(
     const Variant& variant);  // the key of ShaderVariants: "filtered=r8,history=1"; "" if no choice
 std::vector<Variant> all_variants(const NodeType& type);

@@ -13,7 +13,7 @@ namespace {
 // Between two keys below the horizon the sun's path, the shorter arc of a great circle, runs lower still:
 // keys suffice.
 bool sun_up(const Shot& shot) {
-    const int up = shot.half_plane ? 2 : 1;  // the axis; analytic receivers face +z
+    const int up = shot.analytic ? 2 : 1;  // the axis; analytic receivers face +z
     const double lowest = -std::sin(glm::radians(shot.sun_angular_radius_deg));
     return std::ranges::any_of(shot.sun,
                                [&](const SunKey& key) { return glm::normalize(key.to_sun)[up] > lowest; });

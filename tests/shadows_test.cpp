@@ -43,11 +43,12 @@ struct Edge {
 
 Shot shot_of(const Edge& edge) {
     Shot shot;
-    shot.half_plane = HalfPlane{edge.width_px, 17, edge.speed_px, edge.offset_px - edge.speed_px * edge.last};
+    shot.analytic =
+        AnalyticScene{edge.width_px, 17, edge.speed_px, edge.offset_px - edge.speed_px * edge.last};
     shot.size = edge.size;
     shot.frames = edge.last + 1;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    add_half_plane_motion(shot);
+    add_analytic_motion(shot);
     return shot;
 }
 
@@ -94,7 +95,7 @@ class EdgeRun {
 // v(1 - v) over squared errors, of the pixels that `counted` accepts.
 template <typename Counted>
 double n_eff(const Edge& edge, const std::vector<float>& image, const Counted& counted) {
-    const std::vector<double> truth = half_plane_image(shot_of(edge), edge.last);
+    const std::vector<double> truth = analytic_image(shot_of(edge), edge.last);
     double signal = 0, error = 0;
     for (int y = 0; y < int(edge.size[1]); ++y)
         for (int x = 0; x < int(edge.size[0]); ++x) {

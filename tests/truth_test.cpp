@@ -30,11 +30,11 @@ class Reference : public GpuTest {
 
 TEST_F(Reference, ConvergesToTheClosedFormOfAHalfPlane) {
     Shot shot;
-    shot.half_plane = HalfPlane{16, 20, 1.5, -7.5};
+    shot.analytic = AnalyticScene{16, 20, 1.5, -7.5};
     shot.size = {44, 12};
     shot.frames = 10;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    add_half_plane_motion(shot);
+    add_analytic_motion(shot);
     const auto session = open(shot);
     const uint32_t frame = 5;  // never rendered before: the sheet must follow
     const penumbra::Truth counted = counted_truth(*session, frame, 65536),
