@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Hard cases 1 to 11, 46: far origins, scales, depth, normals, cameras that zoom or turn round. Numbers are those of
-// docs/hard_cases.md; a test shows the naive form failing on the same input where it can be had.
+// Hard cases 1 to 11, 46: far origins, scales, depth, normals, cameras that zoom or turn round. Numbers are
+// those of docs/hard_cases.md; a test shows the naive form failing on the same input where it can be had.
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -15,7 +15,9 @@ namespace {
 
 constexpr Extent wide{160, 96};
 
-double share(size_t part, size_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
+double share(size_t part, size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(whole);
+}
 
 // One bit per pixel and frame with the mean 1/2: every block has work.
 std::vector<uint32_t> noise(Extent extent, uint32_t frame) {
@@ -36,13 +38,14 @@ Camera looking(glm::dvec3 eye, glm::dvec3 target, double fov_rad, Extent extent,
 
 // ---- 1: the origin
 
-// Where a point of the scene was a frame ago, in pixels: by matrices of absolute positions in single precision, against
-// camera-relative ones that are made in double precision and then rounded.
+// Where a point of the scene was a frame ago, in pixels: by matrices of absolute positions in single
+// precision, against camera-relative ones that are made in double precision and then rounded.
 double reprojection_error_px(double distance, bool naive) {
     const Extent extent{1920, 1080};
     const glm::dvec3 origin(distance, 0, distance);
     const Camera before = looking(origin, origin + glm::dvec3(0, 0, -1), 1, extent);
-    const Camera now = looking(origin + glm::dvec3(0.01, 0, 0), origin + glm::dvec3(0.0117, 0, -1), 1, extent);
+    const Camera now =
+        looking(origin + glm::dvec3(0.01, 0, 0), origin + glm::dvec3(0.0117, 0, -1), 1, extent);
     FrameDescription description = frame_between(before, now, extent, 1, false);
     const FrameBlock block = make_frame_block(description);
     double worst = 0;
@@ -52,8 +55,9 @@ double reprojection_error_px(double distance, bool naive) {
         const glm::dvec3 relative = axes * glm::dvec3(x * z, y * z, -z);
         const auto exact = [&](const glm::dvec3& rel) {
             const glm::dvec3 world = rel + glm::make_vec3(now.position.data());
-            const glm::dvec3 view = glm::transpose(glm::dmat3(glm::make_mat3(before.world_from_view.data()))) *
-                                    (world - glm::make_vec3(before.position.data()));
+            const glm::dvec3 view =
+                glm::transpose(glm::dmat3(glm::make_mat3(before.world_from_view.data()))) *
+                (world - glm::make_vec3(before.position.data()));
             const glm::dvec4 clip = glm::make_mat4(before.clip_from_view.data()) * glm::dvec4(view, 1);
             return glm::dvec2(clip) / clip.w;
         };
@@ -66,7 +70,8 @@ double reprojection_error_px(double distance, bool naive) {
             };
             const glm::mat4 reproject =
                 clip_from_view * view_matrix(before) * glm::inverse(clip_from_view * view_matrix(now));
-            const glm::vec4 clip_now = clip_from_view * glm::vec4(float(x * z), float(y * z), float(-z), 1.0f);
+            const glm::vec4 clip_now =
+                clip_from_view * glm::vec4(float(x * z), float(y * z), float(-z), 1.0f);
             const glm::vec4 clip = reproject * clip_now;
             found = glm::dvec2(clip) / double(clip.w);
         } else {
@@ -84,7 +89,8 @@ double reprojection_error_px(double distance, bool naive) {
 
 TEST(HardCoordinates, ReprojectionIsExactHoweverFarTheOriginIs) {
     for (const double distance : {1e2, 1e4, 1e5, 1e7}) {
-        const double naive = reprojection_error_px(distance, true), ours = reprojection_error_px(distance, false);
+        const double naive = reprojection_error_px(distance, true),
+                     ours = reprojection_error_px(distance, false);
         figure(("case 1, px at " + std::to_string(distance)).c_str(), naive, ours);
         EXPECT_LT(ours, 2e-3);
         EXPECT_GT(naive, distance < 1e4 ? 0 : 0.3);
@@ -132,8 +138,8 @@ TEST_F(HardCase, VerticesFarFromTheOriginCastWhatTheyCastNearIt) {
     // Naive: a pixel's point in absolute coordinates of single precision is off by up to half their unit.
     const double unit_m = double(std::nextafter(1048576.0f, 1e9f)) - 1048576, pixel_m = 5.7 * 1.155 / 96;
     const double error = rms(expected, image);
-    figure("case 2, px that absolute coordinates are off (naive), RMSE between near and far (ours)", 0.5 * unit_m / pixel_m,
-           error);
+    figure("case 2, px that absolute coordinates are off (naive), RMSE between near and far (ours)",
+           0.5 * unit_m / pixel_m, error);
     EXPECT_LT(error, 1.0 / 255);
 }
 
@@ -142,18 +148,21 @@ TEST_F(HardCase, VerticesFarFromTheOriginCastWhatTheyCastNearIt) {
 class GuidesRun {
   public:
     explicit GuidesRun(Extent extent)
-        : extent_(extent), run_(shadow_pipeline(R"({ "penumbra": 1, "name": "guides", "inputs": { "depth": {}, "normal": {} },
+        : extent_(extent),
+          run_(shadow_pipeline(R"({ "penumbra": 1, "name": "guides", "inputs": { "depth": {}, "normal": {} },
               "outputs": ["view_depth", "guide_normal"], "nodes": { "guides": { "type": "guides" } } })"),
-                                extent, options()) {}
-    void frame(const std::vector<float>& depth, const std::vector<std::array<uint16_t, 4>>& normal, const Camera& camera,
-               uint32_t flags = 0) {
+               extent, options()) {}
+    void frame(const std::vector<float>& depth, const std::vector<std::array<uint16_t, 4>>& normal,
+               const Camera& camera, uint32_t flags = 0) {
         run_.set("depth", depth);
         run_.set("normal", normal);
         FrameDescription description = frame_between(camera, camera, extent_, 0, true);
         description.flags |= flags;
         run_.frame(description);
     }
-    std::vector<float> plane(const char* name, size_t channel = 0) { return captured_planes(run_.view(), name).at(channel); }
+    std::vector<float> plane(const char* name, size_t channel = 0) {
+        return captured_planes(run_.view(), name).at(channel);
+    }
 
   private:
     static ViewRunOptions options() {
@@ -177,7 +186,8 @@ TEST_F(HardCase, ReverseDepthKeepsItsDistanceFromTenCentimetresToAHundredKilomet
         depth[i] = static_cast<float>(near / z[i]);
         // Standard depth of a finite range in the same 32 bits.
         const auto standard = static_cast<float>(far / (far - near) * (1 - near / z[i]));
-        if (z[i] < 9e3) naive = std::max(naive, std::abs(near / (1 - standard * (far - near) / far) - z[i]) / z[i]);
+        if (z[i] < 9e3)
+            naive = std::max(naive, std::abs(near / (1 - standard * (far - near) / far) - z[i]) / z[i]);
     }
     GuidesRun run(extent);
     run.frame(depth, std::vector(256, to_half4({0, 0, 1, 0})), camera);
@@ -205,16 +215,20 @@ TEST_F(HardCase, WhatIsNoDepthIsSky) {
     for (size_t i = 0; i + 1 < depth.size(); ++i) EXPECT_EQ(z[i], 0) << depth[i];
     EXPECT_FLOAT_EQ(z.back(), float(camera.near) / 0.25f);
     figure("case 5, values that become no finite positive distance", double(naive), double(nonfinite(z)));
-    for (size_t channel = 0; channel < 4; ++channel) EXPECT_EQ(nonfinite(run.plane("guide_normal", channel)), 0u);
+    for (size_t channel = 0; channel < 4; ++channel)
+        EXPECT_EQ(nonfinite(run.plane("guide_normal", channel)), 0u);
 }
 
 TEST_F(HardCase, NormalsOfAnyLengthAreUnitAndOfNoneFaceTheCamera) {
-    const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+    const double nan = std::numeric_limits<double>::quiet_NaN(),
+                 inf = std::numeric_limits<double>::infinity();
     const glm::dvec3 n = glm::normalize(glm::dvec3(0.3, -0.5, 0.7));
-    const std::vector<std::array<uint16_t, 4>> normals = {
-        to_half4({n.x, n.y, n.z, 0}), to_half4({3 * n.x, 3 * n.y, 3 * n.z, 0}),
-        to_half4({n.x / 16, n.y / 16, n.z / 16, 0}), to_half4({0, 0, 0, 0}),
-        to_half4({nan, 0, 0, 0}), to_half4({inf, 0, -inf, 0})};
+    const std::vector<std::array<uint16_t, 4>> normals = {to_half4({n.x, n.y, n.z, 0}),
+                                                          to_half4({3 * n.x, 3 * n.y, 3 * n.z, 0}),
+                                                          to_half4({n.x / 16, n.y / 16, n.z / 16, 0}),
+                                                          to_half4({0, 0, 0, 0}),
+                                                          to_half4({nan, 0, 0, 0}),
+                                                          to_half4({inf, 0, -inf, 0})};
     const Extent extent{static_cast<uint32_t>(normals.size()), 1};
     GuidesRun run(extent);
     run.frame(std::vector<float>(normals.size(), 0.01f), normals, looking({0, 0, 0}, {0, 0, -1}, 1, extent));
@@ -232,7 +246,8 @@ TEST_F(HardCase, NormalsOfAnyLengthAreUnitAndOfNoneFaceTheCamera) {
 TEST_F(HardCase, ATurnRoundLeavesNoHistory) {
     Shot shot = plaza_shot({wide.width, wide.height}, 8);
     const glm::dvec3 eye(0.5, 1.2, 0.2);
-    shot.camera = {{0, eye, eye + glm::dvec3(1, -0.4, 0.2), {0, 1, 0}}, {3, eye, eye + glm::dvec3(1, -0.4, 0.2), {0, 1, 0}},
+    shot.camera = {{0, eye, eye + glm::dvec3(1, -0.4, 0.2), {0, 1, 0}},
+                   {3, eye, eye + glm::dvec3(1, -0.4, 0.2), {0, 1, 0}},
                    {4, eye, eye + glm::dvec3(-1, -0.4, -0.2), {0, 1, 0}}};
     shot.objects.clear();
     SceneRun warm("shadows", shot), cold("shadows", shot);
@@ -245,11 +260,13 @@ TEST_F(HardCase, ATurnRoundLeavesNoHistory) {
     const PlaneImages floor = see_plane({}, now, now, wide);
     for (size_t i = 0; i < floor.depth.size(); ++i) {
         if (!(floor.depth[i] > 0)) continue;
-        const glm::dvec2 uv((double(i % wide.width) + 0.5) / wide.width, (double(i / wide.width) + 0.5) / wide.height);
+        const glm::dvec2 uv((double(i % wide.width) + 0.5) / wide.width,
+                            (double(i / wide.width) + 0.5) / wide.height);
         const double z = floor.view_depth[i];
         const glm::dvec3 world = glm::make_vec3(now.position.data()) +
                                  glm::dmat3(glm::make_mat3(now.world_from_view.data())) *
-                                     (z * glm::dvec3((2 * uv.x - 1) / now.clip_from_view[0], (2 * uv.y - 1) / now.clip_from_view[5], -1));
+                                     (z * glm::dvec3((2 * uv.x - 1) / now.clip_from_view[0],
+                                                     (2 * uv.y - 1) / now.clip_from_view[5], -1));
         const glm::dvec3 view = glm::transpose(glm::dmat3(glm::make_mat3(before.world_from_view.data()))) *
                                 (world - glm::make_vec3(before.position.data()));
         const glm::dvec4 clip = glm::make_mat4(before.clip_from_view.data()) * glm::dvec4(view, 1);
@@ -271,8 +288,8 @@ TEST_F(HardCase, ATurnRoundLeavesNoHistory) {
 
 constexpr uint32_t looked_at = 12;  // frame; until then the samples' own noise shortens histories
 
-// Share of the plane's pixels without a history, though the previous frame showed all of them. `believed` is what the
-// denoiser is told of the previous camera.
+// Share of the plane's pixels without a history, though the previous frame showed all of them. `believed` is
+// what the denoiser is told of the previous camera.
 double ours_forgotten(const ViewedPlane& plane, const std::function<Camera(double)>& camera,
                       const std::function<Camera(double)>& believed) {
     DenoiseRun run(shadow_pipeline_file("denoise"), wide, {"count"});
@@ -340,7 +357,8 @@ TEST_F(HardCase, AZoomKeepsItsHistory) {
 TEST_F(HardCase, NoNormalKeepsAForeignHistory) {
     const auto camera = looking({0, 0, 0}, {0, 0, -1}, 0.3, wide);
     std::mt19937 random(5);
-    std::uniform_real_distribution<float> across(-1, 1), towards(0.6f, 2);  // no normal that the camera cannot see
+    std::uniform_real_distribution<float> across(-1, 1),
+        towards(0.6f, 2);  // no normal that the camera cannot see
     size_t naive = 0;
     DenoiseRun run(shadow_pipeline_file("denoise"), wide, {"count"});
     for (uint32_t f = 0; f < 4; ++f) {
@@ -356,12 +374,14 @@ TEST_F(HardCase, NoNormalKeepsAForeignHistory) {
     }
     const std::vector<float> count = run.plane("count");
     const size_t ghosts = count_if(count, [](float c) { return c > 1.5f / 32; });
-    figure("case 8, share of pixels that keep what a wall hides", share(naive, count.size()), share(ghosts, count.size()));
+    figure("case 8, share of pixels that keep what a wall hides", share(naive, count.size()),
+           share(ghosts, count.size()));
     EXPECT_GT(naive, count.size() / 20);
     EXPECT_EQ(ghosts, 0u);
 }
 
-// Noise of mean 1/2 after eight frames: how much less of it is left on a steep plane than on one seen face on.
+// Noise of mean 1/2 after eight frames: how much less of it is left on a steep plane than on one seen face
+// on.
 TEST_F(HardCase, ASteepPlaneIsFilteredLikeOneSeenFaceOn) {
     const auto samples = [](const CheckedPipeline& pipeline, double tilt_deg) {
         const double tilt = glm::radians(tilt_deg), distance = 200;
@@ -369,13 +389,15 @@ TEST_F(HardCase, ASteepPlaneIsFilteredLikeOneSeenFaceOn) {
         const Camera camera = looking({0, 0, 0}, {0, 0, -1}, 0.15, wide);
         DenoiseRun run(pipeline, wide, {});
         for (uint32_t f = 0; f < 8; ++f)
-            run.frame(see_plane(plane, camera, camera, wide), noise(wide, f), frame_between(camera, camera, wide, f, f == 0));
+            run.frame(see_plane(plane, camera, camera, wide), noise(wide, f),
+                      frame_between(camera, camera, wide, f, f == 0));
         double error = 0;
         for (const float v : run.plane("visibility")) error += (v - 0.5) * (v - 0.5);
         return 0.25 * wide.width * wide.height / error;
     };
     const double naive = samples(published_denoiser(), 85) / samples(published_denoiser(), 0);
-    const double ours = samples(shadow_pipeline_file("denoise"), 85) / samples(shadow_pipeline_file("denoise"), 0);
+    const double ours =
+        samples(shadow_pipeline_file("denoise"), 85) / samples(shadow_pipeline_file("denoise"), 0);
     figure("case 10, N_eff at 85 degrees over face on", naive, ours);
     EXPECT_GT(ours, 0.5);
     EXPECT_LT(naive, 0.5);
@@ -424,7 +446,8 @@ TEST_F(HardCase, ShadowsAreWhereTheyAreToATwentiethOfAPixel) {
     shot.size = {96, 64};
     shot.frames = 64;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    const std::vector<float> mean = SceneRun("raw", shot).mean(64), truth = analytic_truth(shot, 0).visibility;
+    const std::vector<float> mean = SceneRun("raw", shot).mean(64),
+                             truth = analytic_truth(shot, 0).visibility;
     double excess = 0;
     for (size_t i = 0; i < mean.size(); ++i) excess += mean[i] - truth[i];
     const double shift_px = std::abs(excess) / shot.size[1];

@@ -31,8 +31,8 @@ class SceneFiles {
         for (const std::filesystem::path& file : files_) std::filesystem::remove(file, ignored);
     }
     std::filesystem::path file(const std::string& key, const std::vector<Placed>& shapes) {
-        const std::filesystem::path path = std::filesystem::temp_directory_path() /
-                                           fmt::format("penumbra_hard_{}_{}.glb", getpid(), key);
+        const std::filesystem::path path =
+            std::filesystem::temp_directory_path() / fmt::format("penumbra_hard_{}_{}.glb", getpid(), key);
         if (!files_.insert(path).second) return path;
         Model model;
         model.materials = {{{0.8f, 0.8f, 0.75f, 1}, -1}};

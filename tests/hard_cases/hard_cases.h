@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the tests of hard cases share (docs/hard_cases.md): scenes from a few shapes run through whole pipelines, an
-// analytic plane seen by any camera as a host's images, and the figures that a case gives, printed for the table.
+// What the tests of hard cases share (docs/hard_cases.md): scenes from a few shapes run through whole
+// pipelines, an analytic plane seen by any camera as a host's images, and the figures that a case gives,
+// printed for the table.
 #pragma once
 
 #include <functional>
@@ -59,19 +60,20 @@ double rms(const std::vector<float>& a, const std::vector<float>& b);
 size_t count_if(const std::vector<float>& values, const std::function<bool(float)>& test);
 size_t nonfinite(const std::vector<float>& values);
 
-// Sum of v (1 - v) over the penumbra by the squared errors of all pixels that `counted` accepts (all: none given).
+// Sum of v (1 - v) over the penumbra by the squared errors of all pixels that `counted` accepts (all: none
+// given).
 double n_eff(const std::vector<float>& image, const std::vector<float>& truth,
              const std::function<bool(size_t)>& counted = {});
 
-// An infinite plane as a G-buffer that a host hands to the denoiser alone, with shadow samples of the test's choosing.
-// Everything is computed per pixel in double precision.
+// An infinite plane as a G-buffer that a host hands to the denoiser alone, with shadow samples of the test's
+// choosing. Everything is computed per pixel in double precision.
 struct ViewedPlane {
     glm::dvec3 point{0, 0, 0}, normal{0, 1, 0};
 };
 
 struct PlaneImages {
-    std::vector<float> depth;                          // near / view depth, 0 = sky
-    std::vector<std::array<uint16_t, 4>> normal;       // fp16
+    std::vector<float> depth;                     // near / view depth, 0 = sky
+    std::vector<std::array<uint16_t, 4>> normal;  // fp16
     std::vector<std::array<float, 2>> motion;
     std::vector<float> view_depth;
 };
@@ -92,7 +94,8 @@ class DenoiseRun {
     ViewRun run_;
 };
 
-// The published temporal pass (tileclass and one filter) on the same inputs, without the constant-time parts around it.
+// The published temporal pass (tileclass and one filter) on the same inputs, without the constant-time parts
+// around it.
 CheckedPipeline published_denoiser(const std::string& tileclass_params = "{}");
 
 }  // namespace penumbra::test

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Hard cases 13 to 25 and 56: where rays start, what they meet, what must stay attached. Whole pipelines where the question
-// is one of pictures, the processor's traversal (bit for bit that of the shader) where it is one of rays.
+// Hard cases 13 to 25 and 56: where rays start, what they meet, what must stay attached. Whole pipelines
+// where the question is one of pictures, the processor's traversal (bit for bit that of the shader) where it
+// is one of rays.
 #include <xmmintrin.h>
 
 #include <algorithm>
@@ -20,7 +21,9 @@ using Oracle = decltype(against({}, {}, 0.0));  // clear, blocked, either
 
 constexpr float whole_ray = std::numeric_limits<float>::infinity();
 
-double share(size_t part, size_t whole) { return static_cast<double>(part) / static_cast<double>(whole); }
+double share(size_t part, size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(whole);
+}
 
 Ray ray_between(const glm::vec3& from, const glm::vec3& to) {
     const glm::vec3 d = to - from;
@@ -36,7 +39,8 @@ std::vector<Triangle> triangles_of(const Shape& shape) {
 
 // Moeller and Trumbore 1997 as it is usually written, in single precision.
 bool moeller_trumbore(const Triangle& t, const Ray& ray, float epsilon) {
-    const glm::vec3 v0 = glm::make_vec3(t.v[0]), e1 = glm::make_vec3(t.v[1]) - v0, e2 = glm::make_vec3(t.v[2]) - v0;
+    const glm::vec3 v0 = glm::make_vec3(t.v[0]), e1 = glm::make_vec3(t.v[1]) - v0,
+                    e2 = glm::make_vec3(t.v[2]) - v0;
     const glm::vec3 d = glm::make_vec3(ray.direction), p = glm::cross(d, e2);
     const float det = glm::dot(e1, p);
     if (std::abs(det) <= epsilon) return false;
@@ -57,7 +61,8 @@ Shape scaled(Shape shape, double by) {
 
 TEST_F(HardCase, AFloorUnderALowSunDoesNotShadeItselfAtAnyScale) {
     for (const double scale : {1e-3, 1.0, 1e3, 1e5}) {
-        Shot shot = scene_shot("floor" + std::to_string(scale), {{"floor", scaled(ground(10, 10, 1, 1), scale)}}, {320, 180});
+        Shot shot = scene_shot("floor" + std::to_string(scale),
+                               {{"floor", scaled(ground(10, 10, 1, 1), scale)}}, {320, 180});
         shot.camera = {{0, glm::dvec3(0.3, 3, 4) * scale, {0, 0, 0}, {0, 1, 0}}};
         shot.near *= scale;
         shot.sun = {{0, {std::cos(0.7), std::tan(glm::radians(1.0)), std::sin(0.7)}}};
@@ -68,22 +73,24 @@ TEST_F(HardCase, AFloorUnderALowSunDoesNotShadeItselfAtAnyScale) {
             return share(count_if(v, [](float x) { return x < 1; }), v.size());
         };
         const double naive = acne({.settings = {"nodes.trace.params.origin=published"}}), ours = acne({});
-        figure(("case 13, share of a lit floor that shades itself at scale " + std::to_string(scale)).c_str(), naive, ours);
+        figure(("case 13, share of a lit floor that shades itself at scale " + std::to_string(scale)).c_str(),
+               naive, ours);
         EXPECT_EQ(ours, 0);
         EXPECT_GE(naive, scale < 1e4 ? 0 : 0.01);
     }
 }
 
-// Floor pixels in the core shadow of a sheet that stands on the floor, up to 4 cm from it. A pixel is 8 mm there.
+// Floor pixels in the core shadow of a sheet that stands on the floor, up to 4 cm from it. A pixel is 8 mm
+// there.
 struct Band {
     std::vector<float> values;
 };
 
 Band beside_the_sheet(const std::string& pipeline, uint32_t frames, double radius_deg, double height,
                       const RunOptions& options) {
-    Shot shot = scene_shot("sheet" + std::to_string(height),
-                           {{"floor", ground(2, 2, 2, 2)}, {"sheet", box({-1, 0, -0.0005}, {1, height, 0.0005})}},
-                           {320, 180});
+    Shot shot = scene_shot(
+        "sheet" + std::to_string(height),
+        {{"floor", ground(2, 2, 2, 2)}, {"sheet", box({-1, 0, -0.0005}, {1, height, 0.0005})}}, {320, 180});
     shot.camera = {{0, {0, 0.6, -0.6}, {0, 0, -0.05}, {0, 1, 0}}};
     shot.sun = {{0, {0, 1, 1}}};
     shot.sun_angular_radius_deg = radius_deg;
@@ -98,12 +105,13 @@ Band beside_the_sheet(const std::string& pipeline, uint32_t frames, double radiu
     for (size_t i = 0; i < v.size(); ++i) {
         if (!(std::abs(z[i] - floor.view_depth[i]) < 1e-3f)) continue;
         const double uv_x = (double(i % 320) + 0.5) / 320, uv_y = (double(i / 320) + 0.5) / 180;
-        const glm::dvec3 world =
-            glm::make_vec3(camera.position.data()) +
-            double(z[i]) * (glm::dmat3(glm::make_mat3(camera.world_from_view.data())) *
-                            glm::dvec3((2 * uv_x - 1) / camera.clip_from_view[0], (2 * uv_y - 1) / camera.clip_from_view[5], -1));
+        const glm::dvec3 world = glm::make_vec3(camera.position.data()) +
+                                 double(z[i]) * (glm::dmat3(glm::make_mat3(camera.world_from_view.data())) *
+                                                 glm::dvec3((2 * uv_x - 1) / camera.clip_from_view[0],
+                                                            (2 * uv_y - 1) / camera.clip_from_view[5], -1));
         const double away = -0.0005 - world.z;
-        if (away > 0 && away < std::min(0.04, 0.9 * height) && std::abs(world.x) < 0.3) band.values.push_back(v[i]);
+        if (away > 0 && away < std::min(0.04, 0.9 * height) && std::abs(world.x) < 0.3)
+            band.values.push_back(v[i]);
     }
     return band;
 }
@@ -126,8 +134,9 @@ TEST_F(HardCase, AContactShadowOfOnePixelSurvivesTheDenoiser) {
         return std::ranges::max(beside_the_sheet(pipeline, frames, 0.2665, 0.008, {}).values);
     };
     for (const uint32_t frames : {1u, 8u})
-        figure(("case 56, brightest pixel of a contact shadow after frames: " + std::to_string(frames)).c_str(),
-               brightest("fidelityfx", frames), brightest("shadows", frames));
+        figure(
+            ("case 56, brightest pixel of a contact shadow after frames: " + std::to_string(frames)).c_str(),
+            brightest("fidelityfx", frames), brightest("shadows", frames));
     const float naive = brightest("fidelityfx", 16), ours = brightest("shadows", 16);
     figure("case 56, the same after 16", naive, ours);
     EXPECT_LT(ours, 0.1);
@@ -148,17 +157,20 @@ TEST(HardRays, NothingLeavesAClosedMeshThroughAnEdgeOrAVertex) {
         const Triangle& t = triangles[size_t(random.in(0, double(triangles.size())))];
         const glm::vec3 a = glm::make_vec3(t.v[i % 3]), b = glm::make_vec3(t.v[(i + 1) % 3]);
         const float along = i % 4 == 0 ? 0.0f : float(random.in(0, 1));  // every fourth at a vertex
-        const glm::vec3 inside(float(random.in(-0.1, 0.1)), float(random.in(-0.1, 0.1)), float(random.in(-0.1, 0.1)));
+        const glm::vec3 inside(float(random.in(-0.1, 0.1)), float(random.in(-0.1, 0.1)),
+                               float(random.in(-0.1, 0.1)));
         const Ray ray = ray_between(inside, a + along * (b - a));
         ours += !occluded(bvh, ray);
-        naive += std::ranges::none_of(triangles, [&](const Triangle& x) { return moeller_trumbore(x, ray, 0); });
+        naive +=
+            std::ranges::none_of(triangles, [&](const Triangle& x) { return moeller_trumbore(x, ray, 0); });
     }
     figure("case 14, rays of 200 000 that leave a closed mesh at an edge", double(naive), double(ours));
     EXPECT_EQ(ours, 0u);
     EXPECT_GT(naive, 0u);
 }
 
-// Needles of `aspect` to 1 as long as `length`, met across from `distance`: shares of those certainly hit that are missed.
+// Needles of `aspect` to 1 as long as `length`, met across from `distance`: shares of those certainly hit
+// that are missed.
 struct Needles {
     size_t certain = 0, naive = 0, ours = 0;
 };
@@ -172,8 +184,8 @@ Needles needles(float length, float aspect, float distance) {
     for (int i = 0; i < 5'000; ++i) {
         const glm::vec3 a = 0.1f * length * vector(), along = glm::normalize(vector());
         const glm::vec3 across = glm::normalize(glm::cross(along, glm::vec3(0.3f, 0.5f, 0.7f)));
-        const glm::vec3 corners[3] = {a - across * (0.5f * length / aspect), a + across * (0.5f * length / aspect),
-                                      a + along * length};
+        const glm::vec3 corners[3] = {a - across * (0.5f * length / aspect),
+                                      a + across * (0.5f * length / aspect), a + along * length};
         Triangle needle;
         for (int k = 0; k < 3; ++k)
             for (int axis = 0; axis < 3; ++axis) needle.v[k][axis] = corners[k][axis];
@@ -198,7 +210,8 @@ TEST(HardRays, NeedlesOfAHundredThousandToOneAreMet) {
         const Needles beside = needles(0.1f, aspect, 0.001f);
         figure(("case 20, the same beside the ray's start, aspect " + std::to_string(int(aspect))).c_str(),
                share(beside.naive, beside.certain), share(beside.ours, beside.certain));
-        EXPECT_TRUE(beside.ours == 0 || aspect > 2e4f);  // beyond, a hit's distance is not believed: host/bvh.h
+        EXPECT_TRUE(beside.ours == 0 ||
+                    aspect > 2e4f);  // beyond, a hit's distance is not believed: host/bvh.h
     }
 }
 
@@ -223,7 +236,8 @@ TEST_F(HardCase, ASurfaceOnASurfaceCastsNothing) {
         const Bvh bvh = build_bvh(triangles_of(upper));
         SceneRandom random(19);
         for (int i = 0; i < 1000; ++i, ++rays)
-            naive += occluded(bvh, ray_between({float(random.in(-3, 3)), 0, float(random.in(-3, 3))}, {0.4f, 9, 0.2f}));
+            naive += occluded(
+                bvh, ray_between({float(random.in(-3, 3)), 0, float(random.in(-3, 3))}, {0.4f, 9, 0.2f}));
     }
     figure("case 19, share of rays that a decal above stops", share(naive, rays), 0);
     EXPECT_EQ(naive, rays);
@@ -262,8 +276,10 @@ TEST(HardRays, FlushingDenormalNumbersChangesNoAnswer) {
         ++differ;
         wrong += truth(triangles, rays[i]) != Oracle::either;
     }
-    figure("case 25, answers of 50 000 that change with denormal numbers: all (naive), those not within rounding (ours)",
-           double(differ), double(wrong));
+    figure(
+        "case 25, answers of 50 000 that change with denormal numbers: all (naive), those not within "
+        "rounding (ours)",
+        double(differ), double(wrong));
     EXPECT_EQ(wrong, 0u);
 }
 
