@@ -22,8 +22,8 @@ double process_cpu_ms() {
 
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
 const std::vector<std::string> known_slots = {
-    "depth",        "normal",     "motion",         "albedo",         "sun", "scene", "scene.nodes",
-    "scene.leaves", "scene.tlas", "scene.alpha_uv", "scene.alpha_map"};
+    "depth",        "normal",     "motion",         "albedo",          "sun",       "scene", "scene.nodes",
+    "scene.leaves", "scene.tlas", "scene.alpha_uv", "scene.alpha_map", "neighbours"};
 
 void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnostics) {
     for (const HostSlot& slot : plan.slots)
@@ -95,12 +95,13 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));
     session->view_ = std::make_unique<View>(program, ViewOptions{1, options.poison});
     session->set_param("seed", session->seed_);
-    for (const HostSlot& slot : session->plan().slots) {
-        if (slot.name == "scene.nodes")
-            session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0);
-        if (slot.name == "scene.tlas")
-            session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0);
-    }
+    const auto needs = [&](const char* name) {
+        const auto& slots = session->plan().slots;
+        return std::any_of(slots.begin(), slots.end(), [&](const HostSlot& s) { return s.name == name; });
+    };
+    if (needs("scene.nodes") || needs("neighbours"))
+        session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"));
+    if (needs("scene.tlas")) session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0);
     session->sun_ =
         MappedBuffer(handles_of(device), sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
     session->scene_ = MappedBuffer(handles_of(device), sizeof(blocks::Scene),
@@ -126,6 +127,7 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "scene") b.buffer = scene_.get();
         if (slot.name == "scene.nodes") b.texels = bvh_->nodes();
         if (slot.name == "scene.leaves") b.texels = bvh_->leaves();
+        if (slot.name == "neighbours") b.texels = bvh_->neighbours();
         if (slot.name == "scene.tlas") b.tlas = tlas_->get();
         if (slot.name == "scene.alpha_uv") b.texels = bvh_ ? bvh_->alpha_uv() : tlas_->alpha_uv();
         if (slot.name == "scene.alpha_map") b.texels = bvh_ ? bvh_->alpha_map() : tlas_->alpha_map();

@@ -12,8 +12,10 @@ namespace penumbra {
 
 #define PENUMBRA_NODES(X) \
     X(accumulate)         \
+    X(beams)              \
     X(classify)           \
     X(clear)              \
+    X(cones)              \
     X(copy)               \
     X(filter)             \
     X(guides)             \

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel. Lanes are dealt out in blocks
-// of 4x2 pixels, so that the 8 lanes of a software device's subgroup walk the tree together.
+// One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel.
 // Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl. A sun
 // that is a point takes no noise.
 #include "node.glsl"
@@ -52,7 +51,7 @@ void main() {
     uvec4 record;
     if (!listed_tile(record)) return;  // the whole workgroup
     const int lane = int(gl_LocalInvocationIndex);
-    const ivec2 in_tile = ivec2((lane >> 3 & 1) * 4 + (lane & 3), (lane >> 4) * 2 + (lane >> 2 & 1));
+    const ivec2 in_tile = pixel_of_lane(lane);
     const ivec2 tile = tile_of(record);
     const uint bit = pixel_bit(in_tile);
     const bool wanted = (record.y & bit) != 0u;
