@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
@@ -31,7 +32,25 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
-      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {}
+      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {
+    for (uint32_t index = 0; index < shot_.frames; ++index)
+        cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
+}
+
+CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
+    CascadeRequest request;
+    request.camera = camera_at(shot_, index, double(options_.size[0]) / options_.size[1]);
+    for (int i = 0; i < 3; ++i) request.camera.position[static_cast<size_t>(i)] -= shot_.origin[i];
+    request.orthographic = shot_.half_plane.has_value();
+    const SunState sun = sun_at(shot_, index);
+    request.to_sun = sun.to_sun;
+    request.angular_radius = sun.angular_radius;
+    const auto [low, high] = scene_.box(index);
+    request.low = low;
+    request.high = high;
+    request.size = options_.cascade_size;
+    return fit_cascades(request);
+}
 
 StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     const double aspect = double(options_.size[0]) / options_.size[1];
@@ -59,6 +78,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
         out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     }
     out.sun.angular_radius = static_cast<float>(sun.angular_radius);
+    out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
     return out;
 }
 
@@ -80,7 +100,7 @@ std::map<std::string, bool> StandaloneHost::facts() const {
             {"sun_disc", shot_.sun_angular_radius_deg > 0},
             {"casters", !scene_.instances().empty()},
             {"alpha", false},
-            {"many_cascades", false},
+            {"many_cascades", cascade_layers_ > 1},
             {"moves", moves(shot_)},
             {"motion_3d", true},
             {"hdr", false}};

@@ -54,6 +54,7 @@ NodeSet shadow_nodes() {
     NodeSet set;
     set.add_struct("Sun", sizeof(blocks::Sun));
     set.add_struct("Scene", sizeof(blocks::Scene));
+    set.add_struct("Cascades", sizeof(blocks::Cascades));
 #define PENUMBRA_ADD(name) set.add(load(embedded_##name));
     PENUMBRA_NODES(PENUMBRA_ADD)
 #undef PENUMBRA_ADD
