@@ -12,6 +12,9 @@ namespace penumbra {
 
 #define PENUMBRA_NODES(X) \
     X(accumulate)         \
+    X(cascade_pyramid)    \
+    X(cascade_taps)       \
+    X(cascades)           \
     X(classify)           \
     X(copy)               \
     X(filter)             \
