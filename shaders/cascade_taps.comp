@@ -9,6 +9,7 @@
 #include "common/tile_interval.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
+#include "common/poisson_disc.glsl"
 #include "common/cascade_poisson.glsl"
 
 shared uint tile_shadowed;

@@ -20,21 +20,12 @@ const float ROUNDING_OF_DEPTH = 2e-6;
 const float ROUNDING_M = 1e-5;
 const float HORIZON = 1.02;  // a surface whose horizon cuts the sun's disc, or nearly, shades itself
 const int MOVES = 3;         // to finer cascades, as the search area shrinks
-const float STEEPEST = 64.0;
 const float OFFSET_SHARE = 64.0;  // rays start off the surface by less than this part of a pixel, or of a texel
 
 // Texel-scale metres across the light and along it. Depth 0 is above every caster.
 vec3 metres_in(Cascade c, vec3 relative) {
     const float side_m = float(textureSize(cascade_bounds, 0).x) * c.texel_m;
     return in_cascade(c, relative) * vec3(side_m, side_m, c.depth_m);
-}
-
-// The receiver's slope in a cascade, from its normal: how deep it goes per metre across.
-vec2 receiver_slope(Cascade c, vec3 n) {
-    const vec3 across_u = normalize(vec3(c.map[0].xyz)), across_v = normalize(vec3(c.map[1].xyz));
-    const vec3 along = normalize(vec3(c.map[2].xyz));
-    const vec2 slope = -vec2(dot(n, across_u), dot(n, across_v)) / dot(n, along);
-    return abs(slope.x) + abs(slope.y) < STEEPEST ? slope : vec2(0.0);
 }
 
 // Nodes double, so a map whose side is no power of two has texels that no level covers: rays decide everything.

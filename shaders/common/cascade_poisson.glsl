@@ -8,17 +8,6 @@
 const float PUBLISHED_BIAS = 0.002;         // of the depth range
 const float PUBLISHED_NEAREST_HIT_M = 4e-2;
 
-// Points of the unit disc by best candidates (Mitchell 1991): every prefix is well spread.
-const vec2 POISSON[32] = vec2[](
-    vec2(0.0000, 0.0000), vec2(-0.9272, -0.3745), vec2(0.7881, 0.6155), vec2(0.7919, -0.6099),
-    vec2(-0.7764, 0.6280), vec2(-0.1340, -0.9894), vec2(0.0090, 0.9621), vec2(0.9826, 0.0025),
-    vec2(-0.5655, 0.0944), vec2(0.2324, -0.5360), vec2(-0.3606, -0.4570), vec2(0.2692, 0.4934),
-    vec2(-0.2478, 0.5109), vec2(0.4837, -0.1054), vec2(-0.9938, 0.0876), vec2(0.4601, 0.8827),
-    vec2(-0.4121, 0.9098), vec2(-0.6857, -0.7149), vec2(0.2896, -0.9570), vec2(0.6575, 0.2529),
-    vec2(-0.0440, -0.3506), vec2(0.7887, -0.2758), vec2(0.3138, 0.1704), vec2(-0.3170, -0.1175),
-    vec2(-0.6289, -0.2477), vec2(-0.1218, -0.6680), vec2(-0.2449, 0.1965), vec2(-0.4016, -0.8435),
-    vec2(0.5262, -0.4355), vec2(-0.5457, 0.4076), vec2(0.5359, -0.7609), vec2(0.0338, 0.3023));
-
 const uint LIT = 0u, SHADOWED = 1u, UNDECIDED = 2u;
 
 struct Found {
