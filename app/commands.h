@@ -28,6 +28,7 @@ struct RenderArguments {
     std::string device;
     std::optional<uint32_t> seed;
     uint32_t cascade_size = 1024;
+    std::string facts;  // "a,!b": instead of what the scene says
     bool validate = false;
     bool no_alias = false;
     bool no_jitter = false;

@@ -33,6 +33,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
     c->add_option("--seed", a.seed, "instead of the shot's seed");
     c->add_option("--cascade-size", a.cascade_size, "texels along a side of the sun's shadow maps")
         ->check(CLI::Range(16u, 16384u));
+    c->add_option("--facts", a.facts, "a,!b: take these as true or false, whatever the scene says");
     c->add_flag("--validate", a.validate,
                 "Vulkan validation with synchronisation checks; count non-finite texels");
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");

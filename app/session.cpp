@@ -87,9 +87,11 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     host_options.jitter = options.jitter;
     session->host_ =
         std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+    Facts facts = options.facts;
+    facts.merge(session->host_->facts());  // keeps what is there
     Target target =
-        standalone_target(table, options.size, session->host_->facts(),
-                          {options.cascade_size, options.cascade_size}, session->host_->cascade_layers());
+        standalone_target(table, options.size, facts, {options.cascade_size, options.cascade_size},
+                          session->host_->cascade_layers());
     for (const HostInput& input : pipeline.inputs)
         if (input.optional &&
             std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())

@@ -17,6 +17,7 @@ namespace penumbra {
     X(cascade_taps)       \
     X(cascades)           \
     X(classify)           \
+    X(clear)              \
     X(copy)               \
     X(filter)             \
     X(guides)             \

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel. Lanes are dealt out in blocks
 // of 4x2 pixels, so that the 8 lanes of a software device's subgroup walk the tree together.
-// Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl.
+// Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl. A sun
+// that is a point takes no noise.
 #include "node.glsl"
+#if HAS_BLUE_NOISE
 #include "common/blue_noise.glsl"
+#endif
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/ray_origin.glsl"
@@ -25,10 +28,25 @@ float offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
 }
 
 vec3 ray_direction(ivec2 p) {
+#if HAS_BLUE_NOISE
     if (SAMPLING == SAMPLING_PUBLISHED)
         return sun_direction_published(sun.to_sun, sun.angular_radius,
                                        noise_published(p, frame.frame_index, params.seed));
     return sun_direction(sun.to_sun, sun.angular_radius, noise_r2(p, frame.frame_index, params.seed));
+#else
+    return sun.to_sun;
+#endif
+}
+
+// From the far end of a bounded ray to the surface: what stands near the sun's side is met first. The start and what the
+// tree's boxes and triangles make of it round in the far end's digits, which moves the ray across; raised by as much, it
+// still ends above the surface that it belongs to.
+const float FAR_ULPS = 8.0 * 1.1920929e-7;  // 2^-23
+
+bool hits_reversed(vec3 origin, vec3 n, vec3 direction, float t_min, float t_max) {
+    const vec3 far = abs(origin) + t_max * abs(direction);
+    const vec3 start = origin + n * (FAR_ULPS * (far.x + far.y + far.z)) + direction * t_max;
+    return occluded(start, -direction, 0.0, t_max - t_min);
 }
 
 bool hits_something(ivec2 p, float t_min, float t_max) {
@@ -38,6 +56,7 @@ bool hits_something(ivec2 p, float t_min, float t_max) {
     const vec3 in_scene = relative + scene.camera_from_origin;
     const vec3 origin = in_scene + n * offset_m(p, z, n, relative, in_scene);
     if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
+    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, ray_direction(p), t_min, t_max);
     return occluded(origin, ray_direction(p), t_min, t_max);
 }
 
