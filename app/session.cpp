@@ -23,7 +23,7 @@ double process_cpu_ms() {
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
 const std::vector<std::string> known_slots = {"depth",      "normal",   "motion",       "albedo",
                                               "sun",        "scene",    "scene.nodes",  "scene.leaves",
-                                              "scene.tlas", "cascades", "cascade_maps", "cascade_bounds"};
+                                              "scene.tlas", "cascades", "cascade_maps", "cascade_bounds", "scene.alpha_uv", "scene.alpha_map"};
 
 bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
@@ -146,6 +146,8 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "cascades") b.buffer = cascades_.get();
         if (slot.name == "cascade_maps") b.image = cascade_maps_->maps().view.get();
         if (slot.name == "cascade_bounds") b.image = cascade_maps_->bounds().view.get();
+        if (slot.name == "scene.alpha_uv") b.texels = bvh_ ? bvh_->alpha_uv() : tlas_->alpha_uv();
+        if (slot.name == "scene.alpha_map") b.texels = bvh_ ? bvh_->alpha_map() : tlas_->alpha_map();
     }
     return bindings;
 }

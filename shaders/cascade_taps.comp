@@ -37,6 +37,9 @@ void main() {
     const bool first = lane == 0;
     const uvec4 left = closed_record(record, USE_INTERVAL);
     append_tile(first && left.y != 0u, left);
+#if HAS_UNDECIDED_WORDS
+    if (first) undecided_words[tile_index(tile_of(record))] = left.y;
+#endif
     if (first && tile_shadowed != 0u) preloaded_hits[tile_index(tile)] |= tile_shadowed;
     count_lit(first ? uint(bitCount(record.y & ~left.y & ~tile_shadowed)) : 0u);
     count_shadowed(first ? uint(bitCount(tile_shadowed)) : 0u);

@@ -117,6 +117,9 @@ void main() {
     const bool first = lane == 0;
     const uvec4 left = closed_record(record, USE_INTERVAL);
     append_tile(first && left.y != 0u, left);
+#if HAS_UNDECIDED_WORDS
+    if (first) undecided_words[tile_index(tile_of(record))] = left.y;
+#endif
     count_lit(first ? uint(bitCount(record.y & ~left.y)) : 0u);
     count_unknown(first ? uint(bitCount(left.y)) : 0u);
     count_tiles_listed(first && left.y != 0u ? 1u : 0u);
