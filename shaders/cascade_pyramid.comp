@@ -28,8 +28,11 @@ void main() {
     vec2 slope = vec2(0.0);
     if (least < NO_SURFACE) {
         level = NOTHING_KNOWN;
+        vec2 tried = vec2(0.0);
         for (int candidate = 0; candidate < 5; ++candidate) {
             const vec2 g = candidate < 4 && !is_empty(children[candidate & 3]) ? children[candidate & 3].slope : vec2(0.0);
+            if (candidate > 0 && g == tried) continue;  // neighbours often share a plane
+            tried = g;
             float lowest = NO_SURFACE;
             for (int i = 0; i < 4; ++i) {
                 const CascadeNode c = children[i];

@@ -47,18 +47,23 @@ void main() {
 
     const float r = 0.5 + margin_texels(a, b, c);
     const vec3 p = a - centre, q = b - centre, s = c - centre;
-    take_side(p, q, r);
-    take_side(q, s, r);
-    take_side(s, p, r);
     const float turn = cross2(q.xy - p.xy, s.xy - p.xy) < 0.0 ? -1.0 : 1.0;
     const float nearest = min(min(p.z, q.z), s.z), farthest = max(max(p.z, q.z), s.z);
+    int covered = 0;
     for (int corner = 0; corner < 4; ++corner) {
         const vec2 at = r * vec2((corner & 1) * 2 - 1, (corner & 2) - 1);
         const vec3 w = turn * vec3(cross2(s.xy - q.xy, at - q.xy), cross2(p.xy - s.xy, at - s.xy),
                                    cross2(q.xy - p.xy, at - p.xy));
         const float sum = w.x + w.y + w.z;
-        if (min(min(w.x, w.y), w.z) >= 0.0 && sum > 0.0)
+        if (min(min(w.x, w.y), w.z) >= 0.0 && sum > 0.0) {
             take(vec3(at, clamp(dot(w, vec3(p.z, q.z, s.z)) / sum, nearest, farthest)));
+            ++covered;
+        }
+    }
+    if (covered < 4) {  // or no side runs through the square
+        take_side(p, q, r);
+        take_side(q, s, r);
+        take_side(s, p, r);
     }
     if (!(least.x < 1e30)) discard;
     const float reach = r * (abs(per_texel.x) + abs(per_texel.y));
