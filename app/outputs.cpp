@@ -157,6 +157,10 @@ bool is_host_image(const std::string& name) {
     return name == "depth" || name == "normal" || name == "motion" || name == "albedo";
 }
 
+PlanarImage captured_image(const Session& session, const std::string& resource) {
+    return captured_texels(session, resource).image;
+}
+
 void OutputWriter::write(const Session& session, const std::string& resource, uint32_t frame) {
     const Texels texels = is_host_image(resource) ? host_texels(device_, session, resource)
                                                   : captured_texels(session, resource);
