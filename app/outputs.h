@@ -34,6 +34,8 @@ bool is_host_image(const std::string& name);
 
 // A captured resource of the frame that has just completed.
 PlanarImage captured_image(const Session& session, const std::string& resource);
+// A host image (see is_host_image) of that frame.
+PlanarImage host_image(Device& device, const Session& session, const std::string& name);
 
 class OutputWriter {
   public:

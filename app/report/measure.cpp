@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 #include "app/report/images.h"
+#include "app/report/truth_source.h"
 #include "app/report/turns.h"
-#include "app/truth.h"
 
 namespace penumbra::report {
 namespace {
@@ -16,43 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 using Size = std::array<uint32_t, 2>;
 
-// The truth of any frame of a shot.
-class TruthSource {
-  public:
-    // Without a session after an error.
-    TruthSource(Device& device, Shot shot, Size size, uint32_t rays, uint32_t analytic_border_px,
-                Diagnostics& diagnostics, std::vector<std::string>& warnings)
-        : shot_(std::move(shot)), rays_(rays) {
-        shot_.size = size;
-        border_ = exact() ? analytic_border_px : 0;
-        if (!exact()) session_ = open_truth(device, shot_, diagnostics, warnings);
-    }
-
-    bool exact() const { return shot_.half_plane.has_value(); }
-    bool ready() const { return exact() || session_; }
-
-    struct Frame {
-        Truth truth;
-        std::vector<uint8_t> counted;
-    };
-    Frame at(uint32_t frame) {
-        Frame out{exact() ? analytic_truth(shot_, frame) : counted_truth(*session_, frame, rays_), {}};
-        const auto [width, height] = shot_.size;
-        for (uint32_t y = 0; y < height; ++y)
-            for (uint32_t x = 0; x < width; ++x)
-                out.counted.push_back(out.truth.receiver[size_t{y} * width + x] > 0.5f && x >= border_ &&
-                                      y >= border_ && x + border_ < width && y + border_ < height);
-        return out;
-    }
-
-  private:
-    Shot shot_;
-    uint32_t rays_, border_ = 0;
-    std::unique_ptr<Session> session_;
-};
-
 ComparedFrame compared(Size size, const TruthSource::Frame& truth, const Turns::Masks& masks) {
     ComparedFrame frame{size[0], size[1], truth.truth.visibility, truth.counted, {}};
+    if (!truth.exact) frame.reference_rays = truth.truth.rays;
     for (const std::vector<float>& mask : masks) frame.seeds.emplace_back(mask);
     return frame;
 }
@@ -72,6 +39,36 @@ void judge_stillness(const Study& study, const TruthSource::Frame& truth, const 
                 measure(compared(study.size, truth, turns.masks(row.contender, after - 1)));
             row.after_cut.push_back({after, metrics_of(sums)});
         }
+    // Nothing moves: a point stays where it is, and so does the truth.
+    const std::vector<float> nowhere(truth.counted.size(), 0.0f), everywhere(truth.counted.size(), 1.0f);
+    for (Row& row : rows) {
+        const uint32_t last = study.after_cut.back() - 1;
+        const ComparedFrame now = compared(study.size, truth, turns.masks(row.contender, last));
+        const ComparedFrame before = compared(study.size, truth, turns.masks(row.contender, last - 1));
+        FlickerSums sums;
+        add_flicker({now, before, nowhere, nowhere, nowhere, everywhere, everywhere}, sums);
+        row.flicker = sums.rms();
+    }
+}
+
+// What the masks make of the lit picture, under the first seed.
+void judge_picture(const Study& study, TruthSource& source, const TruthSource::Frame& truth, uint32_t frame,
+                   const Turns& turns, std::span<Row> rows) {
+    const LitSurfaces lit = source.surfaces(frame);
+    const Surfaces surfaces{lit.albedo, lit.normal, lit.to_sun};
+    for (Row& row : rows) {
+        const Turns::Masks& masks = turns.masks(row.contender, frame);
+        const ComparedFrame one = compared(study.size, truth, {masks.front()});
+        const std::vector<glm::vec3> image = shade_surfaces(surfaces, one, masks.front()),
+                                     reference = shade_surfaces(surfaces, one, one.truth);
+        row.relmse = relative_error(one, image, reference).mean();
+        const std::vector<float> map =
+            flip_map(one.width, one.height, display_linear(reference), display_linear(image));
+        std::vector<float> counted;
+        for (size_t p = 0; p < map.size(); ++p)
+            if (one.counted[p]) counted.push_back(map[p]);
+        row.flip = pool_flip(std::move(counted));
+    }
 }
 
 void write_images(const Bench& bench, ShotFacts& facts, const TruthSource::Frame& truth, const Turns& turns,
@@ -93,13 +90,19 @@ void write_images(const Bench& bench, ShotFacts& facts, const TruthSource::Frame
 void judge_motion(const Bench& bench, const Study& study, TruthSource& source, const Turns& turns,
                   const std::vector<Contender>& contenders, ShotFacts& facts, std::span<Row> rows) {
     std::vector<MetricSums> pooled(rows.size());
+    std::vector<SsimSum> ssim(rows.size());
     const std::set<uint32_t> judged = moving_frames_judged(study);
     for (const uint32_t frame : judged) {
         const TruthSource::Frame truth = source.at(frame);
         for (size_t r = 0; r < rows.size(); ++r) {
-            const MetricSums sums =
-                measure(compared(study.size, truth, turns.masks(rows[r].contender, frame)));
-            if (frame >= study.settling) pooled[r].add(sums);
+            const ComparedFrame one = compared(study.size, truth, turns.masks(rows[r].contender, frame));
+            const MetricSums sums = measure(one);
+            if (frame >= study.settling) {
+                pooled[r].add(sums);
+                ssim[r].add(ssim_near_penumbra(one));
+                if (const auto bias = largest_bias_9x9(one))
+                    rows[r].bias_9x9 = std::max(rows[r].bias_9x9.value_or(0), *bias);
+            }
             rows[r].over_time.push_back({frame, metrics_of(sums)});
         }
         bench.step();
@@ -107,9 +110,13 @@ void judge_motion(const Bench& bench, const Study& study, TruthSource& source, c
         const MaskMetrics& last = rows.front().over_time.back().metrics;
         facts.receivers = last.receivers;
         facts.penumbra = last.penumbra;
+        judge_picture(study, source, truth, frame, turns, rows);
         write_images(bench, facts, truth, turns, frame, contenders, rows);
     }
-    for (size_t r = 0; r < rows.size(); ++r) rows[r].moving = metrics_of(pooled[r]);
+    for (size_t r = 0; r < rows.size(); ++r) {
+        rows[r].moving = metrics_of(pooled[r]);
+        rows[r].ssim = ssim[r].mean();
+    }
 }
 
 void add_costs(const Costs& costs, Size size, Row& row) {
@@ -145,7 +152,7 @@ bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, 
                            diagnostics, warnings);
         if (runners.empty() || !source.ready()) return false;
         facts.exact = source.exact();
-        TurnsOptions options{study.after_cut.back(), study.seeds, study.warm_up, {}};
+        TurnsOptions options{study.after_cut.back(), study.seeds, study.warm_up, {study.after_cut.back() - 2}};
         for (const uint32_t after : study.after_cut) options.judged.insert(after - 1);
         const Turns turns(runners, contenders.size(), options, bench.step);
         judge_stillness(study, source.at(0), turns, rows);
@@ -174,13 +181,16 @@ bool measure_edge(const Bench& bench, const EdgeShot& edge, Results& results, Di
     if (runners.empty()) return false;
     TruthSource source(bench.device, edge.shot, study.edge_size, study.rays, study.analytic_border_px,
                        diagnostics, warnings);
+    if (!source.ready()) return false;
     const uint32_t frame = study.edge_frame;
     const Turns turns(runners, results.contenders.size(), {frame + 1, study.seeds, study.warm_up, {frame}},
                       bench.step);
-    const TruthSource::Frame truth = source.at(frame);
-    for (size_t c = 0; c < results.contenders.size(); ++c)
-        results.edge.push_back({edge.width_px, edge.speed_px, c,
-                                metrics_of(measure(compared(study.edge_size, truth, turns.masks(c, frame))))});
+    const TruthSource::Frame truth = source.at(frame), before = source.at(frame - 1);
+    for (size_t c = 0; c < results.contenders.size(); ++c) {
+        const ComparedFrame one = compared(study.edge_size, truth, turns.masks(c, frame));
+        results.edge.push_back({edge.width_px, edge.speed_px, c, metrics_of(measure(one)),
+                                lag_px(one, before.truth.visibility)});
+    }
     return true;
 }
 

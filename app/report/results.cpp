@@ -67,6 +67,14 @@ OrderedJson row_json(const Results& results, const Row& row) {
             {"frame_cpu_ms", estimate_json(row.frame_cpu_ms)},
             {"rays_per_pixel", or_null(row.rays_per_pixel)},
             {"moving", metrics_json(row.moving)},
+            {"ssim", or_null(row.ssim)},
+            {"bias_max_9x9", or_null(row.bias_9x9)},
+            {"flip",
+             {{"mean", row.flip ? OrderedJson(row.flip->mean) : OrderedJson()},
+              {"weighted_median", row.flip ? OrderedJson(row.flip->weighted_median) : OrderedJson()},
+              {"p95", row.flip ? OrderedJson(row.flip->p95) : OrderedJson()}}},
+            {"relmse", or_null(row.relmse)},
+            {"flicker_rms", or_null(row.flicker)},
             {"after_cut", judged_json(row.after_cut)},
             {"over_time", judged_json(row.over_time)},
             {"passes", passes},
@@ -141,6 +149,7 @@ OrderedJson to_json(const Results& results) {
                         {"speed_px", point.speed_px},
                         {"contender", results.contenders[point.contender].id}});
         edge.back().update(metrics_json(point.metrics));
+        edge.back()["lag_px"] = or_null(point.lag_px);
     }
     const DeviceInfo& device = results.device;
     return {{"penumbra", 1},
@@ -171,7 +180,7 @@ std::string to_csv(const Results& results) {
     std::string out =
         "shot,contender,brute_force_rays,mask_ms,mask_ms_low,mask_ms_high,mask_cpu_ms,mask_cpu_ms_low,"
         "mask_cpu_ms_high,frame_ms,frame_cpu_ms,rays_per_pixel,rmse_all,rmse_penumbra,n_eff,n_eff_low,"
-        "n_eff_high,n_eff_at_1,n_eff_at_8,n_eff_at_64\r\n";
+        "n_eff_high,ssim,flip_mean,relmse,flicker_rms,n_eff_at_1,n_eff_at_8,n_eff_at_64\r\n";
     for (const Row& row : results.rows) {
         const Contender& contender = results.contenders[row.contender];
         const auto estimate = [](const std::optional<Estimate>& e) {
@@ -186,13 +195,15 @@ std::string to_csv(const Results& results) {
         };
         const auto& interval = row.moving.n_eff_ci95;
         out += fmt::format(
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n", csv_field(results.shots[row.shot].name),
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n", csv_field(results.shots[row.shot].name),
             csv_field(contender.id), contender.brute_force ? fmt::to_string(*contender.brute_force) : "",
             estimate(row.mask_ms), estimate(row.mask_cpu_ms), median(row.frame_ms), median(row.frame_cpu_ms),
             csv_number(row.rays_per_pixel), csv_number(row.moving.rmse_all),
             csv_number(row.moving.rmse_penumbra), csv_number(row.moving.n_eff),
             csv_number(interval ? std::optional((*interval)[0]) : std::nullopt),
-            csv_number(interval ? std::optional((*interval)[1]) : std::nullopt), after(1), after(8), after(64));
+            csv_number(interval ? std::optional((*interval)[1]) : std::nullopt), csv_number(row.ssim),
+            csv_number(row.flip ? std::optional(row.flip->mean) : std::nullopt), csv_number(row.relmse),
+            csv_number(row.flicker), after(1), after(8), after(64));
     }
     return out;
 }

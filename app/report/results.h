@@ -34,7 +34,14 @@ struct Row {
     std::optional<Estimate> mask_ms, frame_ms, mask_cpu_ms, frame_cpu_ms;
     std::vector<PassFigure> passes;
     std::optional<double> rays_per_pixel;  // mean, where passes count rays
-    MaskMetrics moving;                    // pooled over the judged frames from Study::settling on
+    // Of the moving shot, pooled over the judged frames from Study::settling on.
+    MaskMetrics moving;
+    std::optional<double> ssim;      // near the penumbra
+    std::optional<double> bias_9x9;  // the largest of any frame
+    // Of the lit picture at ShotFacts::image_frame under the first seed.
+    std::optional<FlipPool> flip;
+    std::optional<double> relmse;
+    std::optional<double> flicker;  // rms change between the last two frames of the still shot
     std::vector<Judged> after_cut, over_time;
     std::vector<std::string> images;  // files, relative to the report's folder: mask, error
 
@@ -56,6 +63,7 @@ struct EdgePoint {
     double width_px = 0, speed_px = 0;
     size_t contender = 0;
     MaskMetrics metrics;
+    std::optional<double> lag_px;  // behind the true edge, across it
 };
 
 struct Results {
