@@ -74,10 +74,13 @@ void add_compare(CLI::App& app, CompareArguments& a) {
 
 void add_report(CLI::App& app, ReportArguments& a) {
     CLI::App* c = app.add_subcommand(
-        "report", "measure pipelines on shots, beside brute force; writes index.html, results.json, results.csv");
+        "report",
+        "measure pipelines on shots, beside brute force; writes index.html, results.json, results.csv");
     c->add_option("--out", a.out, "folder to write to")->required();
-    c->add_option("--shots", a.shots, "files or names of shipped shots (default: all of these)")->delimiter(',');
-    c->add_option("--pipelines", a.pipelines, "files or names of shipped pipelines (default: all that can run)")
+    c->add_option("--shots", a.shots, "files or names of shipped shots (default: all of these)")
+        ->delimiter(',');
+    c->add_option("--pipelines", a.pipelines,
+                  "files or names of shipped pipelines (default: all that can run)")
         ->delimiter(',');
     c->add_flag("--quick", a.quick, "small, few frames, two shots: minutes on two cores");
     c->add_option("--size", a.size, "WxH of the shots");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// penumbra report: measures all that compete and writes results.json, results.csv and index.html, in this order
-// and each under its name only when it is whole. An earlier index.html goes first, so that a folder with one is a
-// complete report.
+// penumbra report: measures all that compete and writes results.json, results.csv and index.html, in this
+// order and each under its name only when it is whole. An earlier index.html goes first, so that a folder
+// with one is a complete report.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -96,7 +96,8 @@ bool measure(Job& job, Device& device, const NodeSet& nodes, Diagnostics& diagno
     return true;
 }
 
-// Pipelines as they would run by themselves on the first shot: without captures, with the smallest heap looked for.
+// Pipelines as they would run by themselves on the first shot: without captures, with the smallest heap
+// looked for.
 std::optional<std::vector<PipelinePlan>> plan_pipelines(const Job& job, const Device& device,
                                                         const NodeSet& nodes, const Facts& facts,
                                                         Diagnostics& diagnostics) {

@@ -31,12 +31,12 @@ std::optional<CheckedPipeline> checked(const std::optional<Pipeline>& pipeline, 
 
 void add_brute_force(Contenders& contenders, const CheckedPipeline& raw) {
     for (const uint32_t rays : brute_force_rays)
-        contenders.list.push_back({fmt::format("rays_{}", rays),
-                                   "",
-                                   fmt::format("{} rays per pixel, not denoised: raw.json, frozen, its trace {} "
-                                               "times, averaged. The average itself is not charged.",
-                                               rays, rays),
-                                   rays, raw});
+        contenders.list.push_back(
+            {fmt::format("rays_{}", rays), "",
+             fmt::format("{} rays per pixel, not denoised: raw.json, frozen, its trace {} "
+                         "times, averaged. The average itself is not charged.",
+                         rays, rays),
+             rays, raw});
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What competes: pipelines, and brute force as the line that they have to beat. Brute force of N rays is the
-// pipeline `raw` whose trace runs N times on each frame, frozen, with N consecutive points of its own sequence
-// of sun samples (the better case for brute force: they are stratified, not random); the mask is their mean.
+// pipeline `raw` whose trace runs N times on each frame, frozen, with N consecutive points of its own
+// sequence of sun samples (the better case for brute force: they are stratified, not random); the mask is
+// their mean.
 #pragma once
 
 #include <filesystem>
@@ -43,7 +44,8 @@ std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted
                                           Diagnostics& diagnostics);
 
 // The file that `wanted` names: itself where it is one, else `root`/folder/wanted + suffix.
-std::optional<std::filesystem::path> shipped_file(const std::string& wanted, const std::filesystem::path& root,
+std::optional<std::filesystem::path> shipped_file(const std::string& wanted,
+                                                  const std::filesystem::path& root,
                                                   const std::string& folder, const std::string& suffix,
                                                   Diagnostics& diagnostics);
 // All files of a shipped folder with that suffix, by name.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Values that are read further on than in the next layer pass through invisible items of the layers between, so
-// that lines go around boxes.
+// Values that are read further on than in the next layer pass through invisible items of the layers between,
+// so that lines go around boxes.
 #include "app/report/dataflow_figure.h"
 
 #include <fmt/format.h>
@@ -95,7 +95,8 @@ class Map {
             const size_t reader = pass_items_[index++];
             for (const std::string& name : pass.reads) {
                 auto value = by_name_.find(name);
-                if (value == by_name_.end()) {  // the first reader in the plan's order is the leftmost or near it
+                if (value ==
+                    by_name_.end()) {  // the first reader in the plan's order is the leftmost or near it
                     const bool previous = name.ends_with("@-1");
                     const size_t source = add({previous ? Kind::previous : Kind::host, name, {name}}, 0);
                     value = by_name_.emplace(name, values_.size()).first;
@@ -159,8 +160,8 @@ class Map {
     double width_of(size_t item) const { return widths_[layout_[item].layer]; }
     Xy corner(size_t item) const { return {margin + x_[layout_[item].layer], margin + layout_[item].y}; }
 
-    // Where a segment leaves its left end, and where it enters its right end: readers are entered in the order
-    // of what comes in, from top to bottom.
+    // Where a segment leaves its left end, and where it enters its right end: readers are entered in the
+    // order of what comes in, from top to bottom.
     Xy leave(const Segment& s) const {
         const Xy at = corner(s.from);
         const double x = at.x + width_of(s.from);
@@ -175,8 +176,8 @@ class Map {
         std::sort(incoming.begin(), incoming.end());
         const auto place = std::find_if(incoming.begin(), incoming.end(),
                                         [&](const auto& in) { return in.second == s.value; });
-        const double share = (static_cast<double>(place - incoming.begin()) + 1) /
-                             (static_cast<double>(incoming.size()) + 1);
+        const double share =
+            (static_cast<double>(place - incoming.begin()) + 1) / (static_cast<double>(incoming.size()) + 1);
         return {at.x, at.y + layout_[s.to].height * share};
     }
 
@@ -199,7 +200,8 @@ class Map {
         const Xy at = corner(index);
         const double width = width_of(index), height = layout_[index].height;
         switch (item.kind) {
-            case Kind::through: return;
+            case Kind::through:
+                return;
             case Kind::host:
             case Kind::previous:
             case Kind::output: {
@@ -210,7 +212,8 @@ class Map {
                 svg.text({at.x + width / 2, at.y + height / 2 + 4}, item.title, "port", Svg::Anchor::middle);
                 return;
             }
-            case Kind::pass: break;
+            case Kind::pass:
+                break;
         }
         svg.rect(at, {width, height}, "node " + style, {}, 4);
         svg.text({at.x + 10, at.y + 15}, item.title, "name " + style);

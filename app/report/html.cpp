@@ -14,12 +14,23 @@ std::string escape(std::string_view text) {
     std::string out;
     for (const char c : text) {
         switch (c) {
-            case '&': out += "&amp;"; break;
-            case '<': out += "&lt;"; break;
-            case '>': out += "&gt;"; break;
-            case '"': out += "&quot;"; break;
-            case '\'': out += "&#39;"; break;
-            default: out += c;
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            case '\'':
+                out += "&#39;";
+                break;
+            default:
+                out += c;
         }
     }
     return out;
@@ -55,8 +66,8 @@ void Table::row(const std::vector<std::string>& cells, const std::string& style)
     for (size_t i = 0; i < cells.size(); ++i) {
         // The row's name is its header; what it is a row of follows.
         const char* tag = i == 0 ? "th scope=\"row\"" : "td";
-        rows_ +=
-            fmt::format("<{}{}>{}</{}>", tag, columns_[i].number ? " class=\"n\"" : "", cells[i], i == 0 ? "th" : "td");
+        rows_ += fmt::format("<{}{}>{}</{}>", tag, columns_[i].number ? " class=\"n\"" : "", cells[i],
+                             i == 0 ? "th" : "td");
     }
     rows_ += "</tr>\n";
 }
@@ -66,7 +77,8 @@ std::string Table::html() const {
     if (!caption_.empty()) out += fmt::format("<caption>{}</caption>", escape(caption_));
     out += "<thead><tr>";
     for (const Column& column : columns_)
-        out += fmt::format("<th scope=\"col\"{}>{}</th>", column.number ? " class=\"n\"" : "", escape(column.head));
+        out += fmt::format("<th scope=\"col\"{}>{}</th>", column.number ? " class=\"n\"" : "",
+                           escape(column.head));
     return out + "</tr></thead>\n<tbody>\n" + rows_ + "</tbody></table></div>\n";
 }
 

@@ -12,8 +12,8 @@ namespace penumbra::report {
 // For text and for attribute values in double quotes.
 std::string escape(std::string_view text);
 
-// Replaces every {{name}}; throws std::logic_error where the template names what is not given, or is given what
-// it does not name: both are mistakes of ours. Values are inserted as they are and not searched again.
+// Replaces every {{name}}; throws std::logic_error where the template names what is not given, or is given
+// what it does not name: both are mistakes of ours. Values are inserted as they are and not searched again.
 std::string fill(std::string_view page, const std::map<std::string, std::string>& values);
 
 // Rows of cells; numbers are set right-aligned. Cells hold markup: text goes through escape() first.

@@ -12,8 +12,8 @@ namespace penumbra::report {
 void write_mask_image(const std::filesystem::path& file, std::array<uint32_t, 2> size,
                       std::span<const float> mask);
 
-// Too bright is orange, too dark is blue, right is white; colours are full at an error of `error_at_full`. What
-// does not count is grey.
+// Too bright is orange, too dark is blue, right is white; colours are full at an error of `error_at_full`.
+// What does not count is grey.
 inline constexpr double error_at_full = 0.5;
 void write_error_image(const std::filesystem::path& file, std::array<uint32_t, 2> size,
                        std::span<const float> mask, std::span<const float> truth,

@@ -37,10 +37,10 @@ double mean_centre(const std::vector<LayoutItem>& items, const std::vector<size_
     return sum / static_cast<double>(of.size());
 }
 
-// Puts items as near to `wanted` (centres) as order and gaps allow: blocks of items that touch share the mean of
-// what they want (isotonic regression by pooling adjacent violators).
-void place(std::vector<LayoutItem>& items, const std::vector<size_t>& layer, const std::vector<double>& wanted,
-           double gap) {
+// Puts items as near to `wanted` (centres) as order and gaps allow: blocks of items that touch share the mean
+// of what they want (isotonic regression by pooling adjacent violators).
+void place(std::vector<LayoutItem>& items, const std::vector<size_t>& layer,
+           const std::vector<double>& wanted, double gap) {
     struct Block {
         double sum = 0;  // of the wanted positions of the block's upper end
         size_t count = 0, first = 0;
@@ -102,8 +102,8 @@ void arrange(std::vector<LayoutItem>& items, double gap) {
             std::vector<size_t>& layer = layers[forward ? l : layers.size() - 1 - l];
             std::vector<std::pair<double, size_t>> keys;
             for (const size_t i : layer)
-                keys.emplace_back(
-                    mean_centre(items, forward ? items[i].before : after[i], centre(items[i])), i);
+                keys.emplace_back(mean_centre(items, forward ? items[i].before : after[i], centre(items[i])),
+                                  i);
             std::stable_sort(keys.begin(), keys.end(),
                              [](const auto& a, const auto& b) { return a.first < b.first; });
             for (size_t k = 0; k < layer.size(); ++k) layer[k] = keys[k].second;

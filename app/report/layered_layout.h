@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Layered drawing of an acyclic graph (Sugiyama, Tagawa, Toda 1981, without its first phase: layers are given).
-// Order within a layer by barycentres, sweeping to and fro, the best order seen is kept; then heights by
-// pulling every item towards its neighbours.
+// Layered drawing of an acyclic graph (Sugiyama, Tagawa, Toda 1981, without its first phase: layers are
+// given). Order within a layer by barycentres, sweeping to and fro, the best order seen is kept; then heights
+// by pulling every item towards its neighbours.
 #pragma once
 
 #include <cstddef>

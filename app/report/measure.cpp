@@ -128,8 +128,7 @@ void add_costs(const Costs& costs, Size size, Row& row) {
         row.passes.push_back(
             {costs.passes[p], costs.pass(p, &PassCost::ms), costs.pass(p, &PassCost::cpu_ms)});
     const double rays = std::accumulate(costs.rays.begin(), costs.rays.end(), 0.0);
-    if (rays > 0)
-        row.rays_per_pixel = rays / (static_cast<double>(costs.rays.size()) * size[0] * size[1]);
+    if (rays > 0) row.rays_per_pixel = rays / (static_cast<double>(costs.rays.size()) * size[0] * size[1]);
 }
 
 }  // namespace
@@ -152,14 +151,15 @@ bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, 
                            diagnostics, warnings);
         if (runners.empty() || !source.ready()) return false;
         facts.exact = source.exact();
-        TurnsOptions options{study.after_cut.back(), study.seeds, study.warm_up, {study.after_cut.back() - 2}};
+        TurnsOptions options{
+            study.after_cut.back(), study.seeds, study.warm_up, {study.after_cut.back() - 2}};
         for (const uint32_t after : study.after_cut) options.judged.insert(after - 1);
         const Turns turns(runners, contenders.size(), options, bench.step);
         judge_stillness(study, source.at(0), turns, rows);
         bench.step();
     }
-    const auto runners = open_runners(bench.device, bench.nodes, contenders, shot.moving, study.size,
-                                      diagnostics, warnings);
+    const auto runners =
+        open_runners(bench.device, bench.nodes, contenders, shot.moving, study.size, diagnostics, warnings);
     TruthSource source(bench.device, shot.moving, study.size, study.rays, study.analytic_border_px,
                        diagnostics, warnings);
     if (runners.empty() || !source.ready()) return false;

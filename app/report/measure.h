@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Runs all contenders on all shots and judges their masks. All stand ready at once and take turns frame by frame,
-// in an order that rotates, so that a disturbance of the machine meets all of them.
+// Runs all contenders on all shots and judges their masks. All stand ready at once and take turns frame by
+// frame, in an order that rotates, so that a disturbance of the machine meets all of them.
 #pragma once
 
 #include <filesystem>

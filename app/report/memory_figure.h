@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A plan's memory over two frames: passes from left to right, bytes upwards, a box per resource and frame where
-// it lies and as long as it lives. What stands above and below each other in one place at different times is
-// aliased.
+// A plan's memory over two frames: passes from left to right, bytes upwards, a box per resource and frame
+// where it lies and as long as it lives. What stands above and below each other in one place at different
+// times is aliased.
 #pragma once
 
 #include <string>

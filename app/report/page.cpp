@@ -28,8 +28,9 @@ std::string data_uri(const fs::path& file) {
 }
 
 std::string image_figure(const fs::path& file, const std::string& name, const std::string& caption) {
-    return fmt::format("<figure><img src=\"{}\" alt=\"{}\" loading=\"lazy\"><figcaption>{}</figcaption></figure>\n",
-                       data_uri(file), escape(name), caption);
+    return fmt::format(
+        "<figure><img src=\"{}\" alt=\"{}\" loading=\"lazy\"><figcaption>{}</figcaption></figure>\n",
+        data_uri(file), escape(name), caption);
 }
 
 std::string fact(const std::string& name, const std::string& value) {
@@ -67,16 +68,25 @@ std::string images(const Results& results, size_t shot, const fs::path& folder) 
     return out;
 }
 
+// Which of images() the slider starts with: noise on the left, the last pipeline's mask on the right.
+size_t slider_choice(const Results& results, bool noisy) {
+    size_t choice = 0;
+    for (size_t c = 0; c < results.contenders.size(); ++c)
+        if (!results.contenders[c].brute_force && (!noisy || results.contenders[c].id == "raw"))
+            choice = 1 + 2 * c;  // behind the reference: mask and error in turns
+    return choice;
+}
+
 std::string shot_section(const Results& results, size_t shot, const fs::path& folder) {
     const ShotFacts& facts = results.shots[shot];
     const Study& study = results.study;
     const std::string truth =
         facts.exact ? "the truth is a closed form"
                     : fmt::format("the truth is {} stratified rays per pixel of the penumbra", study.rays);
-    const std::string text =
-        fmt::format("{} × {} pixels, {} receivers of which {} lie in the penumbra (frame {}); {}; {} seeds; {}",
-                    facts.size[0], facts.size[1], facts.receivers, facts.penumbra, facts.image_frame, truth,
-                    study.seeds, facts.file);
+    const std::string text = fmt::format(
+        "{} × {} pixels, {} receivers of which {} lie in the penumbra (frame {}); {}; {} seeds; {}",
+        facts.size[0], facts.size[1], facts.receivers, facts.penumbra, facts.image_frame, truth, study.seeds,
+        facts.file);
     return fill(assets::shot_html, {{"name", escape(facts.name)},
                                     {"facts", escape(text)},
                                     {"legend", legend(results)},
@@ -85,6 +95,8 @@ std::string shot_section(const Results& results, size_t shot, const fs::path& fo
                                     {"after_cut", after_cut_plot(results, shot)},
                                     {"over_time", over_time_plot(results, shot)},
                                     {"passes", passes_plot(results, shot)},
+                                    {"left", fmt::to_string(slider_choice(results, true))},
+                                    {"right", fmt::to_string(slider_choice(results, false))},
                                     {"aspect", fmt::format("{} / {}", facts.size[0], facts.size[1])},
                                     {"image_frame", fmt::to_string(facts.image_frame)},
                                     {"images", images(results, shot, folder)},
@@ -102,7 +114,8 @@ std::string pipeline_article(const Results& results, const PipelinePlan& planned
     const MemoryReport& m = plan.memory;
     const double pixels = static_cast<double>(plan.extent.width) * plan.extent.height;
     std::string memory = fmt::format(
-        "Memory at {} × {}: heap {} ({:.1f} bytes per pixel), live bound {}, optimum {}, without aliasing {}.",
+        "Memory at {} × {}: heap {} ({:.1f} bytes per pixel), live bound {}, optimum {}, without aliasing "
+        "{}.",
         plan.extent.width, plan.extent.height, mebibytes(m.heap_bytes),
         static_cast<double>(m.heap_bytes) / pixels, mebibytes(m.live_bound_bytes),
         m.optimum_bytes ? mebibytes(*m.optimum_bytes) : "unknown", mebibytes(m.unaliased_bytes));
@@ -122,18 +135,22 @@ std::string pipeline_article(const Results& results, const PipelinePlan& planned
 std::string method(const Results& results) {
     const Study& study = results.study;
     std::string out = fmt::format(
-        "<p>All contenders stand ready in one process and take turns frame by frame, in an order that rotates; every "
-        "run is repeated under {} seeds. Without jitter, since the truth is that of pixel centres. Times are medians "
+        "<p>All contenders stand ready in one process and take turns frame by frame, in an order that "
+        "rotates; every "
+        "run is repeated under {} seeds. Without jitter, since the truth is that of pixel centres. Times are "
+        "medians "
         "over frames and seeds of the moving run without its first {} frames, with 95 % intervals from order "
         "statistics. {}</p>",
         study.seeds, study.warm_up,
-        cost_is_cpu(results)
-            ? "On this CPU device the cost is process CPU time, each pass submitted by itself: wall time would "
-              "measure the machine's other work too."
-            : "The cost is GPU time between timestamps.");
-    out += "<p>Cost of the mask: the passes that visibility depends on. Brute force of N rays: the pipeline raw, "
-           "whose trace runs N times per frame, frozen, with N consecutive points of its own low-discrepancy "
-           "sequence; everything else, the averaging of N masks included, is charged at most once.</p>";
+        cost_is_cpu(results) ? "On this CPU device the cost is process CPU time, each pass submitted by "
+                               "itself: wall time would "
+                               "measure the machine's other work too."
+                             : "The cost is GPU time between timestamps.");
+    out +=
+        "<p>Cost of the mask: the passes that visibility depends on. Brute force of N rays: the pipeline "
+        "raw, "
+        "whose trace runs N times per frame, frozen, with N consecutive points of its own low-discrepancy "
+        "sequence; everything else, the averaging of N masks included, is charged at most once.</p>";
     if (!results.left_out.empty()) {
         out += "<p>Left out, since they cannot run by themselves:</p><ul>";
         for (const LeftOut& left : results.left_out)
@@ -145,7 +162,8 @@ std::string method(const Results& results) {
 
 }  // namespace
 
-std::string report_page(const Results& results, const std::vector<PipelinePlan>& plans, const fs::path& folder) {
+std::string report_page(const Results& results, const std::vector<PipelinePlan>& plans,
+                        const fs::path& folder) {
     std::string links, shots, edge_plots, pipelines;
     for (size_t s = 0; s < results.shots.size(); ++s) {
         const std::string name = escape(results.shots[s].name);
@@ -153,33 +171,35 @@ std::string report_page(const Results& results, const std::vector<PipelinePlan>&
         shots += shot_section(results, s, folder);
     }
     for (const double width : results.study.edge_widths_px)
-        edge_plots += fmt::format("<figure>{}<figcaption>Penumbra {:g} px wide, {} × {} pixels.</figcaption></figure>\n",
-                                  edge_plot(results, width), width, results.study.edge_size[0],
-                                  results.study.edge_size[1]);
+        edge_plots += fmt::format(
+            "<figure>{}<figcaption>Penumbra {:g} px wide, {} × {} pixels.</figcaption></figure>\n",
+            edge_plot(results, width), width, results.study.edge_size[0], results.study.edge_size[1]);
     for (const PipelinePlan& planned : plans) pipelines += pipeline_article(results, planned);
     const DeviceInfo& device = results.device;
     const std::string facts =
         fact("Device", fmt::format("{} ({}), subgroup of {}", device.name, device.is_cpu ? "CPU" : "GPU",
                                    device.subgroup_size)) +
         fact("Driver", device.driver) + fact("penumbra", PENUMBRA_VERSION) +
-        fact("Extent", results.quick ? "quick: small images, few frames and seeds; intervals are wide" : "full");
-    return fill(assets::page_html,
-                {{"title", "penumbra report"},
-                 {"lead", "Masks of soft sun shadows against the truth, and what they cost, beside brute force."},
-                 {"style", assets::style_css},
-                 {"facts", facts},
-                 {"shot_links", links},
-                 {"worst_width", fmt::format("{:g}", headline_width_px(results))},
-                 {"headline_table", headline_table(results)},
-                 {"shots", shots},
-                 {"edge_frames", fmt::to_string(results.study.edge_frame + 1)},
-                 {"edge_plots", edge_plots},
-                 {"edge_table", edge_table(results)},
-                 {"pipelines", pipelines},
-                 {"method", method(results)},
-                 {"command", escape(results.command)},
-                 {"commands", commands(results)},
-                 {"script", assets::page_js}});
+        fact("Extent",
+             results.quick ? "quick: small images, few frames and seeds; intervals are wide" : "full");
+    return fill(
+        assets::page_html,
+        {{"title", "penumbra report"},
+         {"lead", "Masks of soft sun shadows against the truth, and what they cost, beside brute force."},
+         {"style", assets::style_css},
+         {"facts", facts},
+         {"shot_links", links},
+         {"worst_width", fmt::format("{:g}", headline_width_px(results))},
+         {"headline_table", headline_table(results)},
+         {"shots", shots},
+         {"edge_frames", fmt::to_string(results.study.edge_frame + 1)},
+         {"edge_plots", edge_plots},
+         {"edge_table", edge_table(results)},
+         {"pipelines", pipelines},
+         {"method", method(results)},
+         {"command", escape(results.command)},
+         {"commands", commands(results)},
+         {"script", assets::page_js}});
 }
 
 }  // namespace penumbra::report

@@ -41,6 +41,15 @@ double best_after(const Results& results, size_t shot, uint32_t frames) {
     return best;
 }
 
+// Where a contender is worst; "any" for those without memory, which do not care.
+std::string speed_cell(const Results& results, const EdgePoint& worst) {
+    for (const EdgePoint& point : results.edge)
+        if (point.contender == worst.contender && point.width_px == worst.width_px && point.speed_px != 0 &&
+            point.metrics.n_eff != worst.metrics.n_eff)
+            return fmt::format("{:+g}", worst.speed_px);
+    return "any";
+}
+
 constexpr uint32_t headline_frames[] = {1, 8, 64};
 
 std::string words(const std::vector<std::string>& list) {
@@ -58,7 +67,8 @@ std::string render_and_compare(const Study& study, const std::string& file, cons
     std::string also;
     for (uint32_t seed = 2; seed <= study.seeds; ++seed) also += fmt::format(" --also out/{}", seed);
     return fmt::format(
-        "for s in $(seq {}); do penumbra render {} --shot {} --size {}x{} --frames {} --no-jitter --seed $s --out "
+        "for s in $(seq {}); do penumbra render {} --shot {} --size {}x{} --frames {} --no-jitter --seed $s "
+        "--out "
         "out/$s; done\npenumbra compare out/1 out/truth{}{}\n",
         study.seeds, file, shot, size[0], size[1], frames, also,
         border ? fmt::format(" --border {}", study.analytic_border_px) : "");
@@ -69,15 +79,19 @@ std::string render_and_compare(const Study& study, const std::string& file, cons
 double headline_width_px(const Results& results) {
     const auto& widths = results.study.edge_widths_px;
     constexpr double wanted = 16;
-    return *std::min_element(widths.begin(), widths.end(), [](double a, double b) {
-        return std::abs(a - wanted) < std::abs(b - wanted);
-    });
+    return *std::min_element(widths.begin(), widths.end(),
+                             [](double a, double b) { return std::abs(a - wanted) < std::abs(b - wanted); });
 }
 
 std::string headline_table(const Results& results) {
     Table table("N_eff with its 95 % interval (bootstrap over 32 x 32 pixels); bold: the best pipeline",
-                {{"shot", false}, {"mask by", false}, {"after 1 frame"}, {"8 frames"}, {"64 frames"},
-                 {"worst edge"}, {"at px / frame"}});
+                {{"shot", false},
+                 {"mask by", false},
+                 {"after 1 frame"},
+                 {"8 frames"},
+                 {"64 frames"},
+                 {"worst edge"},
+                 {"at px / frame"}});
     for (size_t s = 0; s < results.shots.size(); ++s) {
         bool first = true;
         for (const Row& row : results.rows) {
@@ -92,7 +106,7 @@ std::string headline_table(const Results& results) {
             }
             const EdgePoint* worst = results.worst_edge(row.contender, headline_width_px(results));
             cells.push_back(worst ? n_eff_cell(worst->metrics) : "–");
-            cells.push_back(worst ? fmt::format("{:+g}", worst->speed_px) : "–");
+            cells.push_back(worst ? speed_cell(results, *worst) : "–");
             table.row(cells, first ? "first" : "");
             first = false;
         }
@@ -131,8 +145,9 @@ std::string shot_table(const Results& results, size_t shot) {
 }
 
 std::string edge_table(const Results& results) {
-    Table table("The worst speed per width of the penumbra",
-                {{"mask by", false}, {"width, px"}, {"at rest"}, {"worst"}, {"at px / frame"}, {"lag there, px"}});
+    Table table(
+        "The worst speed per width of the penumbra",
+        {{"mask by", false}, {"width, px"}, {"at rest"}, {"worst"}, {"at px / frame"}, {"lag there, px"}});
     for (size_t c = 0; c < results.contenders.size(); ++c)
         for (const double width : results.study.edge_widths_px) {
             const EdgePoint *worst = results.worst_edge(c, width), *rest = nullptr;
@@ -141,7 +156,7 @@ std::string edge_table(const Results& results) {
             const bool first = width == results.study.edge_widths_px.front();
             table.row({first ? contender_cell(results, c) : "", fmt::format("{:g}", width),
                        rest ? n_eff_cell(rest->metrics) : "–", worst ? n_eff_cell(worst->metrics) : "–",
-                       worst ? fmt::format("{:+g}", worst->speed_px) : "–",
+                       worst ? speed_cell(results, *worst) : "–",
                        number_or_dash(worst ? worst->lag_px : std::nullopt)},
                       first ? "first" : "");
         }
@@ -149,13 +164,16 @@ std::string edge_table(const Results& results) {
 }
 
 std::string passes_table(const Plan& plan) {
-    Table table("Passes in order", {{"pass", false}, {"node type", false}, {"workgroups", false}, {"reads", false}, {"writes", false}});
+    Table table(
+        "",
+        {{"pass", false}, {"node type", false}, {"workgroups", false}, {"reads", false}, {"writes", false}});
     for (const PlanPass& pass : plan.passes) {
         if (pass.kind == PassKind::capture) continue;
         table.row({escape(pass.node), escape(pass.entry->type.name),
                    pass.kind == PassKind::host ? "host"
-                   : pass.indirect ? "indirect"
-                                   : fmt::format("{} × {} × {}", pass.groups[0], pass.groups[1], pass.groups[2]),
+                   : pass.indirect
+                       ? "indirect"
+                       : fmt::format("{} × {} × {}", pass.groups[0], pass.groups[1], pass.groups[2]),
                    escape(words(pass.reads)), escape(words(pass.writes))});
     }
     return table.html();
@@ -172,17 +190,19 @@ std::string commands(const Results& results) {
     while (first < study.settling) first += study.moving_every;
     const uint32_t last = (study.moving_frames - first - 1) / study.moving_every * study.moving_every + first;
     const std::string frames = fmt::format("{}..{}", first, last);
-    out += "<p>RMSE and N<sub>eff</sub> of a moving shot:</p>" +
-           block(fmt::format("penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
-                             shot.file, shot.size[0], shot.size[1], frames, study.rays) +
-                 render_and_compare(study, pipeline->file, shot.file, shot.size,
-                                    fmt::format("{} --every {}", frames, study.moving_every), shot.exact));
+    out +=
+        "<p>RMSE and N<sub>eff</sub> of a moving shot:</p>" +
+        block(fmt::format("penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
+                          shot.file, shot.size[0], shot.size[1], frames, study.rays) +
+              render_and_compare(study, pipeline->file, shot.file, shot.size,
+                                 fmt::format("{} --every {}", frames, study.moving_every), shot.exact));
     const uint32_t still = study.after_cut.back() - 1;
-    out += fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
-           block(fmt::format("penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
-                             shot.still_file, shot.size[0], shot.size[1], still, study.rays) +
-                 render_and_compare(study, pipeline->file, shot.still_file, shot.size, fmt::to_string(still),
-                                    shot.exact));
+    out +=
+        fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
+        block(fmt::format("penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
+                          shot.still_file, shot.size[0], shot.size[1], still, study.rays) +
+              render_and_compare(study, pipeline->file, shot.still_file, shot.size, fmt::to_string(still),
+                                 shot.exact));
     const std::string edge = fmt::format("shots/edge_{:g}px_{:+g}.shot.json", study.edge_widths_px.front(),
                                          study.edge_speeds_px.front());
     out += "<p>N<sub>eff</sub> behind an edge (its shot lies in this report's folder):</p>" +

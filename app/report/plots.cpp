@@ -45,9 +45,10 @@ class Labels {
     void place(Svg& svg, Xy point, const std::string& text, const std::string& style) {
         constexpr double height = 11, gap = 8;
         const double width = text_width(text);
-        const Xy offsets[] = {{gap, 4},           {-gap - width, 4},    {-width / 2, -gap},
-                              {-width / 2, gap + height}, {gap, -gap},  {gap, gap + height},
-                              {-gap - width, -gap},       {-gap - width, gap + height}};
+        const Xy offsets[] = {{gap, -gap + 3},          {gap, 4},
+                              {gap, gap + height - 3},  {-gap - width, 4},
+                              {-width / 2, -gap},       {-width / 2, gap + height},
+                              {-gap - width, -gap + 3}, {-gap - width, gap + height - 3}};
         Box best = box(point, offsets[0], width, height);
         for (const Xy& offset : offsets) {
             const Box candidate = box(point, offset, width, height);
@@ -81,14 +82,41 @@ struct Series {
     std::vector<Xy> points;  // values
 };
 
-std::string series_plot(const Results& results, const std::vector<Series>& series, Axis x,
+// Names at the right ends of lines, pushed apart where lines end close together.
+void name_lines(Svg& svg, const Results& results, const Frame& frame, const std::vector<Series>& series) {
+    constexpr double least = 12;
+    std::vector<std::pair<double, size_t>> ends;  // height, contender
+    for (const Series& s : series)
+        if (!s.points.empty())
+            ends.emplace_back(frame.at(s.points.back().x, s.points.back().y).y, s.contender);
+    std::sort(ends.begin(), ends.end());
+    for (size_t i = 1; i < ends.size(); ++i)
+        ends[i].first = std::max(ends[i].first, ends[i - 1].first + least);
+    double limit = frame.corner.y + frame.size.y + 4;
+    for (auto end = ends.rbegin(); end != ends.rend(); ++end, limit -= least)
+        end->first = std::min(end->first, limit);
+    for (const auto& [y, contender] : ends)
+        svg.text({frame.corner.x + frame.size.x + 8, y + 4}, label(results.contenders[contender]),
+                 "mark " + accent(results, contender));
+}
+
+std::string series_plot(const Results& results, const std::vector<Series>& series, const Axis& x,
                         const std::string& name, const std::string& x_title, const std::string& y_title) {
+    const auto x_label = [&](double value) {  // as the axis has it: its ticks may stand for something else
+        for (const Tick& tick : x.ticks)
+            if (tick.value == value) return tick.label;
+        return fmt::format("{:g}", value);
+    };
     std::vector<double> values;
     for (const Series& s : series)
         for (const Xy& p : s.points) values.push_back(p.y);
+    double longest = 0;
+    for (const Series& s : series)
+        longest = std::max(longest, text_width(label(results.contenders[s.contender])));
     Svg svg(plot_width, plot_height, name);
     Frame frame;
-    frame.x = std::move(x);
+    frame.size.x = plot_width - frame.corner.x - longest - 14;
+    frame.x = x;
     frame.y = log_axis(values);
     frame.draw(svg, x_title, y_title);
     for (const Series& s : series) {
@@ -98,8 +126,10 @@ std::string series_plot(const Results& results, const std::vector<Series>& serie
         svg.polyline(line, "line " + style);
         for (const Xy& p : s.points)
             svg.circle(frame.at(p.x, p.y), 2.2, "dot " + style,
-                       fmt::format("{}: {} at {:g}", label(results.contenders[s.contender]), number(p.y), p.x));
+                       fmt::format("{}: {} at {}", label(results.contenders[s.contender]), number(p.y),
+                                   x_label(p.x)));
     }
+    name_lines(svg, results, frame, series);
     return svg.str();
 }
 
@@ -148,11 +178,13 @@ std::string pareto_plot(const Results& results, size_t shot, Quality quality) {
         const auto value = quality_of(row->moving, quality);
         if (!cost || !value || !(*value > 0) || !(cost->median > 0)) continue;
         points.push_back({row, *cost, *value});
-        for (const double c : {cost->median, cost->low.value_or(cost->median), cost->high.value_or(cost->median)})
+        for (const double c :
+             {cost->median, cost->low.value_or(cost->median), cost->high.value_or(cost->median)})
             costs.push_back(c);
         values.push_back(*value);
     }
-    const char* y_title = quality == Quality::rmse ? "RMSE over all receivers" : "N_eff (effective rays per pixel)";
+    const char* y_title =
+        quality == Quality::rmse ? "RMSE over all receivers" : "N_eff (effective rays per pixel)";
     Svg svg(plot_width, plot_height,
             fmt::format("{} against {}, {}", y_title, cost_title(results), results.shots[shot].name));
     Frame frame;
@@ -188,7 +220,7 @@ std::string after_cut_plot(const Results& results, size_t shot) {
     Axis x{1, static_cast<double>(results.study.after_cut.back()), true, {}};
     for (uint32_t frame = 1; frame <= results.study.after_cut.back(); frame *= 2)
         x.ticks.push_back({static_cast<double>(frame), fmt::to_string(frame)});
-    return series_plot(results, error_series(results, shot, &Row::after_cut), std::move(x),
+    return series_plot(results, error_series(results, shot, &Row::after_cut), x,
                        fmt::format("error after a cut, {}", results.shots[shot].name),
                        "frames since the cut, nothing moves", "RMSE over all receivers");
 }
@@ -198,8 +230,8 @@ std::string over_time_plot(const Results& results, size_t shot) {
     for (const Judged& judged : rows_of(results, shot).front()->over_time)
         frames.push_back(static_cast<double>(judged.frame));
     return series_plot(results, error_series(results, shot, &Row::over_time), linear_axis(frames, true),
-                       fmt::format("error over time, {}", results.shots[shot].name), "frame of the moving shot",
-                       "RMSE over all receivers");
+                       fmt::format("error over time, {}", results.shots[shot].name),
+                       "frame of the moving shot", "RMSE over all receivers");
 }
 
 std::string passes_plot(const Results& results, size_t shot) {
@@ -217,22 +249,25 @@ std::string passes_plot(const Results& results, size_t shot) {
     const double height = static_cast<double>(rows.size()) * (bar + gap);
     Svg svg(width, height + 66, fmt::format("time per pass, {}", results.shots[shot].name));
     Frame frame{{left, 10}, {width - left - 60, height}, linear_axis({longest}, true), {}};
-    frame.draw(svg, cost_is_cpu(results) ? "CPU ms per frame, median per pass" : "GPU ms per frame, median per pass",
-               "");
+    frame.draw(
+        svg, cost_is_cpu(results) ? "CPU ms per frame, median per pass" : "GPU ms per frame, median per pass",
+        "");
     double y = 10 + gap / 2;
     for (const Row* row : rows) {
         const std::string style = accent(results, row->contender);
-        svg.text({left - 10, y + 17}, results.contenders[row->contender].id, "mark " + style, Svg::Anchor::end);
+        svg.text({left - 10, y + 17}, results.contenders[row->contender].id, "mark " + style,
+                 Svg::Anchor::end);
         double from = 0;
         size_t index = 0;
         for (const PassFigure& pass : row->passes) {
             if (!(pass.*figure)) continue;
             const double ms = (pass.*figure)->median;
             const Xy a = frame.at(from, 0), b = frame.at(from + ms, 0);
-            svg.rect({a.x, y}, {b.x - a.x, bar},
-                     fmt::format("pass {} {}", pass.pass.mask ? (index % 2 ? "odd" : "even") : "aside", style),
-                     fmt::format("{} / {}: {} ms{}", results.contenders[row->contender].id, pass.pass.node,
-                                 number(ms), pass.pass.mask ? "" : " (not part of the mask)"));
+            svg.rect(
+                {a.x, y}, {b.x - a.x, bar},
+                fmt::format("pass {} {}", pass.pass.mask ? (index % 2 ? "odd" : "even") : "aside", style),
+                fmt::format("{} / {}: {} ms{}", results.contenders[row->contender].id, pass.pass.node,
+                            number(ms), pass.pass.mask ? "" : " (not part of the mask)"));
             if (b.x - a.x > text_width(pass.pass.node, 10.5) + 6)
                 svg.text({(a.x + b.x) / 2, y + 17}, pass.pass.node, "on", Svg::Anchor::middle);
             from += ms;
@@ -257,14 +292,16 @@ std::string edge_plot(const Results& results, double width_px) {
         for (const EdgePoint& point : results.edge)
             if (point.contender == c && point.width_px == width_px && point.metrics.n_eff)
                 series.points.push_back(
-                    {static_cast<double>(std::find(speeds.begin(), speeds.end(), point.speed_px) - speeds.begin()),
+                    {static_cast<double>(std::find(speeds.begin(), speeds.end(), point.speed_px) -
+                                         speeds.begin()),
                      *point.metrics.n_eff});
         std::sort(series.points.begin(), series.points.end(), [](Xy a, Xy b) { return a.x < b.x; });
         all.push_back(std::move(series));
     }
-    return series_plot(results, all, std::move(x),
-                       fmt::format("effective samples behind an edge with a penumbra of {:g} pixels", width_px),
-                       "speed of the edge, pixels per frame (+: the shadow grows)", "N_eff");
+    return series_plot(
+        results, all, x,
+        fmt::format("effective samples behind an edge with a penumbra of {:g} pixels", width_px),
+        "speed of the edge, pixels per frame (+: the shadow grows)", "N_eff");
 }
 
 }  // namespace penumbra::report

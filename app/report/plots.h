@@ -18,7 +18,8 @@ bool cost_is_cpu(const Results& results);
 std::string cost_title(const Results& results);
 
 enum class Quality { rmse, n_eff };
-// Cost of the mask against its quality in the moving shot; a circle per row. Brute force is a line from raw on.
+// Cost of the mask against its quality in the moving shot; a circle per row. Brute force is a line from raw
+// on.
 std::string pareto_plot(const Results& results, size_t shot, Quality quality);
 
 // Error over all receivers against frames since a cut, in a scene that stands still.

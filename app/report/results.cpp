@@ -195,9 +195,10 @@ std::string to_csv(const Results& results) {
         };
         const auto& interval = row.moving.n_eff_ci95;
         out += fmt::format(
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n", csv_field(results.shots[row.shot].name),
-            csv_field(contender.id), contender.brute_force ? fmt::to_string(*contender.brute_force) : "",
-            estimate(row.mask_ms), estimate(row.mask_cpu_ms), median(row.frame_ms), median(row.frame_cpu_ms),
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n",
+            csv_field(results.shots[row.shot].name), csv_field(contender.id),
+            contender.brute_force ? fmt::to_string(*contender.brute_force) : "", estimate(row.mask_ms),
+            estimate(row.mask_cpu_ms), median(row.frame_ms), median(row.frame_cpu_ms),
             csv_number(row.rays_per_pixel), csv_number(row.moving.rmse_all),
             csv_number(row.moving.rmse_penumbra), csv_number(row.moving.n_eff),
             csv_number(interval ? std::optional((*interval)[0]) : std::nullopt),

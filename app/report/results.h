@@ -29,8 +29,8 @@ struct PassFigure {
 // One contender on one shot: a row of the tables, a point of the plots.
 struct Row {
     size_t shot = 0, contender = 0;
-    // Of the passes that the mask depends on, and of all passes, in the moving shot; `cost` is process CPU time
-    // on a CPU device, else GPU time: the figure to trust.
+    // Of the passes that the mask depends on, and of all passes, in the moving shot; `cost` is process CPU
+    // time on a CPU device, else GPU time: the figure to trust.
     std::optional<Estimate> mask_ms, frame_ms, mask_cpu_ms, frame_cpu_ms;
     std::vector<PassFigure> passes;
     std::optional<double> rays_per_pixel;  // mean, where passes count rays

@@ -135,8 +135,8 @@ std::vector<std::unique_ptr<Runner>> open_runners(Device& device, const NodeSet&
     std::vector<std::unique_ptr<Runner>> runners;
     std::vector<size_t> brute_force;
     const auto open = [&](std::vector<size_t> contenders) {
-        runners.push_back(Runner::open(device, nodes, list, std::move(contenders), shot, size, diagnostics,
-                                       warnings));
+        runners.push_back(
+            Runner::open(device, nodes, list, std::move(contenders), shot, size, diagnostics, warnings));
         return runners.back() != nullptr;
     };
     for (size_t c = 0; c < list.size(); ++c) {

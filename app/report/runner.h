@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contenders running on one shot. A runner executes one pipeline and yields the mask of each contender that it
-// stands for: one, or all of brute force, since N rays are the first N of more rays.
+// Contenders running on one shot. A runner executes one pipeline and yields the mask of each contender that
+// it stands for: one, or all of brute force, since N rays are the first N of more rays.
 #pragma once
 
 #include <memory>

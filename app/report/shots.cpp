@@ -31,8 +31,9 @@ OrderedJson standing_still(const fs::path& file, const fs::path& folder, uint32_
     cut_to_first_key(json);
     OrderedJson& scene = json["scene"];
     if (scene.is_string())
-        scene = fs::proximate(fs::absolute(file.parent_path() / scene.get<std::string>()), fs::absolute(folder))
-                    .generic_string();
+        scene =
+            fs::proximate(fs::absolute(file.parent_path() / scene.get<std::string>()), fs::absolute(folder))
+                .generic_string();
     else
         for (const char* motion : {"speed_px", "offset_px"}) scene.erase(motion);
     json["frames"] = frames;

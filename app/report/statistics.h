@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Medians with intervals that assume nothing of the distribution: timings on a shared machine have long tails.
-// The interval is that of order statistics: the number of samples below the true median is binomial(n, 1/2)
-// (David and Nagaraja, Order Statistics, 7.1).
+// Medians with intervals that assume nothing of the distribution: timings on a shared machine have long
+// tails. The interval is that of order statistics: the number of samples below the true median is binomial(n,
+// 1/2) (David and Nagaraja, Order Statistics, 7.1).
 #pragma once
 
 #include <optional>

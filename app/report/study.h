@@ -10,12 +10,12 @@ namespace penumbra::report {
 
 struct Study {
     std::array<uint32_t, 2> size{480, 270};
-    uint32_t seeds = 4;   // every run is repeated with seeds 1 to n
+    uint32_t seeds = 4;    // every run is repeated with seeds 1 to n
     uint32_t rays = 1024;  // per pixel of a penumbra, of the reference
     // Static: frames since a cut, from 1, at which the error is taken. They hold 1, 8 and 64, the headline's.
     std::vector<uint32_t> after_cut{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
-    // The shot as it is: its first frames, of which every nth is judged; the first `settling` ones are left out
-    // of pooled errors.
+    // The shot as it is: its first frames, of which every nth is judged; the first `settling` ones are left
+    // out of pooled errors.
     uint32_t moving_frames = 64, moving_every = 4, settling = 8;
     // A straight edge that moves: all speeds (pixels per frame across the edge, positive where the shadow
     // grows), at the frame at which the penumbra's middle passes the image's.
@@ -23,7 +23,8 @@ struct Study {
     uint32_t edge_frame = 63;
     std::vector<double> edge_widths_px{8, 16, 32};
     std::vector<double> edge_speeds_px{-4, -2, -1, -0.5, -0.25, -0.1, 0, 0.1, 0.25, 0.5, 1, 2, 4};
-    // Along the border of analytic scenes: what a denoiser does at the image's border is not in question there.
+    // Along the border of analytic scenes: what a denoiser does at the image's border is not in question
+    // there.
     uint32_t analytic_border_px = 24;
     uint32_t warm_up = 2;  // first frames of a run, left out of timings
 };

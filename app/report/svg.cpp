@@ -26,7 +26,8 @@ std::string tick_label(double value) {
 
 Svg::Svg(double width, double height, std::string_view label) {
     head_ = fmt::format(
-        "<svg viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" role=\"img\" aria-label=\"{}\">\n",
+        "<svg viewBox=\"0 0 {:.0f} {:.0f}\" width=\"{:.0f}\" height=\"{:.0f}\" role=\"img\" "
+        "aria-label=\"{}\">\n",
         width, height, width, height, escape(label));
 }
 
@@ -35,8 +36,8 @@ void Svg::close(std::string_view element, std::string_view title) {
 }
 
 void Svg::line(Xy a, Xy b, std::string_view style) {
-    body_ += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"{}/>\n", a.x, a.y, b.x, b.y,
-                         class_of(style));
+    body_ += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"{}/>\n", a.x, a.y, b.x,
+                         b.y, class_of(style));
 }
 
 void Svg::polyline(const std::vector<Xy>& points, std::string_view style) {
@@ -51,8 +52,8 @@ void Svg::path(std::string_view commands, std::string_view style, std::string_vi
 }
 
 void Svg::rect(Xy corner, Xy size, std::string_view style, std::string_view title, double radius) {
-    body_ += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"{}{}", corner.x, corner.y,
-                         std::max(size.x, 0.0), std::max(size.y, 0.0),
+    body_ += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\"{}{}", corner.x,
+                         corner.y, std::max(size.x, 0.0), std::max(size.y, 0.0),
                          radius > 0 ? fmt::format(" rx=\"{:g}\"", radius) : "", class_of(style));
     close("rect", title);
 }
@@ -115,14 +116,15 @@ Axis log_axis(const std::vector<double>& values) {
         std::vector<double> candidates;
         for (int decade = first_decade; decade <= last_decade; ++decade)
             for (const int digit : {1, 2, 5})
-                candidates.push_back(decade < 0 ? digit / std::pow(10, -decade) : digit * std::pow(10, decade));
+                candidates.push_back(decade < 0 ? digit / std::pow(10, -decade)
+                                                : digit * std::pow(10, decade));
         return candidates;
     };
-    const std::vector<double> candidates =
-        all(static_cast<int>(std::floor(std::log10(low))) - 1, static_cast<int>(std::ceil(std::log10(high))) + 1);
+    const std::vector<double> candidates = all(static_cast<int>(std::floor(std::log10(low))) - 1,
+                                               static_cast<int>(std::ceil(std::log10(high))) + 1);
     constexpr double slack = 1e-9;
-    const auto above = std::find_if(candidates.begin(), candidates.end(),
-                                    [&](double c) { return c >= high * (1 - slack); });
+    const auto above =
+        std::find_if(candidates.begin(), candidates.end(), [&](double c) { return c >= high * (1 - slack); });
     const auto below = std::find_if(candidates.rbegin(), candidates.rend(),
                                     [&](double c) { return c <= low * (1 + slack); });
     Axis axis{*below, *above, true, {}};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Inline SVG: shapes with classes that the page's style sheet colours, and axes with ticks that a person would
-// have chosen.
+// Inline SVG: shapes with classes that the page's style sheet colours, and axes with ticks that a person
+// would have chosen.
 #pragma once
 
 #include <array>
@@ -54,7 +54,8 @@ struct Axis {
 
 // Ticks at 1, 2, 5 times powers of ten that cover all values (of which there may be none).
 Axis linear_axis(const std::vector<double>& values, bool from_zero);
-// The same on a logarithmic scale, by decades where there are many; values that are not positive are left out.
+// The same on a logarithmic scale, by decades where there are many; values that are not positive are left
+// out.
 Axis log_axis(const std::vector<double>& values);
 
 // A plot's frame: where the axes stand in the figure, and how values become places.

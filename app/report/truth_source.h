@@ -19,7 +19,7 @@ class TruthSource {
     TruthSource(Device& device, Shot shot, std::array<uint32_t, 2> size, uint32_t rays,
                 uint32_t analytic_border_px, Diagnostics& diagnostics, std::vector<std::string>& warnings);
 
-    bool exact() const;                       // a closed form
+    bool exact() const;                        // a closed form
     bool ready() const { return !!session_; }  // false after an error
 
     struct Frame {

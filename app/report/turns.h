@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One run: every contender through the same frames under every seed, in turns. Keeps the masks of judged frames
-// and the cost of every frame that is warm.
+// One run: every contender through the same frames under every seed, in turns. Keeps the masks of judged
+// frames and the cost of every frame that is warm.
 #pragma once
 
 #include <functional>

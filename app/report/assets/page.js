@@ -4,10 +4,10 @@ for (const compare of document.querySelectorAll(".compare")) {
   const images = compare.parentElement.querySelectorAll(".strip img");
   const stage = compare.querySelector(".stage");
   const range = stage.querySelector("input");
-  const sides = ["left", "right"].map((side, index) => ({
+  const sides = ["left", "right"].map((side) => ({
     select: compare.querySelector(`.${side}-choice`),
     image: compare.querySelector(`.${side}-image`),
-    first: Number(compare.dataset[side] ?? index),
+    first: Number(compare.dataset[side]),
   }));
   for (const { select, image, first } of sides) {
     for (const source of images) select.add(new Option(source.alt));
@@ -15,7 +15,7 @@ for (const compare of document.querySelectorAll(".compare")) {
       image.src = images[select.selectedIndex].src;
       image.alt = images[select.selectedIndex].alt;
     };
-    select.selectedIndex = Math.min(first, images.length - 1);
+    select.selectedIndex = first;
     select.addEventListener("change", show);
     show();
   }
