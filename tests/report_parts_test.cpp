@@ -109,6 +109,7 @@ TEST(ReportHtml, Base64AgreesWithTheRfc) {
 }
 
 TEST(ReportHtml, NumbersKeepTheirSize) {
+    EXPECT_EQ(number(0.3141), "0.314");
     EXPECT_EQ(number(0.03141), "0.0314");
     EXPECT_EQ(number(31.41), "31.4");
     EXPECT_EQ(number(12345.6), "12346");

@@ -49,7 +49,7 @@ fs::path shipped_root() {
     if (holds_both(".")) return ".";
     fs::path folder = fs::read_symlink("/proc/self/exe", none).parent_path();
     for (; !folder.empty() && folder != folder.root_path(); folder = folder.parent_path())
-        if (holds_both(folder)) return folder;
+        if (holds_both(folder)) return fs::proximate(folder, none);
     return {};
 }
 

@@ -99,11 +99,11 @@ std::string base64(std::string_view bytes) {
 std::string number(double value) {
     if (!std::isfinite(value)) return "not finite";
     const double size = std::abs(value);
-    if (size >= 1000) return fmt::format("{:.0f}", value);
     if (size >= 100) return fmt::format("{:.0f}", value);
     if (size >= 10) return fmt::format("{:.1f}", value);
     if (size >= 1) return fmt::format("{:.2f}", value);
-    if (size >= 0.001 || size == 0) return fmt::format("{:.4f}", value);
+    if (size >= 0.1 || size == 0) return fmt::format("{:.3f}", value);
+    if (size >= 0.001) return fmt::format("{:.4f}", value);
     return fmt::format("{:.1e}", value);
 }
 

@@ -37,7 +37,7 @@ class Table {
 
 std::string base64(std::string_view bytes);  // RFC 4648, padded
 
-// Four significant digits without an exponent in the range of interest, "-" for nothing.
+// Two to three significant digits, without an exponent down to 0.001; a dash for nothing.
 std::string number(double value);
 template <class Optional>
 std::string number_or_dash(const Optional& value) {

@@ -20,6 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr uint32_t largest_magnification = 4;  // of the slider's images
+
 std::string data_uri(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
@@ -27,10 +29,13 @@ std::string data_uri(const fs::path& file) {
     return "data:image/png;base64," + base64(bytes);
 }
 
-std::string image_figure(const fs::path& file, const std::string& name, const std::string& caption) {
-    return fmt::format(
-        "<figure><img src=\"{}\" alt=\"{}\" loading=\"lazy\"><figcaption>{}</figcaption></figure>\n",
-        data_uri(file), escape(name), caption);
+std::string image(const fs::path& file, const std::string& name) {
+    return fmt::format("<img src=\"{}\" alt=\"{}\">", data_uri(file), escape(name));
+}
+
+std::string image_figure(const std::string& images, const std::string& caption) {
+    return fmt::format("<figure><div class=\"pair\">{}</div><figcaption>{}</figcaption></figure>\n", images,
+                       escape(caption));
 }
 
 std::string fact(const std::string& name, const std::string& value) {
@@ -53,17 +58,16 @@ std::string legend(const Results& results) {
 
 std::string images(const Results& results, size_t shot, const fs::path& folder) {
     const ShotFacts& facts = results.shots[shot];
-    std::string out = image_figure(folder / facts.reference_image, "reference", "reference");
+    std::string out = image_figure(image(folder / facts.reference_image, "reference"), "reference");
     for (const Row& row : results.rows) {
         if (row.shot != shot || row.images.size() != 2) continue;
         const std::string name = label(results.contenders[row.contender]);
-        const Judged* judged = nullptr;
-        for (const Judged& j : row.over_time)
-            if (j.frame == facts.image_frame) judged = &j;
-        out += image_figure(folder / row.images[0], name, escape(name));
-        out += image_figure(folder / row.images[1], name + ", error",
-                            fmt::format("{}, error: RMSE {}", escape(name),
-                                        number_or_dash(judged ? judged->metrics.rmse_all : std::nullopt)));
+        std::optional<double> rmse;
+        for (const Judged& judged : row.over_time)
+            if (judged.frame == facts.image_frame) rmse = judged.metrics.rmse_all;
+        out += image_figure(
+            image(folder / row.images[0], name) + image(folder / row.images[1], name + ", error"),
+            fmt::format("{}: RMSE {}", name, number_or_dash(rmse)));
     }
     return out;
 }
@@ -97,6 +101,7 @@ std::string shot_section(const Results& results, size_t shot, const fs::path& fo
                                     {"passes", passes_plot(results, shot)},
                                     {"left", fmt::to_string(slider_choice(results, true))},
                                     {"right", fmt::to_string(slider_choice(results, false))},
+                                    {"stage_width", fmt::to_string(largest_magnification * facts.size[0])},
                                     {"aspect", fmt::format("{} / {}", facts.size[0], facts.size[1])},
                                     {"image_frame", fmt::to_string(facts.image_frame)},
                                     {"images", images(results, shot, folder)},
