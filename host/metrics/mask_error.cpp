@@ -95,6 +95,18 @@ void MetricSums::add(const MetricSums& other) {
     blocks.insert(blocks.end(), other.blocks.begin(), other.blocks.end());
 }
 
+void MetricSums::add_correlated(const MetricSums& other) {
+    if (blocks.size() < other.blocks.size())
+        throw std::invalid_argument("add_correlated: no frame of this size before");
+    const size_t first = blocks.size() - other.blocks.size();
+    add(other);
+    for (size_t i = 0; i < other.blocks.size(); ++i) {
+        blocks[first + i].signal += other.blocks[i].signal;
+        blocks[first + i].squares += other.blocks[i].squares;
+    }
+    blocks.resize(first + other.blocks.size());
+}
+
 void check_sizes(const ComparedFrame& frame, const char* caller) {
     const size_t pixels = frame.pixels();
     bool fits = frame.truth.size() == pixels && frame.counted.size() == pixels && !frame.seeds.empty() &&

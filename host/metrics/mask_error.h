@@ -14,7 +14,8 @@
 
 namespace penumbra {
 
-constexpr uint32_t metric_block_px = 32;  // pixels nearer than this are not independent
+// Errors nearer than this, in pixels and in frames, are not independent of each other.
+constexpr uint32_t metric_block_px = 32, metric_block_frames = 32;
 
 struct ErrorSum {
     uint64_t pixels = 0;
@@ -34,9 +35,11 @@ struct MetricSums {
     struct Block {
         double signal = 0, squares = 0;
     };
-    std::vector<Block> blocks;
+    std::vector<Block> blocks;  // for the interval of confidence
 
     void add(const MetricSums& other);
+    // Of a frame so near in time that its blocks are the last frame's blocks once more.
+    void add_correlated(const MetricSums& other);
 };
 
 MetricSums measure(const ComparedFrame& frame);
