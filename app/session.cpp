@@ -39,6 +39,10 @@ void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnos
 
 }  // namespace
 
+bool standalone_has_input(std::string_view name) {
+    return std::find(known_slots.begin(), known_slots.end(), name) != known_slots.end();
+}
+
 DeviceHandles handles_of(const Device& device) {
     return {device.instance(), device.physical(), device.get(), device.queue_family()};
 }
@@ -157,10 +161,10 @@ void Session::set_param(std::string_view name, const ParamValue& value) {
         if (pass.entry && pass.entry->type.param(name)) view_->set_param(pass.node, name, value);
 }
 
-void Session::repeat_frame() {
+FrameCost Session::repeat_frame(std::optional<uint32_t> noise_frame) {
     last_.flags &= ~uint32_t{frame_reset};
-    const std::vector<SlotBinding> slots = bind_slots();
-    device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, last_, slots); });
+    if (noise_frame) last_.index = *noise_frame;
+    return run_passes([](VkCommandBuffer) {}, {});
 }
 
 void Session::draw_cascades(uint32_t index, FrameCost& cost) {
@@ -182,14 +186,19 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     traced_frame_ = index;
     write_blocks(frame);
     last_ = frame.description;
-    const std::vector<SlotBinding> slots = bind_slots();
-    const bool pass_by_pass = plan().cpu;
     FrameCost cost;
     if (cascade_maps_) draw_cascades(index, cost);
+    return run_passes([&](VkCommandBuffer cmd) { host_->record(cmd, frame); }, std::move(cost));
+}
+
+// What is recorded before the passes is no part of their cost.
+FrameCost Session::run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost) {
+    const std::vector<SlotBinding> slots = bind_slots();
+    const bool pass_by_pass = plan().cpu;
     cost.pass_cpu_ms.resize(plan().passes.size());
     device_.run([&](VkCommandBuffer cmd) {
-        host_->record(cmd, frame);
-        if (pass_by_pass) view_->begin(cmd, frame.description, slots);
+        record_before(cmd);
+        if (pass_by_pass) view_->begin(cmd, last_, slots);
     });
     if (pass_by_pass) {
         for (size_t p = 0; p < plan().passes.size(); ++p) {
@@ -201,7 +210,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
         device_.run([&](VkCommandBuffer cmd) { view_->end(cmd); });
     } else {
         const double before = process_cpu_ms();
-        device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, frame.description, slots); });
+        device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, last_, slots); });
         cost.cpu_ms = process_cpu_ms() - before;
     }
     cost.passes = view_->statistics();

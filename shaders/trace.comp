@@ -54,9 +54,11 @@ bool hits_something(ivec2 p, float t_min, float t_max) {
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
     const vec3 in_scene = relative + scene.camera_from_origin;
     const vec3 origin = in_scene + n * offset_m(p, z, n, relative, in_scene);
+    const vec3 direction = ray_direction(p);
     if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
-    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, ray_direction(p), t_min, t_max);
-    return occluded(origin, ray_direction(p), t_min, t_max);
+    else if (points_into_surface(n, direction)) return true;
+    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, direction, t_min, t_max);
+    return occluded(origin, direction, t_min, t_max);
 }
 
 void main() {
