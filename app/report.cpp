@@ -87,6 +87,27 @@ OrderedJson counts(const Plan& plan, const OrderedJson& passes) {
     return out;
 }
 
+// The sun's shadow maps, which the host draws before the graph's passes; null where the pipeline reads none.
+OrderedJson cascades_json(const Session& session, std::array<uint32_t, 2> frames,
+                          std::span<const FrameCost> costs) {
+    if (!session.cascade_maps()) return nullptr;
+    const CascadeFit fit = session.host().cascade_fit(frames[1]);
+    OrderedJson texels = OrderedJson::array();
+    for (uint32_t i = 0; i < fit.count; ++i) texels.push_back(fit.areas[i].texel_m);
+    const auto cpu = [&](bool drawn) {
+        return median(collect(costs, [&](const FrameCost& c) {
+            return c.cascades_drawn == drawn ? c.cascades_cpu_ms : std::nullopt;
+        }));
+    };
+    return {{"size", fit.size},
+            {"texel_m", texels},
+            {"drawn_share",
+             costs.empty() ? OrderedJson()
+                           : OrderedJson(double(std::ranges::count_if(costs, &FrameCost::cascades_drawn)) /
+                                         double(costs.size()))},
+            {"cpu_ms", {{"drawn", cpu(true)}, {"kept", cpu(false)}}}};
+}
+
 // {"nodes.filter0.params.step": 2}, the last setting of a path wins.
 OrderedJson settings_json(const std::vector<std::string>& settings) {
     OrderedJson out = OrderedJson::object();
@@ -158,6 +179,7 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"facts", facts_json(plan)},
             {"frame_ms", {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}, {"min", quantile(ms, 0)}}},
             {"cpu_ms", {{"median", median(cpu)}, {"p95", quantile(cpu, 0.95)}}},
+            {"cascades", cascades_json(session, frames, warm)},
             {"passes", passes},
             {"culled", culled_json(plan)},
             {"memory", memory_json(plan)},

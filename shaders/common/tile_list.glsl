@@ -6,6 +6,7 @@
 // The order of the list follows the scheduling and must never show in the image.
 
 const uint TILES_PER_ROW = 32768u;
+const float WHOLE_RAY_M = 1e30;  // a record's t_max; finite: its product with a slab test's margin must not overflow
 
 #ifdef APPENDS_TILES
 // Called by every invocation that is alive; one atomic per subgroup.
