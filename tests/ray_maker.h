@@ -36,6 +36,11 @@ class RayMaker {
     }
 
     Ray ray(uint32_t x, uint32_t y, float depth, uint32_t normal_texel) const {
+        return ray(x, y, depth, normal_texel, sample(x, y));
+    }
+
+    // Towards the point of the sun's disc that `u` of the unit square stands for.
+    Ray ray(uint32_t x, uint32_t y, float depth, uint32_t normal_texel, const glm::dvec2& u) const {
         const Camera& camera = frame_.description.camera;
         const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
         const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
@@ -47,7 +52,7 @@ class RayMaker {
         const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
         const glm::dvec3 n = normal(normal_texel);
         const glm::dvec3 origin = in_scene + n * offset(n, relative, in_scene, z);
-        const glm::dvec3 direction = sun_direction(sample(x, y));
+        const glm::dvec3 direction = sun_direction(u);
         Ray ray{};
         for (int c = 0; c < 3; ++c) {
             ray.origin[c] = static_cast<float>(origin[c]);
