@@ -71,9 +71,18 @@ OrderedJson counts(const Plan& plan, const OrderedJson& passes) {
                 sum = (sum.is_null() ? 0 : sum.get<uint64_t>()) + it->get<uint64_t>();
         return sum;
     };
-    for (const char* name : {"receivers", "lit", "shadowed", "unknown"}) out[name] = counted(name);
+    // Passes that decide one after the other leave open what the last of them leaves open.
+    const auto left = [&](const char* name) {
+        OrderedJson last;
+        for (const OrderedJson& pass : passes)
+            if (const auto it = pass["counters"].find(name); it != pass["counters"].end()) last = *it;
+        return last;
+    };
+    for (const char* name : {"receivers", "lit", "shadowed"}) out[name] = counted(name);
+    out["unknown"] = left("unknown");
     out["tiles"] = tiles;
-    for (const char* name : {"tiles_listed", "rays"}) out[name] = counted(name);
+    out["tiles_listed"] = left("tiles_listed");
+    out["rays"] = counted("rays");
     out["penumbra_pixels"] = nullptr;  // known to the reference alone
     return out;
 }

@@ -3,6 +3,7 @@
 // and waited for before the next one, since its results are read back.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -51,8 +52,9 @@ class Session {
 
     FrameCost run_frame(uint32_t index, bool reset);
 
-    // The last frame's passes once more, on the same inputs and the history that they have just left.
-    void repeat_frame();
+    // The last frame's passes once more, on the same inputs and the history that they have just left; with
+    // the noise of another frame where its number is given.
+    FrameCost repeat_frame(std::optional<uint32_t> noise_frame = {});
     // A dynamic parameter of every node that has one of this name, from the next frame on.
     void set_param(std::string_view name, const ParamValue& value);
 
@@ -67,6 +69,8 @@ class Session {
     std::vector<SlotBinding> bind_slots() const;
     void write_blocks(const StandaloneFrame& frame);
     void draw_cascades(uint32_t index, FrameCost& cost);
+    // Adds what the passes cost to `cost`.
+    FrameCost run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost);
 
     Device& device_;
     uint32_t seed_ = 0;
@@ -79,6 +83,9 @@ class Session {
     MappedBuffer sun_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
+
+// Whether the standalone host brings an input of this name.
+bool standalone_has_input(std::string_view name);
 
 // Host inputs that the standalone host can provide, in the formats it renders.
 Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size, const Facts& facts,

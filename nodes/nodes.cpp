@@ -12,12 +12,14 @@ namespace penumbra {
 
 #define PENUMBRA_NODES(X) \
     X(accumulate)         \
+    X(beams)              \
     X(cascade_pcf)        \
     X(cascade_pyramid)    \
     X(cascade_taps)       \
     X(cascades)           \
     X(classify)           \
     X(clear)              \
+    X(cones)              \
     X(copy)               \
     X(filter)             \
     X(guides)             \

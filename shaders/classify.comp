@@ -33,6 +33,9 @@ void main() {
     if (in_grid) {
         receiver_words[tile_index(tile)] = receivers;
         preloaded_hits[tile_index(tile)] = shadowed;
+#if HAS_UNDECIDED_WORDS
+        undecided_words[tile_index(tile)] = undecided;
+#endif
     }
     append_tile(undecided != 0u, pack_tile(tile, undecided, 0.0, WHOLE_RAY_M));
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel. Lanes are dealt out in blocks
-// of 4x2 pixels, so that the 8 lanes of a software device's subgroup walk the tree together.
+// One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel.
 // Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl. A sun
 // that is a point takes no noise.
 #include "node.glsl"
@@ -55,16 +54,18 @@ bool hits_something(ivec2 p, float t_min, float t_max) {
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
     const vec3 in_scene = relative + scene.camera_from_origin;
     const vec3 origin = in_scene + n * offset_m(p, z, n, relative, in_scene);
+    const vec3 direction = ray_direction(p);
     if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
-    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, ray_direction(p), t_min, t_max);
-    return occluded(origin, ray_direction(p), t_min, t_max);
+    else if (points_into_surface(n, direction)) return true;
+    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, direction, t_min, t_max);
+    return occluded(origin, direction, t_min, t_max);
 }
 
 void main() {
     uvec4 record;
     if (!listed_tile(record)) return;  // the whole workgroup
     const int lane = int(gl_LocalInvocationIndex);
-    const ivec2 in_tile = ivec2((lane >> 3 & 1) * 4 + (lane & 3), (lane >> 4) * 2 + (lane >> 2 & 1));
+    const ivec2 in_tile = pixel_of_lane(lane);
     const ivec2 tile = tile_of(record);
     const uint bit = pixel_bit(in_tile);
     const bool wanted = (record.y & bit) != 0u;
