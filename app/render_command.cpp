@@ -87,7 +87,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         }
     }
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
-    const auto report = render_report(arguments, *session, device.info(), job.frames, costs, outputs);
+    const auto report =
+        render_report(arguments, *session, device.info(), job.frames, costs, outputs, warnings);
     const std::string text = report.dump(2) + "\n";
     write_file(folder / "report.json", std::as_bytes(std::span(text)));
     print_summary(report);

@@ -123,9 +123,15 @@ std::string declare_scene(const Port& port, const Variant& variant, uint32_t b) 
         text = fmt::format("layout(set = 0, binding = {}) uniform accelerationStructureEXT {}_tlas;\n", b++,
                            port.name);
     else
-        for (const char* array : {"nodes", "leaves"})
+        for (const SceneTexels& texels : scene_tree_slots)
             text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
-                                port.name, array);
+                                port.name, texels.slot);
+    if (variant.alpha) {
+        text += fmt::format("#define {}_ALPHA 1\n", upper(port.name));
+        for (const SceneTexels& texels : scene_alpha_slots)
+            text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
+                                port.name, texels.slot);
+    }
     return text + fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ Scene {}; }};\n", b,
                               port.name, port.name);
 }
@@ -322,9 +328,12 @@ bool fits(const Param& param, const ParamValue& value) {
 }
 
 const Param* backend_choice(const NodeType& type) {
-    const bool traces = std::any_of(type.ports.begin(), type.ports.end(),
-                                    [](const Port& port) { return port.kind == PortKind::scene; });
-    return traces ? type.param(backend_param) : nullptr;
+    return traces_scene(type) ? type.param(backend_param) : nullptr;
+}
+
+bool traces_scene(const NodeType& type) {
+    return std::any_of(type.ports.begin(), type.ports.end(),
+                       [](const Port& port) { return port.kind == PortKind::scene; });
 }
 
 bool uses_ray_query(const Variant& variant) {
@@ -344,6 +353,7 @@ std::string to_string(const Variant& variant) {
         key += fmt::format("{}{}={:d}", key.empty() ? "" : ",", port, present);
     if (!variant.backend.empty())
         key += fmt::format("{}{}={}", key.empty() ? "" : ",", backend_param, variant.backend);
+    if (variant.alpha) key += fmt::format("{}alpha=1", key.empty() ? "" : ",");
     return key;
 }
 
@@ -369,6 +379,7 @@ std::vector<Variant> all_variants(const NodeType& type) {
         std::erase(backends, "auto");
         multiply(backends.size(), [&](Variant& v, size_t i) { v.backend = backends[i]; });
     }
+    if (traces_scene(type)) multiply(2, [&](Variant& v, size_t i) { v.alpha = i == 1; });
     return variants;
 }
 

@@ -14,8 +14,7 @@ namespace penumbra {
 
 std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
                                 std::vector<std::string>& warnings) {
-    std::optional<Model> model =
-        shot.half_plane ? half_plane_model(shot) : load_gltf(shot.model, diagnostics);
+    std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_gltf(shot.model, diagnostics);
     if (!model || !check_objects(shot, *model, diagnostics)) return std::nullopt;
     for (const std::string& warning : model->warnings)
         warnings.push_back(shot.model.string() + ": " + warning);
@@ -49,7 +48,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     description.index = index;
     description.dt_s = static_cast<float>(1 / shot_.fps);
     description.flags = has_previous ? 0u : uint32_t(frame_reset);
-    if (shot_.half_plane) description.flags |= frame_orthographic;
+    if (shot_.analytic) description.flags |= frame_orthographic;
 
     const SunState sun = sun_at(shot_, index);
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());

@@ -93,11 +93,11 @@ Shot far_away(Shot shot) {
 
 Shot edge(double speed_px) {
     Shot shot;
-    shot.half_plane = HalfPlane{8, 17, speed_px, 0};
+    shot.analytic = AnalyticScene{.penumbra_px = 8, .edge_deg = 17, .speed_px = speed_px};
     shot.size = {64, 48};
     shot.frames = 100;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    add_half_plane_motion(shot);
+    add_analytic_motion(shot);
     return shot;
 }
 
@@ -234,7 +234,7 @@ CheckedPipeline pipeline_with(const std::string& name, const std::string& patch 
 
 Facts facts_of(const Row& row) {
     return shot_facts(row.shot,
-                      Scene(row.shot.half_plane ? half_plane_model(row.shot) : row.model, row.shot));
+                      Scene(row.shot.analytic ? analytic_model(row.shot) : row.model, row.shot));
 }
 
 Plan plan_of(const std::string& name, const Facts& facts, const std::string& patch = "") {

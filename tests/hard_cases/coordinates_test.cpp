@@ -442,7 +442,7 @@ TEST_F(HardCase, TheUnitOfLengthIsNowhereToBeSeen) {
 
 TEST_F(HardCase, ShadowsAreWhereTheyAreToATwentiethOfAPixel) {
     Shot shot;
-    shot.half_plane = HalfPlane{8, 0, 0, 0};
+    shot.analytic = AnalyticScene{.penumbra_px = 8};
     shot.size = {96, 64};
     shot.frames = 64;
     shot.sun = {{0, {0.3, 0.2, 1}}};

@@ -18,7 +18,7 @@ namespace {
 
 Shot edge_shot(double width_px, double edge_deg, std::array<uint32_t, 2> size, uint32_t frames = 64) {
     Shot shot;
-    shot.half_plane = HalfPlane{width_px, edge_deg, 0, 0};
+    shot.analytic = AnalyticScene{.penumbra_px = width_px, .edge_deg = edge_deg};
     shot.size = size;
     shot.frames = frames;
     shot.sun = {{0, {0.3, 0.2, 1}}};
