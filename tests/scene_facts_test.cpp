@@ -233,8 +233,7 @@ CheckedPipeline pipeline_with(const std::string& name, const std::string& patch 
 }
 
 Facts facts_of(const Row& row) {
-    return shot_facts(row.shot,
-                      Scene(row.shot.analytic ? analytic_model(row.shot) : row.model, row.shot));
+    return shot_facts(row.shot, Scene(row.shot.analytic ? analytic_model(row.shot) : row.model, row.shot));
 }
 
 Plan plan_of(const std::string& name, const Facts& facts, const std::string& patch = "") {
