@@ -28,17 +28,16 @@ class Reference : public GpuTest {
     }
 };
 
-struct Agreement {
+struct FormError {
     double rms = 0, worst = 0;  // over the penumbra; over all receivers
     size_t penumbra = 0;
 };
 
 // 65 536 stratified rays per pixel of the penumbra against the closed form.
-Agreement converge(Session& session, uint32_t frame) {
+FormError converge(Session& session, uint32_t frame) {
     const Shot& shot = session.host().shot();
-    const penumbra::Truth counted = counted_truth(session, frame, 65536),
-                          exact = analytic_truth(shot, frame);
-    Agreement out;
+    const penumbra::Truth counted = counted_truth(session, frame, 65536), exact = analytic_truth(shot, frame);
+    FormError out;
     double squares = 0;
     for (size_t p = 0; p < exact.visibility.size(); ++p) {
         if (exact.receiver[p] == 0) continue;
@@ -72,7 +71,7 @@ TEST_P(AnalyticReference, ConvergesToTheClosedForm) {
     shot.sun = {{0, {0.3, 0.2, 1}}};
     ASSERT_FALSE(analytic_problem(shot, 0)) << analytic_problem(shot, 0)->text;
     add_analytic_motion(shot);
-    const Agreement found = converge(*open(shot), 5);
+    const FormError found = converge(*open(shot), 5);
     std::printf("%s: rms %.2g, largest %.2g over %zu pixels of penumbra\n", c.name, found.rms, found.worst,
                 found.penumbra);
     EXPECT_GT(found.penumbra, 40u);
