@@ -143,6 +143,21 @@ float stochastically_rounded(float visibility, ivec2 p) {
     return floor(visibility * 2048.0 + random) / 2048.0;
 }
 
+uint same_surface(ivec2 p) {
+    const float z = imageLoad(view_depth, p).x;
+    const vec3 here = position(p, z);
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const float tolerance_m = params.hk * pixel_span_m(z);
+    uint same = 0u;
+    for (int i = 0; i < 9; ++i) {
+        const ivec2 q = clamp(p + ivec2(i % 3 - 1, i / 3 - 1), ivec2(0), ivec2(frame.size) - 1);
+        const float zq = imageLoad(view_depth, q).x;
+        const vec3 nq = unit_or_zero(decode_normal(imageLoad(guide_normal, q)));
+        if (dot(n, nq) > SAME_FACE && lies_on_plane(position(q, zq), here, n, tolerance_m)) same |= 1u << i;
+    }
+    return same;
+}
+
 void main() {
     const int lane = int(gl_LocalInvocationID.x), column = lane & 7;
     const ivec2 block = ivec2(gl_GlobalInvocationID.x >> 3, gl_GlobalInvocationID.y);
@@ -189,18 +204,31 @@ void main() {
         if (inside_frame(p)) {
             const bool receives = (around.receivers[2 + (j >> 2)].y & pixel_bit(p)) != 0u;
             // A uniform block's pixels, and whatever receives nothing: that is lit.
-            vec2 signal = vec2(state == BLOCK_SHADOWED && receives ? 0.0 : 1.0, 0.0);
+            vec2 est = vec2(state == BLOCK_SHADOWED && receives ? 0.0 : 1.0, 0.0);
             float samples = CAP;
+            float history_out = est.x;
             if (state == BLOCK_WORK && receives) {
                 const float soft = j < 4 ? softness.x : softness.y;
+                const int votes = max(unanimous(around, column, j, 1), max(unanimous(around, column, j, 2), unanimous(around, column, j, 3)));
+                if (votes > 0 && past[j].count > 0.0) {
+                    const float agreed = bit[j] > 0.5 ? past[j].visibility : 1.0 - past[j].visibility;
+                    if (pow(agreed, float(votes)) < params.chance) past[j] = Past(bit[j], 1.0, 0.0);
+                }
                 const float error = resampling_error(past[j]);
                 const float trusted = min(past[j].count, (1.0 - error) / max(error, 1e-3));
                 samples = min(trusted * forget + 1.0, CAP);
                 const float v = mix(past[j].visibility, bit[j], 1.0 / samples);
-                signal = vec2(stochastically_rounded(v, p),
+                history_out = stochastically_rounded(v, p);
+                const uint same = params.hk > 0.0 ? same_surface(p) : 511u;
+                const uint pattern = pattern_at(around, column, j, same);
+                const vec2 guess = texelFetch(edge_patterns, ivec2(pattern & 31u, pattern >> 5), 0).xy;
+                const float gained = max(pow(samples, CONVERGENCE) - 1.0, 0.0);
+                const float share = (soft < params.pattern_soft ? params.pattern_samples / (params.pattern_samples + gained) : 0.0) * smoothstep(params.ha, params.hb, soft);
+                est = vec2(mix(v, guess.x, share),
                               tolerance_of(v, samples, means[j], soft) * (1.0 - error) * (1.0 - error));
             }
-            imageStore(accumulated, p, vec4(signal, 0.0, 0.0));
+            imageStore(accumulated, p, vec4(history_out));
+            imageStore(signal, p, vec4(est, 0.0, 0.0));
             imageStore(count, p, vec4(samples / CAP));
         }
     }
