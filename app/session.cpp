@@ -79,7 +79,9 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     host_options.jitter = options.jitter;
     session->host_ =
         std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
-    Target target = standalone_target(table, options.size, session->host_->facts());
+    Facts facts = options.facts;
+    facts.merge(session->host_->facts());  // keeps what is there
+    Target target = standalone_target(table, options.size, facts);
     for (const HostInput& input : pipeline.inputs)
         if (input.optional &&
             std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())

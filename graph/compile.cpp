@@ -391,6 +391,10 @@ class Compiler {
                 port.updates.empty())
                 choices_.back().push_back({&port, c.resource, c.source, node.id});
         }
+        for (const Table& table : node.type->tables)
+            if (!table.condition.empty())
+                plan_.passes.back().variant.present[table.name] =
+                    holds(table.condition, target_.facts, node.params);
     }
 
     const ClassOverrides& overrides(const BoundNode& node) const {

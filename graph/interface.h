@@ -61,10 +61,11 @@ bool fits(const Param& param, const ParamValue& value);
 // exist, and the trace backend.
 struct Variant {
     std::map<std::string, Format> formats;  // storage image ports with more than one format
-    std::map<std::string, bool> present;    // optional and conditional ports
+    std::map<std::string, bool> present;    // optional and conditional ports, conditional tables
     std::string backend;                    // "bvh" or "ray_query"; empty: the type has no choice
 };
 bool uses_ray_query(const Variant& variant);
+bool exists(const Variant& variant, const std::string& port_or_table);
 std::string to_string(
     const Variant& variant);  // the key of ShaderVariants: "filtered=r8,history=1"; "" if no choice
 std::vector<Variant> all_variants(const NodeType& type);

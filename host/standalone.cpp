@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/analytic.h"
 #include "host/gltf.h"
+#include "host/shot_facts.h"
 
 namespace penumbra {
 
@@ -70,20 +70,7 @@ void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& fra
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {
-    bool sun_up = false;
-    for (uint32_t frame = 0; frame < shot_.frames && !sun_up; ++frame) {
-        const SunState sun = sun_at(shot_, frame);
-        const double up = shot_.half_plane ? sun.to_sun.z : sun.to_sun.y;  // analytic receivers face +z
-        sun_up = std::asin(up) > -sun.angular_radius;
-    }
-    return {{"sun_up", sun_up},
-            {"sun_disc", shot_.sun_angular_radius_deg > 0},
-            {"casters", !scene_.instances().empty()},
-            {"alpha", false},
-            {"many_cascades", false},
-            {"moves", moves(shot_)},
-            {"motion_3d", true},
-            {"hdr", false}};
+    return shot_facts(shot_, scene_);
 }
 
 }  // namespace penumbra

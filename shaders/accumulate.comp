@@ -3,7 +3,9 @@
 // - The average is 1/n of each of the last n <= 32 samples and is kept unfiltered: it converges to the pixel's own
 //   visibility, however narrow the penumbra. Low-discrepancy samples make it worth far more than 32 independent ones.
 // - n restarts where the surface was not seen before, and shrinks where the shadow moves (common/drift.glsl).
-// - Beside the average stands a tolerance: its deviation, wider the softer the shadow's edge is here and 0 at a hard one
+// - Where n is small, what the bits of 3x3 pixels say together joins the average (common/edge_pattern.glsl), for the filters
+//   and not for the history.
+// - Beside it stands a tolerance: its deviation, wider the softer the shadow's edge is here and 0 at a hard one
 //   (common/bit_window.glsl). The filters mix values that differ by less.
 // - Blocks of 8x8 pixels whose surroundings agree are what they say, at once and without a history.
 // An invocation owns a column of a block.
@@ -11,6 +13,7 @@
 #include "common/bit_window.glsl"
 #include "common/camera.glsl"
 #include "common/drift.glsl"
+#include "common/edge_pattern.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/previous_surface.glsl"
@@ -23,6 +26,7 @@ const float HARD = 2.2;                 // softness below which nothing is filte
 const float LARGEST_GAIN = 20.0;        // of the filters' tolerance squared
 const float PRIOR = 2.0;                // samples that the neighbourhood's mean is worth in a pixel's variance
 const float CONVERGENCE = 1.75;         // of the average: variance ~ n^-1.75, chosen by what the filters gain
+const float LEAST_SHARE = 1.0 / 64.0;   // of the pattern: less is not worth asking nine pixels' surface
 
 Surroundings surroundings(ivec2 block) {
     Surroundings around;
@@ -61,6 +65,7 @@ bool history_at(ivec2 q, out float visibility) {
     return visibility >= 0.0 && visibility <= 1.0;
 }
 
+#if HAS_MOTION
 bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
     const float z = imageLoad(view_depth_prev, q).x;
@@ -113,6 +118,15 @@ Past past_of(ivec2 p, float z) {
     if (weights > 0.99 && high > low) past.visibility = sharper(corner, t, low, high, past.visibility);
     return past;
 }
+#else
+// Nothing moves: the pixel's past is its own. Where jitter moved an edge across it, the past is that of both surfaces,
+// as the picture is; a pixel that showed the sky has none, its count is 0.
+Past past_of(ivec2 p, float z) {
+    float v = 0.0;
+    if ((frame.flags & FRAME_RESET) != 0u || !history_at(p, v)) return NO_PAST;
+    return Past(v, CAP * imageLoad(count_prev, p).x, 0.0);
+}
+#endif
 
 // Where neighbouring texels differ by more than their noise, the camera's motion has put an edge between them whose
 // place resampling cannot know and this frame's sample does. From 0: nothing of the kind, to 1: a hard edge.
@@ -143,19 +157,23 @@ float stochastically_rounded(float visibility, ivec2 p) {
     return floor(visibility * 2048.0 + random) / 2048.0;
 }
 
-uint same_surface(ivec2 p) {
-    const float z = imageLoad(view_depth, p).x;
-    const vec3 here = position(p, z);
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
-    const float tolerance_m = params.hk * pixel_span_m(z);
-    uint same = 0u;
+// Which of 3x3 pixels show the surface of the centre.
+uint surface_around(ivec2 p) {
+    const float z = imageLoad(view_depth, p).x, tolerance_m = params.plane_tolerance * pixel_span_m(z);
+    const vec3 here = position(p, z), n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    uint surface = 0u;
     for (int i = 0; i < 9; ++i) {
-        const ivec2 q = clamp(p + ivec2(i % 3 - 1, i / 3 - 1), ivec2(0), ivec2(frame.size) - 1);
-        const float zq = imageLoad(view_depth, q).x;
-        const vec3 nq = unit_or_zero(decode_normal(imageLoad(guide_normal, q)));
-        if (dot(n, nq) > SAME_FACE && lies_on_plane(position(q, zq), here, n, tolerance_m)) same |= 1u << i;
+        const ivec2 q = clamp(p + ivec2(i % 3, i / 3) - 1, ivec2(0), ivec2(frame.size) - 1);
+        const vec3 n_tap = unit_or_zero(decode_normal(imageLoad(guide_normal, q)));
+        if (dot(n, n_tap) > SAME_FACE && lies_on_plane(position(q, imageLoad(view_depth, q).x), here, n, tolerance_m))
+            surface |= 1u << i;
     }
-    return same;
+    return surface;
+}
+
+// How much the pattern of bits counts beside an average of that many samples.
+float share_of_pattern(float samples) {
+    return params.pattern_samples / (params.pattern_samples + pow(samples, CONVERGENCE) - 1.0 + 1e-6);
 }
 
 void main() {
@@ -191,11 +209,12 @@ void main() {
     if (!inside) return;
 
     if (column == 0) tile_meta[block_index(block)] = state;
-    float forget = 1.0;
+    vec2 forget = vec2(1.0);  // upper and lower rows
     float means[8];
     vec2 softness;
     if (state == BLOCK_WORK) {
-        forget = 1.0 / (1.0 + 0.5 * drift(lane, params.drift_threshold));
+        const vec2 drifted = max(vec2(drift(lane, params.drift_threshold)), local_drift(lane, params.local_threshold));
+        forget = 1.0 / (1.0 + 0.5 * drifted);
         local_means(around, column, means);
         softness = softness_of(around, column);
     }
@@ -204,31 +223,24 @@ void main() {
         if (inside_frame(p)) {
             const bool receives = (around.receivers[2 + (j >> 2)].y & pixel_bit(p)) != 0u;
             // A uniform block's pixels, and whatever receives nothing: that is lit.
-            vec2 est = vec2(state == BLOCK_SHADOWED && receives ? 0.0 : 1.0, 0.0);
-            float samples = CAP;
-            float history_out = est.x;
+            float average = state == BLOCK_SHADOWED && receives ? 0.0 : 1.0;
+            vec2 filtered = vec2(average, 0.0);
+            float samples = receives ? CAP : 0.0;
             if (state == BLOCK_WORK && receives) {
-                const float soft = j < 4 ? softness.x : softness.y;
-                const int votes = max(unanimous(around, column, j, 1), max(unanimous(around, column, j, 2), unanimous(around, column, j, 3)));
-                if (votes > 0 && past[j].count > 0.0) {
-                    const float agreed = bit[j] > 0.5 ? past[j].visibility : 1.0 - past[j].visibility;
-                    if (pow(agreed, float(votes)) < params.chance) past[j] = Past(bit[j], 1.0, 0.0);
-                }
                 const float error = resampling_error(past[j]);
                 const float trusted = min(past[j].count, (1.0 - error) / max(error, 1e-3));
-                samples = min(trusted * forget + 1.0, CAP);
-                const float v = mix(past[j].visibility, bit[j], 1.0 / samples);
-                history_out = stochastically_rounded(v, p);
-                const uint same = params.hk > 0.0 ? same_surface(p) : 511u;
-                const uint pattern = pattern_at(around, column, j, same);
-                const vec2 guess = texelFetch(edge_patterns, ivec2(pattern & 31u, pattern >> 5), 0).xy;
-                const float gained = max(pow(samples, CONVERGENCE) - 1.0, 0.0);
-                const float share = (soft < params.pattern_soft ? params.pattern_samples / (params.pattern_samples + gained) : 0.0) * smoothstep(params.ha, params.hb, soft);
-                est = vec2(mix(v, guess.x, share),
-                              tolerance_of(v, samples, means[j], soft) * (1.0 - error) * (1.0 - error));
+                samples = min(trusted * (j < 4 ? forget.x : forget.y) + 1.0, CAP);
+                average = mix(past[j].visibility, bit[j], 1.0 / samples);
+                filtered.y = tolerance_of(average, samples, means[j], j < 4 ? softness.x : softness.y) *
+                             (1.0 - error) * (1.0 - error);
+                const float share = share_of_pattern(samples);
+                filtered.x = average;
+                if (share > LEAST_SHARE)
+                    filtered.x = mix(average, visibility_by_pattern(edge_pattern(around, column, j, surface_around(p))), share);
+                average = stochastically_rounded(average, p);
             }
-            imageStore(accumulated, p, vec4(history_out));
-            imageStore(signal, p, vec4(est, 0.0, 0.0));
+            imageStore(accumulated, p, vec4(average));
+            imageStore(signal, p, vec4(filtered, 0.0, 0.0));
             imageStore(count, p, vec4(samples / CAP));
         }
     }

@@ -128,6 +128,8 @@ TEST_F(Cli, ArgumentsThatMakeNoSenseAreTheCommandsMistake) {
                "is not A..B with A <= B");
     expect(run(render("--out " + (folder_ / "o").string() + " --every 0")), 2, "every");
     expect(run(render("--out " + (folder_ / "o").string() + " --seed x")), 2, "seed");
+    expect(run(render("--out " + (folder_ / "o").string() + " --facts '!mvoes'")), 2,
+           "did you mean \"moves\"?");
 }
 
 TEST_F(Cli, PlanIsTextOrDotOrJsonWithTheKeysOfTheReport) {

@@ -73,31 +73,3 @@ vec2 softness_of(Surroundings around, int column) {
     const vec2 upper = vec2(shared_rows + sums[0]), lower = vec2(shared_rows + sums[5]);
     return vec2(upper.x / (upper.y + 1.0), lower.x / (lower.y + 1.0));
 }
-
-// Receivers in the square around pixel j of a column if their bits all agree with the pixel's own, else 0.
-int unanimous(Surroundings around, int column, int j, int radius) {
-    const uint mask = (1u << (2 * radius + 1)) - 1u;
-    const int shift = column + 8 - radius;
-    uint lit = 0u, dark = 0u;
-    int n = 0;
-    for (int y = 8 + j - radius; y <= 8 + j + radius; ++y) {
-        const uint receivers = row_of(around.receivers[y >> 2], y & 3) >> shift & mask;
-        const uint bits = row_of(around.lit[y >> 2], y & 3) >> shift & receivers;
-        lit |= bits;
-        dark |= receivers & ~bits;
-        n += bitCount(receivers);
-    }
-    return lit == 0u || dark == 0u ? n : 0;
-}
-
-// The bits of 3x3 pixels, row by row; what receives nothing says what the centre says.
-uint pattern_at(Surroundings around, int column, int j, uint same) {
-    uint lit = 0u, receivers = 0u;
-    for (int i = 0; i < 3; ++i) {
-        const int y = 7 + j + i;
-        lit |= (row_of(around.lit[y >> 2], y & 3) >> (column + 7) & 7u) << 3 * i;
-        receivers |= (row_of(around.receivers[y >> 2], y & 3) >> (column + 7) & 7u) << 3 * i;
-    }
-    receivers &= same;
-    return (lit & 16u) != 0u ? lit | ~receivers & 511u : lit & receivers;
-}
