@@ -26,6 +26,7 @@ const float HARD = 2.2;                 // softness below which nothing is filte
 const float LARGEST_GAIN = 20.0;        // of the filters' tolerance squared
 const float PRIOR = 2.0;                // samples that the neighbourhood's mean is worth in a pixel's variance
 const float CONVERGENCE = 1.75;         // of the average: variance ~ n^-1.75, chosen by what the filters gain
+const float OWN_PLANE_PX = 0.5;
 const float LEAST_SHARE = 1.0 / 64.0;   // of the pattern: less is not worth asking nine pixels' surface
 
 Surroundings surroundings(ivec2 block) {
@@ -157,16 +158,16 @@ float stochastically_rounded(float visibility, ivec2 p) {
     return floor(visibility * 2048.0 + random) / 2048.0;
 }
 
-// Which of 3x3 pixels show the surface of the centre.
+// Which of 3x3 pixels show the centre's surface: the diagonal neighbours are asked, and stand for the sides next to them.
 uint surface_around(ivec2 p) {
-    const float z = imageLoad(view_depth, p).x, tolerance_m = params.plane_tolerance * pixel_span_m(z);
-    const vec3 here = position(p, z), n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
-    uint surface = 0u;
-    for (int i = 0; i < 9; ++i) {
-        const ivec2 q = clamp(p + ivec2(i % 3, i / 3) - 1, ivec2(0), ivec2(frame.size) - 1);
-        const vec3 n_tap = unit_or_zero(decode_normal(imageLoad(guide_normal, q)));
-        if (dot(n, n_tap) > SAME_FACE && lies_on_plane(position(q, imageLoad(view_depth, q).x), here, n, tolerance_m))
-            surface |= 1u << i;
+    const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
+    const float z = imageLoad(view_depth, p).x, tolerance_m = OWN_PLANE_PX * pixel_span_m(z);
+    const vec3 here = position(p, z), n = decode_normal(imageLoad(guide_normal, p));
+    const ivec2 last = ivec2(frame.size) - 1;
+    uint surface = WHOLE_PATTERN;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 q = clamp(p + 2 * ivec2(i & 1, i >> 1) - 1, ivec2(0), last);
+        if (!lies_on_plane(position(q, imageLoad(view_depth, q).x), here, n, tolerance_m)) surface &= ~CORNERS[i];
     }
     return surface;
 }
@@ -212,7 +213,7 @@ void main() {
     vec2 forget = vec2(1.0);  // upper and lower rows
     float means[8];
     vec2 softness;
-    if (state == BLOCK_WORK) {
+    for (int once = 0; once < (state == BLOCK_WORK ? 1 : 0); ++once) {
         const vec2 drifted = max(vec2(drift(lane, params.drift_threshold)), local_drift(lane, params.local_threshold));
         forget = 1.0 / (1.0 + 0.5 * drifted);
         local_means(around, column, means);

@@ -6,7 +6,7 @@
 //
 // Includer has common/bit_window.glsl and the table `edge_patterns` (rg8, 32 x 16: mean, four times the variance).
 
-const uint PATTERN_CENTRE = 16u;
+const uint PATTERN_CENTRE = 16u, WHOLE_PATTERN = 511u;
 
 // Row by row; a pixel that is not of `surface` (a bit for each of the nine) or receives nothing says what the centre says.
 uint edge_pattern(Surroundings around, int column, int j, uint surface) {
@@ -17,7 +17,7 @@ uint edge_pattern(Surroundings around, int column, int j, uint surface) {
         receivers |= (row_of(around.receivers[y >> 2], y & 3) >> (column + 7) & 7u) << 3 * i;
     }
     const uint known = receivers & surface;
-    return (lit & PATTERN_CENTRE) != 0u ? lit | ~known & 511u : lit & known;
+    return (lit & PATTERN_CENTRE) != 0u ? lit | ~known & WHOLE_PATTERN : lit & known;
 }
 
 float visibility_by_pattern(uint pattern) {
