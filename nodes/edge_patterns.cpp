@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The expectation is over straight edges and strips of all directions and places, with the penumbra of a disc:
-// one sum over a regular grid of such shadows, each with the probability that its nine rays return the pattern.
-// Half of the shadows are strips, because a world of single edges would take every pole and leaf for noise.
+// The expectation is over straight edges and strips of all directions and places, with the penumbra of a
+// disc: one sum over a regular grid of such shadows, each with the probability that its nine rays return the
+// pattern. Half of the shadows are strips, because a world of single edges would take every pole and leaf for
+// noise.
 #include "nodes/edge_patterns.h"
 
 #include <algorithm>
@@ -19,7 +20,8 @@ constexpr double reach_px = 3.5;  // further away an edge leaves nine equal bits
 constexpr std::array widths_px{0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0};
 constexpr std::array strips_px{0.75, 1.25, 2.0, 3.0, 4.5};
 
-// Of a point `distance` inside the light of a half-plane whose penumbra is `width` wide, under a disc-shaped sun.
+// Of a point `distance` inside the light of a half-plane whose penumbra is `width` wide, under a disc-shaped
+// sun.
 double half_plane_visibility(double distance, double width) {
     if (width == 0.0) return distance > 0.0 ? 1.0 : 0.0;
     const double d = std::clamp(2.0 * distance / width, -1.0, 1.0);
@@ -27,7 +29,7 @@ double half_plane_visibility(double distance, double width) {
 }
 
 struct Sums {
-    std::array<double, edge_pattern_count> weight{}, first{}, second{};
+    std::array<double, edge_pattern_count> weight{}, visibility{};
 
     // A shadow and its negative, whose bits are all the others.
     void add(const std::array<double, 9>& lit, double weight_of_both) {
@@ -41,11 +43,9 @@ struct Sums {
         for (uint32_t k = 0; k < edge_pattern_count; ++k) {
             const uint32_t negative = edge_pattern_count - 1 - k;
             weight[k] += probability[k];
-            first[k] += v * probability[k];
-            second[k] += v * v * probability[k];
+            visibility[k] += v * probability[k];
             weight[negative] += probability[k];
-            first[negative] += (1.0 - v) * probability[k];
-            second[negative] += (1.0 - v) * (1.0 - v) * probability[k];
+            visibility[negative] += (1.0 - v) * probability[k];
         }
     }
 };
@@ -75,19 +75,14 @@ EdgePatterns edge_patterns() {
         for (const double strip : strips_px) add_shadows(sums, width, strip, 1.0 / strips_px.size());
     }
     EdgePatterns patterns;
-    for (uint32_t k = 0; k < edge_pattern_count; ++k) {
-        const double mean = sums.first[k] / sums.weight[k];
-        patterns[k] = {mean, sums.second[k] / sums.weight[k] - mean * mean};
-    }
+    for (uint32_t k = 0; k < edge_pattern_count; ++k) patterns[k] = sums.visibility[k] / sums.weight[k];
     return patterns;
 }
 
 std::vector<uint8_t> edge_pattern_table() {
     std::vector<uint8_t> texels;
-    for (const PatternEstimate& pattern : edge_patterns()) {
-        texels.push_back(static_cast<uint8_t>(std::lround(255.0 * pattern.mean)));
-        texels.push_back(static_cast<uint8_t>(std::lround(255.0 * 4.0 * pattern.variance)));
-    }
+    for (const double visibility : edge_patterns())
+        texels.push_back(static_cast<uint8_t>(std::lround(255.0 * visibility)));
     return texels;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What nine shadow rays say together: the expected visibility of a pixel given the bits of 3x3 pixels, made at
-// build time.
+// What nine shadow rays say together: the expected visibility of a pixel given the bits of 3x3 pixels, made
+// at build time.
 #pragma once
 
 #include <array>
@@ -9,19 +9,14 @@
 
 namespace penumbra {
 
-// Of the centre's visibility, over all shadow edges that could have left these bits.
-struct PatternEstimate {
-    double mean = 0.0;
-    double variance = 0.0;
-};
-
-// By pattern: bit 3 * (y + 1) + x + 1 is set where the pixel at (x, y) from the centre is lit.
+// By pattern: bit 3 * (y + 1) + x + 1 is set where the pixel at (x, y) from the centre is lit. The centre's
+// expected visibility over all shadow edges that could have left these bits.
 inline constexpr uint32_t edge_pattern_count = 512;
-using EdgePatterns = std::array<PatternEstimate, edge_pattern_count>;
+using EdgePatterns = std::array<double, edge_pattern_count>;
 
 EdgePatterns edge_patterns();
 
-// The table of the node `accumulate`: mean and four times the variance in 8 bits each, pattern by pattern.
+// The table of the node `accumulate`: pattern by pattern in 8 bits.
 std::vector<uint8_t> edge_pattern_table();
 
 }  // namespace penumbra

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Build tool: writes the table of edge patterns as raw texels (32 x 16, two channels of 8 bits, row by row).
+// Build tool: writes the table of edge patterns as raw texels (32 x 16, 8 bits, row by row).
 #include <cstdio>
 #include <fstream>
 

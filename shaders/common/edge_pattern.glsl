@@ -4,7 +4,7 @@
 // holds the centre's expected visibility for each of the 512 patterns: a third of the ray's squared error in a penumbra of
 // one pixel, a quarter at two. It is biased where an edge is not what the table expects, so it never enters the history.
 //
-// Includer has common/bit_window.glsl and the table `edge_patterns` (rg8, 32 x 16: mean, four times the variance).
+// Includer has common/bit_window.glsl and the table `edge_patterns` (r8, 32 x 16).
 
 const uint PATTERN_CENTRE = 16u, WHOLE_PATTERN = 511u;
 
