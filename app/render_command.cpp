@@ -58,6 +58,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.size = job.size;
     options.captures = job.graph_captures;
     options.seed = arguments.seed;
+    options.cascade_size = arguments.cascade_size;
     options.alias = !arguments.no_alias;
     options.jitter = !arguments.no_jitter;
     options.facts = job.facts;
@@ -87,7 +88,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         }
     }
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
-    const auto report = render_report(arguments, *session, device.info(), job.frames, costs, outputs);
+    const auto report =
+        render_report(arguments, *session, device.info(), job.frames, costs, outputs, warnings);
     const std::string text = report.dump(2) + "\n";
     write_file(folder / "report.json", std::as_bytes(std::span(text)));
     print_summary(report);

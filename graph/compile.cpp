@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <set>
 
@@ -87,6 +88,7 @@ class Compiler {
         pass.kind = node.type->host ? PassKind::host : PassKind::compute;
         check_needs(node);
         choose_backend(node);
+        pass.variant.alpha = traces_scene(*node.type) && plan_.facts.at("alpha");
         bindings_ = port_bindings(*node.type);
         for (size_t i = 0; i < selected.ports.size(); ++i)
             if (!selected.ports[i].bound->port->output) bind_input(node, selected.ports[i], bindings_[i]);
@@ -233,12 +235,20 @@ class Compiler {
             if (uses_ray_query(plan_.passes.back().variant))
                 slots = {slot(node, c.resource + ".tlas", PortKind::scene, Format::r8, c, "")};
             else
-                slots = {slot(node, c.resource + ".nodes", PortKind::texels, Format::rgba32ui, c, ""),
-                         slot(node, c.resource + ".leaves", PortKind::texels, Format::rgba32ui, c, "")};
+                for (const SceneTexels& texels : scene_tree_slots)
+                    slots.push_back(scene_texels(node, c, texels));
+            if (plan_.passes.back().variant.alpha)
+                for (const SceneTexels& texels : scene_alpha_slots)
+                    slots.push_back(scene_texels(node, c, texels));
             slots.push_back(slot(node, c.resource, PortKind::block, Format::r8, c, "Scene"));
             return slots;
         }
         return {slot(node, c.resource, port.kind, Format::r8, c, port.element)};
+    }
+
+    uint32_t scene_texels(const BoundNode& node, const Connection& c, const SceneTexels& texels) {
+        return slot(node, fmt::format("{}.{}", c.resource, texels.slot), PortKind::texels, texels.format, c,
+                    "");
     }
 
     uint32_t slot(const BoundNode& node, const std::string& name, PortKind kind, Format format,
@@ -279,7 +289,8 @@ class Compiler {
             resource = static_cast<uint32_t>(plan_.resources.size());
             make_resource(node, selected, c);
             plan_.resources.back().first_pass = static_cast<uint32_t>(plan_.passes.size() - 1);
-            if (port.kind == PortKind::buffer) use.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;  // atomics
+            if (port.kind == PortKind::buffer || port.levels)  // atomics; the finer level
+                use.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
             if (port.writes == Writes::some) pass.clears.push_back(resource);
         }
         if (pass.kind == PassKind::host) {
@@ -338,7 +349,7 @@ class Compiler {
             r.layered = port.layers;
             if (port.layers) r.layers = base.value_or(Size{}).layers;
             if (port.levels)
-                error(c.bound->place, path, "mip chains of storage images cannot be recorded yet");
+                r.levels = static_cast<uint32_t>(std::bit_width(std::max(r.extent.width, r.extent.height)));
             r.count = uint64_t{r.extent.width} * r.extent.height;
             r.image_usage = VK_IMAGE_USAGE_STORAGE_BIT;
             r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
@@ -436,6 +447,12 @@ class Compiler {
         }
     }
 
+    uint32_t levels_of(const SelectedNode& selected, const Port& chain) const {
+        for (const Connection& c : selected.ports)
+            if (c.bound->port == &chain) return plan_.resources[internal_.at(c.resource)].levels;
+        return 0;
+    }
+
     void fill_dispatch(const BoundNode& node, const SelectedNode& selected) {
         PlanPass& pass = plan_.passes.back();
         const Dispatch& dispatch = node.type->dispatch;
@@ -465,8 +482,17 @@ class Compiler {
                     return error(
                         node.place, "nodes." + node.id,
                         fmt::format("it is dispatched over port \"{}\", which is not bound", dispatch.over));
-                pass.groups = {ceil_div(size->extent.width, pass.constants[0] * pass.constants[3]),
-                               ceil_div(size->extent.height, pass.constants[1] * pass.constants[4]), 1};
+                const auto groups = [&](uint32_t level) -> std::array<uint32_t, 3> {
+                    const uint32_t width = std::max(size->extent.width >> level, 1u);
+                    const uint32_t height = std::max(size->extent.height >> level, 1u);
+                    return {ceil_div(width, pass.constants[0] * pass.constants[3]),
+                            ceil_div(height, pass.constants[1] * pass.constants[4]),
+                            ceil_div(size->layers, pass.constants[2])};
+                };
+                pass.groups = groups(0);
+                if (const Port* chain = node.type->levelled_output())
+                    for (uint32_t level = 0; level < levels_of(selected, *chain); ++level)
+                        pass.level_groups.push_back(groups(level));
                 if (std::max(pass.groups[0], pass.groups[1]) > 65535)
                     error(node.place, "nodes." + node.id, "the dispatch exceeds 65535 groups per axis");
             }

@@ -98,6 +98,8 @@ const char* texel_element_glsl(Format format) {
             return "float";
         case Format::rg32f:
             return "vec2";
+        case Format::rgba32f:
+            return "vec4";
         case Format::rg32ui:
             return "uvec2";
         case Format::rgba32ui:
@@ -117,15 +119,33 @@ std::string declare_image(const Port& port, const std::string& name, Format form
                        access, prefix(format), dim, name);
 }
 
+// The level that is written, and the finer one that it is made from (its own in level 0, where nobody may
+// read it).
+std::string declare_chain(const Port& port, const std::string& name, Format format, uint32_t b) {
+    return declare_image(port, name, format, "writeonly ", b) +
+           declare_image(port, name + "_finer", format, "readonly ", b + 1);
+}
+
+uint32_t binding_count(const Port& port) {
+    if (port.kind == PortKind::scene) return scene_bindings;
+    return port.output && port.levels ? 2 : 1;
+}
+
 std::string declare_scene(const Port& port, const Variant& variant, uint32_t b) {
     std::string text;
     if (uses_ray_query(variant))
         text = fmt::format("layout(set = 0, binding = {}) uniform accelerationStructureEXT {}_tlas;\n", b++,
                            port.name);
     else
-        for (const char* array : {"nodes", "leaves"})
+        for (const SceneTexels& texels : scene_tree_slots)
             text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
-                                port.name, array);
+                                port.name, texels.slot);
+    if (variant.alpha) {
+        text += fmt::format("#define {}_ALPHA 1\n", upper(port.name));
+        for (const SceneTexels& texels : scene_alpha_slots)
+            text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
+                                port.name, texels.slot);
+    }
     return text + fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ Scene {}; }};\n", b,
                               port.name, port.name);
 }
@@ -137,6 +157,7 @@ std::string declare_port(const NodeType& type, const Port& port, const Variant& 
         case PortKind::image: {
             const auto chosen = variant.formats.find(what.name);
             const Format format = chosen == variant.formats.end() ? what.formats.front() : chosen->second;
+            if (port.output && what.levels) return declare_chain(what, port.name, format, b);
             return declare_image(what, port.name, format, access, b);
         }
         case PortKind::texels:
@@ -220,6 +241,7 @@ std::string declare_params(const NodeType& type, const Variant& variant) {
         else
             dynamic += fmt::format("    {} {};\n", type_glsl(param.type), param.name);
     }
+    if (type.levelled_output()) dynamic += "    uint mip_level;\n";
     if (!dynamic.empty())
         constants += "layout(push_constant, std430) uniform Params {\n" + dynamic + "} params;\n";
     return constants;
@@ -253,7 +275,7 @@ std::vector<uint32_t> port_bindings(const NodeType& type) {
     for (size_t i = 0; i < type.ports.size(); ++i) {
         if (updater_of(type, type.ports[i])) continue;
         bindings[i] = next;
-        next += type.ports[i].kind == PortKind::scene ? scene_bindings : 1;
+        next += binding_count(type.ports[i]);
     }
     for (size_t i = 0; i < type.ports.size(); ++i)
         if (const Port* updater = updater_of(type, type.ports[i]))
@@ -264,7 +286,7 @@ std::vector<uint32_t> port_bindings(const NodeType& type) {
 uint32_t first_table_binding(const NodeType& type) {
     uint32_t next = first_port_binding;
     for (const Port& port : type.ports)
-        if (!updater_of(type, port)) next += port.kind == PortKind::scene ? scene_bindings : 1;
+        if (!updater_of(type, port)) next += binding_count(port);
     return next;
 }
 
@@ -279,6 +301,10 @@ PushConstants push_constants(const NodeType& type) {
         const uint32_t offset = (result.size + layout.alignment - 1) / layout.alignment * layout.alignment;
         result.offsets.emplace_back(offset);
         result.size = offset + layout.size;
+    }
+    if (type.levelled_output()) {
+        result.mip_level = (result.size + 3) / 4 * 4;
+        result.size = *result.mip_level + 4;
     }
     return result;
 }
@@ -322,9 +348,12 @@ bool fits(const Param& param, const ParamValue& value) {
 }
 
 const Param* backend_choice(const NodeType& type) {
-    const bool traces = std::any_of(type.ports.begin(), type.ports.end(),
-                                    [](const Port& port) { return port.kind == PortKind::scene; });
-    return traces ? type.param(backend_param) : nullptr;
+    return traces_scene(type) ? type.param(backend_param) : nullptr;
+}
+
+bool traces_scene(const NodeType& type) {
+    return std::any_of(type.ports.begin(), type.ports.end(),
+                       [](const Port& port) { return port.kind == PortKind::scene; });
 }
 
 bool uses_ray_query(const Variant& variant) {
@@ -344,6 +373,7 @@ std::string to_string(const Variant& variant) {
         key += fmt::format("{}{}={:d}", key.empty() ? "" : ",", port, present);
     if (!variant.backend.empty())
         key += fmt::format("{}{}={}", key.empty() ? "" : ",", backend_param, variant.backend);
+    if (variant.alpha) key += fmt::format("{}alpha=1", key.empty() ? "" : ",");
     return key;
 }
 
@@ -369,6 +399,7 @@ std::vector<Variant> all_variants(const NodeType& type) {
         std::erase(backends, "auto");
         multiply(backends.size(), [&](Variant& v, size_t i) { v.backend = backends[i]; });
     }
+    if (traces_scene(type)) multiply(2, [&](Variant& v, size_t i) { v.alpha = i == 1; });
     return variants;
 }
 

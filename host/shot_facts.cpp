@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/scene_alpha.h"
+
 namespace penumbra {
 
 namespace {
@@ -11,7 +13,7 @@ namespace {
 // Between two keys below the horizon the sun's path, the shorter arc of a great circle, runs lower still:
 // keys suffice.
 bool sun_up(const Shot& shot) {
-    const int up = shot.half_plane ? 2 : 1;  // the axis; analytic receivers face +z
+    const int up = shot.analytic ? 2 : 1;  // the axis; analytic receivers face +z
     const double lowest = -std::sin(glm::radians(shot.sun_angular_radius_deg));
     return std::ranges::any_of(shot.sun,
                                [&](const SunKey& key) { return glm::normalize(key.to_sun)[up] > lowest; });
@@ -23,7 +25,7 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
     return {{"sun_up", sun_up(shot)},
             {"sun_disc", shot.sun_angular_radius_deg > 0},
             {"casters", !scene.instances().empty()},
-            {"alpha", false},
+            {"alpha", has_alpha(scene)},
             {"many_cascades", false},
             {"moves", moves(shot)},
             {"motion_3d", true},

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/analytic.h"
@@ -14,8 +15,7 @@ namespace penumbra {
 
 std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
                                 std::vector<std::string>& warnings) {
-    std::optional<Model> model =
-        shot.half_plane ? half_plane_model(shot) : load_gltf(shot.model, diagnostics);
+    std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_gltf(shot.model, diagnostics);
     if (!model || !check_objects(shot, *model, diagnostics)) return std::nullopt;
     for (const std::string& warning : model->warnings)
         warnings.push_back(shot.model.string() + ": " + warning);
@@ -31,7 +31,25 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
-      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {}
+      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {
+    for (uint32_t index = 0; index < shot_.frames; ++index)
+        cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
+}
+
+CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
+    CascadeRequest request;
+    request.camera = camera_at(shot_, index, double(options_.size[0]) / options_.size[1]);
+    for (int i = 0; i < 3; ++i) request.camera.position[static_cast<size_t>(i)] -= shot_.origin[i];
+    request.orthographic = shot_.half_plane.has_value();
+    const SunState sun = sun_at(shot_, index);
+    request.to_sun = sun.to_sun;
+    request.angular_radius = sun.angular_radius;
+    const auto [low, high] = scene_.box(index);
+    request.low = low;
+    request.high = high;
+    request.size = options_.cascade_size;
+    return fit_cascades(request);
+}
 
 StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     const double aspect = double(options_.size[0]) / options_.size[1];
@@ -49,7 +67,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     description.index = index;
     description.dt_s = static_cast<float>(1 / shot_.fps);
     description.flags = has_previous ? 0u : uint32_t(frame_reset);
-    if (shot_.half_plane) description.flags |= frame_orthographic;
+    if (shot_.analytic) description.flags |= frame_orthographic;
 
     const SunState sun = sun_at(shot_, index);
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
@@ -59,6 +77,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
         out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     }
     out.sun.angular_radius = static_cast<float>(sun.angular_radius);
+    out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
     return out;
 }
 
@@ -70,7 +89,9 @@ void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& fra
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {
-    return shot_facts(shot_, scene_);
+    std::map<std::string, bool> facts = shot_facts(shot_, scene_);
+    facts["many_cascades"] = cascade_layers_ > 1;
+    return facts;
 }
 
 }  // namespace penumbra

@@ -8,8 +8,6 @@
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 
-const float WHOLE_RAY_M = 1e30;  // finite: t_max times a slab test's margin must not overflow
-
 // Largest n.s that is shadowed for certain. The published test takes the sun for a point. A sun of angular radius a
 // lights the surface until its upper rim sets, n.s = -sin a; the stored normal's error is left to the ray.
 float shadowed_below() {
@@ -35,6 +33,9 @@ void main() {
     if (in_grid) {
         receiver_words[tile_index(tile)] = receivers;
         preloaded_hits[tile_index(tile)] = shadowed;
+#if HAS_UNDECIDED_WORDS
+        undecided_words[tile_index(tile)] = undecided;
+#endif
     }
     append_tile(undecided != 0u, pack_tile(tile, undecided, 0.0, WHOLE_RAY_M));
 
