@@ -40,7 +40,7 @@ CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
     CascadeRequest request;
     request.camera = camera_at(shot_, index, double(options_.size[0]) / options_.size[1]);
     for (int i = 0; i < 3; ++i) request.camera.position[static_cast<size_t>(i)] -= shot_.origin[i];
-    request.orthographic = shot_.half_plane.has_value();
+    request.orthographic = shot_.analytic.has_value();
     const SunState sun = sun_at(shot_, index);
     request.to_sun = sun.to_sun;
     request.angular_radius = sun.angular_radius;

@@ -25,7 +25,7 @@ TruthSource::TruthSource(Device& device, Shot shot, std::array<uint32_t, 2> size
 }
 
 bool TruthSource::exact() const {
-    return shot_.half_plane.has_value();
+    return shot_.analytic.has_value();
 }
 
 TruthSource::Frame TruthSource::at(uint32_t frame) {
