@@ -221,13 +221,18 @@ Needed needed_by(const std::string& pipeline, Shadow shadow, bool moves, bool al
     };
     const bool traced = shadow == Shadow::soft || shadow == Shadow::hard;
     if (traced)
-        also("classify trace", "tile_list trace_args preloaded_hits receiver_words", "",
-             "scene scene.nodes scene.leaves", "");
+        also("classify trace", "tile_list trace_args receiver_words", "", "scene scene.nodes scene.leaves",
+             "");
     if (traced && alpha) also("", "", "", "scene.alpha_uv scene.alpha_map", "");
     if (shadow == Shadow::soft) also("", "", "", "", "blue_noise");
     if (shadow == Shadow::none) also("open", "", "", "", "");
     if (shadow == Shadow::all) also("night", "", "", "", "");
-    if (pipeline == "raw") {
+    // One buffer of hits, named by who fills it first.
+    if (traced && pipeline.starts_with("hybrid_"))
+        also("beams cones", "facing facing_args facing_hits candidates candidate_args", "", "neighbours", "");
+    else if (traced)
+        also("", "preloaded_hits", "", "", "");
+    if (pipeline.ends_with("raw")) {
         if (traced) also("resolve", "", "", "", "");
         return needed;
     }
@@ -309,7 +314,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows"}) {
+        for (const char* pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row.shadow, row.moves, row.alpha);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -339,7 +344,7 @@ std::string without_culled(const Plan& plan) {
 TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
-        for (const std::string pipeline : {"raw", "shadows"}) {
+        for (const std::string pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
@@ -369,9 +374,17 @@ TEST(SceneFacts, OneClearIsAllThatANightNeeds) {
     }
 }
 
+std::vector<std::string> shipped_pipelines() {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(PENUMBRA_SOURCE_DIR "/pipelines"))
+        if (entry.path().extension() == ".json" && entry.path().stem().extension() != ".schema")
+            names.push_back(entry.path().stem().string());
+    return names;
+}
+
 // Under every combination of facts, every shipped pipeline has a plan in which nothing overlaps or races.
 TEST(SceneFacts, EveryCombinationHasASoundPlan) {
-    for (const char* pipeline : {"raw", "shadows", "fidelityfx", "denoise", "reference"})
+    for (const std::string& pipeline : shipped_pipelines())
         for (size_t bits = 0; bits < size_t{1} << fact_names.size(); ++bits) {
             Facts facts;
             std::string names;
