@@ -21,8 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 using namespace report;
 
-// Quick reports look at these of the shipped shots.
+// Quick reports look at these of what is shipped: rendering cascades on a software device takes longer than
+// all else.
 constexpr const char* quick_shots[] = {"colonnade", "engine"};
+constexpr const char* quick_pipelines[] = {"raw", "fidelityfx", "shadows", "hybrid_shadows"};
 
 struct Job {
     fs::path folder;
@@ -61,7 +63,10 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     const auto study = study_of(arguments);
     if (!study) return std::nullopt;
     const fs::path root = shipped_root();
-    auto contenders = open_contenders(arguments.pipelines, root, nodes, diagnostics);
+    std::vector<std::string> pipelines = arguments.pipelines;
+    if (pipelines.empty() && arguments.quick)
+        pipelines.assign(std::begin(quick_pipelines), std::end(quick_pipelines));
+    auto contenders = open_contenders(pipelines, root, nodes, diagnostics);
     const std::vector<fs::path> files = shot_files(arguments, root, diagnostics);
     if (!contenders || !diagnostics.empty()) return std::nullopt;
     Job job;
