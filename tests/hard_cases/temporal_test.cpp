@@ -242,7 +242,7 @@ TEST_F(HardCase, WhatRepeatsWithTheNoiseTileIsFaint) {
         figure((after + ", correlation of errors 128 px apart").c_str(), correlation(naive, truth, 320, 128),
                correlation(ours, truth, 320, 128));
         figure((after + ", the errors").c_str(), rms(naive, truth), rms(ours, truth));
-        EXPECT_LT(rms(ours, truth), frame == 0 ? 1.0 / 48 : 1.0 / 128);
+        EXPECT_LT(rms(ours, truth), frame == 0 ? 1.0 / 32 : 1.0 / 128);
         EXPECT_GT(rms(naive, truth), 0.3);
     }
 }
