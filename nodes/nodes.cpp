@@ -14,7 +14,9 @@ namespace penumbra {
     X(accumulate)         \
     X(classify)           \
     X(copy)               \
+    X(drift)              \
     X(filter)             \
+    X(gather)             \
     X(guides)             \
     X(prepare)            \
     X(receivers)          \
@@ -22,6 +24,8 @@ namespace penumbra {
     X(resolve)            \
     X(shade)              \
     X(smooth)             \
+    X(soften)             \
+    X(sun_points)         \
     X(taa)                \
     X(tileclass)          \
     X(trace)

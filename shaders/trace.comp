@@ -3,13 +3,15 @@
 // of 4x2 pixels, so that the 8 lanes of a software device's subgroup walk the tree together.
 // Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl.
 #include "node.glsl"
-#include "common/blue_noise.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/ray_origin.glsl"
-#include "common/sun_sample.glsl"
+#include "common/sun_point.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
+#if HAS_BLOCKERS
+#include "common/blockers.glsl"
+#endif
 #if BACKEND == BACKEND_RAY_QUERY
 #include "common/ray_query.glsl"
 #else
@@ -28,17 +30,17 @@ vec3 ray_direction(ivec2 p) {
     if (SAMPLING == SAMPLING_PUBLISHED)
         return sun_direction_published(sun.to_sun, sun.angular_radius,
                                        noise_published(p, frame.frame_index, params.seed));
-    return sun_direction(sun.to_sun, sun.angular_radius, noise_r2(p, frame.frame_index, params.seed));
+    return sun_direction_through(sun.to_sun, sun.angular_radius, sun_point(p, frame.frame_index, params.seed));
 }
 
-bool hits_something(ivec2 p, float t_min, float t_max) {
+bool hits_something(ivec2 p, float t_min, float t_max, inout float t_hit) {
     const float z = imageLoad(view_depth, p).x;
     const vec3 relative = position(p, z);
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
     const vec3 in_scene = relative + scene.camera_from_origin;
     const vec3 origin = in_scene + n * offset_m(p, z, n, relative, in_scene);
     if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
-    return occluded(origin, ray_direction(p), t_min, t_max);
+    return occluded_at(origin, ray_direction(p), t_min, t_max, t_hit);
 }
 
 void main() {
@@ -51,9 +53,13 @@ void main() {
     const bool wanted = (record.y & bit) != 0u;
 
     uint hit = 0u;
-    if (wanted && hits_something(tile * TILE + in_tile, uintBitsToFloat(record.z), uintBitsToFloat(record.w)))
+    float t_hit = 0.0;
+    if (wanted && hits_something(tile * TILE + in_tile, uintBitsToFloat(record.z), uintBitsToFloat(record.w), t_hit))
         hit = bit;
     const uint word = subgroupOr(hit);
     if (subgroupElect() && word != 0u) atomicOr(hits[tile_index(tile)], word);
+#if HAS_BLOCKERS
+    add_blockers(tile_index(tile), hit != 0u, t_hit);
+#endif
     count_rays(wanted ? 1u : 0u);
 }
