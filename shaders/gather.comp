@@ -20,6 +20,9 @@ const int ROWS = CELL + 2 * R;
 const float SAME_FACE = 0.9;      // cosine: beyond a crease the sun stands differently
 const float EQUAL_SHARE = 0.6;    // of the rays of a box that all say the same: what they count
 const float IDLE_COUNT = 8.0;     // frames that a cell without any doubt counts for
+const float RESAMPLING_SHARE = 0.15; // of the contrast squared: error that resampling makes
+const float SHARE_PER_RADIUS = 1.0;
+const float LEAST_SHARE = 0.02;
 const float NEW_RESIDUAL = 0.2;   // weight of a frame in the running mean of the residual
 
 // Rows of 24 pixels around the cell, bit 0 is 8 pixels left of the tile's first; the first row lies R above the cell.
@@ -62,8 +65,9 @@ Penumbra penumbra_at(ivec2 cell) {
 
 struct Past {
     float visibility, count, residual;
+    float contrast;  // between the texels that it is resampled from; 0: it is one of them
 };
-const Past NO_PAST = Past(0.0, 0.0, 0.0);
+const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0);
 
 bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
@@ -119,6 +123,7 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
     }
     if (weights <= 0.0) return NO_PAST;
     past.visibility /= weights;
+    past.contrast = max(high - low, 0.0);
     if (weights > 0.99 && high > low) past.visibility = clamp(sharper(corner, t), low, high);
     return past;
 }
@@ -218,12 +223,15 @@ void main() {
             const ViewRays rays = moved(corner, vec2(offset));
             const vec3 n_light = light * n;
             const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra);
-            const Past past = past_of(p, z, n, params.plane_tolerance * pixel_span_m(z));
+            Past past = past_of(p, z, n, params.plane_tolerance * pixel_span_m(z));
+            const float error2 = RESAMPLING_SHARE * past.contrast * past.contrast;
+            past.count = min(past.count, squared_error(now) / max(error2, 1e-6));
             const mat2x3 t = tangents(rays, z, n_light);
             const vec2 size = vec2(length(t[0].xy), length(t[1].xy));
             steps = min(steps, size);
             largest = max(largest, stretches_of(mat2(t[0].xy, t[1].xy)).s1);
 
+            const float penumbra_share = clamp(SHARE_PER_RADIUS * radius_m(penumbra) / stretches_of(mat2(t[0].xy, t[1].xy)).s2, LEAST_SHARE, 1.0);
             g.now = now.visibility;
             g.counts = true;
             g.error = sqrt(squared_error(now));
@@ -233,7 +241,7 @@ void main() {
             g.residual = past.count > 0.0 ? past.residual + NEW_RESIDUAL * (d - past.residual) : 0.0;
             if (past.count > 0.0) {
                 const float v = (now.rays * g.now + past.count * g.past) / (now.rays + past.count);
-                const float variance = now.gain * v * (1.0 - v) / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
+                const float variance = penumbra_share * now.gain * v * (1.0 - v) / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
                 sums.d += d;
                 sums.e += g.residual;
                 sums.v += variance;
