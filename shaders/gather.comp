@@ -23,6 +23,7 @@ const float IDLE_COUNT = 8.0;     // frames that a cell without any doubt counts
 const float RESAMPLING_SHARE = 0.15; // of the contrast squared: error that resampling makes
 const float SHARE_PER_RADIUS = 1.0;
 const float LEAST_SHARE = 0.02;
+const float KNOWN = 12.0;
 const float NEW_RESIDUAL = 0.2;   // weight of a frame in the running mean of the residual
 
 // Rows of 24 pixels around the cell, bit 0 is 8 pixels left of the tile's first; the first row lies R above the cell.
@@ -241,7 +242,7 @@ void main() {
             g.residual = past.count > 0.0 ? past.residual + NEW_RESIDUAL * (d - past.residual) : 0.0;
             if (past.count > 0.0) {
                 const float v = (now.rays * g.now + past.count * g.past) / (now.rays + past.count);
-                const float variance = penumbra_share * now.gain * v * (1.0 - v) / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
+                const float variance = max(penumbra_share * v * (1.0 - v), min(past.count / KNOWN, 1.0) * g.past * (1.0 - g.past)) * now.gain / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
                 sums.d += d;
                 sums.e += g.residual;
                 sums.v += variance;
