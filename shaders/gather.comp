@@ -20,7 +20,7 @@ const int ROWS = CELL + 2 * R;
 const float SAME_FACE = 0.9;      // cosine: beyond a crease the sun stands differently
 const float EQUAL_SHARE = 0.6;    // of the rays of a box that all say the same: what they count
 const float IDLE_COUNT = 8.0;     // frames that a cell without any doubt counts for
-const float RESAMPLING_SHARE = 0.15; // of the contrast squared: error that resampling makes
+const float RESAMPLING_SHARE = 2.0; // of the contrast squared: error that resampling makes
 const float SHARE_PER_RADIUS = 1.0;
 const float LEAST_SHARE = 0.02;
 const float KNOWN = 12.0;
@@ -66,7 +66,7 @@ Penumbra penumbra_at(ivec2 cell) {
 
 struct Past {
     float visibility, count, residual;
-    float contrast;  // between the texels that it is resampled from; 0: it is one of them
+    float variance;  // between the texels that it is resampled from; 0: it is one of them
 };
 const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0);
 
@@ -112,6 +112,7 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
             if (s.count > 0.0) {
                 weights += weight;
                 past.visibility += weight * s.visibility;
+                past.variance += weight * s.visibility * s.visibility;
                 low = min(low, s.visibility);
                 high = max(high, s.visibility);
                 if (weight > nearest) {
@@ -124,7 +125,7 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
     }
     if (weights <= 0.0) return NO_PAST;
     past.visibility /= weights;
-    past.contrast = max(high - low, 0.0);
+    past.variance = max(past.variance / weights - past.visibility * past.visibility, 0.0);
     if (weights > 0.99 && high > low) past.visibility = clamp(sharper(corner, t), low, high);
     return past;
 }
@@ -225,7 +226,7 @@ void main() {
             const vec3 n_light = light * n;
             const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra);
             Past past = past_of(p, z, n, params.plane_tolerance * pixel_span_m(z));
-            const float error2 = RESAMPLING_SHARE * past.contrast * past.contrast;
+            const float error2 = RESAMPLING_SHARE * past.variance;
             past.count = min(past.count, squared_error(now) / max(error2, 1e-6));
             const mat2x3 t = tangents(rays, z, n_light);
             const vec2 size = vec2(length(t[0].xy), length(t[1].xy));
