@@ -4,7 +4,9 @@
 // drift test. An invocation owns a cell. Cells with nothing but equal bits in reach are what these say.
 #define READS_BLOCKERS
 #include "node.glsl"
+#include "common/tiles.glsl"
 #include "common/blockers.glsl"
+#include "common/bit_window.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
@@ -13,10 +15,10 @@
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
 #include "common/sheared_gather.glsl"
-#include "common/tiles.glsl"
 
 const int R = RADIUS;
 const int ROWS = CELL + 2 * R;
+const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
 const float SAME_FACE = 0.9;      // cosine: beyond a crease the sun stands differently
 const float EQUAL_SHARE = 0.6;    // of the rays of a box that all say the same: what they count
 const float IDLE_COUNT = 8.0;     // frames that a cell without any doubt counts for
@@ -31,19 +33,22 @@ const float NEW_RESIDUAL = 0.2;   // weight of a frame in the running mean of th
 uint lit_rows[ROWS];
 uint test_rows[ROWS];
 
-// Row `y` of the frame, of the tile column `tile_x` and its neighbours.
-void load_row(int tile_x, int y, out uint lit, out uint tests) {
+void load_rows(ivec2 tile) {
     const ivec2 grid = tile_grid();
-    const int tile_y = y >> 2, shift = 8 * (y & 3);
-    lit = 0u;
-    tests = 0u;
-    if (y < 0 || tile_y >= grid.y) return;
-    for (int i = 0; i < 3; ++i) {
-        const int x = tile_x - 1 + i;
-        if (x < 0 || x >= grid.x) continue;
-        const uint t = tile_index(ivec2(x, tile_y)), tested = sunward_words[t] >> shift & 0xffu;
-        tests |= tested << 8 * i;
-        lit |= (visibility_words[t] >> shift & tested) << 8 * i;
+    for (int ty = -TILES_ABOVE; ty <= TILES_ABOVE; ++ty) {
+        uvec3 lit = uvec3(0u), tests = uvec3(0u);
+        for (int tx = 0; tx < 3; ++tx) {
+            const ivec2 at = tile + ivec2(tx - 1, ty);
+            if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, grid))) continue;
+            tests[tx] = sunward_words[tile_index(at)];
+            lit[tx] = visibility_words[tile_index(at)] & tests[tx];
+        }
+        for (int y = 0; y < TILE.y; ++y) {
+            const int row = TILE.y * ty + y + R;
+            if (row < 0 || row >= ROWS) continue;
+            lit_rows[row] = row_of(lit, y);
+            test_rows[row] = row_of(tests, y);
+        }
     }
 }
 
@@ -131,19 +136,25 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
     return past;
 }
 
-Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penumbra penumbra) {
-    const uint own = 1u << uint(in_rows.x);
-    const float bit = (lit_rows[in_rows.y] & own) != 0u ? 1.0 : 0.0;
-    const float rho = radius_m(penumbra);
-    if (rho <= 0.0) return Estimate(bit, 1.0, 1.0);
+// A pixel on its receiver's plane, as the sun sees it.
+struct Footprint {
+    mat2x3 tangents;  // light space per pixel along x and y
+    Stretches s;      // of their part across the light
+};
 
+Footprint footprint_of(ViewRays rays, float z, vec3 n) {
     const mat2x3 t = tangents(rays, z, n);
-    const Stretches s = stretches_of(mat2(t[0].xy, t[1].xy));
+    return Footprint(t, stretches_of(mat2(t[0].xy, t[1].xy)));
+}
+
+Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penumbra penumbra, Footprint foot) {
+    const float bit = float(lit_rows[in_rows.y] >> uint(in_rows.x) & 1u);
+    const float rho = radius_m(penumbra);
+    const Stretches s = foot.s;
     const float limit = rho * min(1.0, 0.5 / max(penumbra.spread, 1e-3));
     const float b1 = min(float(R), limit / max(s.s1, 1e-9)), b2 = min(float(R), limit / max(s.s2, 1e-9));
     const ivec2 box = clamp(ivec2(ceil(vec2(length(vec2(b1 * s.first.x, b2 * s.second.x)),
                                             length(vec2(b1 * s.first.y, b2 * s.second.y))) - 1e-3)), 1, R);
-    // All rays of the box agree?
     uint lit = 0u, dark = 0u;
     int tests = 0;
     for (int dy = -box.y; dy <= box.y; ++dy) {
@@ -153,32 +164,42 @@ Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penu
         dark |= tested & ~l;
         tests += bitCount(tested);
     }
-    if (lit == 0u || dark == 0u) {
-        const float n_rays = max(EQUAL_SHARE * float(tests), 1.0);
-        return Estimate(bit, n_rays, max(0.4, min(1.0, 3.0 / n_rays)));
-    }
+    // All rays of the box agree, and so may those beyond.
+    const float n_rays = max(EQUAL_SHARE * float(tests), 1.0);
+    Estimate e = Estimate(bit, n_rays, max(0.4, min(1.0, 3.0 / n_rays)));
+    const bool mixed = lit != 0u && dark != 0u;
+    if (mixed) e = Estimate(bit, 1.0, 1.0);
 
-    const float c = clamp(sqrt(b1 * s.s1 * b2 * s.s2) / rho, 1e-3, 1.0);
+    const Window window = window_of(penumbra, limit, sqrt(b1 * s.s1 * b2 * s.s2));
     const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
     const vec3 here = rays.o + z * rays.r;
     Moments m = Moments(0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
-    for (int dy = -box.y; dy <= box.y; ++dy) {
-        const uint row = test_rows[in_rows.y + dy];
+    // Own ray only: a penumbra so narrow that no neighbour's can help.
+    const int reach_y = !mixed || min(b1, b2) <= 0.0 ? -1 : box.y;
+    for (int dy = -reach_y; dy <= reach_y; ++dy) {
+        const uint tested = test_rows[in_rows.y + dy] >> uint(in_rows.x - R), l = lit_rows[in_rows.y + dy] >> uint(in_rows.x - R);
         const int half_width = min(int(sqrt(float(R * R - dy * dy)) + 1e-3), box.x);
+        const vec3 row_o = rays.o - here + float(dy) * rays.oy, row_r = rays.r + float(dy) * rays.ry;
+        const int noise_row = (p.y + dy & 127) * 128;
         for (int dx = -half_width; dx <= half_width; ++dx) {
-            const uint mask = 1u << uint(in_rows.x + dx);
-            if ((row & mask) == 0u) continue;
-            const ivec2 q = p + ivec2(dx, dy);
-            Tap tap;
-            tap.at = seen_at(rays, vec2(dx, dy), imageLoad(view_depth, q).x) - here;
-            tap.usable = abs(dot(n, tap.at)) <= tolerance_m;
-            tap.lit = (lit_rows[in_rows.y + dy] & mask) != 0u ? 1.0 : 0.0;
-            tap.sun = unpackSnorm2x16(sun_points[(q.y & 127) * 128 + (q.x & 127)]);
-            add_ray(m, tap, penumbra, 1.0 / rho, limit * limit, c);
+            const vec3 at = row_o + float(dx) * rays.ox +
+                            imageLoad(view_depth, p + ivec2(dx, dy)).x * (row_r + float(dx) * rays.rx);
+            const bool usable = (tested >> uint(dx + R) & 1u) != 0u && abs(dot(n, at)) <= tolerance_m;
+            add_ray(m, usable, float(l >> uint(dx + R) & 1u), at, unpackSnorm2x16(sun_points[noise_row + (p.x + dx & 127)]), window);
         }
     }
-    if (m.n <= 0.0) return Estimate(bit, 1.0, 1.0);
-    return estimate_of(m);
+    if (m.n > 0.0) e = estimate_of(m);
+    return e;
+}
+
+// Of the difference between a frame and the past where nothing moves. A pixel beside a narrow penumbra is seldom in it,
+// unless its past says that it is.
+float null_variance(Estimate now, Past past, float radius_px) {
+    const float share = clamp(SHARE_PER_RADIUS * radius_px, LEAST_SHARE, 1.0);
+    const float v = (now.rays * now.visibility + past.count * past.visibility) / (now.rays + past.count);
+    const float known = min(past.count / KNOWN, 1.0);
+    const float p = max(share * v * (1.0 - v), known * past.visibility * (1.0 - past.visibility));
+    return p * now.gain / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
 }
 
 // What drift reads of a cell: sums over its pixels.
@@ -192,60 +213,57 @@ void main() {
     const ivec2 first = cell * CELL;
     const int tile_x = cell.x >> 1, column = 8 + (first.x & 7);
 
+    load_rows(ivec2(tile_x, cell.y));
     const uint in_reach = ((1u << uint(CELL + 2 * R)) - 1u) << uint(column - R);
     uint any_lit = 0u, any_dark = 0u;
     for (int i = 0; i < ROWS; ++i) {
-        uint lit, tests;
-        load_row(tile_x, first.y - R + i, lit, tests);
-        lit_rows[i] = lit;
-        test_rows[i] = tests;
-        any_lit |= lit & in_reach;
-        any_dark |= tests & ~lit & in_reach;
+        any_lit |= lit_rows[i] & in_reach;
+        any_dark |= test_rows[i] & ~lit_rows[i] & in_reach;
     }
     const bool works = any_lit != 0u && any_dark != 0u;
 
+    const uint receivers = receiver_words[tile_index(first / TILE)], visible = visibility_words[tile_index(first / TILE)];
+    const uint lit_or_sky = visible | ~receivers;
+    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
+        const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
+        const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        const bool tests = (test_rows[R + offset.y] >> uint(column + offset.x) & 1u) != 0u;
+        imageStore(gathered, p, uvec4(pack_gathered(Gathered(bit, bit, IDLE_COUNT, 0.0, 0.0, tests)), 0u, 0u));
+    }
     const mat3 light = transpose(sun_frame(sun.to_sun));
     const ViewRays corner = view_rays(first, light);
     Penumbra penumbra = Penumbra(0.0, 0.0, 0.0);
-    if (works) penumbra = penumbra_at(cell);
+    for (int i = 0; i < (works ? 1 : 0); ++i) penumbra = penumbra_at(cell);
+    const float rho = radius_m(penumbra);
 
     Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     vec2 steps = vec2(1e9);  // light-space pixel sizes
     float largest = 0.0;
-    const uint receivers = receiver_words[tile_index(first / TILE)], visible = visibility_words[tile_index(first / TILE)];
-    for (int i = 0; i < CELL * CELL; ++i) {
+    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
-        if (!inside_frame(p)) continue;
-        const uint mask = pixel_bit(p);
-        Gathered g = Gathered((visible & mask) != 0u || (receivers & mask) == 0u ? 1.0 : 0.0, 0.0, 0.0, 0.0, 0.0, false);
-        g.past = g.now;
+        const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false);
         const ivec2 in_rows = ivec2(column + offset.x, R + offset.y);
-        if (works && (test_rows[in_rows.y] >> uint(in_rows.x) & 1u) != 0u) {
+        if ((test_rows[in_rows.y] >> uint(in_rows.x) & 1u) != 0u) {
             const float z = imageLoad(view_depth, p).x;
-            const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+            const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), n_light = light * n;
             const ViewRays rays = moved(corner, vec2(offset));
-            const vec3 n_light = light * n;
-            const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra);
+            const Footprint foot = footprint_of(rays, z, n_light);
+            const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra, foot);
             Past past = past_of(p, z, n, params.plane_tolerance * pixel_span_m(z));
-            const mat2x3 t = tangents(rays, z, n_light);
-            const float radius_px = radius_m(penumbra) / max(stretches_of(mat2(t[0].xy, t[1].xy)).s1, 1e-9);
-            const float share = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE);
-            past.count = min(past.count, squared_error(now) / max(share * past.variance, 1e-6));
-            const vec2 size = vec2(length(t[0].xy), length(t[1].xy));
-            steps = min(steps, size);
-            largest = max(largest, stretches_of(mat2(t[0].xy, t[1].xy)).s1);
+            const float radius_px = rho / max(foot.s.s1, 1e-9);
+            const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
+            past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
+            steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
+            largest = max(largest, foot.s.s1);
 
-            const float penumbra_share = clamp(SHARE_PER_RADIUS * radius_m(penumbra) / stretches_of(mat2(t[0].xy, t[1].xy)).s2, LEAST_SHARE, 1.0);
-            g.now = now.visibility;
-            g.counts = true;
-            g.error = sqrt(squared_error(now));
-            g.past = past.count > 0.0 ? past.visibility : g.now;
-            g.count = past.count;
-            const float d = g.now - g.past;
-            g.residual = past.count > 0.0 ? past.residual + NEW_RESIDUAL * (d - past.residual) : 0.0;
+            g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
+                         sqrt(squared_error(now)), true);
             if (past.count > 0.0) {
-                const float v = (now.rays * g.now + past.count * g.past) / (now.rays + past.count);
-                const float variance = max(penumbra_share * v * (1.0 - v), min(past.count / KNOWN, 1.0) * g.past * (1.0 - g.past)) * now.gain / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
+                const float d = g.now - g.past;
+                g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
+                const float variance = null_variance(now, past, rho / max(foot.s.s2, 1e-9));
                 sums.d += d;
                 sums.e += g.residual;
                 sums.v += variance;
@@ -253,13 +271,9 @@ void main() {
                 sums.e2 += g.residual * g.residual;
                 sums.c += variance * (1.0 + 0.5 * (now.rays - 1.0));
             }
-        } else if (!works) {
-            g.count = IDLE_COUNT;
-            g.counts = (test_rows[in_rows.y] >> uint(in_rows.x) & 1u) != 0u;
         }
         imageStore(gathered, p, uvec4(pack_gathered(g), 0u, 0u));
     }
-    const float rho = radius_m(penumbra);
     const vec2 reach = rho > 0.0 && works ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
     const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);

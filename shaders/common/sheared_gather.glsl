@@ -8,17 +8,10 @@
 // The idea of filtering along the shear that a light field has: Egan et al. 2011, "Frequency Analysis and Sheared
 // Filtering for Shadow Light Fields of Complex Occluders". Here single rays are sheared, and none is filtered.
 //
-// Includer has light_space.glsl and tap_at().
+// Includer has light_space.glsl.
 
-const float UNEVEN = 0.109;   // see coverage_weight()
+const float UNEVEN = 0.109;   // see Window
 const float FEWEST = 2.5;     // rays with which a plane through their bits is fitted
-
-struct Tap {
-    bool usable;
-    float lit;  // 0 or 1
-    vec3 at;    // light space, relative to the pixel
-    vec2 sun;   // point of the sun's disc
-};
 
 // What surrounds the pixel, in light space.
 struct Penumbra {
@@ -43,25 +36,34 @@ struct Moments {
     vec3 ee;            // eta eta^T: xx, xy, yy
 };
 
-// A window that covers a part c of the disc's radius sees rays from eta near 1 less often than from the middle: their
-// pixels lie outside. Inverse of that coverage as a straight line, measured for a disc of pixels.
-float coverage_weight(float eta, float c) {
-    const float t = max(eta - (1.0 - c), 0.0) / c;
-    return 1.0 / (1.0 - (0.5 + UNEVEN * c) * t);
+// Which rays are asked. A window that covers a part c of the disc's radius sees rays from eta near 1 less often than from
+// the middle: their pixels lie outside. The inverse of that coverage is a straight line in |eta|, measured for a disc of
+// pixels.
+struct Window {
+    float tangent, distance_m;
+    float by_radius;            // 1 / the disc's radius
+    float limit2;               // of a neighbour's distance across the light, squared
+    float per_eta, from_eta;    // coverage falls by this from there on
+};
+
+Window window_of(Penumbra p, float limit, float covered_m) {
+    const float by_radius = 1.0 / max(radius_m(p), 1e-9), c = clamp(covered_m * by_radius, 1e-3, 1.0);
+    return Window(p.tangent, p.distance_m, by_radius, limit * limit, (0.5 + UNEVEN * c) / c, 1.0 - c);
 }
 
-void add_ray(inout Moments m, Tap tap, Penumbra p, float by_radius, float limit2, float c) {
-    const vec2 eta = (tap.at.xy + (p.distance_m - tap.at.z) * p.tangent * tap.sun) * by_radius;
+// `at`: the neighbour, light space, relative to the pixel; `point`: of the sun, that its ray went to.
+void add_ray(inout Moments m, bool usable, float lit, vec3 at, vec2 point, Window window) {
+    const vec2 eta = (at.xy + (window.distance_m - at.z) * window.tangent * point) * window.by_radius;
     const float e2 = dot(eta, eta);
-    const bool hits = tap.usable && e2 < 1.0 && dot(tap.at.xy, tap.at.xy) <= limit2;
-    const float w = hits ? coverage_weight(sqrt(e2), c) : 0.0;
+    const bool hits = usable && e2 < 1.0 && dot(at.xy, at.xy) <= window.limit2;
+    const float w = hits ? 1.0 / (1.0 - window.per_eta * max(sqrt(e2) - window.from_eta, 0.0)) : 0.0;
     const vec2 we = hits ? w * eta : vec2(0.0);
     m.n += w;
     m.n2 += w * w;
-    m.b += w * tap.lit;
+    m.b += w * lit;
     m.e += we;
-    m.be += we * tap.lit;
-    m.ee += vec3(we.x * eta.x, we.x * eta.y, we.y * eta.y);
+    m.be += we * lit;
+    m.ee += hits ? vec3(we.x * eta.x, we.x * eta.y, we.y * eta.y) : vec3(0.0);
 }
 
 Estimate estimate_of(Moments m) {
