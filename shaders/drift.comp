@@ -39,14 +39,16 @@ float excess_at(ivec2 cell) {
     return max(0.0, sf - 9.0) + max(0.0, ss - 7.0) + 2.0 * max(0.0, qf - 2.5) + 2.0 * max(0.0, qs - 2.5);
 }
 
-// Mean difference between frame and past over 3x3 taps of the same surface.
-float surrounding_difference(ivec2 p, int step, float z, vec3 n, ViewRays rays, float tolerance_m) {
+// Mean difference between frame and past over 3x3 taps of the same surface, `step` pixels apart; 0: nothing is asked.
+float surrounding_difference(ivec2 p, int step, ViewRays rays) {
+    const float z = imageLoad(view_depth, p).x, tolerance_m = params.plane_tolerance * pixel_span_m(z);
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), here = rays.o + z * rays.r;
     const ivec2 last = ivec2(frame.size) - 1;
-    const vec3 here = rays.o + z * rays.r;
+    const int reach = step > 0 ? 1 : -1;
     float sum = 0.0, weights = 0.0;
-    for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) {
-            const ivec2 offset = step * ivec2(x, y), q = clamp(p + offset, ivec2(0), last);
+    for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x) {
+            const ivec2 q = clamp(p + step * ivec2(x, y), ivec2(0), last);
             const Gathered g = unpack_gathered(imageLoad(gathered, q).xy);
             const vec3 there = seen_at(rays, vec2(q - p), imageLoad(view_depth, q).x);
             const bool same = g.counts && g.count > 0.0 && abs(dot(n, there - here)) <= tolerance_m;
@@ -63,27 +65,27 @@ void main() {
     const ivec2 first = cell * CELL;
     const float radius_px = cells[2u * cell_index(cell) + 1u].z;
     const bool works = radius_px >= 0.0;
+    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
+        const ivec2 p = first + ivec2(i & 3, i >> 2);
+        const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
+        imageStore(state, p, uvec4(pack_state(ShadowState(g.now, g.counts ? g.count : 0.0, 0.0)), 0u, 0u, 0u));
+    }
+
     float shrink = 1.0;
-    if (works) shrink = 1.0 / (1.0 + 0.5 * excess_at(cell));
+    for (int i = 0; i < (works ? 1 : 0); ++i) shrink = 1.0 / (1.0 + 0.5 * excess_at(cell));
     const int step = clamp(int(0.5 * min(radius_px, 8.0) + 0.5), 1, 4);
     const ViewRays corner = view_rays(first, mat3(1.0));
-
-    for (int i = 0; i < CELL * CELL; ++i) {
+    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
-        if (!inside_frame(p)) continue;
         const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
-        ShadowState s = ShadowState(g.now, g.counts ? max(g.count, 1.0) : 0.0, 0.0);
-        if (works && g.counts && g.count > 0.0) {
-            const float z = imageLoad(view_depth, p).x;
-            const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+        ShadowState s = ShadowState(g.now, g.counts ? 1.0 : 0.0, 0.0);
+        if (g.counts && g.count > 0.0) {
             const float past = clamp(g.past, g.now - CLAMP_ERRORS * g.error, g.now + CLAMP_ERRORS * g.error);
             s.count = min(g.count * shrink + 1.0, COUNT_CAP);
             const float a = 1.0 / s.count;
             const float a_around = radius_px < 1.0 ? a : min(1.0, GAIN_OF_SURROUNDINGS * a);
-            float around = 0.0;
-            if (a_around > a)
-                around = surrounding_difference(p, step, z, n, moved(corner, vec2(offset)),
-                                                params.plane_tolerance * pixel_span_m(z));
+            const float around = surrounding_difference(p, a_around > a ? step : 0, moved(corner, vec2(offset)));
             s.visibility = clamp(past + a * (g.now - past) + (a_around - a) * around, 0.0, 1.0);
             s.residual = shrink < 0.5 ? 0.5 * g.residual : g.residual;
         }

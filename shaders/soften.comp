@@ -40,13 +40,17 @@ void main() {
     const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(cell, cell_grid()))) return;
     const ivec2 first = cell * CELL, steps = ivec2(unpackHalf2x16(floatBitsToUint(cells[2u * cell_index(cell) + 1u].w)));
+    const bool works = (steps.x | steps.y) != 0;
+    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
+        const ivec2 p = first + ivec2(i & 3, i >> 2);
+        imageStore(visibility, p, vec4(unpack_state(imageLoad(state, p).x).visibility));
+    }
     const ViewRays corner = view_rays(first, mat3(1.0));
-    for (int i = 0; i < CELL * CELL; ++i) {
+    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
-        if (!inside_frame(p)) continue;
         const ShadowState own = unpack_state(imageLoad(state, p).x);
         float v = own.visibility;
-        if (own.count > 0.0 && (steps.x | steps.y) != 0) v = softened(p, steps, own, moved(corner, vec2(offset)));
+        if (own.count > 0.0) v = softened(p, steps, own, moved(corner, vec2(offset)));
         imageStore(visibility, p, vec4(v));
     }
 }
