@@ -27,6 +27,7 @@ struct RenderArguments {
     std::vector<std::string> node_folders;  // --nodes
     std::string device;
     std::optional<uint32_t> seed;
+    std::string facts;  // "a,!b": instead of what the scene says
     bool validate = false;
     bool no_alias = false;
     bool no_jitter = false;

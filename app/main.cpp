@@ -31,6 +31,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--seed", a.seed, "instead of the shot's seed");
+    c->add_option("--facts", a.facts, "a,!b: take these as true or false, whatever the scene says");
     c->add_flag("--validate", a.validate,
                 "Vulkan validation with synchronisation checks; count non-finite texels");
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");

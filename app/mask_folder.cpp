@@ -12,10 +12,68 @@ namespace penumbra {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+using OrderedJson = nlohmann::ordered_json;
+
+// All or nothing: numbers of a list, into `out`.
+template <class Out>
+bool read_numbers(const Json* json, size_t count, Out&& out) {
+    if (!json || json->kind != Json::Kind::array || json->items.size() != count) return false;
+    for (size_t i = 0; i < count; ++i) {
+        if (!json->items[i].is_number()) return false;
+        out(i, json->items[i].real);
+    }
+    return true;
+}
+
+bool read_contact(const Json& json, ContactLine& out) {
+    return read_numbers(json.find("from"), 2, [&](size_t i, double v) { out.from[i] = v; }) &&
+           read_numbers(json.find("to"), 2, [&](size_t i, double v) { out.to[i] = v; }) &&
+           read_numbers(json.find("away"), 2, [&](size_t i, double v) { out.away[i] = v; });
+}
+
+bool read_frame(const Json& json, ReferenceInfo& info) {
+    const Json *number = json.find("frame"), *contact = json.find("contact");
+    if (!number || number->kind != Json::Kind::integer || !contact) return false;
+    ReferenceFrame& frame = info.frames[static_cast<uint32_t>(number->integer)];
+    if (!read_numbers(json.find("to_sun"), 3, [&](size_t i, double v) { frame.to_sun[int(i)] = v; }))
+        return false;
+    return contact->kind == Json::Kind::null || read_contact(*contact, frame.contact.emplace());
+}
+
+bool read_info(const Json& json, ReferenceInfo& info) {
+    const Json *shot = json.find("shot"), *exact = json.find("exact"), *rays = json.find("rays"),
+               *frames = json.find("frames");
+    if (!shot || shot->kind != Json::Kind::string || !exact || exact->kind != Json::Kind::boolean)
+        return false;
+    if (!rays || !(rays->kind == Json::Kind::null || rays->kind == Json::Kind::integer)) return false;
+    if (!frames || frames->kind != Json::Kind::array) return false;
+    info.shot = shot->string;
+    info.exact = exact->boolean;
+    if (rays->kind == Json::Kind::integer) info.rays = static_cast<uint32_t>(rays->integer);
+    for (const Json& frame : frames->items)
+        if (!read_frame(frame, info)) return false;
+    return read_numbers(json.find("size"), 2,
+                        [&](size_t i, double v) { info.size[i] = static_cast<uint32_t>(v); });
+}
+
+}  // namespace
+
 void write_reference_info(const fs::path& folder, const ReferenceInfo& info) {
-    nlohmann::ordered_json json = {
+    OrderedJson json = {
         {"penumbra", 1}, {"shot", info.shot}, {"size", info.size}, {"exact", info.exact}, {"rays", nullptr}};
     if (info.rays) json["rays"] = *info.rays;
+    json["frames"] = OrderedJson::array();
+    for (const auto& [number, frame] : info.frames) {
+        OrderedJson& out = json["frames"].emplace_back();
+        out = {{"frame", number},
+               {"to_sun", {frame.to_sun.x, frame.to_sun.y, frame.to_sun.z}},
+               {"contact", nullptr}};
+        if (frame.contact)
+            out["contact"] = {
+                {"from", frame.contact->from}, {"to", frame.contact->to}, {"away", frame.contact->away}};
+    }
     const std::string text = json.dump(2) + "\n";
     write_file(folder / "reference.json", std::as_bytes(std::span(text)));
 }
@@ -23,19 +81,10 @@ void write_reference_info(const fs::path& folder, const ReferenceInfo& info) {
 std::optional<ReferenceInfo> read_reference_info(const fs::path& folder, Diagnostics& diagnostics) {
     const auto json = read_json(folder / "reference.json", diagnostics);
     if (!json) return std::nullopt;
-    const Json *shot = json->find("shot"), *size = json->find("size"), *exact = json->find("exact"),
-               *rays = json->find("rays");
-    const bool good = shot && shot->kind == Json::Kind::string && size && size->kind == Json::Kind::array &&
-                      size->items.size() == 2 && exact && exact->kind == Json::Kind::boolean && rays &&
-                      (rays->kind == Json::Kind::null || rays->kind == Json::Kind::integer);
-    if (!good) {
-        diagnostics.add(json->place, "", "not written by `penumbra reference`");
-        return std::nullopt;
-    }
-    ReferenceInfo info{shot->string, {}, exact->boolean, {}};
-    for (size_t i = 0; i < 2; ++i) info.size[i] = static_cast<uint32_t>(size->items[i].integer);
-    if (rays->kind == Json::Kind::integer) info.rays = static_cast<uint32_t>(rays->integer);
-    return info;
+    ReferenceInfo info;
+    if (read_info(*json, info)) return info;
+    diagnostics.add(json->place, "", "not written by `penumbra reference` of this version");
+    return std::nullopt;
 }
 
 fs::path visibility_file(const fs::path& folder, uint32_t frame) {

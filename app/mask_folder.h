@@ -4,13 +4,22 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec3.hpp>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host/image_file.h"
+#include "host/metrics/contact.h"
 
 namespace penumbra {
+
+// What a frame's truth is the truth of.
+struct ReferenceFrame {
+    glm::dvec3 to_sun{0, 0, 1};          // unit, world axes
+    std::optional<ContactLine> contact;  // where the scene says so
+};
 
 // reference.json: how good the truth is.
 struct ReferenceInfo {
@@ -18,6 +27,7 @@ struct ReferenceInfo {
     std::array<uint32_t, 2> size{};
     bool exact = false;            // a closed form
     std::optional<uint32_t> rays;  // per pixel, else
+    std::map<uint32_t, ReferenceFrame> frames;
 };
 
 void write_reference_info(const std::filesystem::path& folder, const ReferenceInfo& info);

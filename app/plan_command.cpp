@@ -5,30 +5,11 @@
 #include <sstream>
 
 #include "app/commands.h"
+#include "app/fact_list.h"
 #include "app/node_folders.h"
 #include "app/pipeline_file.h"
 
 namespace penumbra {
-namespace {
-
-// "a,!b"
-std::optional<Facts> parse_facts(const std::string& text) {
-    Facts facts;
-    std::istringstream words(text);
-    const std::vector<std::string> known(fact_names.begin(), fact_names.end());
-    for (std::string word; std::getline(words, word, ',');) {
-        const bool negated = word.starts_with('!');
-        const std::string name = word.substr(negated ? 1 : 0);
-        if (std::find(known.begin(), known.end(), name) == known.end()) {
-            std::cerr << "--facts: there is no fact \"" << name << "\"" << did_you_mean(name, known) << "\n";
-            return std::nullopt;
-        }
-        facts[name] = !negated;
-    }
-    return facts;
-}
-
-}  // namespace
 
 std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text) {
     std::istringstream stream(text);

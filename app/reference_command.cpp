@@ -9,6 +9,7 @@
 #include "app/outputs.h"
 #include "app/progress.h"
 #include "app/truth.h"
+#include "host/analytic.h"
 
 namespace penumbra {
 namespace {
@@ -42,17 +43,21 @@ int write_reference(const ReferenceArguments& arguments, const Shot& shot, const
     {
         Progress progress("reference", frames[1] - frames[0] + 1);
         for (uint32_t frame = frames[0]; frame <= frames[1]; ++frame) {
-            if (shot.half_plane) {
-                session->run_frame(frame, false);  // for depth and motion
+            if (shot.analytic) {
+                session->run_frame(frame, false);  // for the images beside
                 write_truth(folder, shot, frame, analytic_truth(shot, frame));
             } else {
                 write_truth(folder, shot, frame, counted_truth(*session, frame, arguments.rays));
             }
-            for (const char* name : {"depth", "motion"}) host_images.write(*session, name, frame);
+            for (const char* name : {"depth", "motion", "normal", "albedo"})
+                host_images.write(*session, name, frame);
             progress.step();
         }
     }
-    ReferenceInfo info{shot.file.string(), shot.size, shot.half_plane.has_value(), {}};
+    ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};
+    for (uint32_t frame = frames[0]; frame <= frames[1]; ++frame)
+        info.frames[frame] = {sun_at(shot, frame).to_sun,
+                              shot.analytic ? analytic_contact(shot, frame) : std::nullopt};
     if (!info.exact) info.rays = rays_cast(arguments.rays);
     write_reference_info(folder, info);
     return exit_good;

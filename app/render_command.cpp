@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/fact_list.h"
 #include "app/frame_range.h"
 #include "app/node_folders.h"
 #include "app/outputs.h"
@@ -25,6 +26,7 @@ struct Job {
     Shot shot;
     std::array<uint32_t, 2> size{};
     FrameRange frames{};
+    Facts facts;
     std::vector<std::string> graph_captures, host_captures;
 };
 
@@ -36,8 +38,9 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     if (!pipeline || !shot) return std::nullopt;
     const auto size = arguments.size.empty() ? std::optional(shot->size) : parse_size(arguments.size);
     const auto frames = parse_frames(arguments.frames, shot->frames);
-    if (!size || !frames) return std::nullopt;
-    Job job{std::move(*pipeline), std::move(*shot), *size, *frames, {}, {}};
+    const auto facts = parse_facts(arguments.facts);
+    if (!size || !frames || !facts) return std::nullopt;
+    Job job{std::move(*pipeline), std::move(*shot), *size, *frames, *facts, {}, {}};
     job.graph_captures = job.pipeline.outputs;
     for (const std::string& name : arguments.captures) {
         auto& list = is_host_image(name) ? job.host_captures : job.graph_captures;
@@ -57,6 +60,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.seed = arguments.seed;
     options.alias = !arguments.no_alias;
     options.jitter = !arguments.no_jitter;
+    options.facts = job.facts;
     const auto session =
         Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
@@ -83,7 +87,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         }
     }
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
-    const auto report = render_report(arguments, *session, device.info(), job.frames, costs, outputs);
+    const auto report =
+        render_report(arguments, *session, device.info(), job.frames, costs, outputs, warnings);
     const std::string text = report.dump(2) + "\n";
     write_file(folder / "report.json", std::as_bytes(std::span(text)));
     print_summary(report);

@@ -124,7 +124,7 @@ std::string mebibytes(const OrderedJson& bytes) {
 
 OrderedJson render_report(const RenderArguments& arguments, const Session& session, const DeviceInfo& device,
                           std::array<uint32_t, 2> frames, const std::vector<FrameCost>& costs,
-                          const OutputWriter& outputs) {
+                          const OutputWriter& outputs, const std::vector<std::string>& warnings) {
     const Plan& plan = session.plan();
     const auto warm = warmed_up(costs);
     const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });
@@ -154,6 +154,7 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"memory", memory_json(plan)},
             {"counts", counts(plan, passes)},
             {"validate", arguments.validate ? validation_json(outputs) : OrderedJson()},
+            {"warnings", warnings},  // about the scene: what of it is not shown as its file says
             {"outputs", outputs_json(outputs)}};
 }
 

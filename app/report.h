@@ -14,7 +14,8 @@ namespace penumbra {
 // Costs of all executed frames; the first two are left out of medians where there are more.
 nlohmann::ordered_json render_report(const RenderArguments& arguments, const Session& session,
                                      const DeviceInfo& device, std::array<uint32_t, 2> frames,
-                                     const std::vector<FrameCost>& costs, const OutputWriter& outputs);
+                                     const std::vector<FrameCost>& costs, const OutputWriter& outputs,
+                                     const std::vector<std::string>& warnings);
 
 // The same for people: milliseconds per pass, and the heap beside its bounds.
 void print_summary(const nlohmann::ordered_json& report);

@@ -21,8 +21,9 @@ double process_cpu_ms() {
 }
 
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
-const std::vector<std::string> known_slots = {"depth", "normal",      "motion",       "albedo",    "sun",
-                                              "scene", "scene.nodes", "scene.leaves", "scene.tlas"};
+const std::vector<std::string> known_slots = {
+    "depth",        "normal",     "motion",         "albedo",         "sun", "scene", "scene.nodes",
+    "scene.leaves", "scene.tlas", "scene.alpha_uv", "scene.alpha_map"};
 
 void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnostics) {
     for (const HostSlot& slot : plan.slots)
@@ -79,7 +80,9 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     host_options.jitter = options.jitter;
     session->host_ =
         std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
-    Target target = standalone_target(table, options.size, session->host_->facts());
+    Facts facts = options.facts;
+    facts.merge(session->host_->facts());  // keeps what is there
+    Target target = standalone_target(table, options.size, facts);
     for (const HostInput& input : pipeline.inputs)
         if (input.optional &&
             std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())
@@ -124,6 +127,8 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "scene.nodes") b.texels = bvh_->nodes();
         if (slot.name == "scene.leaves") b.texels = bvh_->leaves();
         if (slot.name == "scene.tlas") b.tlas = tlas_->get();
+        if (slot.name == "scene.alpha_uv") b.texels = bvh_ ? bvh_->alpha_uv() : tlas_->alpha_uv();
+        if (slot.name == "scene.alpha_map") b.texels = bvh_ ? bvh_->alpha_map() : tlas_->alpha_map();
     }
     return bindings;
 }

@@ -23,6 +23,7 @@ struct SessionOptions {
     bool alias = true;
     bool jitter = true;
     std::optional<uint32_t> poison;
+    Facts facts;          // instead of what the scene says
     bool optimum = true;  // search for the smallest possible heap, for the report
 };
 

@@ -42,9 +42,10 @@ uint32_t rays_cast(uint32_t wanted) {
 }
 
 Truth analytic_truth(const Shot& shot, uint32_t frame) {
-    const std::vector<double> exact = half_plane_image(shot, frame);
+    const std::vector<double> exact = analytic_image(shot, frame);
+    const std::vector<uint8_t> receivers = analytic_receivers(shot, frame);
     return {{exact.begin(), exact.end()},
-            std::vector<float>(exact.size(), 1.0f),
+            {receivers.begin(), receivers.end()},
             std::vector<float>(exact.size(), 0.0f)};
 }
 

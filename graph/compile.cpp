@@ -87,6 +87,7 @@ class Compiler {
         pass.kind = node.type->host ? PassKind::host : PassKind::compute;
         check_needs(node);
         choose_backend(node);
+        pass.variant.alpha = traces_scene(*node.type) && plan_.facts.at("alpha");
         bindings_ = port_bindings(*node.type);
         for (size_t i = 0; i < selected.ports.size(); ++i)
             if (!selected.ports[i].bound->port->output) bind_input(node, selected.ports[i], bindings_[i]);
@@ -233,12 +234,20 @@ class Compiler {
             if (uses_ray_query(plan_.passes.back().variant))
                 slots = {slot(node, c.resource + ".tlas", PortKind::scene, Format::r8, c, "")};
             else
-                slots = {slot(node, c.resource + ".nodes", PortKind::texels, Format::rgba32ui, c, ""),
-                         slot(node, c.resource + ".leaves", PortKind::texels, Format::rgba32ui, c, "")};
+                for (const SceneTexels& texels : scene_tree_slots)
+                    slots.push_back(scene_texels(node, c, texels));
+            if (plan_.passes.back().variant.alpha)
+                for (const SceneTexels& texels : scene_alpha_slots)
+                    slots.push_back(scene_texels(node, c, texels));
             slots.push_back(slot(node, c.resource, PortKind::block, Format::r8, c, "Scene"));
             return slots;
         }
         return {slot(node, c.resource, port.kind, Format::r8, c, port.element)};
+    }
+
+    uint32_t scene_texels(const BoundNode& node, const Connection& c, const SceneTexels& texels) {
+        return slot(node, fmt::format("{}.{}", c.resource, texels.slot), PortKind::texels, texels.format, c,
+                    "");
     }
 
     uint32_t slot(const BoundNode& node, const std::string& name, PortKind kind, Format format,
@@ -391,6 +400,10 @@ class Compiler {
                 port.updates.empty())
                 choices_.back().push_back({&port, c.resource, c.source, node.id});
         }
+        for (const Table& table : node.type->tables)
+            if (!table.condition.empty())
+                plan_.passes.back().variant.present[table.name] =
+                    holds(table.condition, target_.facts, node.params);
     }
 
     const ClassOverrides& overrides(const BoundNode& node) const {

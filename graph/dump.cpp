@@ -80,7 +80,8 @@ std::string to_text(const Plan& plan) {
             pass.indirect ? "indirect"
                           : fmt::format("{}x{}x{}", pass.groups[0], pass.groups[1], pass.groups[2]);
         const std::string backend =
-            pass.variant.backend.empty() ? "" : fmt::format(" backend {}", pass.variant.backend);
+            (pass.variant.backend.empty() ? "" : fmt::format(" backend {}", pass.variant.backend)) +
+            (pass.variant.alpha ? " alpha" : "");
         text += fmt::format("  {:2} {} ({}) {}{}\n      reads  {}\n      writes {}\n", p, pass.node,
                             pass.kind == PassKind::capture ? "capture" : pass.entry->type.name, groups,
                             backend, join(pass.reads), join(pass.writes));

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 
 namespace penumbra {
 namespace {
@@ -16,9 +17,54 @@ std::string upper(std::string text) {
     return text;
 }
 
-bool has_presence(const Port& port) {
-    return port.optional || !port.condition.empty();
+// Every value that the facts and constant parameters in the conditions of ports and tables can have, as text.
+std::map<std::string, std::vector<std::string>> choices_in_conditions(const NodeType& type) {
+    std::map<std::string, std::vector<std::string>> choices;
+    const auto add = [&](const Condition& condition) {
+        for (const Literal& literal : condition) {
+            std::vector<std::string>& values = choices[literal.name];
+            const Param* param = literal.value ? type.param(literal.name) : nullptr;
+            if (param && param->type == ParamType::enumeration)
+                values = param->values;
+            else if (!param || param->type == ParamType::boolean)
+                values = {"false", "true"};
+            else
+                values.insert(values.end(), {*literal.value, "another"});
+        }
+    };
+    for (const Port& port : type.ports) add(port.condition);
+    for (const Table& table : type.tables) add(table.condition);
+    return choices;
 }
+
+// Which conditional ports and tables can exist together; what exists under one condition exists together.
+std::set<std::map<std::string, bool>> possible_presences(const NodeType& type) {
+    std::vector<std::map<std::string, std::string>> worlds(1);
+    for (const auto& [name, values] : choices_in_conditions(type)) {
+        std::vector<std::map<std::string, std::string>> more;
+        for (const auto& world : worlds)
+            for (const std::string& value : values) more.emplace_back(world)[name] = value;
+        worlds = std::move(more);
+    }
+    std::set<std::map<std::string, bool>> presences;
+    for (const auto& world : worlds) {
+        Facts facts;
+        std::map<std::string, ParamValue> params;
+        for (const auto& [name, value] : world) {
+            facts[name] = value == "true";
+            params[name] = value;
+        }
+        std::map<std::string, bool> present;
+        for (const Port& port : type.ports)
+            if (!port.optional && !port.condition.empty())
+                present[port.name] = holds(port.condition, facts, params);
+        for (const Table& table : type.tables)
+            if (!table.condition.empty()) present[table.name] = holds(table.condition, facts, params);
+        presences.insert(std::move(present));
+    }
+    return presences;
+}
+
 bool has_format_choice(const Port& port) {
     return port.kind == PortKind::image && port.storage && port.formats.size() > 1 && port.updates.empty();
 }
@@ -77,9 +123,15 @@ std::string declare_scene(const Port& port, const Variant& variant, uint32_t b) 
         text = fmt::format("layout(set = 0, binding = {}) uniform accelerationStructureEXT {}_tlas;\n", b++,
                            port.name);
     else
-        for (const char* array : {"nodes", "leaves"})
+        for (const SceneTexels& texels : scene_tree_slots)
             text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
-                                port.name, array);
+                                port.name, texels.slot);
+    if (variant.alpha) {
+        text += fmt::format("#define {}_ALPHA 1\n", upper(port.name));
+        for (const SceneTexels& texels : scene_alpha_slots)
+            text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
+                                port.name, texels.slot);
+    }
     return text + fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ Scene {}; }};\n", b,
                               port.name, port.name);
 }
@@ -276,13 +328,21 @@ bool fits(const Param& param, const ParamValue& value) {
 }
 
 const Param* backend_choice(const NodeType& type) {
-    const bool traces = std::any_of(type.ports.begin(), type.ports.end(),
-                                    [](const Port& port) { return port.kind == PortKind::scene; });
-    return traces ? type.param(backend_param) : nullptr;
+    return traces_scene(type) ? type.param(backend_param) : nullptr;
+}
+
+bool traces_scene(const NodeType& type) {
+    return std::any_of(type.ports.begin(), type.ports.end(),
+                       [](const Port& port) { return port.kind == PortKind::scene; });
 }
 
 bool uses_ray_query(const Variant& variant) {
     return variant.backend == "ray_query";
+}
+
+bool exists(const Variant& variant, const std::string& port_or_table) {
+    const auto found = variant.present.find(port_or_table);
+    return found == variant.present.end() || found->second;
 }
 
 std::string to_string(const Variant& variant) {
@@ -293,6 +353,7 @@ std::string to_string(const Variant& variant) {
         key += fmt::format("{}{}={:d}", key.empty() ? "" : ",", port, present);
     if (!variant.backend.empty())
         key += fmt::format("{}{}={}", key.empty() ? "" : ",", backend_param, variant.backend);
+    if (variant.alpha) key += fmt::format("{}alpha=1", key.empty() ? "" : ",");
     return key;
 }
 
@@ -308,13 +369,17 @@ std::vector<Variant> all_variants(const NodeType& type) {
         if (has_format_choice(port))
             multiply(port.formats.size(),
                      [&](Variant& v, size_t i) { v.formats[port.name] = port.formats[i]; });
-        if (has_presence(port)) multiply(2, [&](Variant& v, size_t i) { v.present[port.name] = i == 1; });
+        if (port.optional) multiply(2, [&](Variant& v, size_t i) { v.present[port.name] = i == 1; });
     }
+    const std::set<std::map<std::string, bool>> presences = possible_presences(type);
+    const std::vector<std::map<std::string, bool>> list(presences.begin(), presences.end());
+    multiply(list.size(), [&](Variant& v, size_t i) { v.present.insert(list[i].begin(), list[i].end()); });
     if (const Param* choice = backend_choice(type)) {
         std::vector<std::string> backends = choice->values;
         std::erase(backends, "auto");
         multiply(backends.size(), [&](Variant& v, size_t i) { v.backend = backends[i]; });
     }
+    if (traces_scene(type)) multiply(2, [&](Variant& v, size_t i) { v.alpha = i == 1; });
     return variants;
 }
 
@@ -336,23 +401,24 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
     text +=
         fmt::format("layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
                     frame_binding);
+    for (const auto& [name, present] : variant.present)
+        text += fmt::format("#define HAS_{} {:d}\n", upper(name), present);
     const std::vector<uint32_t> bindings = port_bindings(type);
     for (size_t i = 0; i < type.ports.size(); ++i) {
         const Port& port = type.ports[i];
-        const auto present = variant.present.find(port.name);
-        const bool exists = present == variant.present.end() || present->second;
-        if (present != variant.present.end())
-            text += fmt::format("#define HAS_{} {:d}\n", upper(port.name), exists);
-        if (!exists || updater_of(type, port)) continue;
+        if (!exists(variant, port.name) || updater_of(type, port)) continue;
         if (has_format_choice(port))
             text += fmt::format("#define FORMAT_{}_{} 1\n", upper(port.name),
                                 upper(info(variant.formats.at(port.name)).name));
         text += declare_port(type, port, variant, bindings[i]);
     }
     uint32_t table_binding = first_table_binding(type);
-    for (const Table& table : type.tables)
-        text += fmt::format("layout(set = 1, binding = {}) uniform {}sampler2D {};\n", table_binding++,
-                            prefix(table.format), table.name);
+    for (const Table& table : type.tables) {
+        const uint32_t b = table_binding++;
+        if (exists(variant, table.name))
+            text += fmt::format("layout(set = 1, binding = {}) uniform {}sampler2D {};\n", b,
+                                prefix(table.format), table.name);
+    }
     return text + declare_params(type, variant) + declare_counters(type);
 }
 

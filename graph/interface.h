@@ -4,6 +4,7 @@
 // descriptors.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -27,9 +28,18 @@ inline constexpr uint32_t counter_base_constant = 5;
 inline constexpr uint32_t first_param_constant = 6;
 
 // A scene port expands to the slots of a trace backend, in binding order: `bvh` to the texel buffers
-// NAME.nodes and NAME.leaves, `ray_query` to the acceleration structure NAME.tlas; the block NAME comes last.
-// Bindings are reserved for the larger of the two.
-inline constexpr uint32_t scene_bindings = 3;
+// NAME.nodes and NAME.leaves, `ray_query` to the acceleration structure NAME.tlas; where the fact alpha
+// holds, the texel buffers NAME.alpha_uv and NAME.alpha_map; the block NAME comes last. Bindings are reserved
+// for the longest of these lists.
+inline constexpr uint32_t scene_bindings = 5;
+struct SceneTexels {
+    const char* slot;
+    Format format;
+};
+inline constexpr std::array<SceneTexels, 2> scene_tree_slots{
+    {{"nodes", Format::rgba32ui}, {"leaves", Format::rgba32ui}}};
+inline constexpr std::array<SceneTexels, 2> scene_alpha_slots{
+    {{"alpha_uv", Format::rgba32ui}, {"alpha_map", Format::r32ui}}};
 
 // A node type with a scene port may leave the backend to the pipeline: a constant enum parameter of this
 // name, whose values are `bvh`, `ray_query` and `auto` (ray_query where the device has it and is not a CPU).
@@ -58,13 +68,17 @@ std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value);
 bool fits(const Param& param, const ParamValue& value);
 
 // What a compiled variant depends on: the formats of storage images that have a choice, which optional ports
-// exist, and the trace backend.
+// exist, the trace backend, and whether the traced scene has alpha-tested geometry (the fact alpha; in the
+// shader SCENE_ALPHA is defined then, for a port named scene). Without it nothing of alpha is compiled.
 struct Variant {
     std::map<std::string, Format> formats;  // storage image ports with more than one format
-    std::map<std::string, bool> present;    // optional and conditional ports
+    std::map<std::string, bool> present;    // optional and conditional ports, conditional tables
     std::string backend;                    // "bvh" or "ray_query"; empty: the type has no choice
+    bool alpha = false;                     // always false where the type has no scene port
 };
 bool uses_ray_query(const Variant& variant);
+bool exists(const Variant& variant, const std::string& port_or_table);
+bool traces_scene(const NodeType& type);  // has a scene port
 std::string to_string(
     const Variant& variant);  // the key of ShaderVariants: "filtered=r8,history=1"; "" if no choice
 std::vector<Variant> all_variants(const NodeType& type);

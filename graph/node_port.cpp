@@ -335,6 +335,7 @@ class Linker {
             variants *=
                 choice->values.size() - static_cast<size_t>(std::ranges::count(choice->values, "auto"));
         }
+        if (traces_scene(type_)) variants *= 2;  // with and without alpha-tested geometry
         if (variants > max_variants)
             diagnostics_.add(type_.place, "",
                              fmt::format("the format lists make {} shader variants; at most {} are allowed",

@@ -33,8 +33,8 @@ class DeclarationReader {
         if (reader_.require("doc")) type_.doc = reader_.one_line("doc");
         read_shader();
         read_needs();
-        if (const Json* tables = reader_.find("tables")) read_tables(*tables);
         if (const Json* params = reader_.find("params")) parse_params(*params, type_, diagnostics_);
+        if (const Json* tables = reader_.find("tables")) read_tables(*tables);
         if (const Json* inputs = reader_.find("inputs")) parse_ports(*inputs, false, type_, diagnostics_);
         if (const Json* outputs = reader_.find("outputs")) parse_ports(*outputs, true, type_, diagnostics_);
         const bool writes = std::ranges::any_of(type_.ports, &Port::output);
@@ -126,7 +126,7 @@ class DeclarationReader {
 
     void read_tables(const Json& json) {
         if (!expect(json, Json::Kind::object, "tables", diagnostics_)) return;
-        const std::vector<std::string> keys = {"file", "format", "extent"};
+        const std::vector<std::string> keys = {"file", "format", "extent", "if"};
         for (const JsonMember& member : json.members) {
             const ObjectReader reader(member.value, "tables." + member.key, keys, diagnostics_);
             Table table{.name = member.key};
@@ -144,6 +144,9 @@ class DeclarationReader {
                     reader.error(*reader.find("format"), "format", "a table cannot have a depth format");
             }
             table.extent = reader.pair("extent", 1, 16384).value_or(table.extent);
+            if (const Json* condition = reader.find("if"))
+                table.condition = parse_condition(*condition, type_.params, reader.path("if"), diagnostics_)
+                                      .value_or(Condition{});
             type_.tables.push_back(std::move(table));
         }
     }
@@ -256,15 +259,19 @@ class DeclarationReader {
             const Param* param = type_.param(member.key);
             if (!param) continue;
             const std::string member_path = reader.path(member.key);
-            const auto decides = [&](const Port& port) {
-                return std::ranges::any_of(
-                    port.condition, [&](const Literal& l) { return l.value && l.name == param->name; });
+            const auto decides = [&](const auto& port_or_table) {
+                return std::ranges::any_of(port_or_table.condition, [&](const Literal& l) {
+                    return l.value && l.name == param->name;
+                });
             };
             if (!param->constant)
                 error(member.key_place, member_path, "a class may override constant parameters only");
             else if (std::ranges::any_of(type_.ports, decides))
                 error(member.key_place, member_path,
                       "a port exists by this parameter, so it cannot vary with the device");
+            else if (std::ranges::any_of(type_.tables, decides))
+                error(member.key_place, member_path,
+                      "a table exists by this parameter, so it cannot vary with the device");
             else if (const auto value = parse_param_value(*param, member.value, member_path, diagnostics_))
                 overrides.params[param->name] = *value;
         }
@@ -289,13 +296,18 @@ class DeclarationReader {
                   !param.constant);  // constants become upper case
         for (const Port& port : type_.ports)
             claim(port.name, port.place, fmt::format("{}.{}", port.output ? "outputs" : "inputs", port.name));
-        for (const Port& port : type_.ports) {
-            const Param* param = type_.param("has_" + port.name);
-            if (port.optional && param && param->constant)
-                error(param->place, "params." + param->name,
-                      fmt::format("its name in GLSL is taken: HAS_... tells whether port \"{}\" is bound",
-                                  port.name));
-        }
+        for (const Port& port : type_.ports)
+            if (port.optional || !port.condition.empty()) claim_presence("port", port.name);
+        for (const Table& table : type_.tables)
+            if (!table.condition.empty()) claim_presence("table", table.name);
+    }
+
+    void claim_presence(const char* what, const std::string& name) {
+        const Param* param = type_.param("has_" + name);
+        if (param && param->constant)
+            error(param->place, "params." + param->name,
+                  fmt::format("its name in GLSL is taken: HAS_... tells whether {} \"{}\" is bound", what,
+                              name));
     }
 
     std::vector<std::string> port_names() const {

@@ -124,6 +124,7 @@ struct Table {
     std::string file;
     Format format = Format::r8;
     std::array<uint32_t, 2> extent{1, 1};
+    Condition condition;  // "if": the table exists only where this holds
 };
 
 struct NodeType {

@@ -101,6 +101,7 @@ void Program::make_tables() {
     for (const PlanPass& pass : plan_->passes) {
         if (!pass.entry) continue;
         for (const Table& table : pass.entry->type.tables) {
+            if (!exists(pass.variant, table.name)) continue;
             TableImage t;
             t.name = pass.entry->type.name + "/" + table.name;
             if (std::any_of(tables_.begin(), tables_.end(),
@@ -158,8 +159,9 @@ void Program::make_pass(size_t index) {
     for (const PlanBinding& binding : pass.bindings)
         sets[binding.host].push_back(layout_binding(binding.binding, descriptor_type(*plan_, pass, binding)));
     for (uint32_t i = 0; i < type.tables.size(); ++i)
-        sets[1].push_back(
-            layout_binding(first_table_binding(type) + i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER));
+        if (exists(pass.variant, type.tables[i].name))
+            sets[1].push_back(
+                layout_binding(first_table_binding(type) + i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER));
     std::array<VkDescriptorSetLayout, 2> layouts{};
     for (size_t s = 0; s < 2; ++s) {
         out.set_layouts[s] = make_set_layout(handles_.device, sets[s], pass.node);

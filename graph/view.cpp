@@ -109,9 +109,8 @@ void View::make_descriptor_pool() {
         sets += 2 + n;
         counts[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER] += n;
         counts[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER] += n;
-        if (!pass.entry->type.tables.empty())
-            counts[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] +=
-                n * static_cast<uint32_t>(pass.entry->type.tables.size());
+        for (const Table& table : pass.entry->type.tables)
+            if (exists(pass.variant, table.name)) counts[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] += n;
         for (const PlanBinding& binding : pass.bindings)
             counts[descriptor_type(plan(), pass, binding)] += binding.host ? n : 2;
     }
@@ -209,10 +208,11 @@ void View::write_fixed_bindings(const Slot& slot) {
         writer.buffer(slot.sets[p], counters_binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
                       {slot.counters.get(), 0, VK_WHOLE_SIZE});
         for (uint32_t t = 0; t < type.tables.size(); ++t)
-            writer.image(
-                slot.sets[p], first_table_binding(type) + t, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                {program_->sampler(false), program_->table(type.name, type.tables[t].name).view.get(),
-                 VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+            if (exists(pass.variant, type.tables[t].name))
+                writer.image(
+                    slot.sets[p], first_table_binding(type) + t, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                    {program_->sampler(false), program_->table(type.name, type.tables[t].name).view.get(),
+                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
     }
 }
 

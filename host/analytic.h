@@ -1,46 +1,69 @@
 // SPDX-License-Identifier: MIT
 // Scenes whose visibility is known in closed form. They go through the whole pipeline as real geometry under
-// a camera of their own: the receiver is the plane z = 0, seen along -z by an orthographic camera whose
-// pixels all span the same length, and what casts the shadow hangs behind the camera.
-//
-// Half-plane: an opaque sheet at a constant height with one straight edge in view, so high that the penumbra
-// is as wide as the shot says. A point of the receiver and the edge span a plane, which cuts the sun along a
-// great circle.
+// a camera of their own: the receiver is the plane z = 0 (the terminator's apart), seen along -z by an
+// orthographic camera whose pixels all span the same length, and what casts the shadow hangs behind the
+// camera, is seen edge-on, or begins above the near plane.
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "host/metrics/contact.h"
 #include "host/model.h"
 #include "host/shot.h"
+#include "host/sun_visibility.h"
 
 namespace penumbra {
 
 constexpr double analytic_pixel_m = 1.0 / 64;
 
-// Share of a sun of angular radius `radius` (radians) that lies on the open side of a great circle at signed
-// angular distance `distance` from its centre; positive: the centre is on the open side. Both areas are those
-// of the sphere.
-double half_plane_visibility(double distance, double radius);
-
 // Where everything stands, in metres.
-struct HalfPlaneGeometry {
+struct AnalyticGeometry {
     glm::dvec2 normal{1, 0};  // in the receiver's plane, across the edge, towards the light
-    double height = 0;        // of the sheet
+    double height = 0;        // of a hanging sheet or a sphere's centre, or of a wall's top
     double edge = 0;          // along `normal`, from the image's centre, at the frame asked for
+    glm::dvec2 centre{0};     // of what is no straight line
 };
-HalfPlaneGeometry half_plane_geometry(const Shot& shot, double frame);
+AnalyticGeometry analytic_geometry(const Shot& shot, double frame);
 
-// The shot's sheet moves like any object: fills shot.objects. Call once, when the shot is otherwise complete.
-void add_half_plane_motion(Shot& shot);
+// The terminator's strips: the receiver's height over z = 0 and its normal at a place along the geometry's
+// normal.
+struct TerminatorStrip {
+    double height = 0, slope = 0;
+    glm::dvec3 normal{0, 0, 1};
+};
+TerminatorStrip terminator_strip(const Shot& shot, double along);
+double terminator_strip_width(const Shot& shot);
 
-Model half_plane_model(const Shot& shot);
-Camera half_plane_camera(const Shot& shot);
+// The shot's caster moves like any object: fills shot.objects. Call once, when the shot is otherwise
+// complete.
+void add_analytic_motion(Shot& shot);
+
+Model analytic_model(const Shot& shot);
+Camera analytic_camera(const Shot& shot);
 
 // Exact visibility at every pixel's centre, rows from the top.
-std::vector<double> half_plane_image(const Shot& shot, double frame);
+std::vector<double> analytic_image(const Shot& shot, double frame);
+
+// 1 where the camera sees the receiver: all of the image but what a sphere at rest covers right at its
+// contact.
+std::vector<uint8_t> analytic_receivers(const Shot& shot, double frame);
+
+// Where an object touches the receiver, in pixels; absent where none does.
+std::optional<ContactLine> analytic_contact(const Shot& shot, double frame);
 
 // Why no such scene exists under this sun at this frame; nothing where it does.
-std::optional<std::string> half_plane_problem(const Shot& shot, double frame);
+std::optional<std::string> analytic_problem(const Shot& shot, double frame);
+
+// Lengths that the model and the closed forms share, in metres.
+double analytic_half_diagonal(const Shot& shot);
+// Across the edge from the image's centre: no ray from the visible receiver to the sun passes the caster's
+// height further away than this.
+double analytic_reach(const Shot& shot);
+struct SlatRange {
+    int first = 0, last = 0;
+};
+SlatRange fence_slats(const Shot& shot);
 
 }  // namespace penumbra

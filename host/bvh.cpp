@@ -214,11 +214,13 @@ bool inside(const RaySetup& ray, float u, float v, float w, const Sheared& a, co
            signed_t < ray.t_max * size;
 }
 
-bool hits_leaf(const RaySetup& ray, const Texel* leaf) {
+bool hits_leaf(const RaySetup& ray, const Bvh& bvh, uint32_t index, const AlphaTest& alpha) {
+    const Texel* leaf = &bvh.leaves[size_t(index) * 3];
     const Sheared a = shear(ray, leaf, 0), b = shear(ray, leaf, 1), c = shear(ray, leaf, 2),
                   d = shear(ray, leaf, 3);
     const float ab = edge(a, b), bc = edge(b, c), ca = edge(c, a), bd = edge(b, d), dc = edge(d, c);
-    return inside(ray, bc, ca, ab, a, b, c) || inside(ray, bd, dc, -bc, c, b, d);
+    return (inside(ray, bc, ca, ab, a, b, c) && (!alpha || alpha(index, 0, {bc, ca, ab}))) ||
+           (inside(ray, bd, dc, -bc, c, b, d) && (!alpha || alpha(index, 1, {bd, dc, -bc})));
 }
 
 uint32_t hit_children(const RaySetup& ray, const Texel* node) {
@@ -246,7 +248,7 @@ uint32_t hit_children(const RaySetup& ray, const Texel* node) {
 
 }  // namespace
 
-bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts) {
+bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts, const AlphaTest& alpha) {
     const RaySetup setup(ray);
     std::array<uint32_t, max_bvh_depth * 3 + 1> stack;
     stack[0] = 0;
@@ -259,7 +261,7 @@ bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts) {
             if (node_mask >> k & 1) stack[depth++] = (node[1][0] >> 2) + k;
             if (!(leaf_mask >> k & 1)) continue;
             if (counts) ++counts->leaves;
-            if (hits_leaf(setup, &bvh.leaves[size_t(node[1][1] + k) * 3])) return true;
+            if (hits_leaf(setup, bvh, node[1][1] + k, alpha)) return true;
         }
     }
     return false;

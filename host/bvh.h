@@ -26,6 +26,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -80,8 +81,14 @@ struct TraversalCounts {
     uint64_t nodes = 0, leaves = 0;
 };
 
-// Whether anything blocks the ray; both sides of a triangle do. Same arithmetic as bvh.glsl (IEEE single, no
-// contraction), so the answers are equal bit for bit where the device divides correctly rounded.
-bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts = nullptr);
+// Says whether triangle `which` (0: v0, v1, v2; 1: v2, v1, v3) of a leaf blocks where a ray hits it. `areas`:
+// the edge functions opposite to its vertices in that order, of any scale and sign: over their sum, the hit's
+// weights.
+using AlphaTest = std::function<bool(uint32_t leaf, uint32_t which, const std::array<float, 3>& areas)>;
+
+// Whether anything blocks the ray; both sides of a triangle do, where `alpha`, if given, says so. Same
+// arithmetic as bvh.glsl (IEEE single, no contraction), so the answers are equal bit for bit where the device
+// divides correctly rounded.
+bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts = nullptr, const AlphaTest& alpha = {});
 
 }  // namespace penumbra

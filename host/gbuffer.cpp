@@ -120,8 +120,14 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
     for (const Instance& instance : scene.instances()) {
         const auto mesh = static_cast<size_t>(instance.mesh);
         const std::vector<Part>& parts = scene.model().meshes[mesh].parts;
-        for (size_t i = 0; i < parts.size(); ++i)
-            items_.push_back({instance, &parts[i], geometry.meshes[mesh][i]});
+        for (size_t i = 0; i < parts.size(); ++i) {
+            const int material = parts[i].material;
+            const uint32_t least_alpha =
+                is_alpha_tested(scene.model(), material)
+                    ? least_opaque_alpha(scene.model().materials[static_cast<size_t>(material)])
+                    : 0;
+            items_.push_back({instance, &parts[i], geometry.meshes[mesh][i], least_alpha});
+        }
     }
     create_images(extent);
     create_draw_records(frames_in_flight);
@@ -195,7 +201,9 @@ void GBuffer::create_pipeline() {
     check(vkCreatePipelineLayout(device_.get(), &layout, nullptr, &handle), "vkCreatePipelineLayout",
           "G-buffer");
     pipeline_layout_ = {device_.get(), handle};
-    pipeline_ = make_gbuffer_pipeline(device_, handle);
+    opaque_ = make_gbuffer_pipeline(device_, handle, false);
+    if (std::ranges::any_of(items_, [](const DrawItem& item) { return item.least_alpha > 0; }))
+        alpha_tested_ = make_gbuffer_pipeline(device_, handle, true);
 }
 
 void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
@@ -262,7 +270,6 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
     const VkRect2D scissor{{0, 0}, extent};
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &scissor);
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
     const VkBuffer vertices = vertices_.get();
     const VkDeviceSize zero = 0;
     vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &zero);
@@ -270,8 +277,9 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 0, 1,
                             &record_sets_[slot], 0, nullptr);
     VkDescriptorSet bound = VK_NULL_HANDLE;
+    VkPipeline drawn_with = VK_NULL_HANDLE;
     DrawConstants constants{glm::vec2(2 * frame.jitter[0], 2 * frame.jitter[1]),
-                            glm::vec2(2.0 / extent.width, 2.0 / extent.height), 0};
+                            glm::vec2(2.0 / extent.width, 2.0 / extent.height), 0, 0};
     for (size_t i = 0; i < items_.size(); ++i) {
         const DrawItem& item = items_[i];
         const int material = item.part->material;
@@ -282,7 +290,13 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
                                     &texture, 0, nullptr);
             bound = texture;
         }
+        const VkPipeline pipeline = item.least_alpha > 0 ? alpha_tested_.get() : opaque_.get();
+        if (pipeline != drawn_with) {
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+            drawn_with = pipeline;
+        }
         constants.draw = static_cast<uint32_t>(i);
+        constants.least_alpha = item.least_alpha;
         vkCmdPushConstants(commands, pipeline_layout_.get(), draw_constant_stages, 0, sizeof(constants),
                            &constants);
         vkCmdDrawIndexed(commands, item.range.index_count, 1, item.range.first_index,

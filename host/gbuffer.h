@@ -51,6 +51,7 @@ class GBuffer {
         Instance instance;
         const Part* part = nullptr;
         PartRange range;
+        uint32_t least_alpha = 0;  // 0: not alpha-tested
     };
 
     Device& device_;
@@ -64,7 +65,7 @@ class GBuffer {
     Owned<VkDescriptorPool> pool_;
     Owned<VkDescriptorSetLayout> record_layout_;
     Owned<VkPipelineLayout> pipeline_layout_;
-    Owned<VkPipeline> pipeline_;
+    Owned<VkPipeline> opaque_, alpha_tested_;  // the second where the scene needs it
 };
 
 }  // namespace penumbra

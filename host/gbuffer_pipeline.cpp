@@ -32,11 +32,15 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule 
 
 }  // namespace
 
-Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout) {
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested) {
     const Owned<VkShaderModule> vertex = make_module(device, gbuffer_vert, "gbuffer.vert");
     const Owned<VkShaderModule> fragment = make_module(device, gbuffer_frag, "gbuffer.frag");
-    const VkPipelineShaderStageCreateInfo stages[] = {stage(VK_SHADER_STAGE_VERTEX_BIT, vertex.get()),
-                                                      stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get())};
+    VkPipelineShaderStageCreateInfo stages[] = {stage(VK_SHADER_STAGE_VERTEX_BIT, vertex.get()),
+                                                stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get())};
+    const VkBool32 tested = alpha_tested;
+    const VkSpecializationMapEntry constant{0, 0, sizeof(tested)};  // ALPHA_TESTED
+    const VkSpecializationInfo specialization{1, &constant, sizeof(tested), &tested};
+    stages[1].pSpecializationInfo = &specialization;
 
     const VkVertexInputBindingDescription binding{0, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX};
     const VkVertexInputAttributeDescription attributes[] = {

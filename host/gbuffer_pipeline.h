@@ -28,11 +28,14 @@ struct DrawConstants {
     glm::vec2 jitter_ndc;
     glm::vec2 ndc_per_pixel;
     uint32_t draw;
+    uint32_t least_alpha;
 };
 inline constexpr VkShaderStageFlags draw_constant_stages =
     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-// Reverse Z, no culling, dynamic viewport and scissor.
-Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout);
+// Reverse Z, no culling, dynamic viewport and scissor. `alpha_tested`: texels below
+// DrawConstants::least_alpha are discarded, which costs the depth test before the shader; other materials do
+// without.
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested);
 
 }  // namespace penumbra

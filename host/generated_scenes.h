@@ -17,7 +17,8 @@ struct GeneratedScene {
     Model (*make)();
 };
 
-inline constexpr std::array<GeneratedScene, 5> generated_scenes{{{"colonnade", make_colonnade},
+inline constexpr std::array<GeneratedScene, 6> generated_scenes{{{"cards", make_cards},
+                                                                 {"colonnade", make_colonnade},
                                                                  {"fan", make_fan},
                                                                  {"heightfield", make_heightfield},
                                                                  {"lamp", make_lamp},

@@ -8,6 +8,8 @@
 #include <span>
 #include <string>
 
+#include "host/image_file.h"
+
 namespace penumbra {
 
 namespace {
@@ -24,11 +26,8 @@ class Writer {
         json_["asset"] = {{"version", "2.0"}, {"generator", "penumbra"}};
         json_["scene"] = 0;
         add_nodes(model);
-        for (const Material& material : model.materials) {
-            json_["materials"].push_back(
-                {{"pbrMetallicRoughness", {{"baseColorFactor", material.base_color}, {"metallicFactor", 0}}},
-                 {"doubleSided", true}});
-        }
+        for (const Material& material : model.materials) add_material(material);
+        for (const Texture& texture : model.textures) add_texture(texture);
         for (const Mesh& mesh : model.meshes) add_mesh(mesh);
         json_["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
         return assemble();
@@ -63,6 +62,29 @@ class Writer {
         json_["scenes"] = Json::array({{{"nodes", roots}}});
     }
 
+    void add_material(const Material& material) {
+        Json pbr = {{"baseColorFactor", material.base_color}, {"metallicFactor", 0}};
+        if (material.texture >= 0) pbr["baseColorTexture"] = {{"index", material.texture}};
+        Json out = {{"pbrMetallicRoughness", std::move(pbr)}, {"doubleSided", true}};
+        if (material.alpha_cutoff) {
+            out["alphaMode"] = "MASK";
+            out["alphaCutoff"] = *material.alpha_cutoff;
+        }
+        json_["materials"].push_back(std::move(out));
+    }
+
+    void add_texture(const Texture& texture) {
+        std::vector<std::byte> png = png_of_rgba(texture.width, texture.height, texture.rgba);
+        const size_t bytes = png.size();
+        png.resize((bytes + 3) / 4 * 4);  // what follows stays aligned
+        json_["bufferViews"].push_back(
+            {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes}});
+        binary_.insert(binary_.end(), png.begin(), png.end());
+        json_["textures"].push_back({{"source", json_["images"].size()}});
+        json_["images"].push_back(
+            {{"bufferView", json_["bufferViews"].size() - 1}, {"mimeType", "image/png"}});
+    }
+
     void add_mesh(const Mesh& mesh) {
         Json primitives = Json::array();
         for (const Part& part : mesh.parts) {
@@ -84,6 +106,10 @@ class Writer {
                 std::as_bytes(std::span(part.indices)), index_target,
                 {{"componentType", uint_type}, {"count", part.indices.size()}, {"type", "SCALAR"}});
             Json primitive = {{"attributes", {{"POSITION", position}}}, {"indices", index}};
+            if (!part.uv.empty())
+                primitive["attributes"]["TEXCOORD_0"] = add_accessor(
+                    std::as_bytes(std::span(part.uv)), vertex_target,
+                    {{"componentType", float_type}, {"count", part.uv.size()}, {"type", "VEC2"}});
             if (part.material >= 0) primitive["material"] = part.material;
             primitives.push_back(primitive);
         }

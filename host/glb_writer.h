@@ -9,8 +9,8 @@
 
 namespace penumbra {
 
-// Positions, indices, base colour factors, nodes; textures and texture coordinates are left out. The same
-// model always gives the same bytes.
+// Positions, texture coordinates, indices, materials, textures (as PNG), nodes. The same model always gives
+// the same bytes.
 std::vector<std::byte> to_glb(const Model& model);
 
 }  // namespace penumbra

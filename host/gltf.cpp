@@ -77,7 +77,7 @@ class Loader {
                     fmt::format("material \"{}\": base colour {} is not in 0..1", material.name, value));
             out.base_color[i] = static_cast<float>(value);
         }
-        if (material.alphaMode != "OPAQUE") warn("alpha is ignored: materials are drawn opaque");
+        read_alpha_mode(material, out);
         if (pbr.baseColorTexture.index < 0) return;
         const tinygltf::Texture& texture = element(file_.textures, pbr.baseColorTexture.index, "texture");
         if (pbr.baseColorTexture.texCoord != 0 ||
@@ -97,6 +97,27 @@ class Loader {
             return;
         }
         out.texture = texture.source;
+        if (!out.alpha_cutoff || texture.sampler < 0) return;
+        const tinygltf::Sampler& sampler = element(file_.samplers, texture.sampler, "sampler");
+        if (sampler.wrapS != TINYGLTF_TEXTURE_WRAP_REPEAT || sampler.wrapT != TINYGLTF_TEXTURE_WRAP_REPEAT)
+            warn("textures of alpha-tested materials are repeated, whatever their samplers say");
+    }
+
+    // Section 3.9.4. What is half transparent has no place in a shadow of ray hits.
+    void read_alpha_mode(const tinygltf::Material& material, Material& out) {
+        if (material.alphaMode == "MASK") {
+            if (!(material.alphaCutoff >= 0 && std::isfinite(material.alphaCutoff)))
+                throw GltfError(fmt::format("material \"{}\": alphaCutoff {} is not a number from 0 on",
+                                            material.name, material.alphaCutoff));
+            out.alpha_cutoff = material.alphaCutoff;
+        } else if (material.alphaMode == "BLEND") {
+            warn(
+                fmt::format("material \"{}\" has alphaMode BLEND: it is drawn and casts shadows as if opaque",
+                            material.name));
+        } else if (material.alphaMode != "OPAQUE") {
+            throw GltfError(fmt::format("material \"{}\": there is no alphaMode \"{}\"", material.name,
+                                        material.alphaMode));
+        }
     }
 
     void add_mesh(const tinygltf::Mesh& mesh) {
@@ -139,7 +160,12 @@ class Loader {
             if (values.size() / 2 != positions.size())
                 throw GltfError("TEXCOORD_0 and POSITION differ in count");
             uv.resize(positions.size());
-            for (size_t i = 0; i < uv.size(); ++i) uv[i] = glm::make_vec2(&values[2 * i]);
+            for (size_t i = 0; i < uv.size(); ++i) {
+                uv[i] = glm::make_vec2(&values[2 * i]);
+                if (std::isfinite(uv[i].x) && std::isfinite(uv[i].y)) continue;
+                warn("texture coordinates that are not finite are taken as 0");
+                uv[i] = glm::vec2(0);
+            }
         }
 
         std::vector<uint32_t> corners;

@@ -12,9 +12,9 @@
 namespace penumbra {
 
 // Reads the default scene's nodes. Triangles, strips and fans; indexed or not; sparse accessors; normalised
-// integers. Ignored with a warning: points and lines, skins, morph targets, animations, alpha, vertex
-// colours, unreadable images. An error: files that break the format, and required extensions that change the
-// geometry (Draco, meshopt, ...).
+// integers; alphaMode MASK. Ignored with a warning: points and lines, skins, morph targets, animations,
+// vertex colours, unreadable images; alphaMode BLEND is read as OPAQUE. An error: files that break the
+// format, and required extensions that change the geometry (Draco, meshopt, ...).
 std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
 
 }  // namespace penumbra

@@ -178,6 +178,24 @@ GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBuffe
     return result;
 }
 
+GpuTexels upload_texels(Device& device, std::span<const std::byte> data, VkFormat format,
+                        std::string_view what) {
+    const size_t texels = data.size() / texel_bytes(format);
+    if (texels > device.limits().maxTexelBufferElements)
+        throw DeviceError(fmt::format("{} need {} texels, the device's texel buffers hold {}", what, texels,
+                                      device.limits().maxTexelBufferElements));
+    GpuTexels out;
+    out.buffer = upload_buffer(device, data, VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what);
+    VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+    create.buffer = out.buffer.get();
+    create.format = format;
+    create.range = data.size();
+    VkBufferView view = VK_NULL_HANDLE;
+    check(vkCreateBufferView(device.get(), &create, nullptr, &view), "vkCreateBufferView", std::string(what));
+    out.view = {device.get(), view};
+    return out;
+}
+
 void upload_image(Device& device, GpuImage& image, std::span<const std::byte> texels) {
     GpuBuffer staging =
         make_host_buffer(device, texels.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "staging of an image");

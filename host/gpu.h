@@ -23,6 +23,12 @@ struct GpuBuffer {
     VkBuffer get() const { return buffer.get(); }
 };
 
+// What a uniform texel buffer reads: `texels` elements of one format.
+struct GpuTexels {
+    GpuBuffer buffer;
+    Owned<VkBufferView> view;  // declared after its buffer, so destroyed before it
+};
+
 struct GpuImage {
     Owned<VkDeviceMemory> memory;
     Owned<VkImage> image;
@@ -46,6 +52,9 @@ GpuImage make_image(const Device& device, VkFormat format, VkExtent2D extent, ui
 
 // A device buffer filled with `data` (at least 16 bytes are allocated, so that empty data has a buffer too).
 GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage,
+                        std::string_view what);
+// At least one texel; throws DeviceError, which names `what`, where the device's texel buffers hold fewer.
+GpuTexels upload_texels(Device& device, std::span<const std::byte> data, VkFormat format,
                         std::string_view what);
 // Fills all levels, tightly packed one after the other; leaves the image in SHADER_READ_ONLY_OPTIMAL.
 void upload_image(Device& device, GpuImage& image, std::span<const std::byte> texels);

@@ -55,19 +55,19 @@ uint8_t to_byte(double value) {
     return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
 }
 
-void write_png(const std::filesystem::path& path, uint32_t width, uint32_t height,
-               std::span<const uint8_t> rgb) {
+std::vector<std::byte> png_of(uint32_t width, uint32_t height, int channels,
+                              std::span<const uint8_t> texels) {
     std::vector<std::byte> bytes;
     const auto append = [](void* to, void* data, int size) {
         const auto* from = static_cast<const std::byte*>(data);
         static_cast<std::vector<std::byte>*>(to)->insert(static_cast<std::vector<std::byte>*>(to)->end(),
                                                          from, from + size);
     };
-    if (!stbi_write_png_to_func(append, &bytes, static_cast<int>(width), static_cast<int>(height), 3,
-                                rgb.data(), static_cast<int>(width * 3))) {
-        throw FileError(fmt::format("{}: the PNG cannot be encoded", path.string()));
+    if (!stbi_write_png_to_func(append, &bytes, static_cast<int>(width), static_cast<int>(height), channels,
+                                texels.data(), static_cast<int>(width) * channels)) {
+        throw FileError(fmt::format("a PNG of {} x {} texels cannot be encoded", width, height));
     }
-    write_file(path, bytes);
+    return bytes;
 }
 
 void put(std::vector<uint8_t>& rgb, size_t pixel, bool nan, uint8_t r, uint8_t g, uint8_t b) {
@@ -196,6 +196,12 @@ std::optional<PlanarImage> read_exr(const std::filesystem::path& path, Diagnosti
     }
 }
 
+std::vector<std::byte> png_of_rgba(uint32_t width, uint32_t height, std::span<const uint8_t> rgba) {
+    if (rgba.size() != size_t{width} * height * 4)
+        throw std::invalid_argument("png_of_rgba: not four values per texel");
+    return png_of(width, height, 4, rgba);
+}
+
 void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t height,
                      std::span<const float> rgb) {
     const size_t texels = size_t(width) * height;
@@ -210,7 +216,7 @@ void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t
             put(bytes, i, false, to_byte(to_srgb(r)), to_byte(to_srgb(g)), to_byte(to_srgb(b)));
         }
     }
-    write_png(path, width, height, bytes);
+    write_file(path, png_of(width, height, 3, bytes));
 }
 
 void write_png_linear(const std::filesystem::path& path, uint32_t width, uint32_t height,
@@ -223,7 +229,7 @@ void write_png_linear(const std::filesystem::path& path, uint32_t width, uint32_
         const uint8_t grey = nan ? uint8_t(0) : to_byte(values[i]);
         put(bytes, i, nan, grey, grey, grey);
     }
-    write_png(path, width, height, bytes);
+    write_file(path, png_of(width, height, 3, bytes));
 }
 
 }  // namespace penumbra

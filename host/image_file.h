@@ -53,6 +53,9 @@ void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t
 void write_png_linear(const std::filesystem::path& path, uint32_t width, uint32_t height,
                       std::span<const float> values);
 
+// A PNG file's bytes, of 8-bit RGBA texels, always the same for the same texels. Throws FileError.
+std::vector<std::byte> png_of_rgba(uint32_t width, uint32_t height, std::span<const uint8_t> rgba);
+
 // Replaces the file's contents in one step. Throws FileError.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 

@@ -1,67 +1,13 @@
 // SPDX-License-Identifier: MIT
-// How far a visibility mask is from the truth. Everything is a sum over pixels, frames and seeds, kept apart
-// from the ratios made of it: a pooled ratio is wanted, never a mean of ratios.
-//
-// The headline is the effective number of samples per pixel: plain Monte Carlo with N rays in every pixel has
-// the mean squared error v(1 - v) / N, so an image's N_eff is the sum of v(1 - v) over the penumbra divided
-// by all of its squared errors, those beside the penumbra included.
+// How far a visibility mask is from the truth, one question per file.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <vector>
-
-namespace penumbra {
-
-constexpr double penumbra_eps = 1.0 / 256;  // penumbra: eps <= truth <= 1 - eps
-constexpr uint32_t metric_block_px = 32;    // pixels nearer than this are not independent
-
-// One frame: the truth, which pixels count (receivers inside the mask), and the same image under one or more
-// seeds.
-struct ComparedFrame {
-    uint32_t width = 0, height = 0;
-    std::span<const float> truth;
-    std::span<const uint8_t> counted;
-    std::vector<std::span<const float>> seeds;
-};
-
-struct ErrorSum {
-    uint64_t pixels = 0;
-    double squares = 0;  // of the errors, averaged over the seeds
-};
-
-struct MetricSums {
-    ErrorSum penumbra, lit, umbra;
-    double signal = 0;       // v(1 - v) over the penumbra
-    double variance = 0;     // unbiased, between seeds; meaningful from two on
-    double mean_errors = 0;  // squares of the mean image's errors
-    double max_abs = 0;
-    uint64_t leaks = 0, acne = 0;  // pixel and seed pairs
-    uint64_t nonfinite = 0;        // texels of the whole images
-    size_t seeds = 0;
-    struct Block {
-        double signal = 0, squares = 0;
-    };
-    std::vector<Block> blocks;
-
-    void add(const MetricSums& other);
-};
-
-MetricSums measure(const ComparedFrame& frame);
-
-// Absent where there is nothing to divide by.
-struct MaskMetrics {
-    uint64_t receivers = 0, penumbra = 0, lit = 0, umbra = 0;  // pixels times frames
-    std::optional<double> rmse_all, rmse_penumbra, rmse_lit, rmse_umbra, psnr_db, max_abs;
-    std::optional<double> n_eff, n_eff_penumbra;
-    std::optional<double> n_variance, n_bias;  // 1 / n_eff = 1 / n_variance + 1 / n_bias; two seeds or more
-    std::optional<std::array<double, 2>> n_eff_ci95;
-    std::optional<double> leak, acne;
-    uint64_t nonfinite = 0;
-};
-
-MaskMetrics metrics_of(const MetricSums& sums);
-
-}  // namespace penumbra
+#include "host/metrics/bias_map.h"
+#include "host/metrics/contact.h"
+#include "host/metrics/decisions.h"
+#include "host/metrics/flicker.h"
+#include "host/metrics/flip.h"
+#include "host/metrics/lag.h"
+#include "host/metrics/mask_error.h"
+#include "host/metrics/shaded.h"
+#include "host/metrics/ssim.h"

@@ -23,6 +23,9 @@ struct Texture {
 struct Material {
     std::array<float, 4> base_color{1, 1, 1, 1};  // linear
     int texture = -1;                             // index into Model::textures
+    // Set: alpha-tested (glTF's alphaMode MASK). Texels whose alpha times base_color[3] is below it are not
+    // there.
+    std::optional<double> alpha_cutoff = std::nullopt;
 };
 
 // Triangles that share a material.
@@ -63,6 +66,14 @@ struct Model {
 
     size_t triangle_count() const;  // each mesh once
 };
+
+// The smallest 8-bit alpha of a texture that passes the material's test: 0 where there is no test, 256 where
+// nothing passes. The one place where alpha meets the cutoff: at the cutoff is there (glTF 2.0,
+// section 3.9.4).
+uint32_t least_opaque_alpha(const Material& material);
+
+// Whether the material's test removes anything at all of its texture; -1, no material, is opaque.
+bool is_alpha_tested(const Model& model, int material);
 
 // Appends a part after dropping bad triangles and choosing its origin. `indices` has three per triangle.
 void add_part(Model& model, Mesh& mesh, std::vector<glm::vec3> positions, std::vector<glm::vec2> uv,

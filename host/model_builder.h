@@ -13,7 +13,10 @@ namespace penumbra {
 
 class ModelBuilder {
   public:
-    explicit ModelBuilder(std::vector<Material> materials) { model_.materials = std::move(materials); }
+    explicit ModelBuilder(std::vector<Material> materials, std::vector<Texture> textures = {}) {
+        model_.materials = std::move(materials);
+        model_.textures = std::move(textures);
+    }
 
     // A mesh to place at any number of nodes, from shapes with their materials; returns its index.
     int mesh(std::vector<std::pair<Shape, int>> parts) {

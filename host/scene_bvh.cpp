@@ -1,42 +1,50 @@
 // SPDX-License-Identifier: MIT
-// Objects keep their triangles' order, so that a refit needs positions alone.
+// Objects keep their triangles' order, so that a refit needs positions alone: texture coordinates stay with
+// their leaves.
 #include "host/scene_bvh.h"
 
-#include <fmt/format.h>
+#include <algorithm>
 
 namespace penumbra {
 
-SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame)
-    : device_(device), scene_(scene), bvh_(build_bvh(scene.triangles(frame), scene.triangle_objects())) {
-    upload_all();
+SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame) : device_(device), scene_(scene) {
+    if (has_alpha(scene)) {
+        alpha_ = make_scene_alpha(scene);
+        alpha_map_ = upload_texels(device, std::as_bytes(std::span(alpha_->map)), VK_FORMAT_R32_UINT,
+                                   "the alpha masks");
+    }
+    build(scene.triangles(frame));
+    upload_tree();
 }
 
 void SceneBvh::update(double frame) {
     const std::vector<Triangle> triangles = scene_.triangles(frame);
-    if (!refit(bvh_, triangles)) bvh_ = build_bvh(triangles, scene_.triangle_objects());
-    upload_all();
+    if (!follow(triangles)) build(triangles);
+    upload_tree();
 }
 
-void SceneBvh::upload_all() {
-    nodes_ = upload(bvh_.nodes, "the BVH's nodes");
-    leaves_ = upload(bvh_.leaves, "the BVH's leaves");
+void SceneBvh::build(const std::vector<Triangle>& triangles) {
+    bvh_ = build_bvh(triangles, scene_.triangle_objects());
+    if (!alpha_) return;
+    const std::vector<Texel> texels = alpha_uv_texels(*alpha_, alpha_leaf_words(*alpha_, bvh_, triangles));
+    alpha_uv_ = upload_texels(device_, std::as_bytes(std::span(texels)), VK_FORMAT_R32G32B32A32_UINT,
+                              "the texture coordinates of alpha-tested triangles");
 }
 
-SceneBvh::TexelBuffer SceneBvh::upload(const std::vector<Texel>& texels, const char* what) {
-    if (texels.size() > device_.limits().maxTexelBufferElements)
-        throw DeviceError(fmt::format("{} need {} texels, the device's texel buffers hold {}", what,
-                                      texels.size(), device_.limits().maxTexelBufferElements));
-    TexelBuffer out;
-    out.buffer = upload_buffer(device_, std::as_bytes(std::span(texels)),
-                               VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what);
-    VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
-    create.buffer = out.buffer.get();
-    create.format = VK_FORMAT_R32G32B32A32_UINT;
-    create.range = texels.size() * sizeof(Texel);
-    VkBufferView view = VK_NULL_HANDLE;
-    check(vkCreateBufferView(device_.get(), &create, nullptr, &view), "vkCreateBufferView", what);
-    out.view = {device_.get(), view};
-    return out;
+// A refit moves the second triangle of a pair into the place of a first that has become unusable, which the
+// alpha words know nothing of.
+bool SceneBvh::follow(const std::vector<Triangle>& triangles) {
+    if (alpha_ && std::ranges::count_if(triangles, [](const Triangle& t) { return !usable(t); }) !=
+                      std::ssize(bvh_.skipped))
+        return false;
+    return refit(bvh_, triangles);
+}
+
+void SceneBvh::upload_tree() {
+    nodes_ = upload_texels(device_, std::as_bytes(std::span(bvh_.nodes)), VK_FORMAT_R32G32B32A32_UINT,
+                           "the BVH's nodes");
+    leaves_ = upload_texels(device_, std::as_bytes(std::span(bvh_.leaves)), VK_FORMAT_R32G32B32A32_UINT,
+                            "the BVH's leaves");
 }
 
 }  // namespace penumbra

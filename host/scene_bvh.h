@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-// A scene's BVH on the device, as the two texel buffers that a `scene` port reads. Follows moving objects:
-// refitted, and rebuilt where the old shape cannot hold them.
+// A scene's BVH on the device, as the texel buffers that a `scene` port reads: two, and two more where
+// triangles are alpha-tested (scene_alpha.h). Follows moving objects: refitted, and rebuilt where the old
+// shape cannot hold them.
 #pragma once
+
+#include <optional>
 
 #include "host/bvh.h"
 #include "host/gpu.h"
 #include "host/scene.h"
+#include "host/scene_alpha.h"
 
 namespace penumbra {
 
@@ -19,20 +23,21 @@ class SceneBvh {
 
     VkBufferView nodes() const { return nodes_.view.get(); }
     VkBufferView leaves() const { return leaves_.view.get(); }
+    // Null where nothing is alpha-tested.
+    VkBufferView alpha_uv() const { return alpha_uv_.view.get(); }
+    VkBufferView alpha_map() const { return alpha_map_.view.get(); }
     const Bvh& bvh() const { return bvh_; }
 
   private:
-    struct TexelBuffer {
-        GpuBuffer buffer;
-        Owned<VkBufferView> view;
-    };
-    TexelBuffer upload(const std::vector<Texel>& texels, const char* what);
-    void upload_all();
+    void build(const std::vector<Triangle>& triangles);
+    bool follow(const std::vector<Triangle>& triangles);
+    void upload_tree();
 
     Device& device_;
     const Scene& scene_;
     Bvh bvh_;
-    TexelBuffer nodes_, leaves_;
+    std::optional<SceneAlpha> alpha_;
+    GpuTexels nodes_, leaves_, alpha_uv_, alpha_map_;
 };
 
 }  // namespace penumbra

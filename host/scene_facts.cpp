@@ -14,6 +14,7 @@
 #include <numeric>
 
 #include "host/noise.h"
+#include "host/scene_alpha.h"
 
 namespace penumbra {
 
@@ -108,7 +109,11 @@ class Measurer {
     void frame(uint32_t index, Tally& tally) {
         const Frame previous = render(device_, host_, index - 1), now = render(device_, host_, index);
         const FrameDescription description = host_.frame(index, false).description;
-        const Bvh bvh = build_bvh(host_.scene().triangles(index));
+        const std::vector<Triangle> triangles = host_.scene().triangles(index);
+        const Bvh bvh = build_bvh(triangles);
+        const SceneAlpha alpha = make_scene_alpha(host_.scene());
+        const auto leaf_words = alpha_leaf_words(alpha, bvh, triangles);
+        const Casters casters{bvh, has_alpha(host_.scene()) ? alpha_test(alpha, leaf_words) : AlphaTest{}};
         const SunState sun = sun_at(host_.shot(), index);
         const glm::dmat3 world_from_view = glm::make_mat3(description.camera.world_from_view.data());
         const auto& clip = description.camera.clip_from_view;
@@ -127,13 +132,18 @@ class Measurer {
                     !has_history(previous, description.camera.near, uv + glm::dvec2(motion), z + motion.z);
                 const glm::dvec3 view(z * (2 * uv.x - 1) / clip[0], z * (2 * uv.y - 1) / clip[5], -z);
                 const glm::dvec3 n = glm::normalize(glm::dvec3(now.normal[i]));
-                tally.penumbra +=
-                    in_penumbra(bvh, camera + world_from_view * view, n, z, sun, static_cast<uint32_t>(i));
+                tally.penumbra += in_penumbra(casters, camera + world_from_view * view, n, z, sun,
+                                              static_cast<uint32_t>(i));
             }
     }
 
   private:
-    static bool in_penumbra(const Bvh& bvh, const glm::dvec3& point, const glm::dvec3& n, double z,
+    struct Casters {
+        const Bvh& bvh;
+        AlphaTest alpha;
+    };
+
+    static bool in_penumbra(const Casters& casters, const glm::dvec3& point, const glm::dvec3& n, double z,
                             const SunState& sun, uint32_t pixel) {
         const glm::dvec3 o =
             point +
@@ -147,10 +157,12 @@ class Measurer {
             const double side = std::sqrt(rise * (2 - rise)), angle = glm::two_pi<double>() * v;
             const glm::dvec3 d =
                 (1 - rise) * sun.to_sun + side * (std::cos(angle) * basis.x + std::sin(angle) * basis.y);
-            blocked += glm::dot(d, n) <= 0 || occluded(bvh, {{float(o.x), float(o.y), float(o.z)},
-                                                             {float(d.x), float(d.y), float(d.z)},
-                                                             0,
-                                                             std::numeric_limits<float>::infinity()});
+            blocked += glm::dot(d, n) <= 0 || occluded(casters.bvh,
+                                                       {{float(o.x), float(o.y), float(o.z)},
+                                                        {float(d.x), float(d.y), float(d.z)},
+                                                        0,
+                                                        std::numeric_limits<float>::infinity()},
+                                                       nullptr, casters.alpha);
         }
         return blocked > 0 && blocked < rays_per_pixel;
     }

@@ -67,23 +67,26 @@ SceneTlas::SceneTlas(Device& device, const Scene& scene, double frame) : device_
     vkGetPhysicalDeviceProperties2(device.physical(), &properties);
     scratch_alignment_ = limits.minAccelerationStructureScratchOffsetAlignment;
 
-    // Triangles come object by object.
-    for (const uint32_t object : scene.triangle_objects()) {
-        while (objects_.size() <= object) {
-            const uint32_t first = objects_.empty() ? 0 : objects_.back().first + objects_.back().count;
-            objects_.push_back({first, 0, {}});
-        }
-        ++objects_[object].count;
+    std::vector<uint32_t> record_of;
+    if (has_alpha(scene)) {
+        SceneAlpha alpha = make_scene_alpha(scene);
+        const std::vector<Texel> records = alpha_uv_texels(alpha);
+        alpha_uv_ = upload_texels(device, std::as_bytes(std::span(records)), VK_FORMAT_R32G32B32A32_UINT,
+                                  "the texture coordinates of alpha-tested triangles");
+        alpha_map_ =
+            upload_texels(device, std::as_bytes(std::span(alpha.map)), VK_FORMAT_R32_UINT, "the alpha masks");
+        record_of = std::move(alpha.record_of);
     }
-    std::erase_if(objects_, [](const Object& object) { return object.count == 0; });
+    split_objects(record_of);
 
     const std::vector<Triangle> triangles = scene.triangles(frame);
     vertices_ = make_host_buffer(device, std::max<VkDeviceSize>(triangles.size() * sizeof(Triangle), 16),
                                  build_input, "triangles of the acceleration structures");
     std::memcpy(vertices_.mapped, triangles.data(), triangles.size() * sizeof(Triangle));
     for (Object& object : objects_)
-        object.blas = make_structure(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, triangle_geometry(),
-                                     object.count, "an object's acceleration structure");
+        object.blas =
+            make_structure(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, triangle_geometry(object),
+                           object.count, "an object's acceleration structure");
     instances_ = make_host_buffer(
         device, std::max<VkDeviceSize>(objects_.size() * sizeof(VkAccelerationStructureInstanceKHR), 16),
         build_input, "instances of the acceleration structure");
@@ -99,6 +102,23 @@ SceneTlas::SceneTlas(Device& device, const Scene& scene, double frame) : device_
     std::vector<size_t> all(objects_.size());
     std::iota(all.begin(), all.end(), size_t{0});
     build(all);
+}
+
+// Triangles come object by object, and in each part by part.
+void SceneTlas::split_objects(const std::vector<uint32_t>& record_of) {
+    const std::vector<uint32_t> objects = scene_.triangle_objects();
+    const auto tested = [&](size_t t) { return !record_of.empty() && record_of[t] != 0; };
+    for (size_t t = 0; t < objects.size(); ++t) {
+        if (t == 0 || objects[t] != objects[t - 1] || tested(t) != tested(t - 1)) {
+            Object& object = objects_.emplace_back();
+            object.first = static_cast<uint32_t>(t);
+            if (tested(t)) object.record = record_of[t] - 1;
+            if (object.record.value_or(0) >= 1u << 24)
+                throw DeviceError(
+                    "more than 2^24 alpha-tested triangles do not fit an acceleration structure");
+        }
+        ++objects_.back().count;
+    }
 }
 
 void SceneTlas::update(double frame) {
@@ -138,10 +158,10 @@ SceneTlas::Structure SceneTlas::make_structure(VkAccelerationStructureTypeKHR ty
     return out;
 }
 
-VkAccelerationStructureGeometryKHR SceneTlas::triangle_geometry() const {
+VkAccelerationStructureGeometryKHR SceneTlas::triangle_geometry(const Object& object) const {
     VkAccelerationStructureGeometryKHR geometry{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
     geometry.geometryType = VK_GEOMETRY_TYPE_TRIANGLES_KHR;
-    geometry.flags = VK_GEOMETRY_OPAQUE_BIT_KHR;
+    geometry.flags = object.record ? 0 : VkGeometryFlagsKHR{VK_GEOMETRY_OPAQUE_BIT_KHR};
     auto& triangles = geometry.geometry.triangles;
     triangles = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_TRIANGLES_DATA_KHR};
     triangles.vertexFormat = VK_FORMAT_R32G32B32_SFLOAT;
@@ -170,6 +190,7 @@ void SceneTlas::write_instances() {
         *instance = {};
         for (int i = 0; i < 3; ++i) instance->transform.matrix[i][i] = 1;
         instance->mask = 0xFF;
+        instance->instanceCustomIndex = object.record.value_or(0) & 0xFFFFFFu;
         instance->flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
         instance->accelerationStructureReference = vk_.address(device_.get(), &ask);
         ++instance;
@@ -178,13 +199,15 @@ void SceneTlas::write_instances() {
 
 void SceneTlas::build(const std::vector<size_t>& objects) {
     VkDeviceAddress scratch = round_up(address_of(device_.get(), scratch_.get()), scratch_alignment_);
-    const VkAccelerationStructureGeometryKHR triangles = triangle_geometry(), instances = instance_geometry();
+    const VkAccelerationStructureGeometryKHR instances = instance_geometry();
+    std::vector<VkAccelerationStructureGeometryKHR> geometries;
+    geometries.reserve(objects.size());  // the build's description points into it
     std::vector<VkAccelerationStructureBuildGeometryInfoKHR> infos;
     std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges;
     for (const size_t i : objects) {
         const Object& object = objects_[i];
-        auto& info =
-            infos.emplace_back(build_info(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, triangles));
+        auto& info = infos.emplace_back(build_info(VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
+                                                   geometries.emplace_back(triangle_geometry(object))));
         info.dstAccelerationStructure = object.blas.handle.get();
         info.scratchData.deviceAddress = scratch;
         scratch += round_up(object.blas.scratch_bytes, scratch_alignment_);

@@ -46,6 +46,10 @@ void Shape::append(const Shape& other) {
     const auto first = static_cast<uint32_t>(positions.size());
     positions.insert(positions.end(), other.positions.begin(), other.positions.end());
     for (const uint32_t index : other.indices) indices.push_back(first + index);
+    if (uv.empty() && other.uv.empty()) return;
+    uv.resize(first);
+    uv.insert(uv.end(), other.uv.begin(), other.uv.end());
+    uv.resize(positions.size());
 }
 
 void Shape::transform(const glm::dmat4& matrix) {
@@ -165,6 +169,7 @@ Shape chain(const glm::dvec3& a, const glm::dvec3& b, double sag, double bar_rad
 Part to_part(Shape shape, int material) {
     Part part;
     part.positions = std::move(shape.positions);
+    part.uv = std::move(shape.uv);
     part.indices = std::move(shape.indices);
     part.material = material;
     return part;

@@ -15,6 +15,7 @@ namespace penumbra {
 struct Shape {
     std::vector<glm::vec3> positions;
     std::vector<uint32_t> indices;
+    std::vector<glm::vec2> uv{};  // as many as positions, or none
 
     void append(const Shape& other);
     void transform(const glm::dmat4& matrix);

@@ -54,7 +54,7 @@ bool any_differs(const std::vector<Key>& keys, auto same) {
 }  // namespace
 
 Camera camera_at(const Shot& shot, double frame, double aspect) {
-    if (shot.half_plane) return half_plane_camera(shot);
+    if (shot.analytic) return analytic_camera(shot);
     const auto [a, b, t] = around(shot.camera, frame);
     const glm::dvec3 position = glm::mix(a.position, b.position, t);
     const glm::dvec3 back = direction(position - glm::mix(a.target, b.target, t));

@@ -13,6 +13,7 @@
 
 #include "graph/diagnostic.h"
 #include "graph/frame_block.h"
+#include "host/analytic_scene.h"
 
 namespace penumbra {
 
@@ -38,19 +39,11 @@ struct ObjectMotion {
     std::vector<ObjectKey> keys;
 };
 
-// An analytic scene (host/analytic.h): a straight shadow edge with a penumbra of known width.
-struct HalfPlane {
-    double penumbra_px = 0;  // at the first frame's sun
-    double edge_deg = 0;     // 0: the edge is upright in the image and light is on the right; turns clockwise
-    double speed_px = 0;     // per frame across the edge; positive: the shadow grows
-    double offset_px = 0;    // of the penumbra's middle from the image's centre at frame 0, towards the light
-};
-
 struct Shot {
     std::string name;  // the file's name without ".shot.json"
     std::filesystem::path file;
-    std::filesystem::path model;          // glTF, resolved against the shot's folder
-    std::optional<HalfPlane> half_plane;  // instead of a model and a camera
+    std::filesystem::path model;            // glTF, resolved against the shot's folder
+    std::optional<AnalyticScene> analytic;  // instead of a model and a camera
     std::array<uint32_t, 2> size{1280, 720};
     uint32_t frames = 1;
     double fps = 60;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The shot's JSON: a closed set of keys, ranges, and errors with places. Every error of a file is reported.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,7 @@ class Reader {
     explicit Reader(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
 
     // An object with no other keys than `known`.
-    bool object(const Json& json, const std::string& path, std::initializer_list<const char*> known) {
+    bool object(const Json& json, const std::string& path, const std::vector<const char*>& known) {
         if (json.kind != Json::Kind::object) {
             error(json.place, path, fmt::format("expected an object, not {}", kind_name(json.kind)));
             return false;
@@ -111,25 +112,96 @@ class Reader {
     Diagnostics& diagnostics_;
 };
 
-void read_analytic(Reader& reader, const Json& scene, Shot& shot) {
-    const Json* name = reader.required(scene, "scene", "analytic");
-    if (!name) return;
-    if (name->kind != Json::Kind::string || name->string != "half_plane") {
-        reader.error(
-            name->place, "scene.analytic",
-            fmt::format("{} is not an analytic scene of this version, which has \"half_plane\"",
-                        name->kind == Json::Kind::string ? '"' + name->string + '"' : kind_name(name->kind)));
+// One of the analytic scenes: its name and the keys that it has besides those that place it.
+struct AnalyticKind {
+    const char* name;
+    bool hangs;  // so high that its penumbra is as wide as "penumbra_px"
+    bool moves;
+    AnalyticShape shape;
+    std::vector<const char*> keys;
+};
+
+const std::vector<AnalyticKind>& analytic_kinds() {
+    static const std::vector<AnalyticKind> kinds = {
+        {"half_plane", true, true, HalfPlane{}, {}},
+        {"slit", true, true, Slit{}, {"width_px"}},
+        {"fence", true, true, Fence{}, {"period_px", "duty"}},
+        {"polygon", true, true, Polygon{}, {"points"}},
+        {"sphere", true, true, Sphere{}, {"radius_px"}},
+        {"contact_point", false, true, ContactPoint{}, {"radius_px"}},
+        {"contact_wall", false, true, ContactWall{}, {"height"}},
+        {"terminator", true, false, Terminator{}, {}}};
+    return kinds;
+}
+
+const AnalyticKind* analytic_kind(Reader& reader, const Json& name) {
+    std::vector<std::string> names;
+    for (const AnalyticKind& kind : analytic_kinds()) {
+        if (name.kind == Json::Kind::string && name.string == kind.name) return &kind;
+        names.emplace_back(kind.name);
+    }
+    if (name.kind == Json::Kind::string)
+        reader.error(name.place, "scene.analytic",
+                     fmt::format("no analytic scene is named \"{}\"{}; there are {}", name.string,
+                                 did_you_mean(name.string, names), fmt::join(names, ", ")));
+    else
+        reader.error(name.place, "scene.analytic",
+                     fmt::format("expected a string, not {}", kind_name(name.kind)));
+    return nullptr;
+}
+
+void read_points(Reader& reader, const Json& list, std::vector<glm::dvec2>& out) {
+    const std::string path = "scene.points";
+    if (list.kind != Json::Kind::array || list.items.size() < 3 || list.items.size() > 256) {
+        reader.error(list.place, path, "expected a list of 3 to 256 points");
         return;
     }
-    HalfPlane& out = shot.half_plane.emplace();
-    if (!reader.object(scene, "scene", {"analytic", "penumbra_px", "edge_deg", "speed_px", "offset_px"}))
-        return;
-    if (const Json* v = reader.required(scene, "scene", "penumbra_px"))
-        reader.number(*v, "scene.penumbra_px", 0.5, 4096, out.penumbra_px);
-    if (const Json* v = scene.find("edge_deg")) reader.number(*v, "scene.edge_deg", -360, 360, out.edge_deg);
-    if (const Json* v = scene.find("speed_px")) reader.number(*v, "scene.speed_px", -64, 64, out.speed_px);
-    if (const Json* v = scene.find("offset_px"))
-        reader.number(*v, "scene.offset_px", -1e5, 1e5, out.offset_px);
+    for (size_t i = 0; i < list.items.size(); ++i) {
+        const Json& point = list.items[i];
+        const std::string at = fmt::format("{}[{}]", path, i);
+        if (point.kind != Json::Kind::array || point.items.size() != 2) {
+            reader.error(point.place, at, "expected [x, y]");
+            continue;
+        }
+        reader.number(point.items[0], at + "[0]", -1e5, 1e5, out.emplace_back().x);
+        reader.number(point.items[1], at + "[1]", -1e5, 1e5, out.back().y);
+    }
+}
+
+void read_analytic(Reader& reader, const Json& scene, Shot& shot) {
+    const Json* name = reader.required(scene, "scene", "analytic");
+    const AnalyticKind* kind = name ? analytic_kind(reader, *name) : nullptr;
+    if (!kind) return;
+    AnalyticScene& out = shot.analytic.emplace();
+    out.shape = kind->shape;
+    std::vector<const char*> known{"analytic"};
+    if (kind->hangs) known.push_back("penumbra_px");
+    if (kind->moves) known.insert(known.end(), {"edge_deg", "speed_px", "offset_px"});
+    known.insert(known.end(), kind->keys.begin(), kind->keys.end());
+    if (!reader.object(scene, "scene", known)) return;
+
+    const auto number = [&](const char* key, double low, double high, double& value) {
+        if (const Json* v = reader.required(scene, "scene", key))
+            reader.number(*v, std::string("scene.") + key, low, high, value);
+    };
+    const auto optional = [&](const char* key, double low, double high, double& value) {
+        if (kind->moves && scene.find(key)) number(key, low, high, value);
+    };
+    if (kind->hangs) number("penumbra_px", 0.5, 4096, out.penumbra_px);
+    optional("edge_deg", -360, 360, out.edge_deg);
+    optional("speed_px", -64, 64, out.speed_px);
+    optional("offset_px", -1e5, 1e5, out.offset_px);
+    if (auto* slit = std::get_if<Slit>(&out.shape)) number("width_px", 0.01, 1e4, slit->width_px);
+    if (auto* fence = std::get_if<Fence>(&out.shape)) {
+        number("period_px", 0.1, 1e4, fence->period_px);
+        number("duty", 0.01, 0.99, fence->duty);
+    }
+    if (auto* sphere = std::get_if<Sphere>(&out.shape)) number("radius_px", 0.1, 1e4, sphere->radius_px);
+    if (auto* point = std::get_if<ContactPoint>(&out.shape)) number("radius_px", 1, 1e4, point->radius_px);
+    if (auto* wall = std::get_if<ContactWall>(&out.shape)) number("height", 0.01, 1e3, wall->height);
+    if (auto* polygon = std::get_if<Polygon>(&out.shape))
+        if (const Json* points = reader.required(scene, "scene", "points"))
+            read_points(reader, *points, polygon->points);
 }
 
 void read_scene(Reader& reader, const Json& root, Shot& shot) {
@@ -220,10 +292,10 @@ void check_frames(Reader& reader, const Json& root, const Shot& shot) {
         return true;
     };
     const Place sun_place = root.find("sun")->find("keys")->place;
-    const Place camera_place = shot.half_plane ? sun_place : root.find("camera")->find("keys")->place;
+    const Place camera_place = shot.analytic ? sun_place : root.find("camera")->find("keys")->place;
     bool camera_good = true, sun_good = true;
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
-        if (!shot.half_plane && camera_good && !all_finite(camera_at(shot, frame, 1).world_from_view)) {
+        if (!shot.analytic && camera_good && !all_finite(camera_at(shot, frame, 1).world_from_view)) {
             reader.error(
                 camera_place, "camera.keys",
                 fmt::format("at frame {} the target is at the camera, or `up` is along the view", frame));
@@ -234,8 +306,8 @@ void check_frames(Reader& reader, const Json& root, const Shot& shot) {
             reader.error(sun_place, "sun.keys",
                          fmt::format("at frame {} the direction vanishes between keys", frame));
             sun_good = false;
-        } else if (shot.half_plane && sun_good) {
-            if (const auto problem = half_plane_problem(shot, frame)) {
+        } else if (shot.analytic && sun_good) {
+            if (const auto problem = analytic_problem(shot, frame)) {
                 reader.error(sun_place, "sun.keys", *problem);
                 sun_good = false;
             }
@@ -296,7 +368,7 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     }
     if (diagnostics.size() == before) check_frames(reader, *root, shot);
     if (diagnostics.size() != before) return std::nullopt;
-    if (shot.half_plane) add_half_plane_motion(shot);
+    if (shot.analytic) add_analytic_motion(shot);
     return shot;
 }
 

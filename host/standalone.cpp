@@ -4,18 +4,17 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/analytic.h"
 #include "host/gltf.h"
+#include "host/shot_facts.h"
 
 namespace penumbra {
 
 std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
                                 std::vector<std::string>& warnings) {
-    std::optional<Model> model =
-        shot.half_plane ? half_plane_model(shot) : load_gltf(shot.model, diagnostics);
+    std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_gltf(shot.model, diagnostics);
     if (!model || !check_objects(shot, *model, diagnostics)) return std::nullopt;
     for (const std::string& warning : model->warnings)
         warnings.push_back(shot.model.string() + ": " + warning);
@@ -49,7 +48,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     description.index = index;
     description.dt_s = static_cast<float>(1 / shot_.fps);
     description.flags = has_previous ? 0u : uint32_t(frame_reset);
-    if (shot_.half_plane) description.flags |= frame_orthographic;
+    if (shot_.analytic) description.flags |= frame_orthographic;
 
     const SunState sun = sun_at(shot_, index);
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
@@ -70,20 +69,7 @@ void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& fra
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {
-    bool sun_up = false;
-    for (uint32_t frame = 0; frame < shot_.frames && !sun_up; ++frame) {
-        const SunState sun = sun_at(shot_, frame);
-        const double up = shot_.half_plane ? sun.to_sun.z : sun.to_sun.y;  // analytic receivers face +z
-        sun_up = std::asin(up) > -sun.angular_radius;
-    }
-    return {{"sun_up", sun_up},
-            {"sun_disc", shot_.sun_angular_radius_deg > 0},
-            {"casters", !scene_.instances().empty()},
-            {"alpha", false},
-            {"many_cascades", false},
-            {"moves", moves(shot_)},
-            {"motion_3d", true},
-            {"hdr", false}};
+    return shot_facts(shot_, scene_);
 }
 
 }  // namespace penumbra

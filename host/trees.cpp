@@ -6,6 +6,7 @@
 #include <array>
 #include <glm/gtc/constants.hpp>
 
+#include "host/leaf_card.h"
 #include "host/model_builder.h"
 #include "host/noise.h"
 
@@ -14,7 +15,6 @@ namespace penumbra {
 namespace {
 
 constexpr double half_size = 20;
-constexpr int cells = 150;
 
 enum MaterialIndex { soil, bark, foliage };
 
@@ -24,7 +24,7 @@ double terrain_height(double x, double z) {
            (0.35 + 0.65 * glm::smoothstep(3.0, 16.0, std::hypot(x, z)));
 }
 
-Shape terrain() {
+Shape terrain(int cells) {
     Shape shape = ground(half_size, half_size, cells, cells);
     for (glm::vec3& p : shape.positions) p.y = static_cast<float>(terrain_height(p.x, p.z));
     return shape;
@@ -55,9 +55,12 @@ void add_leaf(Shape& leaves, const glm::dvec3& foot, const glm::dvec3& along, co
         leaves.indices.insert(leaves.indices.end(), {first, first + k, first + k + 1});
 }
 
+enum class Foliage { leaves, cards };
+
 class TreeGrower {
   public:
-    explicit TreeGrower(uint32_t seed) : random_(seed) {}
+    TreeGrower(uint32_t seed, Foliage kind)
+        : random_(seed), kind_(kind), deepest_(kind == Foliage::leaves ? 3 : 2) {}
 
     void grow(double height) { branch({0, -0.3, 0}, {0, 1, 0}, height, 0.036 * height, 0); }
     std::vector<std::pair<Shape, int>> take() {
@@ -73,7 +76,7 @@ class TreeGrower {
             const double thin = radius * (1 - 0.25 * piece);
             const glm::dvec3 to = from + axis * (length / pieces);
             wood_.append(rod(from - 0.3 * thin * axis, to, thin, level == 0 ? 10 : level == 1 ? 6 : 3));
-            if (level < 3) {
+            if (level < deepest_) {
                 for (int i = 0; piece > 0 && i < children[static_cast<size_t>(level)]; ++i) {
                     const double turn = random_.in(0, glm::two_pi<double>()), lean = random_.in(0.6, 1.15);
                     const glm::dvec3 x = across(axis), y = glm::cross(axis, x);
@@ -83,7 +86,8 @@ class TreeGrower {
                            length * random_.in(0.38, 0.55), 0.5 * thin, level + 1);
                 }
             } else {
-                for (int i = 0; i < 3; ++i) sprout(glm::mix(from, to, random_.in(0, 1)), axis);
+                for (int i = 0; i < (kind_ == Foliage::leaves ? 3 : 2); ++i)
+                    sprout(glm::mix(from, to, random_.in(0, 1)), axis);
             }
             from = to;
             axis = glm::normalize(
@@ -95,24 +99,25 @@ class TreeGrower {
         const glm::dvec3 along =
             glm::normalize(axis + glm::dvec3(random_.in(-1, 1), random_.in(-0.9, 0.4), random_.in(-1, 1)));
         const glm::dvec3 side = glm::normalize(across(along) + glm::dvec3(0, random_.in(-0.7, 0.7), 0));
-        add_leaf(leaves_, foot, along, glm::normalize(side - along * glm::dot(side, along)),
-                 random_.in(0.16, 0.27));
+        const glm::dvec3 across_leaf = glm::normalize(side - along * glm::dot(side, along));
+        if (kind_ == Foliage::leaves)
+            add_leaf(leaves_, foot, along, across_leaf, random_.in(0.16, 0.27));
+        else
+            add_leaf_card(leaves_, foot, along, across_leaf, random_.in(0.5, 0.8));
     }
 
     SceneRandom random_;
+    Foliage kind_;
+    int deepest_;  // level of the branches that carry the leaves
     Shape wood_, leaves_;
 };
 
-}  // namespace
-
-Model make_trees() {
-    ModelBuilder builder(
-        {{{0.20f, 0.21f, 0.11f, 1}}, {{0.26f, 0.19f, 0.13f, 1}}, {{0.16f, 0.30f, 0.09f, 1}}});
-    builder.solid("terrain", terrain(), soil);
+Model forest(ModelBuilder builder, Foliage kind, int ground_cells) {
+    builder.solid("terrain", terrain(ground_cells), soil);
     std::array<int, 3> kinds{};
     constexpr std::array<double, 3> heights{4.6, 5.6, 3.9};
     for (uint32_t i = 0; i < kinds.size(); ++i) {
-        TreeGrower grower(17 + i);
+        TreeGrower grower(17 + i, kind);
         grower.grow(heights[i]);
         kinds[i] = builder.mesh(grower.take());
     }
@@ -123,6 +128,21 @@ Model make_trees() {
                      {places[i].x, terrain_height(places[i].x, places[i].y), places[i].y});
     }
     return builder.take();
+}
+
+constexpr Material soil_material{{0.20f, 0.21f, 0.11f, 1}}, bark_material{{0.26f, 0.19f, 0.13f, 1}};
+
+}  // namespace
+
+Model make_trees() {
+    return forest(ModelBuilder({soil_material, bark_material, {{0.16f, 0.30f, 0.09f, 1}}}), Foliage::leaves,
+                  150);
+}
+
+Model make_cards() {
+    const Material leaves{{1, 1, 1, 1}, 0, leaf_card_cutoff};
+    return forest(ModelBuilder({soil_material, bark_material, leaves}, {leaf_card_texture()}), Foliage::cards,
+                  60);
 }
 
 }  // namespace penumbra

@@ -13,6 +13,7 @@ namespace penumbra {
 #define PENUMBRA_NODES(X) \
     X(accumulate)         \
     X(classify)           \
+    X(clear)              \
     X(copy)               \
     X(drift)              \
     X(filter)             \

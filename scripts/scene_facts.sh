@@ -4,4 +4,4 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:?usage: scripts/scene_facts.sh PRESET}
 "scripts/scenes.sh" "$preset" >&2
-exec "build/$preset/host/penumbra_scene_facts" scenes/{colonnade,engine,fan,heightfield,lamp,trees}.shot.json
+exec "build/$preset/host/penumbra_scene_facts" scenes/{cards,colonnade,engine,fan,heightfield,lamp,trees}.shot.json

@@ -61,6 +61,7 @@ bool history_at(ivec2 q, out float visibility) {
     return visibility >= 0.0 && visibility <= 1.0;
 }
 
+#if HAS_MOTION
 bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
     const float z = imageLoad(view_depth_prev, q).x;
@@ -113,6 +114,15 @@ Past past_of(ivec2 p, float z) {
     if (weights > 0.99 && high > low) past.visibility = sharper(corner, t, low, high, past.visibility);
     return past;
 }
+#else
+// Nothing moves: the pixel's past is its own. Where jitter moved an edge across it, the past is that of both surfaces,
+// as the picture is; a pixel that showed the sky has none, its count is 0.
+Past past_of(ivec2 p, float z) {
+    float v = 0.0;
+    if ((frame.flags & FRAME_RESET) != 0u || !history_at(p, v)) return NO_PAST;
+    return Past(v, CAP * imageLoad(count_prev, p).x, 0.0);
+}
+#endif
 
 // Where neighbouring texels differ by more than their noise, the camera's motion has put an edge between them whose
 // place resampling cannot know and this frame's sample does. From 0: nothing of the kind, to 1: a hard edge.
@@ -190,7 +200,7 @@ void main() {
             const bool receives = (around.receivers[2 + (j >> 2)].y & pixel_bit(p)) != 0u;
             // A uniform block's pixels, and whatever receives nothing: that is lit.
             vec2 signal = vec2(state == BLOCK_SHADOWED && receives ? 0.0 : 1.0, 0.0);
-            float samples = CAP;
+            float samples = receives ? CAP : 0.0;
             if (state == BLOCK_WORK && receives) {
                 const float soft = j < 4 ? softness.x : softness.y;
                 const float error = resampling_error(past[j]);

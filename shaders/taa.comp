@@ -7,7 +7,7 @@
 // published: the new colour counts 1/16, and the box alone rejects history.
 // robust: a history texel counts where it showed a surface that is seen around the pixel now (distance to its plane), and
 // the new colour counts 1/n of n frames: an edge under 16 jitter positions is their mean after 16 frames, and what has just
-// come into view starts anew.
+// come into view starts anew. Where nothing moves, a pixel's history is its own.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/finite.glsl"
@@ -103,7 +103,16 @@ vec3 clamp_to_neighbours(ivec2 p, vec3 past, float scale) {
     return BOX != BOX_RGB && inside == before ? past : from_box_axes(inside);
 }
 
-#if HAS_VIEW_DEPTH_PREV && HAS_GUIDE_NORMAL
+#if HAS_GUIDE_NORMAL
+// The history at a position, and for how many frames it stands; 0: there is none.
+struct Past {
+    vec3 color;
+    float frames;
+};
+
+float frames_of(float alpha) { return floor(alpha * float(MAX_FRAMES) + 0.5); }
+
+#if HAS_VIEW_DEPTH_PREV
 // The plane of what a pixel shows: a point that the previous frame saw at `uv` (without jitter), z in front of the camera,
 // is off it by (z - depth_change) * (slope.z + slope.xy . uv) + offset.z + offset.xy . uv metres. Moved back by the surface's
 // own motion the point is one of the current view, where positions are linear in uv and bilinear with z.
@@ -133,12 +142,6 @@ bool was_seen(Plane plane, vec2 uv, float z) {
     return off.x <= plane.tolerance_m || off.y <= plane.tolerance_m;
 }
 
-// The history at a position, and for how many frames it stands; 0: there is none.
-struct Past {
-    vec3 color;
-    float frames;
-};
-
 // An edge of the picture alternates with the jitter between what is in front and what is behind, so a texel may have shown
 // either. Where one of the four around the position showed something else, the largest share of the others stands for all.
 Past past_at(vec2 texel, Around around) {
@@ -166,8 +169,14 @@ Past past_at(vec2 texel, Around around) {
     const vec4 value = texelFetch(history, best, 0);
     // The shares of four that count are 1, exactly: they are multiples of 2^-16.
     const bool between = best_share < 1.0 && shares == 1.0;
-    return Past(between ? history_at(texel) : value.xyz, best_share < 0.05 ? 0.0 : floor(value.w * float(MAX_FRAMES) + 0.5));
+    return Past(between ? history_at(texel) : value.xyz, best_share < 0.05 ? 0.0 : frames_of(value.w));
 }
+#else
+Past past_at(vec2 texel, Around around) {
+    const vec4 value = texelFetch(history, ivec2(texel), 0);
+    return Past(value.xyz, frames_of(value.w));
+}
+#endif
 
 vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
     float frames = 1.0;
@@ -199,9 +208,13 @@ vec4 published(ivec2 p, vec3 c, Reprojection there, vec2 v) {
 void for_pixel(ivec2 p) {
     const vec3 c = current(p);
     const Around around = look_around(p);
+#if HAS_MOTION
     const vec2 v = texelFetch(motion, around.nearest, 0).xy;
+#else
+    const vec2 v = vec2(0.0);
+#endif
     const Reprojection there = reproject(p, v);
-#if HAS_VIEW_DEPTH_PREV && HAS_GUIDE_NORMAL
+#if HAS_GUIDE_NORMAL
     imageStore(color, p, robust(p, c, around, there, v));
 #else
     imageStore(color, p, published(p, c, there, v));

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 // One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel. Lanes are dealt out in blocks
 // of 4x2 pixels, so that the 8 lanes of a software device's subgroup walk the tree together.
-// Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl.
+// Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl. A sun
+// that is a point takes no noise.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/ray_origin.glsl"
+#if HAS_BLUE_NOISE
 #include "common/sun_point.glsl"
+#endif
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #if HAS_BLOCKERS
@@ -27,10 +30,14 @@ float offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
 }
 
 vec3 ray_direction(ivec2 p) {
+#if HAS_BLUE_NOISE
     if (SAMPLING == SAMPLING_PUBLISHED)
         return sun_direction_published(sun.to_sun, sun.angular_radius,
                                        noise_published(p, frame.frame_index, params.seed));
     return sun_direction_through(sun.to_sun, sun.angular_radius, sun_point(p, frame.frame_index, params.seed));
+#else
+    return sun.to_sun;
+#endif
 }
 
 bool hits_something(ivec2 p, float t_min, float t_max, inout float t_hit) {

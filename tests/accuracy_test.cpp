@@ -25,11 +25,11 @@ struct Case {
 
 Shot shot_of(const Case& c) {
     Shot shot;
-    shot.half_plane = HalfPlane{c.penumbra_px, 20, c.speed_px, -c.speed_px * c.frame};
+    shot.analytic = AnalyticScene{c.penumbra_px, 20, c.speed_px, -c.speed_px * c.frame};
     shot.size = {width, height};
     shot.frames = c.frame + 1;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    add_half_plane_motion(shot);
+    add_analytic_motion(shot);
     return shot;
 }
 
@@ -66,7 +66,7 @@ MaskMetrics measure_case(const Case& c) {
         for (uint32_t frame = 0; frame <= c.frame; ++frame) session->run_frame(frame, frame == 0);
         images.push_back(values_of(*session));
     }
-    const std::vector<double> exact = half_plane_image(shot, c.frame);
+    const std::vector<double> exact = analytic_image(shot, c.frame);
     const std::vector<float> truth(exact.begin(), exact.end());
     std::vector<uint8_t> counted;  // what the published form does at the image's border is not in question
     for (uint32_t y = 0; y < height; ++y)

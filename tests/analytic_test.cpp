@@ -14,13 +14,13 @@
 namespace penumbra {
 namespace {
 
-Shot half_plane_shot(HalfPlane scene, uint32_t frames = 1) {
+Shot half_plane_shot(AnalyticScene scene, uint32_t frames = 1) {
     Shot shot;
-    shot.half_plane = scene;
+    shot.analytic = scene;
     shot.size = {200, 60};
     shot.frames = frames;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    add_half_plane_motion(shot);
+    add_analytic_motion(shot);
     return shot;
 }
 
@@ -62,13 +62,13 @@ TEST(HalfPlane, ClosedFormIsSymmetricAndWholeAtItsEnds) {
 
 // Pixels that are neither lit nor dark, along the image's middle row, projected onto the edge's normal.
 double penumbra_px(const Shot& shot, double frame) {
-    const std::vector<double> image = half_plane_image(shot, frame);
+    const std::vector<double> image = analytic_image(shot, frame);
     int inside = 0;
     for (uint32_t x = 0; x < shot.size[0]; ++x) {
         const double v = image[size_t{shot.size[0]} * (shot.size[1] / 2) + x];
         inside += v > 0 && v < 1;
     }
-    return inside * std::abs(std::cos(glm::radians(shot.half_plane->edge_deg)));
+    return inside * std::abs(std::cos(glm::radians(shot.analytic->edge_deg)));
 }
 
 TEST(HalfPlane, PenumbraIsAsWideAsTheShotSays) {
@@ -85,13 +85,13 @@ TEST(HalfPlane, PositiveSpeedMovesTheShadowTowardsTheLight) {
     const Shot shot = half_plane_shot({16, 0, 2, -20}, 21);
     const auto lit_pixels = [&](double frame) {
         double sum = 0;
-        for (const double v : half_plane_image(shot, frame)) sum += v;
+        for (const double v : analytic_image(shot, frame)) sum += v;
         return sum / shot.size[1];
     };
     EXPECT_NEAR(lit_pixels(0) - lit_pixels(10), 20, 0.05);
     EXPECT_NEAR(lit_pixels(10), 100, 0.05);     // the image's middle is the penumbra's
     EXPECT_EQ(lit_pixels(20), lit_pixels(35));  // held behind the last frame, like every key
-    const std::vector<double> image = half_plane_image(shot, 10);
+    const std::vector<double> image = analytic_image(shot, 10);
     EXPECT_EQ(image.front(), 0);  // light on the right
     EXPECT_EQ(image[shot.size[0] - 1], 1);
 }
@@ -105,7 +105,7 @@ TEST(HalfPlane, SheetStandsWhereTheClosedFormSays) {
     ASSERT_TRUE(scene) << diagnostics.text();
     EXPECT_TRUE(moves(shot));
     for (const double frame : {0.0, 17.0, 39.0}) {
-        const HalfPlaneGeometry geometry = half_plane_geometry(shot, frame);
+        const AnalyticGeometry geometry = analytic_geometry(shot, frame);
         double edge = -INFINITY, height = 0;
         for (const Triangle& triangle : scene->triangles(frame))
             for (const auto& v : triangle.v) {
@@ -122,7 +122,7 @@ TEST(HalfPlane, SheetStandsWhereTheClosedFormSays) {
 TEST(HalfPlane, CameraSeesTheReceiverAloneAndSquarePixels) {
     const Shot shot = half_plane_shot({32, 20, 0, 0});
     const Camera camera = camera_at(shot, 0, 1);
-    const HalfPlaneGeometry geometry = half_plane_geometry(shot, 0);
+    const AnalyticGeometry geometry = analytic_geometry(shot, 0);
     EXPECT_LT(camera.position[2], geometry.height);
     const auto& m = camera.clip_from_view;
     EXPECT_DOUBLE_EQ(m[0] * shot.size[0], -m[5] * shot.size[1]);

@@ -6,13 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <random>
 
 #include "graph/check.h"
+#include "tests/golden_text.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra {
@@ -22,19 +21,10 @@ namespace fs = std::filesystem;
 
 const fs::path folder = "tests/golden/broken";
 
-std::string read(const fs::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
+// Pipelines and declarations, but not what is only extended.
 std::vector<std::string> broken_names() {
-    std::vector<std::string> names;
-    for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(PENUMBRA_SOURCE_DIR) / folder)) {
-        const std::string name = entry.path().filename().string();
-        if (name.ends_with(".json") && !name.ends_with(".part.json"))
-            names.push_back(name.substr(0, name.size() - 5));
-    }
-    std::ranges::sort(names);
+    std::vector<std::string> names = test::names_in(folder, ".json");
+    std::erase_if(names, [](const std::string& name) { return name.ends_with(".part"); });
     return names;
 }
 
@@ -42,17 +32,7 @@ void try_pipeline(const std::optional<Pipeline>& pipeline, const NodeSet& nodes,
     if (pipeline) check(*pipeline, nodes, diagnostics);
 }
 
-class BrokenInput : public ::testing::TestWithParam<std::string> {
-  protected:
-    // Places in the expectations are relative to the repository's root.
-    void SetUp() override {
-        before_ = fs::current_path();
-        fs::current_path(PENUMBRA_SOURCE_DIR);
-    }
-    void TearDown() override { fs::current_path(before_); }
-
-    fs::path before_;
-};
+class BrokenInput : public test::InSourceRoot {};
 
 TEST_P(BrokenInput, IsExplained) {
     const std::string name = GetParam();
@@ -69,10 +49,7 @@ TEST_P(BrokenInput, IsExplained) {
         try_pipeline(load_pipeline(file, settings, diagnostics), nodes, diagnostics);
     }
     ASSERT_FALSE(diagnostics.empty()) << file << " is not broken";
-    const fs::path expected = folder / (name.substr(0, name.find('.')) + ".txt");
-    if (std::getenv("PENUMBRA_REWRITE_GOLDEN"))
-        std::ofstream(expected, std::ios::binary) << diagnostics.text();
-    EXPECT_EQ(diagnostics.text(), read(expected));
+    test::expect_golden(diagnostics.text(), folder / (name.substr(0, name.find('.')) + ".txt"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Golden, BrokenInput, ::testing::ValuesIn(broken_names()), [](const auto& instance) {

@@ -13,7 +13,7 @@ namespace penumbra::test {
 std::vector<TriangleScene> shipped_scenes() {
     const std::filesystem::path folder = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes";
     std::vector<TriangleScene> out;
-    for (const char* name : {"colonnade", "engine", "fan", "heightfield", "lamp", "trees"}) {
+    for (const char* name : {"cards", "colonnade", "engine", "fan", "heightfield", "lamp", "trees"}) {
         Diagnostics diagnostics;
         const std::optional<Shot> shot = read_shot(folder / (std::string(name) + ".shot.json"), diagnostics);
         std::optional<Model> model;

@@ -128,6 +128,8 @@ TEST_F(Cli, ArgumentsThatMakeNoSenseAreTheCommandsMistake) {
                "is not A..B with A <= B");
     expect(run(render("--out " + (folder_ / "o").string() + " --every 0")), 2, "every");
     expect(run(render("--out " + (folder_ / "o").string() + " --seed x")), 2, "seed");
+    expect(run(render("--out " + (folder_ / "o").string() + " --facts '!mvoes'")), 2,
+           "did you mean \"moves\"?");
 }
 
 TEST_F(Cli, PlanIsTextOrDotOrJsonWithTheKeysOfTheReport) {
@@ -177,9 +179,9 @@ TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
         render("--out " + out.string() + " --size 48x32 --frames 1..3 --every 2 --capture depth,view_depth"));
     ASSERT_EQ(result.code, 0) << result.err;
     const Json report = Json::parse(read_file(out / "report.json"));
-    for (const char* key : {"penumbra", "version", "pipeline", "shot", "seed", "size", "frames", "settings",
-                            "captures", "device", "facts", "frame_ms", "cpu_ms", "passes", "culled", "memory",
-                            "counts", "validate", "outputs"})
+    for (const char* key : {"penumbra", "version",  "pipeline", "shot",     "seed",     "size",   "frames",
+                            "settings", "captures", "device",   "facts",    "frame_ms", "cpu_ms", "passes",
+                            "culled",   "memory",   "counts",   "validate", "warnings", "outputs"})
         EXPECT_TRUE(report.contains(key)) << key;
     EXPECT_EQ(report["frames"], (Json{1, 3}));
     EXPECT_EQ(report["size"], (Json{48, 32}));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -20,7 +21,7 @@ class Compare : public ::testing::Test {
     void SetUp() override {
         root_ = fs::temp_directory_path() / ("penumbra_compare_" + std::to_string(getpid()));
         for (const char* name : {"truth", "a", "b"}) fs::create_directories(root_ / name);
-        write_reference_info(root_ / "truth", {"x.shot.json", {8, 4}, true, {}});
+        write_reference_info(root_ / "truth", {"x.shot.json", {8, 4}, true, {}, {}});
         for (const uint32_t frame : {3u, 4u}) {
             write(folder("truth"), frame, 8, 0.5f, true);
             write(folder("a"), frame, 8, 0.75f, false);
@@ -86,7 +87,8 @@ TEST_F(Compare, SaysWhatItKnowsAndNullForTheRest) {
         "misclassified",  "flicker",   "lag",     "nonfinite"};
     for (const std::string& key : keys) EXPECT_TRUE(json.contains(key)) << key;
     EXPECT_EQ(json.size(), keys.size());
-    EXPECT_TRUE(json["lag"]["k90"].is_null() && json["ssim"].is_null());
+    EXPECT_TRUE(json["lag"]["k90"].is_null() && json["flip"]["mean"].is_null());
+    EXPECT_TRUE(json["misclassified"]["recall"].is_null() && json["flicker"]["rms"].is_null());
 }
 
 TEST_F(Compare, BorderAndMaskLeavePixelsOut) {
@@ -136,6 +138,106 @@ TEST_F(Compare, SizesMustAgree) {
     const Result result = run(arguments());
     EXPECT_EQ(result.code, exit_wrong);
     EXPECT_NE(result.err.find("9 x 4 pixels, the reference has 8 x 4"), std::string::npos) << result.err;
+}
+
+// Folders with all that `reference` and `render --capture` write: a shadow edge that jumps at frame 2, an
+// image that follows a frame later, under a sun, on a surface, decided by words.
+class CompareSequence : public Compare {
+  protected:
+    static constexpr uint32_t width = 64, height = 32;
+
+    static float truth(uint32_t frame, uint32_t x) {
+        const float edge = frame < 2 ? 20.0f : 40.0f;  // light on the right, penumbra of 8 pixels
+        return std::clamp((static_cast<float>(x) + 0.5f - edge) / 8.0f + 0.5f, 0.0f, 1.0f);
+    }
+    template <class Value>
+    static Plane plane(const char* name, Value value) {
+        Plane plane{name, PlaneType::real, {}, {}};
+        for (uint32_t p = 0; p < width * height; ++p) plane.values.push_back(value(p % width, p / width));
+        return plane;
+    }
+    static Plane constant(const char* name, float value) {
+        return plane(name, [value](uint32_t, uint32_t) { return value; });
+    }
+    static Plane words(uint32_t value, size_t count = width / 8 * height / 4) {
+        return {"W", PlaneType::uint, {}, std::vector<uint32_t>(count, value)};
+    }
+    static void write_image(const fs::path& folder, const char* name, uint32_t frame,
+                            std::vector<Plane> planes, uint32_t div_x = 1, uint32_t div_y = 1) {
+        write_exr(folder / (name + std::string(".000") + std::to_string(frame) + ".exr"),
+                  {width / div_x, height / div_y, std::move(planes)});
+    }
+    void SetUp() override {
+        Compare::SetUp();
+        for (const char* name : {"truth", "a"})
+            for (const auto& entry : fs::directory_iterator(root_ / name)) fs::remove(entry.path());
+        ReferenceInfo info{"x.shot.json", {width, height}, true, {}, {}};
+        for (uint32_t frame = 0; frame < 6; ++frame) {
+            info.frames[frame] = {{0, 0, 1}, ContactLine{{20, 4}, {20, 28}, {-1, 0}}};
+            const fs::path t = root_ / "truth", a = root_ / "a";
+            write_image(t, "visibility", frame,
+                        {plane("Y", [&](uint32_t x, uint32_t) { return truth(frame, x); }),
+                         constant("receiver", 1), constant("rays", 0)});
+            write_image(t, "motion", frame, {constant("X", 0), constant("Y", 0), constant("Z", 0)});
+            write_image(t, "depth", frame, {constant("Z", 5)});
+            write_image(t, "normal", frame, {constant("X", 0), constant("Y", 0), constant("Z", 1)});
+            write_image(t, "albedo", frame, {constant("R", 0.5f), constant("G", 0.5f), constant("B", 0.5f)});
+            write_image(
+                a, "visibility", frame,
+                {plane("Y", [&](uint32_t x, uint32_t) { return truth(frame == 2 ? 1 : frame, x) * 0.98f; })});
+            write_image(a, "undecided_words", frame, {words(0x0f0f0f0f)}, 8, 4);
+            write_image(a, "preloaded_hits", frame, {words(0)}, 8, 4);
+        }
+        write_reference_info(folder("truth"), info);
+    }
+};
+
+TEST_F(CompareSequence, TellsAllThatTheFilesCarry) {
+    const Result result = run(arguments());
+    ASSERT_EQ(result.code, exit_good) << result.err;
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json["lag"]["k90"], 1);
+    EXPECT_NEAR(json["lag"]["residual"].get<double>(), 1, 0.02);
+    EXPECT_NEAR(json["lag"]["lag_px"].get<double>(), 20, 0.5);  // the one frame in which the truth moved
+    EXPECT_GT(json["flicker"]["rms"].get<double>(), 0.1);       // the late jump
+    EXPECT_GT(json["flip"]["mean"].get<double>(), 0.001);
+    EXPECT_GT(json["flip"]["p95"].get<double>(), json["flip"]["mean"].get<double>());
+    EXPECT_GT(json["relmse"].get<double>(), 0);
+    EXPECT_LT(json["ssim"].get<double>(), 0.99);
+    EXPECT_NEAR(json["bias_max_9x9"].get<double>(), 0.98, 0.02);
+    EXPECT_EQ(json["peter_panning_px"].get<double>(), 0);
+    const auto& m = json["misclassified"];
+    EXPECT_NEAR(m["recall"].get<double>(), 0.5, 0.1);  // every other half tile is traced
+    EXPECT_GT(m["false_lit"].get<double>(), 0.1);      // nothing is decided shadowed
+    EXPECT_EQ(m["false_shadow"].get<double>(), 0);
+    EXPECT_TRUE(m["interval"].is_null());
+
+    CompareArguments text = arguments();
+    text.json = false;
+    EXPECT_NE(run(text).out.find("after a change 1 frames"), std::string::npos) << run(text).out;
+}
+
+TEST_F(CompareSequence, FilesOfTheWrongSizeOrKindAreErrors) {
+    const auto fails = [&](const char* because) {
+        const Result result = run(arguments());
+        EXPECT_EQ(result.code, exit_wrong);
+        EXPECT_NE(result.err.find(because), std::string::npos) << result.err;
+    };
+    write_image(root_ / "a", "undecided_words", 3, {words(0, 128)}, 8, 2);
+    fails("8 x 16 words, the reference has 8 x 8 tiles");
+    write_image(root_ / "a", "undecided_words", 3, {constant("W", 1)});
+    fails("does not hold integers");
+    fs::remove(root_ / "a" / "undecided_words.0003.exr");
+    write_image(root_ / "truth", "motion", 3, {constant("X", 0), constant("Y", 0)});
+    fails("motion.0003.exr: Z: there is no such channel");
+}
+
+TEST_F(CompareSequence, OldReferencesAreToldApart) {
+    const std::string old = R"({"penumbra": 1, "shot": "x", "size": [64, 32], "exact": true, "rays": null})";
+    write_file(root_ / "truth" / "reference.json", std::as_bytes(std::span(old)));
+    const Result result = run(arguments());
+    EXPECT_EQ(result.code, exit_wrong);
+    EXPECT_NE(result.err.find("of this version"), std::string::npos) << result.err;
 }
 
 }  // namespace

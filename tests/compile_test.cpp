@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/graph.h"
+#include "graph/interface.h"
 #include "tests/plan_checks.h"
 #include "tests/toy_nodes.h"
 
@@ -348,6 +349,29 @@ TEST(CompileFacts, PortsRuledOutByFactsAreNotBound) {
     EXPECT_EQ(pass_of(plan, "tint").bindings.size(), 2u);
     EXPECT_FALSE(plan.facts.at("alpha"));
     EXPECT_TRUE(plan.facts.at("casters")) << "facts not named are true";
+}
+
+// One variant per combination that facts and parameters can give: 2 x 2 formed and 1 plain, not 2 to the 4th.
+TEST(CompileFacts, OnlyPossibleVariantsAreCompiled) {
+    const NodeType type = parse_toy(R"({ "node": "tint", "doc": "d", "shader": "s.comp",
+      "inputs": { "a": { "kind": "image", "format": "r8", "if": "form=long" },
+                  "b": { "kind": "image", "format": "r8", "if": "form=long & moves" },
+                  "c": { "kind": "image", "format": "r8", "if": "moves & form=long" } },
+      "outputs": { "tinted": { "kind": "image", "format": "r16f" } },
+      "tables": { "noise": { "file": "n.bin", "format": "r8", "extent": [2, 2], "if": "form=long & sun_disc" } },
+      "params": { "form": { "type": "enum", "values": ["long", "short"], "default": "long", "constant": true, "doc": "d" } },
+      "dispatch": { "over": "frame" } })",
+                                    "tint");
+    const std::vector<Variant> variants = all_variants(type);
+    EXPECT_EQ(variants.size(), 5u);
+    for (const Variant& v : variants) {
+        EXPECT_EQ(v.present.at("b"), v.present.at("c"));
+        EXPECT_TRUE(v.present.at("a") || (!v.present.at("b") && !v.present.at("noise")));
+        const std::string glsl = generate_glsl(type, v);
+        EXPECT_EQ(glsl.find("sampler2D noise;") != std::string::npos, v.present.at("noise"));
+        EXPECT_NE(glsl.find(v.present.at("noise") ? "#define HAS_NOISE 1" : "#define HAS_NOISE 0"),
+                  std::string::npos);
+    }
 }
 
 TEST(CompileHostNodes, TheirCallbacksAreSynchronisedAsIfTheyDidAnything) {

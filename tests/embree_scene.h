@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -15,8 +16,11 @@ namespace penumbra::test {
 
 class EmbreeScene {
   public:
-    explicit EmbreeScene(std::span<const Triangle> triangles)
-        : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+    // Whether a triangle blocks at the point with the weights u, v of its corners 1 and 2.
+    using Blocks = std::function<bool(uint32_t triangle, double u, double v)>;
+
+    explicit EmbreeScene(std::span<const Triangle> triangles, Blocks blocks = {})
+        : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)), blocks_(std::move(blocks)) {
         rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
         RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
         std::memcpy(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
@@ -25,6 +29,11 @@ class EmbreeScene {
         auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, triangles.size()));
         for (uint32_t i = 0; i < triangles.size() * 3; ++i) indices[i] = i;
+        if (blocks_) {
+            rtcSetGeometryUserData(geometry, &blocks_);
+            rtcSetGeometryOccludedFilterFunction(geometry, filter);
+            rtcSetGeometryIntersectFilterFunction(geometry, filter);
+        }
         rtcCommitGeometry(geometry);
         rtcAttachGeometry(scene_, geometry);
         rtcReleaseGeometry(geometry);
@@ -64,8 +73,18 @@ class EmbreeScene {
     }
 
   private:
+    static void filter(const RTCFilterFunctionNArguments* hit) {
+        const auto& blocks = *static_cast<const Blocks*>(hit->geometryUserPtr);
+        for (uint32_t i = 0; i < hit->N; ++i)
+            if (hit->valid[i] != 0 && !blocks(RTCHitN_primID(hit->hit, hit->N, i),
+                                              static_cast<double>(RTCHitN_u(hit->hit, hit->N, i)),
+                                              static_cast<double>(RTCHitN_v(hit->hit, hit->N, i))))
+                hit->valid[i] = 0;
+    }
+
     RTCDevice device_;
     RTCScene scene_;
+    Blocks blocks_;
 };
 
 }  // namespace penumbra::test

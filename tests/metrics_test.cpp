@@ -1,60 +1,29 @@
 // SPDX-License-Identifier: MIT
 // The measuring stick against answers known beforehand: a renderer that really takes N samples per pixel must
 // read N.
-#include "host/metrics.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <random>
+#include <stdexcept>
 
-#include "host/analytic.h"
+#include "host/metrics/mask_error.h"
+#include "tests/penumbra_images.h"
 
 namespace penumbra {
 namespace {
 
-// A straight penumbra, and images of it made in any way.
-struct Scene {
-    uint32_t width = 128, height = 96;
-    std::vector<float> truth;
-    std::vector<uint8_t> counted;
-    std::vector<std::vector<float>> images;
-
-    explicit Scene(double penumbra_px = 48) : counted(size_t{width} * height, 1) {
-        for (uint32_t y = 0; y < height; ++y)
-            for (uint32_t x = 0; x < width; ++x) {
-                const double across = (x + 0.5 - width / 2.0) * 0.94 + (y + 0.5 - height / 2.0) * 0.34;
-                truth.push_back(
-                    static_cast<float>(half_plane_visibility(0.01 * 2 * across / penumbra_px, 0.01)));
-            }
-    }
-    template <class Make>
-    void add_images(int count, Make make) {
-        for (int i = 0; i < count; ++i) {
-            std::mt19937 random(static_cast<uint32_t>(100 + i));
-            std::vector<float>& image = images.emplace_back();
-            for (const float v : truth)
-                image.push_back(static_cast<float>(make(static_cast<double>(v), random)));
-        }
-    }
-    MetricSums sums() const {
-        ComparedFrame frame{width, height, truth, counted, {}};
-        for (const std::vector<float>& image : images) frame.seeds.emplace_back(image);
-        return measure(frame);
-    }
+struct Scene : test::PenumbraImages {
+    using PenumbraImages::PenumbraImages;
+    MetricSums sums() const { return measure(frame()); }
     MaskMetrics metrics() const { return metrics_of(sums()); }
 };
 
 double ray(double v, std::mt19937& random) {
-    return std::uniform_real_distribution<double>()(random) < v ? 1 : 0;
+    return test::one_ray(v, random);
 }
-
-double mean_of_rays(double v, std::mt19937& random, int rays) {
-    double sum = 0;
-    for (int i = 0; i < rays; ++i) sum += ray(v, random);
-    return sum / rays;
-}
+using test::mean_of_rays;
 
 TEST(Metrics, OneRayReadsOneAndFourReadFour) {
     Scene one, four;
@@ -157,6 +126,81 @@ TEST(Metrics, FramesArePooled) {
         (good.sums().signal + bad.sums().signal) /
         (good.sums().signal / good.metrics().n_eff.value() + bad.sums().signal / bad.metrics().n_eff.value());
     EXPECT_NEAR(metrics_of(both).n_eff.value(), expected, 1e-9);
+}
+
+// The same errors seen in eight frames are no more evidence than in one.
+TEST(Metrics, NeighbouringFramesDoNotNarrowTheInterval) {
+    Scene scene;
+    scene.add_rays(1, 4);
+    MetricSums once = scene.sums(), apart = once, near = once;
+    for (int i = 0; i < 7; ++i) {
+        apart.add(once);
+        near.add_correlated(once);
+    }
+    const auto width = [](const MetricSums& sums) {
+        const auto [low, high] = metrics_of(sums).n_eff_ci95.value();
+        return high - low;
+    };
+    EXPECT_NEAR(width(near), width(once), 1e-9);
+    EXPECT_LT(width(apart), 0.5 * width(once));  // as though they were independent
+    EXPECT_NEAR(metrics_of(near).n_eff.value(), metrics_of(once).n_eff.value(), 1e-9);
+    EXPECT_THROW(MetricSums().add_correlated(once), std::invalid_argument);
+}
+
+// The truth is noisy too: an edge at a random place of each pixel's sun, counted by side^2 stratified rays.
+std::vector<float> counted_truth(const Scene& scene, int side) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> in(0, 1);
+    std::vector<float> out;
+    for (const float v : scene.truth) {
+        const double wanted = static_cast<double>(v);
+        if (wanted <= 0 || wanted >= 1) {
+            out.push_back(v);
+            continue;
+        }
+        double low = -1, high = 1;  // of the edge's distance from the disc's centre
+        for (int i = 0; i < 40; ++i) {
+            const double d = 0.5 * (low + high);
+            const double share = 0.5 + (std::asin(d) + d * std::sqrt(1 - d * d)) / 3.14159265358979;
+            (share < wanted ? low : high) = d;
+        }
+        const double turn = 6.283185307 * in(random);
+        int lit = 0;
+        for (int i = 0; i < side; ++i)
+            for (int j = 0; j < side; ++j) {
+                const double r = std::sqrt((i + in(random)) / side),
+                             angle = 6.283185307 * (j + in(random)) / side;
+                lit += r * std::cos(angle + turn) < low;
+            }
+        out.push_back(static_cast<float>(lit) / static_cast<float>(side * side));
+    }
+    return out;
+}
+
+// Against a truth of 64 rays an image of 200 samples would read 110; and if v(1 - v) / n were taken out, as
+// though the rays were not stratified, thousands or nothing.
+TEST(Metrics, TheTruthsOwnNoiseIsTakenOut) {
+    Scene scene;
+    scene.add_rays(4, 200);
+    EXPECT_NEAR(scene.metrics().n_eff.value(), 200, 8);
+    for (const int side : {8, 16}) {
+        Scene noisy = scene;
+        noisy.truth = counted_truth(scene, side);
+        const std::vector<float> rays(noisy.truth.size(), static_cast<float>(side * side));
+        const double naive = noisy.metrics().n_eff.value();
+        ComparedFrame frame = noisy.frame();
+        frame.reference_rays = rays;
+        const MaskMetrics m = metrics_of(measure(frame));
+        std::printf("truth of %d rays: N_eff %.1f, as it stands %.1f\n", side * side, m.n_eff.value(), naive);
+        EXPECT_NEAR(m.n_eff.value(), 200, 16);
+        EXPECT_NEAR(m.rmse_all.value(), noisy.metrics().rmse_all.value(), 1e-12);
+        if (side == 8) {
+            EXPECT_LT(naive, 150);
+        }
+        if (m.n_bias) {
+            EXPECT_GT(*m.n_bias, 1000);
+        }
+    }
 }
 
 }  // namespace

@@ -5,11 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "graph/graph.h"
 #include "nodes/nodes.h"
+#include "tests/golden_text.h"
 #include "tests/plan_checks.h"
 #include "tests/toy_set.h"
 
@@ -25,12 +24,9 @@ const NodeSet& nodes() {
 }
 
 std::vector<std::string> pipeline_files() {
-    std::vector<std::string> files;
-    for (const auto& entry : std::filesystem::directory_iterator(root / "pipelines"))
-        if (entry.path().extension() == ".json" && entry.path().stem().extension() != ".schema")
-            files.push_back(entry.path().stem().string());
-    std::sort(files.begin(), files.end());
-    return files;
+    std::vector<std::string> names = names_in("pipelines", ".json");
+    std::erase_if(names, [](const std::string& name) { return name.ends_with(".schema"); });
+    return names;
 }
 
 Plan plan_of(const CheckedPipeline& pipeline, const NodeSet& set, Extent extent, bool alias = true,
@@ -83,13 +79,8 @@ TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
 }
 
 TEST_P(ShippedPlan, EqualsItsGoldenText) {
-    const auto golden = root / "tests/golden/plans" / (GetParam() + ".txt");
-    const std::string text = to_text(plan_of(checked(GetParam()), nodes(), {1920, 1080}));
-    if (std::getenv("PENUMBRA_REWRITE_GOLDEN")) std::ofstream(golden) << text;
-    std::ifstream file(golden);
-    std::ostringstream expected;
-    expected << file.rdbuf();
-    EXPECT_EQ(text, expected.str()) << "rewrite on purpose with PENUMBRA_REWRITE_GOLDEN=1";
+    expect_golden(to_text(plan_of(checked(GetParam()), nodes(), {1920, 1080})),
+                  root / "tests/golden/plans" / (GetParam() + ".txt"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ShippedPlan, ::testing::ValuesIn(pipeline_files()),

@@ -43,11 +43,12 @@ struct Edge {
 
 Shot shot_of(const Edge& edge) {
     Shot shot;
-    shot.half_plane = HalfPlane{edge.width_px, 17, edge.speed_px, edge.offset_px - edge.speed_px * edge.last};
+    shot.analytic =
+        AnalyticScene{edge.width_px, 17, edge.speed_px, edge.offset_px - edge.speed_px * edge.last};
     shot.size = edge.size;
     shot.frames = edge.last + 1;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    add_half_plane_motion(shot);
+    add_analytic_motion(shot);
     return shot;
 }
 
@@ -94,7 +95,7 @@ class EdgeRun {
 // v(1 - v) over squared errors, of the pixels that `counted` accepts.
 template <typename Counted>
 double n_eff(const Edge& edge, const std::vector<float>& image, const Counted& counted) {
-    const std::vector<double> truth = half_plane_image(shot_of(edge), edge.last);
+    const std::vector<double> truth = analytic_image(shot_of(edge), edge.last);
     double signal = 0, error = 0;
     for (int y = 0; y < int(edge.size[1]); ++y)
         for (int x = 0; x < int(edge.size[0]); ++x) {
@@ -180,7 +181,8 @@ TEST_F(Shadows, TakeGarbageForNoHistory) {
 // denoise.json on images that a host hands over: a wall seen face on, and noise that thickens to the right.
 class WallHost {
   public:
-    explicit WallHost(const CheckedPipeline& pipeline) : run_(pipeline, extent, options()) {}
+    explicit WallHost(const CheckedPipeline& pipeline, std::optional<uint32_t> poison = 0, bool alias = true)
+        : run_(pipeline, extent, options(poison, alias)) {}
 
     // `broken` is what half of every image holds instead.
     std::vector<float> frame(uint32_t index, std::optional<float> broken = {}) {
@@ -208,23 +210,30 @@ class WallHost {
         else
             run_.set("hits", hits);
         const Camera camera = camera_at({0, 0, 0}, 0, extent);
-        run_.frame(frame_between(camera, camera, extent, index, index == 0));
+        run_.frame(frame_between(camera, camera, extent, index, index == 0 || index == reset_at_));
         return captured_planes(run_.view(), "visibility").at(0);
     }
     WallHost& with_mask() {
         image_ = true;
         return *this;
     }
+    WallHost& with_reset_at(uint32_t index) {
+        reset_at_ = index;
+        return *this;
+    }
 
   private:
     static constexpr Extent extent{96, 64};
-    static ViewRunOptions options() {
+    static ViewRunOptions options(std::optional<uint32_t> poison, bool alias) {
         ViewRunOptions options;
+        options.poison = poison;
+        options.alias = alias;
         options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}, {"motion", Format::rgba16f}};
         return options;
     }
     ViewRun run_;
     bool image_ = false;
+    uint32_t reset_at_ = 0;
 };
 
 CheckedPipeline denoise_pipeline(bool mask) {
@@ -244,6 +253,26 @@ TEST_F(Shadows, ComeFromAHostsBitsAndFromItsMaskAlike) {
     image.with_mask();
     for (uint32_t index = 0; index < 4; ++index)
         EXPECT_TRUE(words.frame(index) == image.frame(index)) << index;
+}
+
+// The denoiser alone, by either input: memory sharing and garbage do not show. A reset in the middle makes
+// garbage history likelier to show.
+TEST_F(Shadows, OfAHostsRaysDoNotShowAliasingOrPoison) {
+    for (const bool mask : {false, true}) {
+        const auto frames = [&](std::optional<uint32_t> poison, bool alias) {
+            WallHost host(denoise_pipeline(mask), poison, alias);
+            if (mask) host.with_mask();
+            host.with_reset_at(5);
+            std::vector<std::vector<float>> out;
+            for (uint32_t index = 0; index < 8; ++index) out.push_back(host.frame(index));
+            return out;
+        };
+        const auto expected = frames(std::nullopt, false);
+        for (const uint32_t poison : {0u, 1u})
+            for (const bool alias : {true, false})
+                EXPECT_TRUE(frames(poison, alias) == expected)
+                    << "mask " << mask << " poison " << poison << " alias " << alias;
+    }
 }
 
 // What a broken frame leaves behind is a shorter history, in the part that was broken and around it.

@@ -7,13 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <set>
 
 #include "host/model.h"
+#include "tests/golden_text.h"
 
 namespace penumbra {
 namespace {
@@ -23,49 +22,21 @@ namespace fs = std::filesystem;
 const fs::path folder = "tests/golden/broken_shots";
 constexpr std::string_view suffix = ".shot.json";
 
-std::string read(const fs::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-std::vector<std::string> broken_names() {
-    std::vector<std::string> names;
-    for (const fs::directory_entry& entry : fs::directory_iterator(fs::path(PENUMBRA_SOURCE_DIR) / folder)) {
-        const std::string name = entry.path().filename().string();
-        if (name.ends_with(suffix)) names.push_back(name.substr(0, name.size() - suffix.size()));
-    }
-    std::ranges::sort(names);
-    return names;
-}
-
-class BrokenShot : public ::testing::TestWithParam<std::string> {
-  protected:
-    // Places in the expectations are relative to the repository's root.
-    void SetUp() override {
-        before_ = fs::current_path();
-        fs::current_path(PENUMBRA_SOURCE_DIR);
-    }
-    void TearDown() override { fs::current_path(before_); }
-
-    fs::path before_;
-};
+class BrokenShot : public test::InSourceRoot {};
 
 TEST_P(BrokenShot, IsExplained) {
     Diagnostics diagnostics;
     EXPECT_FALSE(read_shot(folder / (GetParam() + std::string(suffix)), diagnostics));
     ASSERT_FALSE(diagnostics.empty());
-    const fs::path expected = folder / (GetParam() + ".txt");
-    if (std::getenv("PENUMBRA_REWRITE_GOLDEN"))
-        std::ofstream(expected, std::ios::binary) << diagnostics.text();
-    EXPECT_EQ(diagnostics.text(), read(expected));
+    test::expect_golden(diagnostics.text(), folder / (GetParam() + ".txt"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Golden, BrokenShot, ::testing::ValuesIn(broken_names()),
+INSTANTIATE_TEST_SUITE_P(Golden, BrokenShot, ::testing::ValuesIn(test::names_in(folder, suffix)),
                          [](const auto& instance) { return instance.param; });
 
 // Every prefix of a good shot is an error or a shot, and never a crash.
 TEST(Shot, SurvivesTruncation) {
-    const std::string text = read(fs::path(PENUMBRA_SOURCE_DIR) / "scenes/colonnade.shot.json");
+    const std::string text = test::read_text(fs::path(PENUMBRA_SOURCE_DIR) / "scenes/colonnade.shot.json");
     ASSERT_FALSE(text.empty());
     const fs::path file = fs::path(::testing::TempDir()) / "truncated.shot.json";
     for (size_t length = 0; length + 2 < text.size(); length += 7) {

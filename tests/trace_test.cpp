@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The node trace, as it runs in a pipeline, against Embree: the test makes each pixel's ray anew in double
 // precision from the depth and normal that the node read, the noise tile and the sun, and asks Embree. Where
-// the two differ, double precision must say that the ray passes an edge within rounding.
+// the two differ, double precision must say that the ray passes an edge, or the border of an alpha mask's
+// texel, within rounding.
 #include "nodes/nodes.h"
+#include "tests/alpha_oracle.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
@@ -29,10 +31,14 @@ TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
     const auto session = Session::open(gpu(), nodes, *checked, *shot, options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
 
+    const AlphaOracle alpha(session->host().scene());
+    EmbreeScene::Blocks blocks;
+    if (session->plan().facts.at("alpha"))
+        blocks = [&](uint32_t triangle, double u, double v) { return alpha.blocks(triangle, u, v); };
     size_t rays = 0, blocked = 0, differ = 0;
     for (uint32_t frame = 0; rays < 1'000'000 && frame < 8; ++frame) {
         const std::vector<Triangle> triangles = session->host().scene().triangles(frame);
-        const EmbreeScene embree(triangles);
+        const EmbreeScene embree(triangles, blocks);
         session->run_frame(frame, frame == 0);
         const StandaloneFrame standalone = session->host().frame(frame, frame == 0);
         const RayMaker maker(*session, nodes, standalone);
@@ -54,7 +60,7 @@ TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
                 ++differ;
                 // Two roundings apart: the node made its ray in single precision, of coordinates as large as
                 // the scene.
-                EXPECT_NE(truth(triangles, ray, 8e-6), ours ? Truth::clear : Truth::blocked)
+                EXPECT_NE(alpha.truth(triangles, ray, 8e-6), ours ? Truth::clear : Truth::blocked)
                     << "pixel " << x << ", " << y << " of frame " << frame;
                 ASSERT_LT(differ, 2000u) << "too many differences to be rounding";
             }
@@ -67,7 +73,7 @@ TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
     EXPECT_LT(blocked, rays - rays / 100);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shots, Trace, ::testing::Values("colonnade", "engine"),
+INSTANTIATE_TEST_SUITE_P(Shots, Trace, ::testing::Values("colonnade", "engine", "cards"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -29,8 +29,10 @@ Plan plan_for(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptio
     target.extent = extent;
     target.device = device_table(handles_of(gpu()));
     target.device.cpu = options.cpu;
+    target.facts = options.facts;
     for (const auto& [name, format] : options.formats) target.inputs[name] = {format, extent};
     CompileOptions compile_options;
+    compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
     compile_options.optimum_search_nodes = 0;
     compile_options.captures = options.captures;
@@ -82,6 +84,8 @@ void ViewRun::set(const std::string& name, std::span<const std::byte> bytes) {
         input.image = make_image(gpu(), format, {slot.extent.width, slot.extent.height}, 1,
                                  VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, name);
         upload_image(gpu(), input.image, bytes);
+    } else if (slot.kind == PortKind::texels) {
+        input.texels = upload_texels(gpu(), bytes, info(slot.format).vk, name);
     } else {
         const bool block = slot.kind == PortKind::block;
         input.buffer = upload_buffer(
@@ -98,6 +102,7 @@ void ViewRun::frame(const FrameDescription& frame) {
         SlotBinding& binding = slots.emplace_back();
         binding.image = input.image.view.get();
         binding.buffer = input.buffer.get();
+        binding.texels = input.texels.view.get();
     }
     gpu().run([&](VkCommandBuffer cmd) { view_->record(cmd, frame, slots); });
 }

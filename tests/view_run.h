@@ -25,6 +25,8 @@ CheckedPipeline shadow_pipeline_file(const std::string& name);
 
 struct ViewRunOptions {
     bool cpu = true;  // which device class's workgroup shapes
+    bool alias = true;
+    Facts facts;
     std::optional<uint32_t> poison = 0;
     std::map<std::string, Format>
         formats;                        // of the host images; absent: the first format that the nodes accept
@@ -35,7 +37,8 @@ class ViewRun {
   public:
     ViewRun(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptions& options);
 
-    // What a host slot holds from the next frame on: an image's texels, a buffer's or a block's bytes.
+    // What a host slot holds from the next frame on: an image's or a texel buffer's texels, a buffer's or a
+    // block's bytes.
     void set(const std::string& slot, std::span<const std::byte> bytes);
     template <class T>
     void set(const std::string& slot, const std::vector<T>& values) {
@@ -49,6 +52,7 @@ class ViewRun {
     struct Input {
         GpuImage image;
         GpuBuffer buffer;
+        GpuTexels texels;
     };
     std::unique_ptr<View> view_;
     std::map<std::string, Input> inputs_;

@@ -12,4 +12,5 @@ layout(push_constant) uniform Constants {
     vec2 jitter_ndc;
     vec2 ndc_per_pixel;  // 2 / size
     uint draw;
+    uint least_alpha;  // of 255; texels below it are not there
 } constants;

@@ -5,7 +5,8 @@
 // subgroup that sit in different loops wait for each other. A node's hit children stay one word (first child and a mask),
 // so the stack takes at most one push per step. docs/bvh.md has what was measured.
 //
-// Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves.
+// Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves; with SCENE_ALPHA what common/bvh_alpha.glsl needs.
+#include "common/bvh_alpha.glsl"
 
 const uint bvh_stack_size = 32u;  // = max_bvh_depth: a path holds at most one pending group per level
 
@@ -100,7 +101,18 @@ bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit) {
     vec3 c = bvh_shear(ray, vec3(q1.zw, q2.x));
     vec3 d = bvh_shear(ray, q2.yzw);
     float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
+#ifdef SCENE_ALPHA
+    float t_first = t_hit, t_second = t_hit;
+    bool first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_first),
+         second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_second);
+    if (first) first = bvh_alpha_blocks(leaf, 0u, vec3(bc, ca, ab));
+    if (second) second = bvh_alpha_blocks(leaf, 1u, vec3(bd, dc, -bc));
+    if (first) t_hit = t_first;
+    if (second) t_hit = t_second;
+    return first || second;
+#else
     return bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_hit) || bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_hit);
+#endif
 }
 
 vec4 bvh_planes(uint word, float step, float base) {

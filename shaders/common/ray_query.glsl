@@ -2,16 +2,28 @@
 // Shadow rays against an acceleration structure of the driver (VK_KHR_ray_query): the counterpart of common/bvh.glsl on
 // the same triangles in the same frame. Which triangle is at an edge is the driver's to decide; nothing else differs.
 //
-// Includer declares: uniform accelerationStructureEXT scene_tlas.
+// Includer declares: uniform accelerationStructureEXT scene_tlas; with SCENE_ALPHA what common/scene_alpha.glsl needs.
+#ifdef SCENE_ALPHA
+#include "common/scene_alpha.glsl"
+// Runs of alpha-tested triangles are instances that are not opaque and carry the number of their first record.
+const uint ray_query_flags = gl_RayFlagsTerminateOnFirstHitEXT;
+#else
+const uint ray_query_flags = gl_RayFlagsOpaqueEXT | gl_RayFlagsTerminateOnFirstHitEXT;
+#endif
 
 // Whether anything lies on the ray between t_min and t_max; both sides of a triangle block. `direction` is finite and of
 // any length but zero, the unit of t; 0 <= t_min. `t_hit` becomes where some such thing lies; without one it stays.
 bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
     if (!(t_min < t_max)) return false;  // an empty interval is not a valid ray
     rayQueryEXT query;
-    rayQueryInitializeEXT(query, scene_tlas, gl_RayFlagsOpaqueEXT | gl_RayFlagsTerminateOnFirstHitEXT, 0xFFu, origin, t_min,
-                          direction, t_max);
+    rayQueryInitializeEXT(query, scene_tlas, ray_query_flags, 0xFFu, origin, t_min, direction, t_max);
     while (rayQueryProceedEXT(query)) {
+#ifdef SCENE_ALPHA
+        const uint record = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false) +
+                                 rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
+        const vec2 b = rayQueryGetIntersectionBarycentricsEXT(query, false);
+        if (alpha_blocks(record, vec3(1.0 - b.x - b.y, b))) rayQueryConfirmIntersectionEXT(query);
+#endif
     }
     const bool found = rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
     if (found) t_hit = rayQueryGetIntersectionTEXT(query, true);

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "host/metrics/decisions.h"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace penumbra {
+
+void DecisionSums::add(const DecisionSums& other) {
+    pixels += other.pixels;
+    penumbra += other.penumbra;
+    traced += other.traced;
+    penumbra_traced += other.penumbra_traced;
+    beyond_eps += other.beyond_eps;
+    beyond_05 += other.beyond_05;
+    beyond_25 += other.beyond_25;
+    false_lit += other.false_lit;
+    false_shadow += other.false_shadow;
+    squares += other.squares;
+}
+
+DecisionSums judge_decisions(const ComparedFrame& frame, const TileWords& words) {
+    const size_t tiles_x = (frame.width + tile_words_width - 1) / tile_words_width,
+                 tiles_y = (frame.height + tile_words_height - 1) / tile_words_height;
+    if (words.undecided.size() != tiles_x * tiles_y || words.shadowed.size() != tiles_x * tiles_y ||
+        frame.truth.size() != frame.pixels() || frame.counted.size() != frame.pixels())
+        throw std::invalid_argument("judge_decisions: not one word per tile");
+    DecisionSums sums;
+    for (size_t p = 0; p < frame.pixels(); ++p) {
+        if (!frame.counted[p]) continue;
+        const size_t x = p % frame.width, y = p / frame.width;
+        const size_t tile = y / tile_words_height * tiles_x + x / tile_words_width;
+        const size_t bit = y % tile_words_height * tile_words_width + x % tile_words_width;
+        const double truth = static_cast<double>(frame.truth[p]);
+        const bool traced = words.undecided[tile] >> bit & 1;
+        ++sums.pixels;
+        sums.penumbra += in_penumbra(truth);
+        sums.traced += traced;
+        sums.penumbra_traced += traced && in_penumbra(truth);
+        if (traced) continue;
+        const bool lit = !(words.shadowed[tile] >> bit & 1);
+        const double error = std::abs((lit ? 1 : 0) - truth);
+        sums.beyond_eps += error > penumbra_eps;
+        sums.beyond_05 += error > 0.05;
+        sums.beyond_25 += error > 0.25;
+        sums.false_lit += lit && error > penumbra_eps;
+        sums.false_shadow += !lit && error > penumbra_eps;
+        sums.squares += error * error;
+    }
+    return sums;
+}
+
+DecisionMetrics metrics_of(const DecisionSums& sums) {
+    const auto share = [](uint64_t a, uint64_t b) {
+        return b ? std::optional(static_cast<double>(a) / static_cast<double>(b)) : std::nullopt;
+    };
+    DecisionMetrics out;
+    out.beyond_eps = share(sums.beyond_eps, sums.pixels);
+    out.beyond_05 = share(sums.beyond_05, sums.pixels);
+    out.beyond_25 = share(sums.beyond_25, sums.pixels);
+    out.false_lit = share(sums.false_lit, sums.pixels);
+    out.false_shadow = share(sums.false_shadow, sums.pixels);
+    if (sums.pixels) out.rms = std::sqrt(sums.squares / static_cast<double>(sums.pixels));
+    out.recall = share(sums.penumbra_traced, sums.penumbra);
+    out.eta_ray = share(sums.penumbra_traced, sums.traced);
+    return out;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#include "host/shot_facts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/scene_alpha.h"
+
+namespace penumbra {
+
+namespace {
+
+// Between two keys below the horizon the sun's path, the shorter arc of a great circle, runs lower still:
+// keys suffice.
+bool sun_up(const Shot& shot) {
+    const int up = shot.analytic ? 2 : 1;  // the axis; analytic receivers face +z
+    const double lowest = -std::sin(glm::radians(shot.sun_angular_radius_deg));
+    return std::ranges::any_of(shot.sun,
+                               [&](const SunKey& key) { return glm::normalize(key.to_sun)[up] > lowest; });
+}
+
+}  // namespace
+
+std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
+    return {{"sun_up", sun_up(shot)},
+            {"sun_disc", shot.sun_angular_radius_deg > 0},
+            {"casters", !scene.instances().empty()},
+            {"alpha", has_alpha(scene)},
+            {"many_cascades", false},
+            {"moves", moves(shot)},
+            {"motion_3d", true},
+            {"hdr", false}};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: MIT
+// An image of one value: the visibility of scenes in which nothing casts, or whose sun has set.
+#include "node.glsl"
+#include "common/pixels.glsl"
+
+void for_pixel(ivec2 p) { imageStore(cleared, p, vec4(params.value)); }
+
+void main() { for_each_pixel(); }

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: MIT
+// "Model only what a scene needs", as a table written by hand: scenes, what is to be found out about them,
+// and what then has to run. Nothing in it is computed from the pipelines; the plans must agree in nodes,
+// resources, histories, host inputs and tables. That a feature which is off costs nothing is then shown
+// against pipelines that never had it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <glm/gtc/constants.hpp>
+#include <set>
+#include <sstream>
+
+#include "app/session.h"
+#include "host/analytic.h"
+#include "host/shapes.h"
+#include "host/shot_facts.h"
+#include "nodes/nodes.h"
+
+namespace penumbra::test {
+namespace {
+
+// ---- scenes
+
+Model yard() {
+    Model model;
+    model.materials = {{{0.8f, 0.8f, 0.75f, 1}, -1}};
+    const auto add = [&](const char* name, const Shape& shape) {
+        Mesh mesh;
+        add_part(model, mesh, shape.positions, {}, shape.indices, 0);
+        model.meshes.push_back(std::move(mesh));
+        Node node;
+        node.name = name;
+        node.mesh = static_cast<int>(model.meshes.size()) - 1;
+        model.nodes.push_back(node);
+    };
+    add("floor", ground(5, 5, 2, 2));
+    add("gate", box({-1, 0, -0.1}, {1, 2, 0.1}));
+    return model;
+}
+
+// Triangles without an area: nothing that could be seen, nothing that could cast.
+Model slivers() {
+    Model model;
+    Mesh mesh;
+    add_part(model, mesh, {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {}, {0, 1, 2}, -1);
+    model.meshes.push_back(std::move(mesh));
+    Node node;
+    node.mesh = 0;
+    model.nodes.push_back(node);
+    return model;
+}
+
+Model flattened() {
+    Model model = yard();
+    for (Node& node : model.nodes) node.scale = {0, 0, 0};
+    return model;
+}
+
+Shot still(std::vector<SunKey> sun, double radius_deg = 0.2665) {
+    Shot shot;
+    shot.frames = 100;
+    shot.camera = {{0, {0, 3, 6}, {0, 0, 0}, {0, 1, 0}}};
+    shot.sun = std::move(sun);
+    shot.sun_angular_radius_deg = radius_deg;
+    return shot;
+}
+
+glm::dvec3 toward(double elevation_deg, double azimuth_deg = 0) {
+    const double e = glm::radians(elevation_deg), a = glm::radians(azimuth_deg);
+    return {std::cos(e) * std::cos(a), std::sin(e), std::cos(e) * std::sin(a)};
+}
+
+std::vector<SunKey> at(double elevation_deg) {
+    return {{0, toward(elevation_deg)}};
+}
+
+Shot with_camera(Shot shot, const CameraKey& last) {
+    shot.camera.push_back(last);
+    return shot;
+}
+Shot flying(Shot shot) {
+    return with_camera(std::move(shot), {90, {1, 3, 6}, {0, 0, 0}, {0, 1, 0}});
+}
+Shot with_gate(Shot shot, const ObjectKey& last) {
+    shot.objects["gate"].keys = {{0, {0, 0, 0}, {0, 0, 0}}, last};
+    return shot;
+}
+Shot far_away(Shot shot) {
+    shot.origin = {4e6, 0, -4e6};
+    return shot;
+}
+
+Shot edge(double speed_px) {
+    Shot shot;
+    shot.half_plane = HalfPlane{8, 17, speed_px, 0};
+    shot.size = {64, 48};
+    shot.frames = 100;
+    shot.sun = {{0, {0.3, 0.2, 1}}};
+    add_half_plane_motion(shot);
+    return shot;
+}
+
+// ---- what has to run
+
+enum class Shadow { soft, hard, none, all };  // a sun that is a disc, a point; nothing casts; the sun has set
+
+struct Row {
+    const char* scene;
+    Model model;
+    Shot shot;
+    Shadow shadow;
+    bool moves;
+};
+
+std::vector<Row> table() {
+    const auto noon = at(60);
+    std::vector<Row> rows;
+    const auto row = [&](const char* name, Model model, Shot shot, Shadow shadow, bool moves) {
+        rows.push_back({name, std::move(model), std::move(shot), shadow, moves});
+    };
+    row("noon", yard(), still(noon), Shadow::soft, false);
+    row("noon, the camera flies", yard(), flying(still(noon)), Shadow::soft, true);
+    row("noon, the camera turns in place", yard(),
+        with_camera(still(noon), {9, {0, 3, 6}, {1, 0, 0}, {0, 1, 0}}), Shadow::soft, true);
+    row("noon, the camera rolls", yard(), with_camera(still(noon), {9, {0, 3, 6}, {0, 0, 0}, {1, 1, 0}}),
+        Shadow::soft, true);
+    row("noon, two equal camera keys", yard(), with_camera(still(noon), {9, {0, 3, 6}, {0, 0, 0}, {0, 1, 0}}),
+        Shadow::soft, false);
+    row("noon, the gate slides", yard(), with_gate(still(noon), {50, {1, 0, 0}, {0, 0, 0}}), Shadow::soft,
+        true);
+    row("noon, the gate turns", yard(), with_gate(still(noon), {50, {0, 0, 0}, {0, 90, 0}}), Shadow::soft,
+        true);
+    row("noon, the gate stays", yard(), with_gate(still(noon), {50, {0, 0, 0}, {0, 0, 0}}), Shadow::soft,
+        false);
+    row("noon, gate and camera move", yard(), flying(with_gate(still(noon), {50, {1, 0, 0}, {0, 0, 0}})),
+        Shadow::soft, true);
+    row("noon, 4000 km from the origin", yard(), far_away(still(noon)), Shadow::soft, false);
+    row("the sun crosses the sky, nothing else moves", yard(),
+        still({{0, toward(10)}, {50, toward(80)}, {99, toward(20, 180)}}), Shadow::soft, false);
+    row("the sun sets", yard(), still({{0, toward(30)}, {99, toward(-30)}}), Shadow::soft, false);
+    row("the sun in the zenith", yard(), still({{0, {1e-12, 3, -1e-12}}}), Shadow::soft, false);
+    row("the sun's upper rim above the horizon", yard(), still(at(-0.26)), Shadow::soft, false);
+    row("a wide sun, half of it above the horizon", yard(), still(at(-30), 45), Shadow::soft, false);
+    row("a sun of a millionth of a degree", yard(), still(noon, 1e-6), Shadow::soft, false);
+    row("an analytic edge", {}, edge(0), Shadow::soft, false);
+    row("an analytic edge that moves", {}, edge(0.5), Shadow::soft, true);
+    row("a point for a sun", yard(), still(noon, 0), Shadow::hard, false);
+    row("a point for a sun, the camera flies", yard(), flying(still(noon, 0)), Shadow::hard, true);
+    row("a point for a sun, the gate slides", yard(), with_gate(still(noon, 0), {50, {1, 0, 0}, {0, 0, 0}}),
+        Shadow::hard, true);
+    row("nothing there", {}, still(noon), Shadow::none, false);
+    row("nothing there, the camera flies", {}, flying(still(noon)), Shadow::none, true);
+    row("nothing there, a point for a sun", {}, still(noon, 0), Shadow::none, false);
+    row("triangles without an area", slivers(), still(noon), Shadow::none, false);
+    row("meshes scaled to nothing", flattened(), still(noon), Shadow::none, false);
+    row("midnight", yard(), still(at(-60)), Shadow::all, false);
+    row("midnight, the camera flies", yard(), flying(still(at(-60))), Shadow::all, true);
+    row("the sun passes below the horizon from dusk to dawn", yard(),
+        still({{0, toward(-2)}, {99, toward(-2, 179)}}), Shadow::all, false);
+    row("midnight, a point for a sun", yard(), still(at(-60), 0), Shadow::all, false);
+    row("midnight, nothing there", {}, still(at(-60)), Shadow::all, false);
+    row("the sun in the nadir", yard(), still({{0, {0, -1, 0}}}), Shadow::all, false);
+    row("the sun's upper rim below the horizon", yard(), still(at(-0.27)), Shadow::all, false);
+    row("a point for a sun, on the horizon", yard(), still(at(0), 0), Shadow::all, false);
+    row("polar night: the sun circles below the horizon", yard(),
+        still({{0, toward(-5, 0)}, {50, toward(-5, 90)}, {99, toward(-5, 180)}}), Shadow::all, false);
+    return rows;
+}
+
+using Names = std::set<std::string>;
+
+Names words(const std::string& text) {
+    std::istringstream stream(text);
+    return {std::istream_iterator<std::string>(stream), {}};
+}
+
+struct Needed {
+    std::string nodes, resources, histories, inputs, tables;
+};
+
+// The required nodes and what they keep, per pipeline.
+Needed needed_by(const std::string& pipeline, Shadow shadow, bool moves) {
+    Needed needed{"guides shade", "view_depth guide_normal visibility lit", "", "depth normal albedo sun",
+                  ""};
+    const auto also = [&](const char* nodes, const char* resources, const char* histories, const char* inputs,
+                          const char* tables) {
+        needed.nodes += std::string(" ") + nodes;
+        needed.resources += std::string(" ") + resources;
+        needed.histories += std::string(" ") + histories;
+        needed.inputs += std::string(" ") + inputs;
+        needed.tables += std::string(" ") + tables;
+    };
+    const bool traced = shadow == Shadow::soft || shadow == Shadow::hard;
+    if (traced)
+        also("classify trace", "tile_list trace_args preloaded_hits receiver_words", "",
+             "scene scene.nodes scene.leaves", "");
+    if (shadow == Shadow::soft) also("", "", "", "", "blue_noise");
+    if (shadow == Shadow::none) also("open", "", "", "", "");
+    if (shadow == Shadow::all) also("night", "", "", "", "");
+    if (pipeline == "raw") {
+        if (traced) also("resolve", "", "", "", "");
+        return needed;
+    }
+    also("taa", "color", "color", "", "");
+    if (moves) also("", "", "view_depth", "motion", "");
+    if (shadow == Shadow::hard) also("hard", "", "", "", "");
+    if (shadow == Shadow::soft) {
+        also("prepare accumulate smooth0 smooth1 smooth2",
+             "visibility_words accumulated count tile_meta smoothed0 smoothed1", "accumulated count", "", "");
+        if (moves) also("", "", "guide_normal", "", "");
+    }
+    return needed;
+}
+
+// ---- what does run
+
+const NodeSet& nodes() {
+    static const NodeSet set = shadow_nodes();
+    return set;
+}
+
+// The shipped pipeline under a patch (RFC 7396).
+CheckedPipeline pipeline_with(const std::string& name, const std::string& patch = "") {
+    Diagnostics diagnostics;
+    const std::string file = PENUMBRA_SOURCE_DIR "/pipelines/patch.json";  // beside what it extends
+    const auto pipeline =
+        parse_pipeline("{ \"extends\": \"" + name + ".json\"" + (patch.empty() ? "" : ", " + patch) + " }",
+                       file, {}, diagnostics);
+    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    if (!result) throw std::runtime_error(diagnostics.text());
+    return std::move(*result);
+}
+
+Facts facts_of(const Row& row) {
+    return shot_facts(row.shot,
+                      Scene(row.shot.half_plane ? half_plane_model(row.shot) : row.model, row.shot));
+}
+
+Plan plan_of(const std::string& name, const Facts& facts, const std::string& patch = "") {
+    Diagnostics diagnostics;
+    auto plan = compile(pipeline_with(name, patch), nodes(),
+                        standalone_target(reference_device(), {320, 180}, facts), {}, diagnostics);
+    if (!plan) throw std::runtime_error(diagnostics.text());
+    return std::move(*plan);
+}
+
+Needed used_by(const Plan& plan) {
+    Needed used;
+    for (const PlanPass& pass : plan.passes) {
+        used.nodes += pass.node + " ";
+        for (const Table& table : pass.entry->type.tables)
+            if (exists(pass.variant, table.name)) used.tables += table.name + " ";
+    }
+    for (const PlanResource& r : plan.resources) {
+        used.resources += r.names.front() + " ";
+        if (r.history) used.histories += r.names.front() + " ";
+    }
+    for (const HostSlot& slot : plan.slots) used.inputs += slot.name + " ";
+    return used;
+}
+
+TEST(SceneFacts, AreMeasuredOnTheScene) {
+    for (const Row& row : table()) {
+        SCOPED_TRACE(row.scene);
+        const Facts facts = facts_of(row);
+        EXPECT_EQ(facts.size(), fact_names.size());
+        for (const char* name : fact_names) EXPECT_TRUE(facts.contains(name)) << name;
+        EXPECT_EQ(facts.at("moves"), row.moves);
+        EXPECT_EQ(facts.at("sun_up"), row.shadow != Shadow::all);
+        if (row.shadow == Shadow::all) continue;  // night asks for no more
+        EXPECT_EQ(facts.at("casters"), row.shadow != Shadow::none);
+        if (row.shadow == Shadow::none) continue;
+        EXPECT_EQ(facts.at("sun_disc"), row.shadow == Shadow::soft);
+    }
+}
+
+TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
+    const std::vector<Row> rows = table();
+    EXPECT_GE(rows.size(), 24u);
+    for (const Row& row : rows)
+        for (const char* pipeline : {"raw", "shadows"}) {
+            SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
+            const Needed needed = needed_by(pipeline, row.shadow, row.moves);
+            const Needed used = used_by(plan_of(pipeline, facts_of(row)));
+            EXPECT_EQ(words(used.nodes), words(needed.nodes));
+            EXPECT_EQ(words(used.resources), words(needed.resources));
+            EXPECT_EQ(words(used.histories), words(needed.histories));
+            EXPECT_EQ(words(used.inputs), words(needed.inputs));
+            EXPECT_EQ(words(used.tables), words(needed.tables));
+        }
+}
+
+bool runs(const Plan& plan, const std::string& node) {
+    return std::ranges::any_of(plan.passes, [&](const PlanPass& pass) { return pass.node == node; });
+}
+
+// The plan as text, but for the list of what was left out.
+std::string without_culled(const Plan& plan) {
+    std::istringstream lines(to_text(plan));
+    std::string text;
+    for (std::string line; std::getline(lines, line);)
+        if (!line.starts_with("  culled ")) text += line + "\n";
+    return text;
+}
+
+// The nodes that were left out are deleted from the pipeline: passes, bytes, offsets and barriers stay as
+// they are.
+TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
+    std::set<std::pair<std::string, Facts>> seen;
+    for (const Row& row : table())
+        for (const std::string pipeline : {"raw", "shadows"}) {
+            const Facts facts = facts_of(row);
+            if (!seen.insert({pipeline, facts}).second) continue;
+            SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
+            const Plan plan = plan_of(pipeline, facts);
+            std::string deleted;
+            for (const Culled& culled : plan.culled) deleted += "\"" + culled.node + "\": null, ";
+            for (const BoundNode& node : pipeline_with(pipeline).nodes)
+                if (runs(plan, node.id)) deleted += "\"" + node.id + "\": { \"if\": null }, ";
+            deleted.resize(deleted.size() - 2);
+            const Plan never_had = plan_of(pipeline, facts, "\"nodes\": { " + deleted + " }");
+            EXPECT_EQ(without_culled(plan), without_culled(never_had));
+            EXPECT_EQ(plan.memory.heap_bytes, never_had.memory.heap_bytes);
+            EXPECT_TRUE(never_had.culled.empty());
+        }
+    EXPECT_GE(seen.size(), 12u);
+}
+
+// Where the visibility alone is asked for, a scene without shadows of its own is one pass and one image.
+TEST(SceneFacts, OneClearIsAllThatANightNeeds) {
+    for (const Facts& facts : {Facts{{"sun_up", false}}, Facts{{"casters", false}}}) {
+        const Plan plan = plan_of("shadows", facts, R"("outputs": ["visibility"])");
+        ASSERT_EQ(plan.passes.size(), 1u);
+        EXPECT_EQ(plan.passes[0].entry->type.name, "clear");
+        EXPECT_EQ(plan.resources.size(), 1u);
+        EXPECT_TRUE(plan.slots.empty());
+        EXPECT_EQ(plan.memory.heap_bytes, plan.resources[0].bytes);
+    }
+}
+
+TEST(SceneFacts, MemoryShrinksWithTheScene) {
+    const auto heap = [](const Facts& facts) { return plan_of("shadows", facts).memory.heap_bytes; };
+    const uint64_t all = heap({}), still = heap({{"moves", false}}), hard = heap({{"sun_disc", false}}),
+                   night = heap({{"sun_up", false}});
+    EXPECT_LT(still, all);
+    EXPECT_LT(hard, all);
+    EXPECT_LT(night, hard);
+}
+
+}  // namespace
+}  // namespace penumbra::test
