@@ -58,10 +58,10 @@ struct Setting {
     double tilt_deg = 0;
     std::vector<Edge> edges;
     uint32_t seed = 1;
-    bool mirrored = false;                                         // hands over sun points with x negated
-    int radius = 4;                                                // of the taps
-    std::function<double(int x, int y)> step_m = nullptr;          // moves the receiver along its normal
-    std::function<bool(int x, int y)> averted = nullptr;           // pixels that look away from the sun
+    bool mirrored = false;                                 // hands over sun points with x negated
+    int radius = 4;                                        // of the taps
+    std::function<double(int x, int y)> step_m = nullptr;  // moves the receiver along its normal
+    std::function<bool(int x, int y)> averted = nullptr;   // pixels that look away from the sun
 };
 
 double pixel_m(const Camera& camera) {
@@ -113,14 +113,16 @@ Result gather(ViewRun& run, const Setting& setting) {
 
     const size_t pixels = size_t{extent.width} * extent.height;
     const uint32_t across = extent.width / 8;
-    Result result{{}, std::vector<double>(pixels), std::vector<bool>(pixels), std::vector<bool>(pixels, true)};
+    Result result{
+        {}, std::vector<double>(pixels), std::vector<bool>(pixels), std::vector<bool>(pixels, true)};
     std::vector<float> depth(pixels);
     std::vector<uint32_t> lit(size_t{across} * (extent.height / 4)), receivers(lit.size(), ~0u),
         sunward(lit.size()), blockers(3 * lit.size());
     for (uint32_t y = 0; y < extent.height; ++y)
         for (uint32_t x = 0; x < extent.width; ++x) {
             const size_t i = size_t{y} * extent.width + x, word = size_t{y / 4} * across + x / 8;
-            const glm::dvec2 ndc = 2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(extent.width, extent.height) - 1.0;
+            const glm::dvec2 ndc =
+                2.0 * (glm::dvec2(x, y) + 0.5) / glm::dvec2(extent.width, extent.height) - 1.0;
             const glm::dvec3 way(ndc.x / camera.clip_from_view[0], ndc.y / camera.clip_from_view[5], -1);
             const double step = setting.step_m ? setting.step_m(int(x), int(y)) : 0;
             const double z = (n.z * -middle_m + step) / glm::dot(n, way);
@@ -133,7 +135,8 @@ Result gather(ViewRun& run, const Setting& setting) {
             for (const Edge& edge : setting.edges) {
                 const double angle = glm::radians(edge.angle_deg), height = edge.distance_m - at.z;
                 const glm::dvec2 normal(std::cos(angle), std::sin(angle));
-                const double rho = height * std::tan(sun_radius), inside = edge.offset_m - glm::dot(glm::dvec2(at), normal);
+                const double rho = height * std::tan(sun_radius),
+                             inside = edge.offset_m - glm::dot(glm::dvec2(at), normal);
                 // Edges never cover each other's part of the disc in these tests.
                 result.truth[i] += disc_share(inside / rho) - 1;
                 if (inside - rho * glm::dot(point, normal) > 0) continue;
@@ -215,15 +218,17 @@ TEST_F(Gather, CountsItsNeighboursRaysAtEveryAngle) {
 }
 
 TEST_F(Gather, AsksMoreNeighboursWhereItIsToldTo) {
-    const auto at = [&](int radius) { return n_eff({.edges = {{distance_for(16), 17}}, .radius = radius}, 6); };
+    const auto at = [&](int radius) {
+        return n_eff({.edges = {{distance_for(16), 17}}, .radius = radius}, 6);
+    };
     const double few = at(3), usual = at(4), many = at(5);
     EXPECT_GT(usual, 1.1 * few);
     EXPECT_GT(many, 1.1 * usual);
 }
 
-// A sun whose axis is mirrored between tracer and denoiser: every neighbour's ray is taken to test another place
-// than it does. The gate of the test above notices that (90 degrees is not among these: such an edge does not
-// depend on the mirrored axis).
+// A sun whose axis is mirrored between tracer and denoiser: every neighbour's ray is taken to test another
+// place than it does. The gate of the test above notices that (90 degrees is not among these: such an edge
+// does not depend on the mirrored axis).
 TEST_F(Gather, FailsThatWithAMirroredSun) {
     for (const double angle : {0.0, 17.0, 45.0, 135.0, 160.0}) {
         SCOPED_TRACE(angle);

@@ -170,7 +170,7 @@ TEST_F(ShadowsSky, IsLit) {
     EXPECT_GT(dark, 1000u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows", "sheared"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
