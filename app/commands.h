@@ -27,6 +27,7 @@ struct RenderArguments {
     std::vector<std::string> node_folders;  // --nodes
     std::string device;
     std::optional<uint32_t> seed;
+    uint32_t cascade_size = 1024;
     std::string facts;  // "a,!b": instead of what the scene says
     bool validate = false;
     bool no_alias = false;
@@ -61,6 +62,17 @@ struct CompareArguments {
     bool json = false;
 };
 
+struct ReportArguments {
+    std::string out;
+    std::vector<std::string> shots, pipelines;  // files, or names of shipped ones; empty: all shipped ones
+    bool quick = false;
+    std::string size;               // "WxH"; empty: the study's
+    std::optional<uint32_t> seeds;  // else the study's
+    std::vector<std::string> node_folders;
+    std::string device;
+    std::string command_line;  // as it was given, for the report
+};
+
 int run_render(const RenderArguments& arguments);
 int run_plan(const PlanArguments& arguments);
 int run_check(const CheckArguments& arguments);
@@ -68,6 +80,7 @@ int run_nodes(const NodesArguments& arguments);
 int run_devices();
 int run_reference(const ReferenceArguments& arguments);
 int run_compare(const CompareArguments& arguments);
+int run_report(const ReportArguments& arguments);
 
 // "1280x720"; nothing where it is not two positive numbers.
 std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text);

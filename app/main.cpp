@@ -31,6 +31,8 @@ void add_render(CLI::App& app, RenderArguments& a) {
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--seed", a.seed, "instead of the shot's seed");
+    c->add_option("--cascade-size", a.cascade_size, "texels along a side of the sun's shadow maps")
+        ->check(CLI::Range(16u, 16384u));
     c->add_option("--facts", a.facts, "a,!b: take these as true or false, whatever the scene says");
     c->add_flag("--validate", a.validate,
                 "Vulkan validation with synchronisation checks; count non-finite texels");
@@ -73,9 +75,27 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     c->add_flag("--json", a.json, "print JSON");
 }
 
+void add_report(CLI::App& app, ReportArguments& a) {
+    CLI::App* c = app.add_subcommand(
+        "report",
+        "measure pipelines on shots, beside brute force; writes index.html, results.json, results.csv");
+    c->add_option("--out", a.out, "folder to write to")->required();
+    c->add_option("--shots", a.shots, "files or names of shipped shots (default: all of these)")
+        ->delimiter(',');
+    c->add_option("--pipelines", a.pipelines,
+                  "files or names of shipped pipelines (default: all that can run)")
+        ->delimiter(',');
+    c->add_flag("--quick", a.quick, "small, few frames, two shots: minutes on two cores");
+    c->add_option("--size", a.size, "WxH of the shots");
+    c->add_option("--seeds", a.seeds, "repetitions of every run")->check(CLI::Range(1u, 64u));
+    add_node_folders(c, a.node_folders);
+    c->add_option("--device", a.device, "part of a device's name");
+}
+
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
-             const CompareArguments& compare) {
+             const CompareArguments& compare, const ReportArguments& report) {
+    if (app.got_subcommand("report")) return run_report(report);
     if (app.got_subcommand("reference")) return run_reference(reference);
     if (app.got_subcommand("compare")) return run_compare(compare);
     if (app.got_subcommand("render")) return run_render(render);
@@ -97,10 +117,12 @@ int main(int argc, char** argv) {
     NodesArguments nodes;
     ReferenceArguments reference;
     CompareArguments compare;
+    ReportArguments report;
     add_render(app, render);
     add_plan(app, plan);
     add_reference(app, reference);
     add_compare(app, compare);
+    add_report(app, report);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
     checking->add_option("pipelines", check.pipelines)->required();
     add_node_folders(checking, check.node_folders);
@@ -118,8 +140,9 @@ int main(int argc, char** argv) {
         app.exit(e);
         return exit_wrong;
     }
+    for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare);
+        return dispatch(app, render, plan, check, nodes, reference, compare, report);
     } catch (const std::exception&
                  e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";

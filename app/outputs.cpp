@@ -157,6 +157,14 @@ bool is_host_image(const std::string& name) {
     return name == "depth" || name == "normal" || name == "motion" || name == "albedo";
 }
 
+PlanarImage captured_image(const Session& session, const std::string& resource) {
+    return captured_texels(session, resource).image;
+}
+
+PlanarImage host_image(Device& device, const Session& session, const std::string& name) {
+    return host_texels(device, session, name).image;
+}
+
 void OutputWriter::write(const Session& session, const std::string& resource, uint32_t frame) {
     const Texels texels = is_host_image(resource) ? host_texels(device_, session, resource)
                                                   : captured_texels(session, resource);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "app/session.h"
+#include "host/image_file.h"
 
 namespace penumbra {
 
@@ -30,6 +31,11 @@ struct TexelCheck {
 
 // Host inputs that can be captured beside the graph's own resources.
 bool is_host_image(const std::string& name);
+
+// A captured resource of the frame that has just completed.
+PlanarImage captured_image(const Session& session, const std::string& resource);
+// A host image (see is_host_image) of that frame.
+PlanarImage host_image(Device& device, const Session& session, const std::string& name);
 
 class OutputWriter {
   public:

@@ -4,5 +4,6 @@
 namespace penumbra {
 
 extern const char* const reference_pipeline_text;  // pipelines/reference.json
+extern const char* const raw_pipeline_text;        // pipelines/raw.json
 
 }  // namespace penumbra

@@ -71,11 +71,41 @@ OrderedJson counts(const Plan& plan, const OrderedJson& passes) {
                 sum = (sum.is_null() ? 0 : sum.get<uint64_t>()) + it->get<uint64_t>();
         return sum;
     };
-    for (const char* name : {"receivers", "lit", "shadowed", "unknown"}) out[name] = counted(name);
+    // Passes that decide one after the other leave open what the last of them leaves open.
+    const auto left = [&](const char* name) {
+        OrderedJson last;
+        for (const OrderedJson& pass : passes)
+            if (const auto it = pass["counters"].find(name); it != pass["counters"].end()) last = *it;
+        return last;
+    };
+    for (const char* name : {"receivers", "lit", "shadowed"}) out[name] = counted(name);
+    out["unknown"] = left("unknown");
     out["tiles"] = tiles;
-    for (const char* name : {"tiles_listed", "rays"}) out[name] = counted(name);
+    out["tiles_listed"] = left("tiles_listed");
+    out["rays"] = counted("rays");
     out["penumbra_pixels"] = nullptr;  // known to the reference alone
     return out;
+}
+
+// The sun's shadow maps, which the host draws before the graph's passes; null where the pipeline reads none.
+OrderedJson cascades_json(const Session& session, std::array<uint32_t, 2> frames,
+                          std::span<const FrameCost> costs) {
+    if (!session.cascade_maps()) return nullptr;
+    const CascadeFit fit = session.host().cascade_fit(frames[1]);
+    OrderedJson texels = OrderedJson::array();
+    for (uint32_t i = 0; i < fit.count; ++i) texels.push_back(fit.areas[i].texel_m);
+    const auto cpu = [&](bool drawn) {
+        return median(collect(costs, [&](const FrameCost& c) {
+            return c.cascades_drawn == drawn ? c.cascades_cpu_ms : std::nullopt;
+        }));
+    };
+    return {{"size", fit.size},
+            {"texel_m", texels},
+            {"drawn_share",
+             costs.empty() ? OrderedJson()
+                           : OrderedJson(double(std::ranges::count_if(costs, &FrameCost::cascades_drawn)) /
+                                         double(costs.size()))},
+            {"cpu_ms", {{"drawn", cpu(true)}, {"kept", cpu(false)}}}};
 }
 
 // {"nodes.filter0.params.step": 2}, the last setting of a path wins.
@@ -149,6 +179,7 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"facts", facts_json(plan)},
             {"frame_ms", {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}, {"min", quantile(ms, 0)}}},
             {"cpu_ms", {{"median", median(cpu)}, {"p95", quantile(cpu, 0.95)}}},
+            {"cascades", cascades_json(session, frames, warm)},
             {"passes", passes},
             {"culled", culled_json(plan)},
             {"memory", memory_json(plan)},

@@ -22,8 +22,13 @@ double process_cpu_ms() {
 
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
 const std::vector<std::string> known_slots = {
-    "depth",        "normal",     "motion",         "albedo",         "sun", "scene", "scene.nodes",
-    "scene.leaves", "scene.tlas", "scene.alpha_uv", "scene.alpha_map"};
+    "depth",       "normal",       "motion",         "albedo",         "sun",
+    "cascades",    "cascade_maps", "cascade_bounds", "neighbours",     "scene",
+    "scene.nodes", "scene.leaves", "scene.tlas",     "scene.alpha_uv", "scene.alpha_map"};
+
+bool reads(const Plan& plan, std::string_view slot) {
+    return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
+}
 
 void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnostics) {
     for (const HostSlot& slot : plan.slots)
@@ -34,11 +39,16 @@ void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnos
 
 }  // namespace
 
+bool standalone_has_input(std::string_view name) {
+    return std::find(known_slots.begin(), known_slots.end(), name) != known_slots.end();
+}
+
 DeviceHandles handles_of(const Device& device) {
     return {device.instance(), device.physical(), device.get(), device.queue_family()};
 }
 
-Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size, const Facts& facts) {
+Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size, const Facts& facts,
+                         Extent cascade_extent, uint32_t cascades) {
     Target target;
     target.extent = {size[0], size[1]};
     target.facts = facts;
@@ -46,7 +56,9 @@ Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size
     target.inputs = {{"depth", {Format::d32, target.extent}},
                      {"normal", {Format::rgba16f, target.extent}},
                      {"motion", {Format::rgba16f, target.extent}},
-                     {"albedo", {Format::rgba8, target.extent}}};
+                     {"albedo", {Format::rgba8, target.extent}},
+                     {"cascade_maps", {Format::d32, cascade_extent, cascades}},
+                     {"cascade_bounds", {Format::rgba32f, cascade_extent, cascades}}};
     return target;
 }
 
@@ -71,7 +83,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 
     // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in
     // between.
-    StandaloneOptions host_options{options.size, 1, false};
+    StandaloneOptions host_options{options.size, 1, false, options.cascade_size};
     CompileOptions compile_options;
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
@@ -82,7 +94,9 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
     Facts facts = options.facts;
     facts.merge(session->host_->facts());  // keeps what is there
-    Target target = standalone_target(table, options.size, facts);
+    Target target =
+        standalone_target(table, options.size, facts, {options.cascade_size, options.cascade_size},
+                          session->host_->cascade_layers());
     for (const HostInput& input : pipeline.inputs)
         if (input.optional &&
             std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())
@@ -95,22 +109,27 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));
     session->view_ = std::make_unique<View>(program, ViewOptions{1, options.poison});
     session->set_param("seed", session->seed_);
-    for (const HostSlot& slot : session->plan().slots) {
-        if (slot.name == "scene.nodes")
-            session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0);
-        if (slot.name == "scene.tlas")
-            session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0);
-    }
+    const auto needs = [&](std::string_view slot) { return reads(session->plan(), slot); };
+    if (needs("scene.nodes") || needs("neighbours"))
+        session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"));
+    if (needs("scene.tlas")) session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0);
+    if (needs("cascade_maps") || needs("cascade_bounds"))
+        session->cascade_maps_ =
+            std::make_unique<CascadeMaps>(device, session->host_->scene(), options.cascade_size,
+                                          session->host_->cascade_layers(), needs("cascade_bounds"));
     session->sun_ =
         MappedBuffer(handles_of(device), sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
     session->scene_ = MappedBuffer(handles_of(device), sizeof(blocks::Scene),
                                    VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the scene block");
+    session->cascades_ = MappedBuffer(handles_of(device), sizeof(blocks::Cascades),
+                                      VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the cascades block");
     return session;
 }
 
 void Session::write_blocks(const StandaloneFrame& frame) {
     std::memcpy(sun_.data(), &frame.sun, sizeof frame.sun);
     std::memcpy(scene_.data(), &frame.scene, sizeof frame.scene);
+    std::memcpy(cascades_.data(), &frame.cascades, sizeof frame.cascades);
 }
 
 std::vector<SlotBinding> Session::bind_slots() const {
@@ -126,7 +145,11 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "scene") b.buffer = scene_.get();
         if (slot.name == "scene.nodes") b.texels = bvh_->nodes();
         if (slot.name == "scene.leaves") b.texels = bvh_->leaves();
+        if (slot.name == "neighbours") b.texels = bvh_->neighbours();
         if (slot.name == "scene.tlas") b.tlas = tlas_->get();
+        if (slot.name == "cascades") b.buffer = cascades_.get();
+        if (slot.name == "cascade_maps") b.image = cascade_maps_->maps().view.get();
+        if (slot.name == "cascade_bounds") b.image = cascade_maps_->bounds().view.get();
         if (slot.name == "scene.alpha_uv") b.texels = bvh_ ? bvh_->alpha_uv() : tlas_->alpha_uv();
         if (slot.name == "scene.alpha_map") b.texels = bvh_ ? bvh_->alpha_map() : tlas_->alpha_map();
     }
@@ -138,10 +161,18 @@ void Session::set_param(std::string_view name, const ParamValue& value) {
         if (pass.entry && pass.entry->type.param(name)) view_->set_param(pass.node, name, value);
 }
 
-void Session::repeat_frame() {
+FrameCost Session::repeat_frame(std::optional<uint32_t> noise_frame) {
     last_.flags &= ~uint32_t{frame_reset};
-    const std::vector<SlotBinding> slots = bind_slots();
-    device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, last_, slots); });
+    if (noise_frame) last_.index = *noise_frame;
+    return run_passes([](VkCommandBuffer) {}, {});
+}
+
+void Session::draw_cascades(uint32_t index, FrameCost& cost) {
+    const double before = process_cpu_ms();
+    device_.run([&](VkCommandBuffer cmd) {
+        cost.cascades_drawn = cascade_maps_->record(cmd, host_->cascade_fit(index));
+    });
+    cost.cascades_cpu_ms = process_cpu_ms() - before;
 }
 
 FrameCost Session::run_frame(uint32_t index, bool reset) {
@@ -150,17 +181,24 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     if (host_->scene().moved(traced_frame_, index)) {
         if (bvh_) bvh_->update(index);
         if (tlas_) tlas_->update(index);
+        if (cascade_maps_) cascade_maps_->update(index);
     }
     traced_frame_ = index;
     write_blocks(frame);
     last_ = frame.description;
+    FrameCost cost;
+    if (cascade_maps_) draw_cascades(index, cost);
+    return run_passes([&](VkCommandBuffer cmd) { host_->record(cmd, frame); }, std::move(cost));
+}
+
+// What is recorded before the passes is no part of their cost.
+FrameCost Session::run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost) {
     const std::vector<SlotBinding> slots = bind_slots();
     const bool pass_by_pass = plan().cpu;
-    FrameCost cost;
     cost.pass_cpu_ms.resize(plan().passes.size());
     device_.run([&](VkCommandBuffer cmd) {
-        host_->record(cmd, frame);
-        if (pass_by_pass) view_->begin(cmd, frame.description, slots);
+        record_before(cmd);
+        if (pass_by_pass) view_->begin(cmd, last_, slots);
     });
     if (pass_by_pass) {
         for (size_t p = 0; p < plan().passes.size(); ++p) {
@@ -172,7 +210,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
         device_.run([&](VkCommandBuffer cmd) { view_->end(cmd); });
     } else {
         const double before = process_cpu_ms();
-        device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, frame.description, slots); });
+        device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, last_, slots); });
         cost.cpu_ms = process_cpu_ms() - before;
     }
     cost.passes = view_->statistics();

@@ -3,12 +3,14 @@
 // and waited for before the next one, since its results are read back.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "graph/graph.h"
+#include "host/cascade_maps.h"
 #include "host/device.h"
 #include "host/scene_bvh.h"
 #include "host/scene_tlas.h"
@@ -18,6 +20,7 @@ namespace penumbra {
 
 struct SessionOptions {
     std::array<uint32_t, 2> size{1280, 720};
+    uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
     bool alias = true;
@@ -34,6 +37,9 @@ struct FrameCost {
     std::vector<std::optional<double>> pass_cpu_ms;
     double cpu_ms = 0;  // of the graph's passes, without captures
     std::optional<double> ms;
+    // Of drawing the sun's shadow maps, where the pipeline reads any; 0 where nothing had moved.
+    std::optional<double> cascades_cpu_ms;
+    bool cascades_drawn = false;
 };
 
 class Session {
@@ -46,8 +52,9 @@ class Session {
 
     FrameCost run_frame(uint32_t index, bool reset);
 
-    // The last frame's passes once more, on the same inputs and the history that they have just left.
-    void repeat_frame();
+    // The last frame's passes once more, on the same inputs and the history that they have just left; with
+    // the noise of another frame where its number is given.
+    FrameCost repeat_frame(std::optional<uint32_t> noise_frame = {});
     // A dynamic parameter of every node that has one of this name, from the next frame on.
     void set_param(std::string_view name, const ParamValue& value);
 
@@ -55,11 +62,15 @@ class Session {
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
     uint32_t seed() const { return seed_; }
+    const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
 
   private:
     explicit Session(Device& device) : device_(device) {}
     std::vector<SlotBinding> bind_slots() const;
     void write_blocks(const StandaloneFrame& frame);
+    void draw_cascades(uint32_t index, FrameCost& cost);
+    // Adds what the passes cost to `cost`.
+    FrameCost run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost);
 
     Device& device_;
     uint32_t seed_ = 0;
@@ -67,13 +78,18 @@ class Session {
     std::unique_ptr<StandaloneHost> host_;
     std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it
     std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
-    uint32_t traced_frame_ = 0;        // the frame that both stand at
-    MappedBuffer sun_, scene_;
+    std::unique_ptr<CascadeMaps> cascade_maps_;
+    uint32_t traced_frame_ = 0;  // the frame that all three stand at
+    MappedBuffer sun_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
 
+// Whether the standalone host brings an input of this name.
+bool standalone_has_input(std::string_view name);
+
 // Host inputs that the standalone host can provide, in the formats it renders.
-Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size, const Facts& facts);
+Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size, const Facts& facts,
+                         Extent cascade_extent = {1024, 1024}, uint32_t cascades = 1);
 
 DeviceHandles handles_of(const Device& device);
 

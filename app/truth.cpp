@@ -17,6 +17,9 @@ namespace {
 
 constexpr uint32_t probe_side = 8;            // 64 rays decide whether a pixel wants more
 constexpr uint64_t rays_per_pass = 1u << 23;  // if every pixel wanted them
+// Mesa 22's lavapipe ends an invocation's loops, all of them together, after 65 535 rounds, without a word: a
+// ray takes up to some hundred steps through the tree.
+constexpr uint64_t rays_per_invocation = 128;
 
 uint32_t strata_per_axis(uint32_t rays) {
     return static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(rays))));
@@ -67,7 +70,8 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
 Truth counted_truth(Session& session, uint32_t frame, uint32_t rays) {
     const Extent extent = session.plan().extent;
     const uint64_t pixels = uint64_t{extent.width} * extent.height;
-    const auto portion = static_cast<uint32_t>(std::clamp<uint64_t>(rays_per_pass / pixels, 1, 4096));
+    const auto portion =
+        static_cast<uint32_t>(std::clamp<uint64_t>(rays_per_pass / pixels, 1, rays_per_invocation));
     cast(session, probe_side, 0, probe_side * probe_side, [&] { session.run_frame(frame, false); });
     cast(session, strata_per_axis(rays), 1, portion, [&] { session.repeat_frame(); });
 

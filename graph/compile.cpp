@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <set>
 
@@ -288,7 +289,8 @@ class Compiler {
             resource = static_cast<uint32_t>(plan_.resources.size());
             make_resource(node, selected, c);
             plan_.resources.back().first_pass = static_cast<uint32_t>(plan_.passes.size() - 1);
-            if (port.kind == PortKind::buffer) use.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;  // atomics
+            if (port.kind == PortKind::buffer || port.levels)  // atomics; the finer level
+                use.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
             if (port.writes == Writes::some) pass.clears.push_back(resource);
         }
         if (pass.kind == PassKind::host) {
@@ -347,7 +349,7 @@ class Compiler {
             r.layered = port.layers;
             if (port.layers) r.layers = base.value_or(Size{}).layers;
             if (port.levels)
-                error(c.bound->place, path, "mip chains of storage images cannot be recorded yet");
+                r.levels = static_cast<uint32_t>(std::bit_width(std::max(r.extent.width, r.extent.height)));
             r.count = uint64_t{r.extent.width} * r.extent.height;
             r.image_usage = VK_IMAGE_USAGE_STORAGE_BIT;
             r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
@@ -445,6 +447,12 @@ class Compiler {
         }
     }
 
+    uint32_t levels_of(const SelectedNode& selected, const Port& chain) const {
+        for (const Connection& c : selected.ports)
+            if (c.bound->port == &chain) return plan_.resources[internal_.at(c.resource)].levels;
+        return 0;
+    }
+
     void fill_dispatch(const BoundNode& node, const SelectedNode& selected) {
         PlanPass& pass = plan_.passes.back();
         const Dispatch& dispatch = node.type->dispatch;
@@ -474,8 +482,17 @@ class Compiler {
                     return error(
                         node.place, "nodes." + node.id,
                         fmt::format("it is dispatched over port \"{}\", which is not bound", dispatch.over));
-                pass.groups = {ceil_div(size->extent.width, pass.constants[0] * pass.constants[3]),
-                               ceil_div(size->extent.height, pass.constants[1] * pass.constants[4]), 1};
+                const auto groups = [&](uint32_t level) -> std::array<uint32_t, 3> {
+                    const uint32_t width = std::max(size->extent.width >> level, 1u);
+                    const uint32_t height = std::max(size->extent.height >> level, 1u);
+                    return {ceil_div(width, pass.constants[0] * pass.constants[3]),
+                            ceil_div(height, pass.constants[1] * pass.constants[4]),
+                            ceil_div(size->layers, pass.constants[2])};
+                };
+                pass.groups = groups(0);
+                if (const Port* chain = node.type->levelled_output())
+                    for (uint32_t level = 0; level < levels_of(selected, *chain); ++level)
+                        pass.level_groups.push_back(groups(level));
                 if (std::max(pass.groups[0], pass.groups[1]) > 65535)
                     error(node.place, "nodes." + node.id, "the dispatch exceeds 65535 groups per axis");
             }

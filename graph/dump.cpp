@@ -56,10 +56,12 @@ std::string dependency_text(const Plan& plan, const Dependency& d, const char* l
 }
 
 std::string shape(const PlanResource& r) {
+    const std::string levels = r.levels > 1 ? fmt::format(" {} levels", r.levels) : "";
     if (r.layered)
-        return fmt::format("{} {}x{}x{}", info(r.format).name, r.extent.width, r.extent.height, r.layers);
+        return fmt::format("{} {}x{}x{}{}", info(r.format).name, r.extent.width, r.extent.height, r.layers,
+                           levels);
     if (r.kind == PortKind::buffer) return fmt::format("{} x {}", r.count, r.element);
-    return fmt::format("{} {}x{}", info(r.format).name, r.extent.width, r.extent.height);
+    return fmt::format("{} {}x{}{}", info(r.format).name, r.extent.width, r.extent.height, levels);
 }
 
 OrderedJson groups_json(const PlanPass& pass) {
@@ -77,8 +79,11 @@ std::string to_text(const Plan& plan) {
     for (size_t p = 0; p < plan.passes.size(); ++p) {
         const PlanPass& pass = plan.passes[p];
         const std::string groups =
-            pass.indirect ? "indirect"
-                          : fmt::format("{}x{}x{}", pass.groups[0], pass.groups[1], pass.groups[2]);
+            pass.indirect
+                ? "indirect"
+                : fmt::format(
+                      "{}x{}x{}{}", pass.groups[0], pass.groups[1], pass.groups[2],
+                      pass.level_groups.empty() ? "" : fmt::format(", {} levels", pass.level_groups.size()));
         const std::string backend =
             (pass.variant.backend.empty() ? "" : fmt::format(" backend {}", pass.variant.backend)) +
             (pass.variant.alpha ? " alpha" : "");

@@ -18,6 +18,7 @@ constexpr std::array<FormatInfo, format_count> table = {{
     {"rgba16f", VK_FORMAT_R16G16B16A16_SFLOAT, 8, 4, FormatClass::real, "rgba16f"},
     {"r32f", VK_FORMAT_R32_SFLOAT, 4, 1, FormatClass::real, "r32f"},
     {"rg32f", VK_FORMAT_R32G32_SFLOAT, 8, 2, FormatClass::real, "rg32f"},
+    {"rgba32f", VK_FORMAT_R32G32B32A32_SFLOAT, 16, 4, FormatClass::real, "rgba32f"},
     {"r32ui", VK_FORMAT_R32_UINT, 4, 1, FormatClass::uint, "r32ui"},
     {"rg32ui", VK_FORMAT_R32G32_UINT, 8, 2, FormatClass::uint, "rg32ui"},
     {"rgba32ui", VK_FORMAT_R32G32B32A32_UINT, 16, 4, FormatClass::uint, "rgba32ui"},

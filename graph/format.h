@@ -21,6 +21,7 @@ enum class Format : uint8_t {
     rgba16f,
     r32f,
     rg32f,
+    rgba32f,
     r32ui,
     rg32ui,
     rgba32ui,
@@ -29,7 +30,7 @@ enum class Format : uint8_t {
     d32,
     d16
 };
-inline constexpr int format_count = 15;
+inline constexpr int format_count = 16;
 
 enum class FormatClass : uint8_t { unorm, real, uint, depth };
 

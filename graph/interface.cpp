@@ -98,6 +98,8 @@ const char* texel_element_glsl(Format format) {
             return "float";
         case Format::rg32f:
             return "vec2";
+        case Format::rgba32f:
+            return "vec4";
         case Format::rg32ui:
             return "uvec2";
         case Format::rgba32ui:
@@ -115,6 +117,18 @@ std::string declare_image(const Port& port, const std::string& name, Format form
                            name);
     return fmt::format("layout(set = 0, binding = {}, {}) uniform {}{}image{} {};\n", b, info(format).glsl,
                        access, prefix(format), dim, name);
+}
+
+// The level that is written, and the finer one that it is made from (its own in level 0, where nobody may
+// read it).
+std::string declare_chain(const Port& port, const std::string& name, Format format, uint32_t b) {
+    return declare_image(port, name, format, "writeonly ", b) +
+           declare_image(port, name + "_finer", format, "readonly ", b + 1);
+}
+
+uint32_t binding_count(const Port& port) {
+    if (port.kind == PortKind::scene) return scene_bindings;
+    return port.output && port.levels ? 2 : 1;
 }
 
 std::string declare_scene(const Port& port, const Variant& variant, uint32_t b) {
@@ -143,6 +157,7 @@ std::string declare_port(const NodeType& type, const Port& port, const Variant& 
         case PortKind::image: {
             const auto chosen = variant.formats.find(what.name);
             const Format format = chosen == variant.formats.end() ? what.formats.front() : chosen->second;
+            if (port.output && what.levels) return declare_chain(what, port.name, format, b);
             return declare_image(what, port.name, format, access, b);
         }
         case PortKind::texels:
@@ -226,6 +241,7 @@ std::string declare_params(const NodeType& type, const Variant& variant) {
         else
             dynamic += fmt::format("    {} {};\n", type_glsl(param.type), param.name);
     }
+    if (type.levelled_output()) dynamic += "    uint mip_level;\n";
     if (!dynamic.empty())
         constants += "layout(push_constant, std430) uniform Params {\n" + dynamic + "} params;\n";
     return constants;
@@ -259,7 +275,7 @@ std::vector<uint32_t> port_bindings(const NodeType& type) {
     for (size_t i = 0; i < type.ports.size(); ++i) {
         if (updater_of(type, type.ports[i])) continue;
         bindings[i] = next;
-        next += type.ports[i].kind == PortKind::scene ? scene_bindings : 1;
+        next += binding_count(type.ports[i]);
     }
     for (size_t i = 0; i < type.ports.size(); ++i)
         if (const Port* updater = updater_of(type, type.ports[i]))
@@ -270,7 +286,7 @@ std::vector<uint32_t> port_bindings(const NodeType& type) {
 uint32_t first_table_binding(const NodeType& type) {
     uint32_t next = first_port_binding;
     for (const Port& port : type.ports)
-        if (!updater_of(type, port)) next += port.kind == PortKind::scene ? scene_bindings : 1;
+        if (!updater_of(type, port)) next += binding_count(port);
     return next;
 }
 
@@ -285,6 +301,10 @@ PushConstants push_constants(const NodeType& type) {
         const uint32_t offset = (result.size + layout.alignment - 1) / layout.alignment * layout.alignment;
         result.offsets.emplace_back(offset);
         result.size = offset + layout.size;
+    }
+    if (type.levelled_output()) {
+        result.mip_level = (result.size + 3) / 4 * 4;
+        result.size = *result.mip_level + 4;
     }
     return result;
 }

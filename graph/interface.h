@@ -48,6 +48,9 @@ inline constexpr std::array<SceneTexels, 2> scene_alpha_slots{
 inline constexpr const char* backend_param = "backend";
 const Param* backend_choice(const NodeType& type);  // nullptr: the type has no such choice
 
+// An output with a mip chain takes two bindings: the level that a dispatch writes, and NAME_finer, the level
+// before it. One dispatch per level, finest first; params.mip_level says which.
+
 // First binding of each port (parallel to NodeType::ports); an input that an output updates shares the
 // output's.
 std::vector<uint32_t> port_bindings(const NodeType& type);
@@ -57,6 +60,7 @@ uint32_t first_table_binding(const NodeType& type);
 // Byte offsets of the dynamic parameters in the push-constant block (constants have none), and its size.
 struct PushConstants {
     std::vector<std::optional<uint32_t>> offsets;  // parallel to NodeType::params
+    std::optional<uint32_t> mip_level;             // of nodes that write a mip chain: the level of a dispatch
     uint32_t size = 0;
 };
 PushConstants push_constants(const NodeType& type);

@@ -38,6 +38,18 @@ Owned<VkDeviceMemory> allocate(const DeviceHandles& handles, VkDeviceSize bytes,
     return {handles.device, memory};
 }
 
+Owned<VkImageView> image_view(const DeviceHandles& handles, const PlanResource& r, VkImage image,
+                              uint32_t first_level, uint32_t levels) {
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image;
+    view.viewType = r.layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+    view.format = info(r.format).vk;
+    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, first_level, levels, 0, r.layers};
+    VkImageView handle = VK_NULL_HANDLE;
+    check(vkCreateImageView(handles.device, &view, nullptr, &handle), "vkCreateImageView", r.names.front());
+    return {handles.device, handle};
+}
+
 void make_image(const DeviceHandles& handles, const PlanResource& r, VkDeviceMemory heap, VkDeviceSize offset,
                 ResourceInstance& out) {
     const std::string& name = r.names.front();
@@ -46,14 +58,9 @@ void make_image(const DeviceHandles& handles, const PlanResource& r, VkDeviceMem
     check(vkCreateImage(handles.device, &create, nullptr, &image), "vkCreateImage", name);
     out.image = {handles.device, image};
     check(vkBindImageMemory(handles.device, image, heap, offset), "vkBindImageMemory", name);
-    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-    view.image = image;
-    view.viewType = r.layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
-    view.format = create.format;
-    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, r.levels, 0, r.layers};
-    VkImageView handle = VK_NULL_HANDLE;
-    check(vkCreateImageView(handles.device, &view, nullptr, &handle), "vkCreateImageView", name);
-    out.image_view = {handles.device, handle};
+    out.image_view = image_view(handles, r, image, 0, r.levels);
+    for (uint32_t level = 0; level < r.levels && r.levels > 1; ++level)
+        out.level_views.push_back(image_view(handles, r, image, level, 1));
 }
 
 void make_buffer(const DeviceHandles& handles, const PlanResource& r, VkDeviceMemory heap,

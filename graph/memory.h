@@ -29,6 +29,7 @@ uint32_t memory_type(VkPhysicalDevice physical, uint32_t type_bits, VkMemoryProp
 struct ResourceInstance {
     Owned<VkImage> image;
     Owned<VkImageView> image_view;
+    std::vector<Owned<VkImageView>> level_views;  // of a mip chain: each level alone, to be written
     Owned<VkBuffer> buffer;
     Owned<VkBufferView> buffer_view;
     VkDeviceSize bytes = 0;

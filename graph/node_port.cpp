@@ -194,6 +194,8 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     if (applies("levels")) port.levels = reader.flag("levels");
     if (applies("indirect")) port.indirect = reader.flag("indirect");
     if (applies("previous")) port.previous = reader.flag("previous");
+    if (port.levels && !output && port.storage)
+        reader.error(*reader.find("levels"), "levels", "a mip chain is read through a sampler");
     port.optional = reader.flag("optional");
     if (applies("writes")) {
         const std::vector<std::string> words = {"all", "tiles", "some"};
@@ -273,6 +275,8 @@ class Linker {
                 error(port, "updates",
                       fmt::format("\"{}\" accepts {}, which cannot be written", source->name,
                                   info(format).name));
+        if (source->levels)
+            error(port, "updates", fmt::format("\"{}\" is a mip chain, which is only sampled", source->name));
         port.formats = source->formats;
         port.element = source->element;
         port.layers = source->layers;

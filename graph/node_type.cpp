@@ -186,6 +186,7 @@ class DeclarationReader {
         }
         if (const auto group = read_group(reader)) dispatch.group = *group;
         if (const auto threads = read_per_thread(reader)) dispatch.per_thread = *threads;
+        check_levels();
         if (const Json* offset = reader.find("offset")) {
             dispatch.offset = reader.whole("offset", 0, 1u << 16).value_or(0);
             if (dispatch.kind != Dispatch::Kind::indirect)
@@ -207,6 +208,23 @@ class DeclarationReader {
             reader.error(json, "over", fmt::format("\"{}\" is no image and has no extent", name));
         else if (port->optional || !port->condition.empty())
             reader.error(json, "over", fmt::format("\"{}\" may be absent", name));
+    }
+
+    // Level by level, each made from the finer one.
+    void check_levels() {
+        const Port* chain = type_.levelled_output();
+        if (!chain) return;
+        const auto complain = [&](const Port& port, std::string message) {
+            error(port.place, "outputs." + port.name, std::move(message));
+        };
+        if (type_.dispatch.kind != Dispatch::Kind::over || type_.dispatch.over != chain->name)
+            complain(*chain,
+                     fmt::format("a mip chain is written level by level: dispatch over \"{}\"", chain->name));
+        for (const Port& port : type_.ports)
+            if (port.output && port.levels && &port != chain)
+                complain(port, fmt::format(
+                                   "\"{}\" has a mip chain already; one is all that a dispatch steps through",
+                                   chain->name));
     }
 
     void check_indirect(const ObjectReader& reader) {
@@ -282,6 +300,9 @@ class DeclarationReader {
         const char* problem = in_glsl ? glsl_name_problem(name) : nullptr;
         if (!is_id(name))
             error(place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", name));
+        else if (name == "mip_level")
+            error(place, path,
+                  "\"mip_level\" is taken: it tells a node which level of a mip chain it writes");
         else if (name == "frame")
             error(place, path, "\"frame\" names the frame block and its extent");
         else if (problem)
@@ -326,6 +347,11 @@ class DeclarationReader {
 
 const Port* NodeType::port(std::string_view port_name) const {
     const auto found = std::ranges::find(ports, port_name, &Port::name);
+    return found == ports.end() ? nullptr : &*found;
+}
+
+const Port* NodeType::levelled_output() const {
+    const auto found = std::ranges::find_if(ports, [](const Port& p) { return p.output && p.levels; });
     return found == ports.end() ? nullptr : &*found;
 }
 

@@ -142,6 +142,8 @@ struct NodeType {
     Place place;
 
     const Port* port(std::string_view name) const;
+    // The output with a mip chain, which the node writes level by level; nullptr: it has none.
+    const Port* levelled_output() const;
     const Param* param(std::string_view name) const;
 };
 

@@ -158,7 +158,8 @@ struct PlanPass {
     std::vector<uint32_t> constants;  // specialisation data: ids 0 .. n-1, four bytes each
     std::vector<std::byte> push;      // dynamic parameters' initial values
     std::array<uint32_t, 3> groups{1, 1, 1};
-    std::optional<uint32_t> indirect;  // resource with the arguments
+    std::vector<std::array<uint32_t, 3>> level_groups;  // writers of a mip chain: of each level; else empty
+    std::optional<uint32_t> indirect;                   // resource with the arguments
     uint32_t indirect_offset = 0;
     uint32_t counter_base = 0;  // first of the entry's counters among all passes'
     std::vector<PassUse> uses;

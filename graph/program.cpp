@@ -44,6 +44,10 @@ std::vector<uint32_t> spirv_of(const PlanPass& pass) {
 
 }  // namespace
 
+bool writes_chain(const PlanBinding& binding) {
+    return binding.port->output && binding.port->levels;
+}
+
 VkDescriptorType descriptor_type(const Plan& plan, const PlanPass& pass, const PlanBinding& binding) {
     const Port& port =
         binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
@@ -156,8 +160,11 @@ void Program::make_pass(size_t index) {
     std::array<std::vector<VkDescriptorSetLayoutBinding>, 2> sets;
     sets[1].push_back(layout_binding(frame_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER));
     sets[1].push_back(layout_binding(counters_binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER));
-    for (const PlanBinding& binding : pass.bindings)
+    for (const PlanBinding& binding : pass.bindings) {
         sets[binding.host].push_back(layout_binding(binding.binding, descriptor_type(*plan_, pass, binding)));
+        if (writes_chain(binding))
+            sets[0].push_back(layout_binding(binding.binding + 1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE));
+    }
     for (uint32_t i = 0; i < type.tables.size(); ++i)
         if (exists(pass.variant, type.tables[i].name))
             sets[1].push_back(

@@ -55,6 +55,9 @@ class Program {
     mutable bool uploaded_ = false;
 };
 
+// Whether a binding is the level of a mip chain that a dispatch writes; the next binding is the finer level.
+bool writes_chain(const PlanBinding& binding);
+
 VkDescriptorType descriptor_type(const Plan& plan, const PlanPass& pass, const PlanBinding& binding);
 
 }  // namespace penumbra

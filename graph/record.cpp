@@ -176,26 +176,43 @@ void View::record_pass(VkCommandBuffer cmd, size_t index) {
         case PassKind::host:
             record_host_pass(cmd, index);
             break;
-        case PassKind::compute: {
-            const PassProgram& program = program_->pass(index);
-            const std::array sets{internal_sets_[index][parity_], slot.sets[index]};
-            vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline.get());
-            vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2,
-                                    sets.data(), 0, nullptr);
-            if (!push_[index].empty())
-                vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                   static_cast<uint32_t>(push_[index].size()), push_[index].data());
-            if (pass.indirect)
-                vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer.get(),
-                                      pass.indirect_offset);
-            else
-                vkCmdDispatch(cmd, pass.groups[0], pass.groups[1], pass.groups[2]);
-        }
+        case PassKind::compute:
+            record_dispatches(cmd, index);
     }
     if (slot.timestamps)
         vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
                              first_query + 1);
     if (end_label_) end_label_(cmd);
+}
+
+// One dispatch, or one per level of a mip chain: each reads what the one before has written.
+void View::record_dispatches(VkCommandBuffer cmd, size_t index) const {
+    const PlanPass& pass = plan().passes[index];
+    const PassProgram& program = program_->pass(index);
+    const std::vector<VkDescriptorSet>& levels = internal_sets_[index][parity_];
+    const std::optional<uint32_t> mip_level = push_constants(pass.entry->type).mip_level;
+    vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline.get());
+    if (!push_[index].empty())
+        vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                           static_cast<uint32_t>(push_[index].size()), push_[index].data());
+    for (uint32_t level = 0; level < levels.size(); ++level) {
+        if (level > 0)
+            memory_dependency(cmd, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                              VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                              VK_ACCESS_2_SHADER_STORAGE_READ_BIT);
+        const std::array sets{levels[level], slots_[slot_].sets[index]};
+        vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2, sets.data(),
+                                0, nullptr);
+        if (mip_level)
+            vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, *mip_level,
+                               sizeof level, &level);
+        const std::array<uint32_t, 3>& groups = mip_level ? pass.level_groups[level] : pass.groups;
+        if (pass.indirect)
+            vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer.get(),
+                                  pass.indirect_offset);
+        else
+            vkCmdDispatch(cmd, groups[0], groups[1], groups[2]);
+    }
 }
 
 void View::record_capture(VkCommandBuffer cmd, size_t index) const {

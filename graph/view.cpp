@@ -60,6 +60,11 @@ class Writer {
     std::deque<VkWriteDescriptorSetAccelerationStructureKHR> structures_;
 };
 
+uint32_t level_count(const PlanPass& pass) {
+    return std::max(static_cast<uint32_t>(pass.level_groups.size()), 1u);
+}
+
+// A mip chain's finest level.
 uint64_t captured_bytes(const PlanResource& r) {
     if (r.kind == PortKind::image)
         return uint64_t{r.extent.width} * r.extent.height * r.layers * info(r.format).bytes;
@@ -106,13 +111,16 @@ void View::make_descriptor_pool() {
     const uint32_t n = options_.frames_in_flight;
     for (const PlanPass& pass : plan().passes) {
         if (pass.kind != PassKind::compute) continue;
-        sets += 2 + n;
+        const uint32_t levels = level_count(pass);
+        sets += 2 * levels + n;
         counts[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER] += n;
         counts[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER] += n;
         for (const Table& table : pass.entry->type.tables)
             if (exists(pass.variant, table.name)) counts[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] += n;
-        for (const PlanBinding& binding : pass.bindings)
-            counts[descriptor_type(plan(), pass, binding)] += binding.host ? n : 2;
+        for (const PlanBinding& binding : pass.bindings) {
+            counts[descriptor_type(plan(), pass, binding)] += binding.host ? n : 2 * levels;
+            if (writes_chain(binding)) counts[VK_DESCRIPTOR_TYPE_STORAGE_IMAGE] += 2 * levels;
+        }
     }
     if (sets == 0) return;
     std::vector<VkDescriptorPoolSize> sizes;
@@ -128,38 +136,53 @@ void View::make_descriptor_pool() {
 }
 
 void View::make_internal_sets() {
-    const VkDevice device = program_->handles().device;
     internal_sets_.resize(plan().passes.size());
-    Writer writer(device);
     for (size_t p = 0; p < plan().passes.size(); ++p) {
-        const PlanPass& pass = plan().passes[p];
-        if (pass.kind != PassKind::compute) continue;
-        for (uint32_t parity = 0; parity < 2; ++parity) {
-            const VkDescriptorSetLayout layout = program_->pass(p).set_layouts[0].get();
-            VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-            allocate.descriptorPool = pool_.get();
-            allocate.descriptorSetCount = 1;
-            allocate.pSetLayouts = &layout;
-            VkDescriptorSet& set = internal_sets_[p][parity];
-            check(vkAllocateDescriptorSets(device, &allocate, &set), "vkAllocateDescriptorSets", pass.node);
-            for (const PlanBinding& binding : pass.bindings) {
-                if (binding.host) continue;
-                const Port& port = binding.port->updates.empty()
-                                       ? *binding.port
-                                       : *pass.entry->type.port(binding.port->updates);
-                const ResourceInstance& r = memory_.at(binding.index, binding.previous ? 1 - parity : parity);
-                const VkDescriptorType type = descriptor_type(plan(), pass, binding);
-                if (r.image)
-                    writer.image(
-                        set, binding.binding, type,
-                        {program_->sampler(port.linear), r.image_view.get(), VK_IMAGE_LAYOUT_GENERAL});
-                else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
-                    writer.texels(set, binding.binding, r.buffer_view.get());
-                else
-                    writer.buffer(set, binding.binding, type, {r.buffer.get(), 0, VK_WHOLE_SIZE});
-            }
+        if (plan().passes[p].kind != PassKind::compute) continue;
+        for (uint32_t parity = 0; parity < 2; ++parity)
+            for (uint32_t level = 0; level < level_count(plan().passes[p]); ++level)
+                internal_sets_[p][parity].push_back(make_internal_set(p, parity, level));
+    }
+}
+
+VkDescriptorSet View::make_internal_set(size_t p, uint32_t parity, uint32_t level) {
+    const VkDevice device = program_->handles().device;
+    const PlanPass& pass = plan().passes[p];
+    const VkDescriptorSetLayout layout = program_->pass(p).set_layouts[0].get();
+    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    allocate.descriptorPool = pool_.get();
+    allocate.descriptorSetCount = 1;
+    allocate.pSetLayouts = &layout;
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    check(vkAllocateDescriptorSets(device, &allocate, &set), "vkAllocateDescriptorSets", pass.node);
+    Writer writer(device);
+    for (const PlanBinding& binding : pass.bindings) {
+        if (binding.host) continue;
+        const Port& port =
+            binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
+        const ResourceInstance& r = memory_.at(binding.index, binding.previous ? 1 - parity : parity);
+        const VkDescriptorType type = descriptor_type(plan(), pass, binding);
+        const auto image = [&](VkImageView view) {
+            return VkDescriptorImageInfo{program_->sampler(port.linear), view, VK_IMAGE_LAYOUT_GENERAL};
+        };
+        // A storage image is one level: the one that a dispatch writes, or a chain's finest for readers of
+        // one.
+        const auto level_view = [&](uint32_t l) {
+            return r.level_views.empty() ? r.image_view.get() : r.level_views[l].get();
+        };
+        if (r.image && type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE) {
+            writer.image(set, binding.binding, type, image(level_view(writes_chain(binding) ? level : 0)));
+            if (writes_chain(binding))
+                writer.image(set, binding.binding + 1, type, image(level_view(level > 0 ? level - 1 : 0)));
+        } else if (r.image) {
+            writer.image(set, binding.binding, type, image(r.image_view.get()));
+        } else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) {
+            writer.texels(set, binding.binding, r.buffer_view.get());
+        } else {
+            writer.buffer(set, binding.binding, type, {r.buffer.get(), 0, VK_WHOLE_SIZE});
         }
     }
+    return set;
 }
 
 void View::make_slot(Slot& slot) {

@@ -90,6 +90,8 @@ class View {
 
     void make_descriptor_pool();
     void make_internal_sets();
+    VkDescriptorSet make_internal_set(size_t pass, uint32_t parity, uint32_t level);
+    void record_dispatches(VkCommandBuffer cmd, size_t pass) const;
     void make_slot(Slot& slot);
     void write_fixed_bindings(const Slot& slot);
     void check_slot_bindings(std::span<const SlotBinding> bindings) const;
@@ -107,7 +109,8 @@ class View {
     ViewOptions options_;
     PlanMemory memory_;
     Owned<VkDescriptorPool> pool_;
-    std::vector<std::array<VkDescriptorSet, 2>> internal_sets_;  // set 0 by pass and parity
+    // Set 0 by pass, parity and level (one, but for writers of mip chains).
+    std::vector<std::array<std::vector<VkDescriptorSet>, 2>> internal_sets_;
     std::vector<Slot> slots_;
     std::vector<size_t> capture_passes_;
     std::vector<std::vector<std::byte>> push_;  // per pass

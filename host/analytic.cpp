@@ -75,6 +75,7 @@ struct Scenery {
     AnalyticGeometry geometry;
     SunState sun;
     double across = glm::dot(glm::dvec2(sun.to_sun), geometry.normal);
+    SlatRange slats = shape_of<Fence>(shot) ? fence_slats(shot) : SlatRange{};
 
     // Share of the sun beyond an edge that stands `edge` along the normal, towards the light.
     double beyond(double edge, const glm::dvec2& at) const {
@@ -95,7 +96,6 @@ struct Scenery {
     }
     double of(const Fence& fence, const glm::dvec2& at) const {
         const double period = fence.period_px * analytic_pixel_m, half = 0.5 * fence.duty * period;
-        const SlatRange slats = fence_slats(shot);
         double hidden = 0;
         for (int i = slats.first; i <= slats.last; ++i) {
             const double middle = geometry.edge + i * period;
@@ -145,7 +145,7 @@ AnalyticGeometry analytic_geometry(const Shot& shot, double frame) {
 }
 
 double terminator_strip_width(const Shot& shot) {
-    constexpr double strips = 16;  // over the penumbra
+    constexpr double strips = 8;  // over the penumbra
     return std::max(shot.analytic->penumbra_px / strips, 1.0) * analytic_pixel_m;
 }
 
@@ -175,23 +175,25 @@ double analytic_half_diagonal(const Shot& shot) {
 }
 
 double analytic_reach(const Shot& shot) {
+    const AnalyticGeometry first = analytic_geometry(shot, 0);
+    const double height = first.height;
     double reach = 0;
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
-        const AnalyticGeometry geometry = analytic_geometry(shot, frame);
         const SunState sun = sun_at(shot, frame);
-        const double tilt = std::acos(std::min(sun.to_sun.z, 1.0)) + sun.angular_radius;
-        reach = std::max(reach, std::abs(geometry.edge) + geometry.height * std::tan(tilt));
+        const glm::dvec2 footprint = height / sun.to_sun.z * glm::dvec2(sun.to_sun);
+        const double tilt = std::acos(std::min(sun.to_sun.z, 1.0));
+        const double spread = height * (std::tan(tilt + sun.angular_radius) - std::tan(tilt));
+        const glm::dvec2 caster =
+            first.centre + (analytic_geometry(shot, frame).edge - first.edge) * first.normal;
+        reach = std::max(reach, glm::distance(caster, footprint) + spread);
     }
     return 1.5 * (reach + analytic_half_diagonal(shot));
 }
 
 SlatRange fence_slats(const Shot& shot) {
     const double period = shape_of<Fence>(shot)->period_px * analytic_pixel_m;
-    const double edge = analytic_geometry(shot, 0).edge, reach = analytic_reach(shot);
-    const double travel =
-        std::abs(shot.analytic->speed_px) * (std::max(shot.frames, 1u) - 1) * analytic_pixel_m;
-    return {static_cast<int>(std::floor((-reach - edge - travel) / period)),
-            static_cast<int>(std::ceil((reach - edge + travel) / period))};
+    const int most = static_cast<int>(std::ceil(std::min(analytic_reach(shot) / period, 1e6)));
+    return {-most, most};
 }
 
 void add_analytic_motion(Shot& shot) {
@@ -285,7 +287,7 @@ bool cross(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const 
     return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
 }
 
-std::optional<std::string> polygon_problem(const Polygon& polygon) {
+std::optional<AnalyticProblem> polygon_problem(const Polygon& polygon) {
     const std::vector<glm::dvec2>& p = polygon.points;
     double area = 0;
     for (size_t i = 0; i < p.size(); ++i) {
@@ -293,44 +295,47 @@ std::optional<std::string> polygon_problem(const Polygon& polygon) {
         area += 0.5 * (a.x * b.y - b.x * a.y);
         for (size_t j = i + 1; j < p.size(); ++j)
             if (cross(a, b, p[j], p[(j + 1) % p.size()]))
-                return fmt::format("the polygon's edges {} and {} cross", i, j);
+                return AnalyticProblem{"scene.points", fmt::format("edges {} and {} cross", i, j)};
     }
-    if (!(std::abs(area) > 1e-6)) return "the polygon has no area";
+    if (!(std::abs(area) > 1e-6)) return AnalyticProblem{"scene.points", "the polygon has no area"};
     return std::nullopt;
 }
 
 }  // namespace
 
-std::optional<std::string> analytic_problem(const Shot& shot, double frame) {
+std::optional<AnalyticProblem> analytic_problem(const Shot& shot, double frame) {
     const SunState sun = sun_at(shot, frame);
     if (!(sun.angular_radius > 0))
-        return "an analytic scene needs a sun with an angular radius: its penumbra has a width";
+        return AnalyticProblem{
+            "sun.keys", "an analytic scene needs a sun with an angular radius: its penumbra has a width"};
     const double elevation = glm::degrees(std::asin(std::clamp(sun.to_sun.z, -1.0, 1.0)));
     if (shape_of<Terminator>(shot)) {
         if (elevation >= 0 && elevation <= 75) return std::nullopt;
-        return fmt::format(
-            "at frame {} the sun stands {:.3f} degrees above z = 0; the terminator's receiver can be tilted "
-            "for "
-            "0 to 75",
-            frame, elevation);
+        return AnalyticProblem{"sun.keys", fmt::format("at frame {} the sun stands {:.3f} degrees above z = "
+                                                       "0; the terminator's receiver can be tilted "
+                                                       "for "
+                                                       "0 to 75",
+                                                       frame, elevation)};
     }
     // The whole sun above the receiver's plane, and the sheet within reach.
     const double lowest = elevation - glm::degrees(sun.angular_radius);
     if (!(lowest >= 1))
-        return fmt::format(
-            "at frame {} the sun's lower rim stands {:.3f} degrees above the receiver z = 0; 1 is the least",
-            frame, lowest);
+        return AnalyticProblem{"sun.keys", fmt::format("at frame {} the sun's lower rim stands {:.3f} "
+                                                       "degrees above the receiver z = 0; 1 is the least",
+                                                       frame, lowest)};
     if (shape_of<Sphere>(shot) && !(lowest_of_caster(shot) > 0))
-        return fmt::format(
-            "the sphere would reach {:.3g} m below the receiver: a wider penumbra hangs it higher",
-            -lowest_of_caster(shot));
+        return AnalyticProblem{
+            "scene",
+            fmt::format(
+                "the sphere would reach {:.3g} m below the receiver: a wider penumbra hangs it higher",
+                -lowest_of_caster(shot))};
     if (const auto* polygon = shape_of<Polygon>(shot)) return polygon_problem(*polygon);
     if (shape_of<Fence>(shot) && frame == 0) {
         const SlatRange slats = fence_slats(shot);
         constexpr int most = 20000;
         if (slats.last - slats.first > most)
-            return fmt::format("the fence would need {} slats; {} is the most", slats.last - slats.first + 1,
-                               most);
+            return AnalyticProblem{"scene", fmt::format("the fence would need {} slats; {} is the most",
+                                                        slats.last - slats.first + 1, most)};
     }
     return std::nullopt;
 }

@@ -23,7 +23,7 @@ struct AnalyticGeometry {
     glm::dvec2 normal{1, 0};  // in the receiver's plane, across the edge, towards the light
     double height = 0;        // of a hanging sheet or a sphere's centre, or of a wall's top
     double edge = 0;          // along `normal`, from the image's centre, at the frame asked for
-    glm::dvec2 centre{0};     // of what is no straight line
+    glm::dvec2 centre{0};     // where the shadow's centre comes from
 };
 AnalyticGeometry analytic_geometry(const Shot& shot, double frame);
 
@@ -54,12 +54,15 @@ std::vector<uint8_t> analytic_receivers(const Shot& shot, double frame);
 std::optional<ContactLine> analytic_contact(const Shot& shot, double frame);
 
 // Why no such scene exists under this sun at this frame; nothing where it does.
-std::optional<std::string> analytic_problem(const Shot& shot, double frame);
+struct AnalyticProblem {
+    const char* key;  // of the shot, whose value is to blame
+    std::string text;
+};
+std::optional<AnalyticProblem> analytic_problem(const Shot& shot, double frame);
 
 // Lengths that the model and the closed forms share, in metres.
 double analytic_half_diagonal(const Shot& shot);
-// Across the edge from the image's centre: no ray from the visible receiver to the sun passes the caster's
-// height further away than this.
+// No ray from the visible receiver to the sun passes the caster's height further from its centre than this.
 double analytic_reach(const Shot& shot);
 struct SlatRange {
     int first = 0, last = 0;

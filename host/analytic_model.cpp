@@ -106,17 +106,21 @@ struct Caster {
     AnalyticGeometry geometry = analytic_geometry(shot, 0);
     double reach = 2 * analytic_reach(shot);
 
-    glm::dvec3 at_edge() const { return glm::dvec3(geometry.edge * geometry.normal, geometry.height); }
+    // The edge at its place, and no further along itself than the rays come.
+    glm::dvec3 at_edge(double z) const {
+        const glm::dvec2 along(-geometry.normal.y, geometry.normal.x);
+        return {geometry.edge * geometry.normal + glm::dot(geometry.centre, along) * along, z};
+    }
     glm::dvec3 at_centre() const { return {geometry.centre, geometry.height}; }
 
     void add(Model& model, const HalfPlane&) const {
-        add_node(model, "caster", at_edge(), band(geometry.normal, -reach, 0, reach));
+        add_node(model, "caster", at_edge(geometry.height), band(geometry.normal, -reach, 0, reach));
     }
     void add(Model& model, const Slit& slit) const {
         const double half = 0.5 * slit.width_px * analytic_pixel_m;
         Shape sheets = band(geometry.normal, -reach, -half, reach);
         sheets.append(band(geometry.normal, half, reach, reach));
-        add_node(model, "caster", at_edge(), std::move(sheets));
+        add_node(model, "caster", at_edge(geometry.height), std::move(sheets));
     }
     void add(Model& model, const Fence& fence) const {
         const double period = fence.period_px * analytic_pixel_m, half = 0.5 * fence.duty * period;
@@ -124,7 +128,7 @@ struct Caster {
         Shape sheets;
         for (int i = slats.first; i <= slats.last; ++i)
             sheets.append(band(geometry.normal, i * period - half, i * period + half, reach));
-        add_node(model, "caster", at_edge(), std::move(sheets));
+        add_node(model, "caster", at_edge(geometry.height), std::move(sheets));
     }
     void add(Model& model, const Polygon& polygon) const {
         std::vector<glm::dvec2> points;
@@ -139,7 +143,7 @@ struct Caster {
     }
     void add(Model& model, const ContactWall& wall) const {
         const glm::dvec2 m = geometry.normal, along(-m.y * reach, m.x * reach);
-        add_node(model, "caster", glm::dvec3(geometry.edge * m, 0),
+        add_node(model, "caster", at_edge(0),
                  quad({glm::dvec3(-along, 0), glm::dvec3(along, 0), glm::dvec3(along, wall.height),
                        glm::dvec3(-along, wall.height)}));
     }

@@ -60,6 +60,9 @@ inline const float* corner(std::span<const Triangle> triangles, uint32_t c) {
 // ray along a shared edge can be turned away by the box of the one triangle whose rounded form it meets.
 Box leaf_box(std::span<const Triangle> triangles, const Corners& corners);
 
+// Numbers equal positions equally, by their first occurrence: an open-addressing table.
+std::vector<uint32_t> position_numbers(std::span<const std::array<float, 3>> positions);
+
 // Pairs of triangles that share an edge, where one box around both costs less than two.
 std::vector<Corners> pair_triangles(std::span<const Triangle> triangles, std::span<const uint32_t> objects,
                                     std::vector<uint32_t>& skipped);

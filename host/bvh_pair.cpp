@@ -5,7 +5,6 @@
 // on the input alone.
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "host/bvh_internal.h"
 
@@ -42,28 +41,29 @@ Box leaf_box(std::span<const Triangle> triangles, const Corners& corners) {
 
 namespace {
 
-using Position = std::array<uint32_t, 3>;
+using Bits = std::array<uint32_t, 3>;
 
-Position position_bits(const float v[3]) {
-    Position p;
-    for (int a = 0; a < 3; ++a) p[a] = std::bit_cast<uint32_t>(v[a] + 0.0f);  // -0 becomes +0
+Bits bits_of(const std::array<float, 3>& v) {
+    Bits p;
+    for (size_t a = 0; a < 3; ++a) p[a] = std::bit_cast<uint32_t>(v[a] + 0.0f);  // -0 becomes +0
     return p;
 }
 
-// Numbers equal positions equally: an open-addressing table over first occurrences.
-std::vector<uint32_t> vertex_numbers(std::span<const Triangle> triangles) {
-    const size_t count = triangles.size() * 3;
+}  // namespace
+
+std::vector<uint32_t> position_numbers(std::span<const std::array<float, 3>> positions) {
+    const size_t count = positions.size();
     const size_t mask = std::bit_ceil(count * 2 + 1) - 1;
     constexpr uint32_t none = ~0u;
     std::vector<uint32_t> table(mask + 1, none), number(count);
     for (uint32_t c = 0; c < count; ++c) {
-        const Position p = position_bits(corner(triangles, c));
+        const Bits p = bits_of(positions[c]);
         uint64_t h = (uint64_t(p[0]) * 0x9E3779B97F4A7C15u) ^ (uint64_t(p[1]) * 0xC2B2AE3D27D4EB4Fu) ^
                      (uint64_t(p[2]) * 0x165667B19E3779F9u);
         h ^= h >> 29;
         for (size_t slot = h & mask;; slot = (slot + 1) & mask) {
             if (table[slot] == none) table[slot] = c;
-            if (position_bits(corner(triangles, table[slot])) == p) {
+            if (bits_of(positions[table[slot]]) == p) {
                 number[c] = table[slot];
                 break;
             }
@@ -71,6 +71,8 @@ std::vector<uint32_t> vertex_numbers(std::span<const Triangle> triangles) {
     }
     return number;
 }
+
+namespace {
 
 struct Edge {
     uint64_t key;
@@ -104,7 +106,8 @@ std::vector<Corners> pair_triangles(std::span<const Triangle> triangles, std::sp
         }
     }
 
-    const std::vector<uint32_t> number = vertex_numbers(triangles);
+    const std::vector<uint32_t> number = position_numbers(
+        {reinterpret_cast<const std::array<float, 3>*>(triangles.data()), count * size_t{3}});
     std::vector<Edge> edges;
     edges.reserve(size_t(count) * 3);
     for (uint32_t c = 0; c < count * 3; ++c) {

@@ -3,40 +3,19 @@
 #include "host/gbuffer_pipeline.h"
 
 #include <cstddef>
-#include <span>
 
 #include "gbuffer.frag.h"  // made by the build from shaders/gbuffer.{vert,frag}
 #include "gbuffer.vert.h"
 #include "host/geometry.h"
+#include "host/shader_module.h"
 
 namespace penumbra {
 
-namespace {
-
-Owned<VkShaderModule> make_module(const Device& device, std::span<const uint32_t> code, const char* what) {
-    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    info.codeSize = code.size_bytes();
-    info.pCode = code.data();
-    VkShaderModule module = VK_NULL_HANDLE;
-    check(vkCreateShaderModule(device.get(), &info, nullptr, &module), "vkCreateShaderModule", what);
-    return {device.get(), module};
-}
-
-VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, VkShaderModule module) {
-    VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
-    info.stage = bit;
-    info.module = module;
-    info.pName = "main";
-    return info;
-}
-
-}  // namespace
-
 Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested) {
-    const Owned<VkShaderModule> vertex = make_module(device, gbuffer_vert, "gbuffer.vert");
-    const Owned<VkShaderModule> fragment = make_module(device, gbuffer_frag, "gbuffer.frag");
-    VkPipelineShaderStageCreateInfo stages[] = {stage(VK_SHADER_STAGE_VERTEX_BIT, vertex.get()),
-                                                stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get())};
+    const Owned<VkShaderModule> vertex = make_shader_module(device, gbuffer_vert, "gbuffer.vert");
+    const Owned<VkShaderModule> fragment = make_shader_module(device, gbuffer_frag, "gbuffer.frag");
+    VkPipelineShaderStageCreateInfo stages[] = {shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex.get()),
+                                                shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment.get())};
     const VkBool32 tested = alpha_tested;
     const VkSpecializationMapEntry constant{0, 0, sizeof(tested)};  // ALPHA_TESTED
     const VkSpecializationInfo specialization{1, &constant, sizeof(tested), &tested};

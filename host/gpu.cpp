@@ -59,6 +59,44 @@ VkImageAspectFlags aspect_of(VkFormat format) {
     return is_depth(format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
+GpuImage bare_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t levels,
+                    uint32_t layers, VkImageUsageFlags usage, std::string_view what) {
+    GpuImage result;
+    result.format = format;
+    result.extent = extent;
+    result.levels = levels;
+    result.layers = layers;
+    VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+    info.imageType = VK_IMAGE_TYPE_2D;
+    info.format = format;
+    info.extent = {extent.width, extent.height, 1};
+    info.mipLevels = levels;
+    info.arrayLayers = layers;
+    info.samples = VK_SAMPLE_COUNT_1_BIT;
+    info.tiling = VK_IMAGE_TILING_OPTIMAL;
+    info.usage = usage;
+    VkImage image = VK_NULL_HANDLE;
+    check(vkCreateImage(device.get(), &info, nullptr, &image), "vkCreateImage", what);
+    result.image = {device.get(), image};
+    VkMemoryRequirements needs{};
+    vkGetImageMemoryRequirements(device.get(), image, &needs);
+    result.memory = allocate(device, needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, what);
+    check(vkBindImageMemory(device.get(), image, result.memory.get(), 0), "vkBindImageMemory", what);
+    return result;
+}
+
+Owned<VkImageView> make_view(const Device& device, const GpuImage& image, VkImageViewType type,
+                             uint32_t first_layer, uint32_t layers, std::string_view what) {
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image.get();
+    view.viewType = type;
+    view.format = image.format;
+    view.subresourceRange = {aspect_of(image.format), 0, image.levels, first_layer, layers};
+    VkImageView handle = VK_NULL_HANDLE;
+    check(vkCreateImageView(device.get(), &view, nullptr, &handle), "vkCreateImageView", what);
+    return {device.get(), handle};
+}
+
 // Everything before, then everything after: blocking transfers need no finer scopes.
 void full_barrier(VkCommandBuffer commands, VkImage image, VkFormat format, VkImageLayout from,
                   VkImageLayout to) {
@@ -132,36 +170,20 @@ GpuBuffer make_host_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsa
 
 GpuImage make_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t levels,
                     VkImageUsageFlags usage, std::string_view what) {
-    GpuImage result;
-    result.format = format;
-    result.extent = extent;
-    result.levels = levels;
-    VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
-    info.imageType = VK_IMAGE_TYPE_2D;
-    info.format = format;
-    info.extent = {extent.width, extent.height, 1};
-    info.mipLevels = levels;
-    info.arrayLayers = 1;
-    info.samples = VK_SAMPLE_COUNT_1_BIT;
-    info.tiling = VK_IMAGE_TILING_OPTIMAL;
-    info.usage = usage;
-    VkImage image = VK_NULL_HANDLE;
-    check(vkCreateImage(device.get(), &info, nullptr, &image), "vkCreateImage", what);
-    result.image = {device.get(), image};
-    VkMemoryRequirements needs{};
-    vkGetImageMemoryRequirements(device.get(), image, &needs);
-    result.memory = allocate(device, needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, what);
-    check(vkBindImageMemory(device.get(), image, result.memory.get(), 0), "vkBindImageMemory", what);
-
-    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-    view.image = image;
-    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-    view.format = format;
-    view.subresourceRange = {aspect_of(format), 0, levels, 0, 1};
-    VkImageView handle = VK_NULL_HANDLE;
-    check(vkCreateImageView(device.get(), &view, nullptr, &handle), "vkCreateImageView", what);
-    result.view = {device.get(), handle};
+    GpuImage result = bare_image(device, format, extent, levels, 1, usage, what);
+    result.view = make_view(device, result, VK_IMAGE_VIEW_TYPE_2D, 0, 1, what);
     return result;
+}
+
+GpuImage make_layered_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t layers,
+                            VkImageUsageFlags usage, std::string_view what) {
+    GpuImage result = bare_image(device, format, extent, 1, layers, usage, what);
+    result.view = make_view(device, result, VK_IMAGE_VIEW_TYPE_2D_ARRAY, 0, layers, what);
+    return result;
+}
+
+Owned<VkImageView> make_layer_view(const Device& device, const GpuImage& image, uint32_t layer) {
+    return make_view(device, image, VK_IMAGE_VIEW_TYPE_2D, layer, 1, "a layer");
 }
 
 GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage,
@@ -223,14 +245,14 @@ void upload_image(Device& device, GpuImage& image, std::span<const std::byte> te
 }
 
 std::vector<std::byte> read_image(Device& device, VkImage image, VkFormat format, VkExtent2D extent,
-                                  VkImageLayout layout) {
+                                  VkImageLayout layout, uint32_t layer) {
     std::vector<std::byte> texels(size_t(extent.width) * extent.height * texel_bytes(format));
     GpuBuffer staging =
         make_host_buffer(device, texels.size(), VK_BUFFER_USAGE_TRANSFER_DST_BIT, "readback of an image");
     device.run([&](VkCommandBuffer commands) {
         full_barrier(commands, image, format, layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
         VkBufferImageCopy region{};
-        region.imageSubresource = {aspect_of(format), 0, 0, 1};
+        region.imageSubresource = {aspect_of(format), 0, layer, 1};
         region.imageExtent = {extent.width, extent.height, 1};
         vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, staging.get(), 1,
                                &region);

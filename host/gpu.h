@@ -35,7 +35,7 @@ struct GpuImage {
     Owned<VkImageView> view;
     VkFormat format = VK_FORMAT_UNDEFINED;
     VkExtent2D extent{};
-    uint32_t levels = 1;
+    uint32_t levels = 1, layers = 1;
 
     VkImage get() const { return image.get(); }
 };
@@ -49,6 +49,11 @@ GpuBuffer make_host_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsa
 // 2D, one layer, optimal tiling.
 GpuImage make_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t levels,
                     VkImageUsageFlags usage, std::string_view what);
+// The same with layers, one level; its view is of an array, also of one layer.
+GpuImage make_layered_image(const Device& device, VkFormat format, VkExtent2D extent, uint32_t layers,
+                            VkImageUsageFlags usage, std::string_view what);
+// A view of one layer, to render to.
+Owned<VkImageView> make_layer_view(const Device& device, const GpuImage& image, uint32_t layer);
 
 // A device buffer filled with `data` (at least 16 bytes are allocated, so that empty data has a buffer too).
 GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage,
@@ -59,9 +64,10 @@ GpuTexels upload_texels(Device& device, std::span<const std::byte> data, VkForma
 // Fills all levels, tightly packed one after the other; leaves the image in SHADER_READ_ONLY_OPTIMAL.
 void upload_image(Device& device, GpuImage& image, std::span<const std::byte> texels);
 
-// Level 0's texels, rows tightly packed. The image (TRANSFER_SRC usage) is in `layout`, and is left in it.
+// One layer's texels of level 0, rows tightly packed. The image (TRANSFER_SRC usage) is in `layout`, and is
+// left in it.
 std::vector<std::byte> read_image(Device& device, VkImage image, VkFormat format, VkExtent2D extent,
-                                  VkImageLayout layout);
+                                  VkImageLayout layout, uint32_t layer = 0);
 
 // Bytes per texel of the formats that the host creates and the graph hands out; throws on others.
 uint32_t texel_bytes(VkFormat format);

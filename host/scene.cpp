@@ -37,6 +37,16 @@ Scene::Scene(Model model, const Shot& shot) : model_(std::move(model)), objects_
         const auto found = objects_.find(node.name);
         motions_.push_back(found == objects_.end() ? nullptr : &found->second);
     }
+    for (const Mesh& mesh : model_.meshes) {
+        std::array<glm::dvec3, 2>& box = mesh_boxes_.emplace_back();
+        box = {glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
+        for (const Part& part : mesh.parts) {
+            for (const glm::vec3& p : part.positions) {
+                box[0] = glm::min(box[0], part.origin + glm::dvec3(p));
+                box[1] = glm::max(box[1], part.origin + glm::dvec3(p));
+            }
+        }
+    }
     const std::vector<glm::dmat4> world = transforms(0);
     glm::dvec3 low(INFINITY), high(-INFINITY);
     for (size_t i = 0; i < model_.nodes.size(); ++i) {
@@ -76,6 +86,21 @@ bool Scene::moved(double a, double b) const {
         const ObjectKey at_a = object_at(*motion, a), at_b = object_at(*motion, b);
         return at_a.translation != at_b.translation || at_a.rotation_deg != at_b.rotation_deg;
     });
+}
+
+std::array<glm::dvec3, 2> Scene::box(double frame) const {
+    const std::vector<glm::dmat4> world = transforms(frame);
+    std::array<glm::dvec3, 2> out{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
+    for (const Instance& instance : instances_) {
+        const auto& [low, high] = mesh_boxes_[static_cast<size_t>(instance.mesh)];
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::dvec3 local(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                                   corner & 4 ? high.z : low.z);
+            const glm::dvec3 p(world[static_cast<size_t>(instance.node)] * glm::dvec4(local, 1));
+            out = {glm::min(out[0], p), glm::max(out[1], p)};
+        }
+    }
+    return out;
 }
 
 std::vector<Triangle> Scene::triangles(double frame) const {

@@ -48,6 +48,9 @@ class Scene {
     std::vector<uint32_t> triangle_objects() const;
     // Box of all triangles at the first frame, without the shot's origin.
     const std::array<glm::dvec3, 2>& bounds() const { return bounds_; }
+    // A box that holds all triangles at a frame, without the shot's origin; made of the parts' boxes, so not
+    // always the tightest.
+    std::array<glm::dvec3, 2> box(double frame) const;
 
   private:
     Model model_;
@@ -57,6 +60,7 @@ class Scene {
     int dropped_instances_ = 0;
     glm::dvec3 bvh_origin_{0};
     std::array<glm::dvec3, 2> bounds_{};
+    std::vector<std::array<glm::dvec3, 2>> mesh_boxes_;
 };
 
 }  // namespace penumbra

@@ -7,7 +7,8 @@
 
 namespace penumbra {
 
-SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame) : device_(device), scene_(scene) {
+SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours)
+    : device_(device), scene_(scene), with_neighbours_(neighbours) {
     if (has_alpha(scene)) {
         alpha_ = make_scene_alpha(scene);
         alpha_map_ = upload_texels(device, std::as_bytes(std::span(alpha_->map)), VK_FORMAT_R32_UINT,
@@ -45,6 +46,10 @@ void SceneBvh::upload_tree() {
                            "the BVH's nodes");
     leaves_ = upload_texels(device_, std::as_bytes(std::span(bvh_.leaves)), VK_FORMAT_R32G32B32A32_UINT,
                             "the BVH's leaves");
+    if (!with_neighbours_) return;
+    const std::vector<Texel> neighbours = leaf_neighbours(bvh_);
+    neighbours_ = upload_texels(device_, std::as_bytes(std::span(neighbours)), VK_FORMAT_R32G32B32A32_UINT,
+                                "the BVH's neighbours");
 }
 
 }  // namespace penumbra

@@ -308,7 +308,8 @@ void check_frames(Reader& reader, const Json& root, const Shot& shot) {
             sun_good = false;
         } else if (shot.analytic && sun_good) {
             if (const auto problem = analytic_problem(shot, frame)) {
-                reader.error(sun_place, "sun.keys", *problem);
+                const bool of_sun = problem->key == std::string_view("sun.keys");
+                reader.error(of_sun ? sun_place : root.find("scene")->place, problem->key, problem->text);
                 sun_good = false;
             }
         }

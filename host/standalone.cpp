@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/analytic.h"
@@ -30,7 +31,25 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
-      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {}
+      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {
+    for (uint32_t index = 0; index < shot_.frames; ++index)
+        cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
+}
+
+CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
+    CascadeRequest request;
+    request.camera = camera_at(shot_, index, double(options_.size[0]) / options_.size[1]);
+    for (int i = 0; i < 3; ++i) request.camera.position[static_cast<size_t>(i)] -= shot_.origin[i];
+    request.orthographic = shot_.analytic.has_value();
+    const SunState sun = sun_at(shot_, index);
+    request.to_sun = sun.to_sun;
+    request.angular_radius = sun.angular_radius;
+    const auto [low, high] = scene_.box(index);
+    request.low = low;
+    request.high = high;
+    request.size = options_.cascade_size;
+    return fit_cascades(request);
+}
 
 StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     const double aspect = double(options_.size[0]) / options_.size[1];
@@ -58,6 +77,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
         out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     }
     out.sun.angular_radius = static_cast<float>(sun.angular_radius);
+    out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
     return out;
 }
 
@@ -69,7 +89,9 @@ void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& fra
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {
-    return shot_facts(shot_, scene_);
+    std::map<std::string, bool> facts = shot_facts(shot_, scene_);
+    facts["many_cascades"] = cascade_layers_ > 1;
+    return facts;
 }
 
 }  // namespace penumbra

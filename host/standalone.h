@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "graph/frame_block.h"
+#include "host/cascade_fit.h"
 #include "host/gbuffer.h"
 #include "host/scene.h"
 #include "host/shot.h"
@@ -19,7 +20,8 @@ namespace penumbra {
 struct StandaloneOptions {
     std::array<uint32_t, 2> size{1280, 720};
     uint32_t frames_in_flight = 2;
-    bool jitter = true;  // whether frames are jittered where the pipeline wants it
+    bool jitter = true;            // whether frames are jittered where the pipeline wants it
+    uint32_t cascade_size = 1024;  // texels along a side of a shadow map
 };
 
 // One frame's data, a pure function of its index.
@@ -27,6 +29,7 @@ struct StandaloneFrame {
     FrameDescription description;
     blocks::Sun sun{};
     blocks::Scene scene{};
+    blocks::Cascades cascades{};
 };
 
 // Reads the shot's scene; warnings about it go to `warnings`.
@@ -41,6 +44,11 @@ class StandaloneHost {
 
     // `reset`: the frame has no history (the first one, a cut, a cold start); its previous camera is its own.
     StandaloneFrame frame(uint32_t index, bool reset) const;
+    // The shadow maps of a frame.
+    CascadeFit cascade_fit(uint32_t index) const;
+    // The most cascades that a frame of the shot has, at least one: layers of the maps.
+    uint32_t cascade_layers() const { return cascade_layers_; }
+
     // Records the frame's G-buffer; see GBuffer::record() for what holds afterwards.
     void record(VkCommandBuffer commands, const StandaloneFrame& frame);
 
@@ -59,6 +67,7 @@ class StandaloneHost {
     Scene scene_;
     StandaloneOptions options_;
     GBuffer gbuffer_;
+    uint32_t cascade_layers_ = 1;
 };
 
 }  // namespace penumbra

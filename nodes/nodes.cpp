@@ -12,8 +12,14 @@ namespace penumbra {
 
 #define PENUMBRA_NODES(X) \
     X(accumulate)         \
+    X(beams)              \
+    X(cascade_pcf)        \
+    X(cascade_pyramid)    \
+    X(cascade_taps)       \
+    X(cascades)           \
     X(classify)           \
     X(clear)              \
+    X(cones)              \
     X(copy)               \
     X(drift)              \
     X(filter)             \
@@ -59,6 +65,7 @@ NodeSet shadow_nodes() {
     NodeSet set;
     set.add_struct("Sun", sizeof(blocks::Sun));
     set.add_struct("Scene", sizeof(blocks::Scene));
+    set.add_struct("Cascades", sizeof(blocks::Cascades));
 #define PENUMBRA_ADD(name) set.add(load(embedded_##name));
     PENUMBRA_NODES(PENUMBRA_ADD)
 #undef PENUMBRA_ADD

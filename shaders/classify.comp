@@ -8,8 +8,6 @@
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 
-const float WHOLE_RAY_M = 1e30;  // finite: t_max times a slab test's margin must not overflow
-
 // Largest n.s that is shadowed for certain. The published test takes the sun for a point. A sun of angular radius a
 // lights the surface until its upper rim sets, n.s = -sin a; the stored normal's error is left to the ray.
 float shadowed_below() {
@@ -22,22 +20,21 @@ void main() {
     const uint pixels = in_grid ? inside_mask(tile) : 0u;
     const float limit = shadowed_below();
 
-    uint receivers = 0u, averted = 0u;
+    uint receivers = 0u, shadowed = 0u;
     for (int i = 0; i < 32; ++i) {
         const ivec2 p = tile * TILE + ivec2(i & 7, i >> 3);
         if ((pixels >> i & 1u) != 0u && imageLoad(view_depth, p).x > 0.0) {
             receivers |= 1u << i;
             const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
-            if (dot(n, sun.to_sun) <= limit) averted |= 1u << i;
+            if (dot(n, sun.to_sun) <= limit) shadowed |= 1u << i;
         }
     }
-    const uint shadowed = averted;
     const uint undecided = receivers & ~shadowed;
     if (in_grid) {
         receiver_words[tile_index(tile)] = receivers;
         preloaded_hits[tile_index(tile)] = shadowed;
-#if HAS_SUNWARD_WORDS
-        sunward_words[tile_index(tile)] = receivers & ~averted;
+#if HAS_UNDECIDED_WORDS
+        undecided_words[tile_index(tile)] = undecided;
 #endif
     }
     append_tile(undecided != 0u, pack_tile(tile, undecided, 0.0, WHOLE_RAY_M));

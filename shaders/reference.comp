@@ -52,8 +52,7 @@ uint count_lit_rays(ivec2 p, float z, uint first, uint count) {
     uint lit = 0u;
     for (uint i = 0u; i < count; ++i) {
         const vec3 direction = sun_direction(sun.to_sun, sun.angular_radius, stratified(p, first + i));
-        // What points into the surface for certain meets it, also where a ray that starts above it would slip past an edge.
-        if (dot(n, direction) > -GUIDE_NORMAL_ERROR) lit += uint(!occluded(origin, direction, 0.0, WHOLE_RAY_M));
+        if (!points_into_surface(n, direction)) lit += uint(!occluded(origin, direction, 0.0, WHOLE_RAY_M));
     }
     return lit;
 }

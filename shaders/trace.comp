@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel. Lanes are dealt out in blocks
-// of 4x2 pixels, so that the 8 lanes of a software device's subgroup walk the tree together.
+// One shadow ray per undecided pixel: one workgroup per listed tile, one lane per pixel.
 // Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl. A sun
 // that is a point takes no noise.
 #include "node.glsl"
@@ -40,21 +39,39 @@ vec3 ray_direction(ivec2 p) {
 #endif
 }
 
+// From the far end of a bounded ray to the surface: what stands near the sun's side is met first. The start and what the
+// tree's boxes and triangles make of it round in the far end's digits, which moves the ray across; raised by as much, it
+// still ends above the surface that it belongs to.
+const float FAR_ULPS = 8.0 * 1.1920929e-7;  // 2^-23
+
+bool hits_reversed(vec3 origin, vec3 n, vec3 direction, float t_min, float t_max, inout float t_hit) {
+    const vec3 far = abs(origin) + t_max * abs(direction);
+    const vec3 start = origin + n * (FAR_ULPS * (far.x + far.y + far.z)) + direction * t_max;
+    float from_start = t_max - t_hit;
+    const bool found = occluded_at(start, -direction, 0.0, t_max - t_min, from_start);
+    t_hit = t_max - from_start;
+    return found;
+}
+
+// `t_hit` stays where it is the surface itself that hides the sun.
 bool hits_something(ivec2 p, float t_min, float t_max, inout float t_hit) {
     const float z = imageLoad(view_depth, p).x;
     const vec3 relative = position(p, z);
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
     const vec3 in_scene = relative + scene.camera_from_origin;
     const vec3 origin = in_scene + n * offset_m(p, z, n, relative, in_scene);
+    const vec3 direction = ray_direction(p);
     if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
-    return occluded_at(origin, ray_direction(p), t_min, t_max, t_hit);
+    else if (points_into_surface(n, direction)) return true;
+    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, direction, t_min, t_max, t_hit);
+    return occluded_at(origin, direction, t_min, t_max, t_hit);
 }
 
 void main() {
     uvec4 record;
     if (!listed_tile(record)) return;  // the whole workgroup
     const int lane = int(gl_LocalInvocationIndex);
-    const ivec2 in_tile = ivec2((lane >> 3 & 1) * 4 + (lane & 3), (lane >> 4) * 2 + (lane >> 2 & 1));
+    const ivec2 in_tile = pixel_of_lane(lane);
     const ivec2 tile = tile_of(record);
     const uint bit = pixel_bit(in_tile);
     const bool wanted = (record.y & bit) != 0u;
@@ -66,7 +83,7 @@ void main() {
     const uint word = subgroupOr(hit);
     if (subgroupElect() && word != 0u) atomicOr(hits[tile_index(tile)], word);
 #if HAS_BLOCKERS
-    add_blockers(tile_index(tile), hit != 0u, t_hit);
+    add_blockers(tile_index(tile), hit != 0u && t_hit > 0.0, t_hit);
 #endif
     count_rays(wanted ? 1u : 0u);
 }

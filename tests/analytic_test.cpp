@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The half-plane scene: is the closed form right, and is what the shot says what the geometry shows?
+// Analytic scenes: is what the shot says what the closed forms and the geometry show? (The forms themselves:
+// sun_visibility_test.)
 #include "host/analytic.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
-#include <random>
 
 #include "host/scene.h"
 #include "host/standalone.h"
@@ -22,31 +23,6 @@ Shot half_plane_shot(AnalyticScene scene, uint32_t frames = 1) {
     shot.sun = {{0, {0.3, 0.2, 1}}};
     add_analytic_motion(shot);
     return shot;
-}
-
-// Directions of the cap around (0, 0, 1), stratified; the plane x cos = -z sin .. tilts by the distance.
-double counted_visibility(double distance, double radius, int side) {
-    std::mt19937 random(3);
-    std::uniform_real_distribution<double> in(0, 1);
-    int open = 0;
-    for (int i = 0; i < side; ++i)
-        for (int j = 0; j < side; ++j) {
-            const double t = 2 * (i + in(random)) / side * std::pow(std::sin(radius / 2), 2);  // 1 - cos
-            const double angle = 2 * glm::pi<double>() * (j + in(random)) / side;
-            const double x = std::sqrt(t * (2 - t)) * std::cos(angle), z = 1 - t;
-            open += x * std::cos(distance) + z * std::sin(distance) > 0;
-        }
-    return static_cast<double>(open) / (static_cast<double>(side) * side);
-}
-
-TEST(HalfPlane, ClosedFormAgreesWithCountedDirections) {
-    for (const double degrees : {0.2665, 1.0, 5.0, 10.0, 40.0})
-        for (const double share : {-0.95, -0.5, -0.1, 0.0, 0.3, 0.8, 0.99}) {
-            const double radius = glm::radians(degrees);
-            EXPECT_NEAR(half_plane_visibility(share * radius, radius),
-                        counted_visibility(share * radius, radius, 1024), 6e-5)
-                << degrees << " degrees, " << share;
-        }
 }
 
 TEST(HalfPlane, ClosedFormIsSymmetricAndWholeAtItsEnds) {
@@ -116,6 +92,110 @@ TEST(HalfPlane, SheetStandsWhereTheClosedFormSays) {
             }
         EXPECT_NEAR(edge, geometry.edge, 1e-3 * analytic_pixel_m) << frame;
         EXPECT_NEAR(height, geometry.height, 1e-5 * geometry.height);
+    }
+}
+
+Shot shot_with(AnalyticScene scene, double radius_deg = 0.2665) {
+    Shot shot = half_plane_shot(std::move(scene));
+    shot.sun_angular_radius_deg = radius_deg;
+    return shot;
+}
+
+double at(const std::vector<double>& image, const Shot& shot, uint32_t x, uint32_t y) {
+    return image[size_t{shot.size[0]} * y + x];
+}
+
+// A slit wider than its penumbra is light in its middle and dark beside; one much narrower shows a part.
+TEST(Slit, LetsTheSunThrough) {
+    const Shot wide = shot_with({16, 0, 0, 0, Slit{40}}), narrow = shot_with({16, 0, 0, 0, Slit{2}});
+    EXPECT_EQ(at(analytic_image(wide, 0), wide, 100, 30), 1);
+    EXPECT_EQ(at(analytic_image(wide, 0), wide, 70, 30), 0);
+    EXPECT_NEAR(at(analytic_image(wide, 0), wide, 80, 30), 0.5, 0.05);
+    // 2 of 16 pixels at the disc's middle: 4 / pi * 2 / 16
+    EXPECT_NEAR(at(analytic_image(narrow, 0), narrow, 100, 30), 4 / glm::pi<double>() * 2 / 16, 0.003);
+}
+
+// Slats much finer than the penumbra average to their openings; coarse ones show.
+TEST(Fence, FineSlatsMeltIntoAnAverage) {
+    const Shot fine = shot_with({32, 20, 0, 0, Fence{2, 0.3}}),
+               coarse = shot_with({2, 0, 0, 0, Fence{40, 0.5}});
+    for (const double v : analytic_image(fine, 0)) EXPECT_NEAR(v, 0.7, 0.01);
+    const std::vector<double> image = analytic_image(coarse, 0);
+    EXPECT_EQ(at(image, coarse, 100, 30), 0);
+    EXPECT_EQ(at(image, coarse, 120, 30), 1);
+    EXPECT_EQ(at(image, coarse, 140, 30), 0);
+    // At 2 rho / p = 1.22, the first zero of J1, the lines vanish; beyond it dark and light change places.
+    const auto contrast = [](double penumbra_px) {
+        Shot shot = shot_with({penumbra_px, 0, 0, 0, Fence{20, 0.5}});
+        shot.sun = {{0, {0, 0, 1}}};
+        const std::vector<double> row = analytic_image(shot, 0);
+        return at(row, shot, 110, 30) - at(row, shot, 100, 30);  // an opening's middle and a slat's
+    };
+    EXPECT_NEAR(contrast(4), 1, 1e-9);
+    EXPECT_GT(contrast(20), 0.05);
+    EXPECT_NEAR(contrast(20 * 1.22), 0, 0.03);
+    EXPECT_LT(contrast(20 * 1.6), -0.03);
+}
+
+TEST(Polygon, ShadowFallsWhereThePointsAre) {
+    const Shot shot = shot_with({4, 0, 0, 0, Polygon{{{-30, -20}, {40, -20}, {40, 10}, {-30, 10}}}});
+    const std::vector<double> image = analytic_image(shot, 0);
+    EXPECT_EQ(at(image, shot, 75, 15), 0);
+    EXPECT_EQ(at(image, shot, 135, 35), 0);
+    EXPECT_EQ(at(image, shot, 75, 45), 1);
+    EXPECT_EQ(at(image, shot, 145, 15), 1);
+    EXPECT_EQ(at(image, shot, 65, 15), 1);
+}
+
+TEST(Sphere, ShadowIsRoundAndSoft) {
+    Shot shot = shot_with({8, 0, 0, 0, Sphere{10}}, 2);
+    shot.sun = {{0, {0, 0, 1}}};
+    const std::vector<double> image = analytic_image(shot, 0);
+    EXPECT_EQ(at(image, shot, 100, 30), 0);
+    EXPECT_EQ(at(image, shot, 120, 30), 1);
+    EXPECT_NEAR(at(image, shot, 109, 30), at(image, shot, 100, 39), 1e-12);
+    EXPECT_NEAR(at(image, shot, 109, 30), 0.5, 0.1);
+}
+
+// Every sun above the horizon leaves the contact itself dark, on the shadow's side.
+TEST(Contact, ShadowBeginsAtTheContact) {
+    for (const double radius : {0.2665, 5.0}) {
+        const Shot wall = shot_with({0, 0, 0, 0, ContactWall{1}}, radius);
+        const std::vector<double> image = analytic_image(wall, 0);
+        EXPECT_EQ(at(image, wall, 99, 30), 0);
+        EXPECT_EQ(at(image, wall, 100, 30), 1);
+        const ContactLine line = analytic_contact(wall, 0).value();
+        EXPECT_NEAR(line.from[0], 100, 1e-9);
+        EXPECT_NEAR(line.away[0], -1, 1e-9);
+
+        const Shot ball = shot_with({0, 0, 0, 0, ContactPoint{20}}, radius);
+        const std::vector<double> round = analytic_image(ball, 0);
+        const ContactLine point = analytic_contact(ball, 0).value();
+        EXPECT_EQ(point.from, point.to);
+        const auto x = static_cast<uint32_t>(point.from[0] + 2 * point.away[0]),
+                   y = static_cast<uint32_t>(point.from[1] + 2 * point.away[1]);
+        EXPECT_EQ(at(round, ball, x, y), 0);
+        const std::vector<uint8_t> seen = analytic_receivers(ball, 0);
+        EXPECT_LE(std::count(seen.begin(), seen.end(), 0), 8);
+        EXPECT_EQ(seen[30 * 200 + 100], 0);
+    }
+    EXPECT_FALSE(analytic_contact(shot_with({8, 0, 0, 0}), 0));
+}
+
+// Naive: dark as soon as n.s < 0. Half the sun still shines there.
+TEST(Terminator, GoesThroughAHalfWhereTheSunsCentreSets) {
+    Shot shot = shot_with({64, 0, 0, 0, Terminator{}}, 2);
+    shot.sun = {{0, {1, 0, 0.5}}};
+    const std::vector<double> image = analytic_image(shot, 0);
+    EXPECT_EQ(at(image, shot, 10, 30), 0);
+    EXPECT_EQ(at(image, shot, 190, 30), 1);
+    EXPECT_NEAR(0.5 * (at(image, shot, 99, 30) + at(image, shot, 100, 30)), 0.5, 1e-9);
+    for (uint32_t x = 1; x < 200; ++x) EXPECT_GE(at(image, shot, x, 30), at(image, shot, x - 1, 30));
+    double last = INFINITY;  // convex: the slope falls all the way
+    for (double q = -3; q < 3; q += 0.01) {
+        const double slope = terminator_strip(shot, q).slope;
+        EXPECT_LE(slope, last + 1e-12);
+        last = slope;
     }
 }
 

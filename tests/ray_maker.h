@@ -36,6 +36,11 @@ class RayMaker {
     }
 
     Ray ray(uint32_t x, uint32_t y, float depth, uint32_t normal_texel) const {
+        return ray(x, y, depth, normal_texel, sample(x, y));
+    }
+
+    // Towards the point of the sun's disc that `u` of the unit square stands for.
+    Ray ray(uint32_t x, uint32_t y, float depth, uint32_t normal_texel, const glm::dvec2& u) const {
         const Camera& camera = frame_.description.camera;
         const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
         const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
@@ -45,12 +50,9 @@ class RayMaker {
         const glm::dvec2 ndc = 2.0 * uv - 1.0;
         const glm::dvec3 relative = world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
         const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
-        glm::dvec3 n;
-        for (int c = 0; c < 3; ++c)
-            n[c] = 2 * static_cast<double>(normal_texel >> (10 * c) & 1023) / 1023 - 1;
-        n = glm::normalize(n);
+        const glm::dvec3 n = normal(normal_texel);
         const glm::dvec3 origin = in_scene + n * offset(n, relative, in_scene, z);
-        const glm::dvec3 direction = sun_direction(sample(x, y));
+        const glm::dvec3 direction = sun_direction(u);
         Ray ray{};
         for (int c = 0; c < 3; ++c) {
             ray.origin[c] = static_cast<float>(origin[c]);
@@ -61,7 +63,18 @@ class RayMaker {
         return ray;
     }
 
+    // Cosine between a ray and its surface's normal: at most -GUIDE_NORMAL_ERROR points into the surface.
+    static double slope(const Ray& ray, uint32_t normal_texel) {
+        return glm::dot(normal(normal_texel),
+                        glm::dvec3(ray.direction[0], ray.direction[1], ray.direction[2]));
+    }
+
   private:
+    static glm::dvec3 normal(uint32_t texel) {
+        glm::dvec3 n;
+        for (int c = 0; c < 3; ++c) n[c] = 2 * static_cast<double>(texel >> (10 * c) & 1023) / 1023 - 1;
+        return glm::normalize(n);
+    }
     static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
     double offset(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene,

@@ -223,6 +223,8 @@ const std::set<std::string> beyond_schemas = {
     "duplicate_key.shot.json",
     // geometry, and values of several keys together
     "camera_meets_target.shot.json",
+    "analytic_polygon.shot.json",
+    "analytic_sphere.shot.json",
     "half_plane_sun.shot.json",
     "keys_fall.shot.json",
     "sun_turns_over.shot.json",
@@ -317,9 +319,21 @@ class SchemaAndLoader : public ::testing::Test {
         Subject subject{"shot", shot_schema(), {}, {}, {}};
         for (const fs::path& file : files_in("scenes", ".shot.json"))
             if (fs::file_size(file) < 2000) subject.documents.push_back(json::parse(read(file)));
-        subject.documents.push_back(json::parse(R"({ "penumbra_shot": 1, "frames": 2,
-            "scene": { "analytic": "half_plane", "penumbra_px": 32, "edge_deg": 20, "speed_px": 0.25, "offset_px": 1 },
-            "sun": { "keys": [{ "frame": 0, "to_sun": [0.3, 0.4, 0.8] }] } })"));
+        for (
+            const char* scene :
+            {R"({ "analytic": "half_plane", "penumbra_px": 32, "edge_deg": 20, "speed_px": 0.25, "offset_px": 1 })",
+             R"({ "analytic": "slit", "penumbra_px": 32, "width_px": 8 })",
+             R"({ "analytic": "fence", "penumbra_px": 32, "period_px": 8, "duty": 0.5 })",
+             R"({ "analytic": "polygon", "penumbra_px": 32, "points": [[0, 0], [9, 1], [2, 8]] })",
+             R"({ "analytic": "sphere", "penumbra_px": 32, "radius_px": 8 })",
+             R"({ "analytic": "contact_point", "radius_px": 8 })",
+             R"({ "analytic": "contact_wall", "height": 2, "edge_deg": 10 })",
+             R"({ "analytic": "terminator", "penumbra_px": 32 })"}) {
+            json document = json::parse(R"({ "penumbra_shot": 1, "frames": 2,
+                "sun": { "keys": [{ "frame": 0, "to_sun": [0.3, 0.4, 0.8] }] } })");
+            document["scene"] = json::parse(scene);
+            subject.documents.push_back(std::move(document));
+        }
         subject.loads = subject.well_formed = [this](const json& document) {
             const fs::path file = folder_ / "tried.shot.json";
             std::ofstream(file) << document.dump();

@@ -123,9 +123,11 @@ TEST_P(ShadowPipeline, AnySizeGivesFiniteImagesInRange) {
     }
 }
 
+class TracedShadowPipeline : public ShadowPipeline {};
+
 // Seen from above, the floor fills the view and faces the sun: every tile has undecided pixels. 129 600 tiles
 // exceed what one dimension of an indirect dispatch may hold on many devices.
-TEST_P(ShadowPipeline, EveryTileOfA4kFrameIsTraced) {
+TEST_P(TracedShadowPipeline, EveryTileOfA4kFrameIsTraced) {
     const CheckedPipeline pipeline = pipeline_named(GetParam());
     Shot shot = plaza_shot({3840, 2160}, 1);
     shot.camera = {{0, {0, 6, 0.01}, {0, 0, 0}, {0, 1, 0}}};
@@ -170,7 +172,10 @@ TEST_F(ShadowsSky, IsLit) {
     EXPECT_GT(dark, 1000u);
 }
 
-INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows", "sheared"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
+                         ::testing::Values("raw", "hybrid_raw", "fidelityfx", "shadows", "hybrid_shadows", "sheared"),
+                         [](const auto& test) { return std::string(test.param); });
+INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows", "sheared"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

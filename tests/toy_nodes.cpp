@@ -28,7 +28,7 @@ const std::map<std::string, std::string>& declarations() {
   "node": "pyramid", "doc": "Mip chain of lower bounds.", "shader": "pyramid.comp",
   "inputs":  { "cascade_maps": { "kind": "image", "format": ["d32", "d16"], "layers": true } },
   "outputs": { "bounds": { "kind": "image", "format": "r32f", "layers": true, "levels": true, "extent": "cascade_maps" } },
-  "dispatch": { "over": "cascade_maps" }
+  "dispatch": { "over": "bounds" }
 })"},
         {"classify", R"({
   "node": "classify", "doc": "Decides what is traced.", "shader": "classify.comp",

@@ -83,6 +83,32 @@ std::vector<float> floats(std::span<const std::byte> bytes) {
     return values;
 }
 
+// toy_chain and toy_pick in plain C++: 37x11 has six levels, whose last column or row has no partner.
+std::vector<float> picked(const std::vector<float>& base) {
+    std::vector<std::vector<float>> levels{base};
+    for (float& value : levels[0]) value *= 2;
+    for (uint32_t l = 1; (std::max(width, height) >> l) > 0; ++l) {
+        const uint32_t w = std::max(width >> l, 1u), h = std::max(height >> l, 1u);
+        const uint32_t below_w = std::max(width >> (l - 1), 1u), below_h = std::max(height >> (l - 1), 1u);
+        std::vector<float> level(size_t{w} * h, 0.0f);
+        for (uint32_t y = 0; y < h; ++y)
+            for (uint32_t x = 0; x < w; ++x)
+                for (uint32_t i = 0; i < 4; ++i) {
+                    const uint32_t bx = 2 * x + (i & 1), by = 2 * y + (i >> 1);
+                    if (bx < below_w && by < below_h) level[y * w + x] += levels.back()[by * below_w + bx];
+                }
+        levels.push_back(std::move(level));
+    }
+    std::vector<float> result(base.size());
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x) {
+            const uint32_t l = x % uint32_t(levels.size());
+            const uint32_t w = std::max(width >> l, 1u), h = std::max(height >> l, 1u);
+            result[y * width + x] = levels[l][std::min(y >> l, h - 1) * w + std::min(x >> l, w - 1)];
+        }
+    return result;
+}
+
 // The same dataflow in plain C++.
 struct Expected {
     std::vector<float> previous = std::vector<float>(width * height, 0.0f);
@@ -90,7 +116,8 @@ struct Expected {
 
     void frame(uint32_t index, bool reset, bool moves) {
         auto& v = values;
-        for (const char* name : {"early_view", "late_view", "base_copy", "blended", "level", "scattered"})
+        for (const char* name :
+             {"early_view", "late_view", "base_copy", "blended", "level", "scattered", "picked"})
             v[name].assign(width * height, 0.0f);
         for (uint32_t y = 0; y < height; ++y)
             for (uint32_t x = 0; x < width; ++x) {
@@ -104,6 +131,7 @@ struct Expected {
                 v["level"][i] = moves ? 3 * static_cast<float>(i) + f + 7 : 0.5f * static_cast<float>(i) + f;
                 if (y % 2 == 0) v["scattered"][i] = static_cast<float>(x / 2 + 1) + base;
             }
+        v["picked"] = picked(v["base_copy"]);
         previous = v["blended"];
     }
 };

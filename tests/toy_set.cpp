@@ -34,8 +34,8 @@ NodeEntry compile_toy(const std::filesystem::path& file) {
 const NodeSet& toy_set() {
     static const NodeSet set = [] {
         NodeSet nodes;
-        for (const char* name :
-             {"toy_blend", "toy_double", "toy_fill", "toy_list", "toy_remember", "toy_scatter"})
+        for (const char* name : {"toy_blend", "toy_chain", "toy_double", "toy_fill", "toy_list", "toy_pick",
+                                 "toy_remember", "toy_scatter"})
             nodes.add(compile_toy(root / "tests/toy" / (std::string(name) + ".json")));
         return nodes;
     }();

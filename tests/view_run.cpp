@@ -31,6 +31,7 @@ Plan plan_for(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptio
     target.device.cpu = options.cpu;
     target.facts = options.facts;
     for (const auto& [name, format] : options.formats) target.inputs[name] = {format, extent};
+    for (const auto& [name, size] : options.arrays) target.inputs[name] = {options.formats.at(name), size, 1};
     CompileOptions compile_options;
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
@@ -70,7 +71,8 @@ CheckedPipeline shadow_pipeline_file(const std::string& name) {
     return checked(load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics), diagnostics);
 }
 
-ViewRun::ViewRun(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptions& options) {
+ViewRun::ViewRun(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptions& options)
+    : arrays_(options.arrays) {
     auto plan = std::make_shared<Plan>(plan_for(pipeline, extent, options));
     view_ = std::make_unique<View>(std::make_shared<Program>(handles_of(gpu()), plan),
                                    ViewOptions{1, options.poison});
@@ -81,8 +83,10 @@ void ViewRun::set(const std::string& name, std::span<const std::byte> bytes) {
     Input input;
     if (slot.kind == PortKind::image) {
         const VkFormat format = info(slot.format).vk;
-        input.image = make_image(gpu(), format, {slot.extent.width, slot.extent.height}, 1,
-                                 VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, name);
+        const VkExtent2D size{slot.extent.width, slot.extent.height};
+        constexpr VkImageUsageFlags usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+        input.image =
+            (arrays_.contains(name) ? make_layered_image : make_image)(gpu(), format, size, 1, usage, name);
         upload_image(gpu(), input.image, bytes);
     } else if (slot.kind == PortKind::texels) {
         input.texels = upload_texels(gpu(), bytes, info(slot.format).vk, name);

@@ -31,6 +31,7 @@ struct ViewRunOptions {
     std::map<std::string, Format>
         formats;                        // of the host images; absent: the first format that the nodes accept
     std::vector<std::string> captures;  // besides the outputs
+    std::map<std::string, Extent> arrays;  // host images that are arrays of one layer, with their size
 };
 
 class ViewRun {
@@ -55,6 +56,7 @@ class ViewRun {
         GpuTexels texels;
     };
     std::unique_ptr<View> view_;
+    std::map<std::string, Extent> arrays_;
     std::map<std::string, Input> inputs_;
 };
 

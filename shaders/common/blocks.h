@@ -4,7 +4,9 @@
 #pragma once
 #include <cstdint>
 namespace penumbra::blocks {
+using uint = uint32_t;
 struct vec3 { float v[3]; };
+struct alignas(16) mat3x4 { float columns[3][4]; };
 #endif
 
 struct Sun {
@@ -17,7 +19,22 @@ struct Scene {
     float padding;
 };
 
+// A shadow map's place: vec4(camera-relative metres, 1) * map = u, v in 0..1 and depth, 0 at the sun's side. Texels are
+// square; depth 0 is no farther from the sun than the topmost caster.
+struct Cascade {
+    mat3x4 map;
+    float texel_m;  // width of a texel
+    float depth_m;  // metres per unit of depth
+};
+
+struct Cascades {
+    uint count;  // 0..4, finest first; each layer of the maps is one
+    uint flags;  // 1: the maps' casters are widened by half a texel
+    Cascade c[4];
+};
+
 #ifdef __cplusplus
+static_assert(sizeof(Cascade) == 64 && sizeof(Cascades) == 272);
 static_assert(sizeof(Sun) == 16 && sizeof(Scene) == 16);
 }
 #endif

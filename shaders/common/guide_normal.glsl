@@ -12,6 +12,10 @@ vec3 decode_normal(vec4 texel) { return (2.0 * texel.xyz - 1.0) * texel.w; }
 // Normalised; zero stays zero.
 vec3 unit_or_zero(vec3 n) { return n * inversesqrt(max(dot(n, n), 1e-12)); }
 
+// Whether a ray from the surface points into it for certain: it meets the surface, also where its origin, offset above the
+// surface, would let it slip past an edge. n is a unit normal.
+bool points_into_surface(vec3 n, vec3 direction) { return dot(n, direction) <= -GUIDE_NORMAL_ERROR; }
+
 // saturate(a.b)^32 of the normalised vectors, from their lengths' squares: no square root per tap.
 float normal_weight(vec3 a, float a2, vec3 b) {
     const float cosine = max(dot(a, b), 0.0);

@@ -6,7 +6,7 @@
 // - rounding of the depth, interpolated and stored, moves the point along the view ray, of which the normal sees a part;
 // - rasterisers snap vertices to a grid of 1/256 pixel, which displaces a surface by at most half of that on an axis.
 //
-// Includer has common/camera.glsl.
+// Includer has common/camera.glsl and common/guide_normal.glsl.
 const float ULPS = 16.0 * 1.1920929e-7;  // 2^-23
 const float DEPTH_ROUNDINGS = 8.0;
 const float SNAP_PX = 1.0 / 256.0;
@@ -16,4 +16,13 @@ float robust_offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
     const vec3 largest = max(abs(relative), abs(in_scene));
     return ULPS * (largest.x + largest.y + largest.z + z) +
            DEPTH_ROUNDINGS * depth_rounding_m(z) * abs(dot(n, to_viewer(p))) + SNAP_PX * pixel_span_m(z);
+}
+
+// In the scene's frame, for a pixel that shows a surface. Includer declares: image view_depth, guide_normal; block scene.
+vec3 shadow_ray_origin(ivec2 p) {
+    const float z = imageLoad(view_depth, p).x;
+    const vec3 relative = position(p, z);
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const vec3 in_scene = relative + scene.camera_from_origin;
+    return in_scene + n * robust_offset_m(p, z, n, relative, in_scene);
 }

@@ -6,6 +6,7 @@
 // The order of the list follows the scheduling and must never show in the image.
 
 const uint TILES_PER_ROW = 32768u;
+const float WHOLE_RAY_M = 1e30;  // a record's t_max; finite: its product with a slab test's margin must not overflow
 
 #ifdef APPENDS_TILES
 // Called by every invocation that is alive; one atomic per subgroup.
@@ -23,12 +24,20 @@ void append_tile(bool wanted, uvec4 record) {
     first = subgroupBroadcastFirst(first);
     if (wanted) tile_list[first + subgroupBallotExclusiveBitCount(ballot)] = record;
 }
-#else
+#endif
+
+// A shader that reads one list and writes another names the one it reads before it includes this.
+#if !defined(LISTED_TILES) && !defined(APPENDS_TILES)
+#define LISTED_TILES tile_list
+#define LISTED_ARGS trace_args
+#endif
+
+#ifdef LISTED_TILES
 // Whether this workgroup has a tile, and its record: packed tile x | y << 16, mask of pixels to trace, t_min, t_max.
 bool listed_tile(out uvec4 record) {
     const uint index = gl_WorkGroupID.y * TILES_PER_ROW + gl_WorkGroupID.x;
-    if (index >= trace_args[3]) return false;
-    record = tile_list[index];
+    if (index >= LISTED_ARGS[3]) return false;
+    record = LISTED_TILES[index];
     return true;
 }
 #endif

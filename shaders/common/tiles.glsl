@@ -18,6 +18,9 @@ uint block_index(ivec2 block) { return uint(block.y * block_grid().x + block.x);
 
 uint pixel_bit(ivec2 p) { return 1u << uint((p.y & 3) * 8 + (p.x & 7)); }
 
+// A tile's pixel for each of 32 lanes, in blocks of 4x2: the 8 lanes of a software device's subgroup walk a tree together.
+ivec2 pixel_of_lane(int lane) { return ivec2((lane >> 3 & 1) * 4 + (lane & 3), (lane >> 4) * 2 + (lane >> 2 & 1)); }
+
 // The bits of a tile that are pixels of the image.
 uint inside_mask(ivec2 tile) {
     if (any(lessThan(tile, ivec2(0)))) return 0u;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// What competes: pipelines, and brute force as the line that they have to beat. Brute force of N rays is the
+// pipeline `raw` whose trace runs N times on each frame, frozen, with N consecutive points of its own
+// sequence of sun samples (the better case for brute force: they are stratified, not random); the mask is
+// their mean.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "graph/check.h"
+#include "graph/node_set.h"
+
+namespace penumbra::report {
+
+struct Contender {
+    std::string id;    // the pipeline's name, or "rays_16"; unique
+    std::string file;  // as a command line would give it; brute force: empty
+    std::string doc;
+    std::optional<uint32_t> brute_force;  // rays per pixel
+    CheckedPipeline pipeline;             // brute force: raw
+};
+
+// A shipped pipeline that cannot compete, and why.
+struct LeftOut {
+    std::string file, why;
+};
+
+struct Contenders {
+    std::vector<Contender> list;  // pipelines as given, then brute force by rising rays
+    std::vector<LeftOut> left_out;
+};
+
+// The folder that holds `pipelines/` and `scenes/`: the current one, or one above the program's. Empty where
+// there is none.
+std::filesystem::path shipped_root();
+
+// `wanted`: files, or names of shipped pipelines; empty: all shipped ones, and those that the standalone host
+// cannot run, or that put out no `visibility`, are left out. A named one that cannot compete is an error.
+std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted,
+                                          const std::filesystem::path& root, const NodeSet& nodes,
+                                          Diagnostics& diagnostics);
+
+// The file that `wanted` names: itself where it is one, else `root`/folder/wanted + suffix.
+std::optional<std::filesystem::path> shipped_file(const std::string& wanted,
+                                                  const std::filesystem::path& root,
+                                                  const std::string& folder, const std::string& suffix,
+                                                  Diagnostics& diagnostics);
+// All files of a shipped folder with that suffix, by name.
+std::vector<std::filesystem::path> shipped_files(const std::filesystem::path& root, const std::string& folder,
+                                                 const std::string& suffix);
+
+}  // namespace penumbra::report

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "app/report/measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "app/report/images.h"
+#include "app/report/truth_source.h"
+#include "app/report/turns.h"
+
+namespace penumbra::report {
+namespace {
+
+namespace fs = std::filesystem;
+using Size = std::array<uint32_t, 2>;
+
+ComparedFrame compared(Size size, const TruthSource::Frame& truth, const Turns::Masks& masks) {
+    ComparedFrame frame{size[0], size[1], truth.truth.visibility, truth.counted, {}};
+    if (!truth.exact) frame.reference_rays = truth.truth.rays;
+    for (const std::vector<float>& mask : masks) frame.seeds.emplace_back(mask);
+    return frame;
+}
+
+std::set<uint32_t> moving_frames_judged(const Study& study) {
+    std::set<uint32_t> frames;
+    for (uint32_t f = study.moving_every - 1; f < study.moving_frames; f += study.moving_every)
+        frames.insert(f);
+    return frames;
+}
+
+void judge_stillness(const Study& study, const TruthSource::Frame& truth, const Turns& turns,
+                     std::span<Row> rows) {
+    for (Row& row : rows)
+        for (const uint32_t after : study.after_cut) {
+            const MetricSums sums =
+                measure(compared(study.size, truth, turns.masks(row.contender, after - 1)));
+            row.after_cut.push_back({after, metrics_of(sums)});
+        }
+    // Nothing moves: a point stays where it is, and so does the truth.
+    const std::vector<float> nowhere(truth.counted.size(), 0.0f), everywhere(truth.counted.size(), 1.0f);
+    for (Row& row : rows) {
+        const uint32_t last = study.after_cut.back() - 1;
+        const ComparedFrame now = compared(study.size, truth, turns.masks(row.contender, last));
+        const ComparedFrame before = compared(study.size, truth, turns.masks(row.contender, last - 1));
+        FlickerSums sums;
+        add_flicker({now, before, nowhere, nowhere, nowhere, everywhere, everywhere}, sums);
+        row.flicker = sums.rms();
+    }
+}
+
+// What the masks make of the lit picture, under the first seed.
+void judge_picture(const Study& study, TruthSource& source, const TruthSource::Frame& truth, uint32_t frame,
+                   const Turns& turns, std::span<Row> rows) {
+    const LitSurfaces lit = source.surfaces(frame);
+    const Surfaces surfaces{lit.albedo, lit.normal, lit.to_sun};
+    for (Row& row : rows) {
+        const Turns::Masks& masks = turns.masks(row.contender, frame);
+        const ComparedFrame one = compared(study.size, truth, {masks.front()});
+        const std::vector<glm::vec3> image = shade_surfaces(surfaces, one, masks.front()),
+                                     reference = shade_surfaces(surfaces, one, one.truth);
+        row.relmse = relative_error(one, image, reference).mean();
+        const std::vector<float> map =
+            flip_map(one.width, one.height, display_linear(reference), display_linear(image));
+        std::vector<float> counted;
+        for (size_t p = 0; p < map.size(); ++p)
+            if (one.counted[p]) counted.push_back(map[p]);
+        row.flip = pool_flip(std::move(counted));
+    }
+}
+
+void write_images(const Bench& bench, ShotFacts& facts, const TruthSource::Frame& truth, const Turns& turns,
+                  uint32_t frame, const std::vector<Contender>& contenders, std::span<Row> rows) {
+    facts.image_frame = frame;
+    facts.reference_image = fmt::format("images/{}.reference.png", facts.name);
+    write_mask_image(bench.folder / facts.reference_image, facts.size, truth.truth.visibility);
+    for (Row& row : rows) {
+        const std::string base = fmt::format("images/{}.{}", facts.name, contenders[row.contender].id);
+        const std::vector<float>& mask = turns.masks(row.contender, frame).front();
+        row.images = {base + ".mask.png", base + ".error.png"};
+        write_mask_image(bench.folder / row.images[0], facts.size, mask);
+        write_error_image(bench.folder / row.images[1], facts.size, mask, truth.truth.visibility,
+                          truth.counted);
+    }
+}
+
+// Judges the moving run frame by frame, since one frame's truth is held at a time.
+void judge_motion(const Bench& bench, const Study& study, TruthSource& source, const Turns& turns,
+                  const std::vector<Contender>& contenders, ShotFacts& facts, std::span<Row> rows) {
+    std::vector<MetricSums> pooled(rows.size());
+    std::vector<SsimSum> ssim(rows.size());
+    const std::set<uint32_t> judged = moving_frames_judged(study);
+    for (const uint32_t frame : judged) {
+        const TruthSource::Frame truth = source.at(frame);
+        for (size_t r = 0; r < rows.size(); ++r) {
+            const ComparedFrame one = compared(study.size, truth, turns.masks(rows[r].contender, frame));
+            const MetricSums sums = measure(one);
+            if (frame >= study.settling) {
+                pooled[r].add(sums);
+                ssim[r].add(ssim_near_penumbra(one));
+                if (const auto bias = largest_bias_9x9(one))
+                    rows[r].bias_9x9 = std::max(rows[r].bias_9x9.value_or(0), *bias);
+            }
+            rows[r].over_time.push_back({frame, metrics_of(sums)});
+        }
+        bench.step();
+        if (frame != *judged.rbegin()) continue;
+        const MaskMetrics& last = rows.front().over_time.back().metrics;
+        facts.receivers = last.receivers;
+        facts.penumbra = last.penumbra;
+        judge_picture(study, source, truth, frame, turns, rows);
+        write_images(bench, facts, truth, turns, frame, contenders, rows);
+    }
+    for (size_t r = 0; r < rows.size(); ++r) {
+        rows[r].moving = metrics_of(pooled[r]);
+        rows[r].ssim = ssim[r].mean();
+    }
+}
+
+void add_costs(const Costs& costs, Size size, Row& row) {
+    row.mask_ms = costs.sum(&PassCost::ms, true);
+    row.frame_ms = costs.sum(&PassCost::ms, false);
+    row.mask_cpu_ms = costs.sum(&PassCost::cpu_ms, true);
+    row.frame_cpu_ms = costs.sum(&PassCost::cpu_ms, false);
+    for (size_t p = 0; p < costs.passes.size(); ++p)
+        row.passes.push_back(
+            {costs.passes[p], costs.pass(p, &PassCost::ms), costs.pass(p, &PassCost::cpu_ms)});
+    const double rays = std::accumulate(costs.rays.begin(), costs.rays.end(), 0.0);
+    if (rays > 0) row.rays_per_pixel = rays / (static_cast<double>(costs.rays.size()) * size[0] * size[1]);
+}
+
+}  // namespace
+
+bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, Diagnostics& diagnostics,
+                  std::vector<std::string>& warnings) {
+    const Study& study = results.study;
+    const std::vector<Contender>& contenders = results.contenders;
+    std::vector<Row> rows(contenders.size());
+    for (size_t c = 0; c < rows.size(); ++c) {
+        rows[c].shot = results.shots.size();
+        rows[c].contender = c;
+    }
+    ShotFacts facts{shot.name, shot.moving.file.generic_string(), shot.still.file.generic_string()};
+    facts.size = study.size;
+    {
+        const auto runners = open_runners(bench.device, bench.nodes, contenders, shot.still, study.size,
+                                          diagnostics, warnings);
+        TruthSource source(bench.device, shot.still, study.size, study.rays, study.analytic_border_px,
+                           diagnostics, warnings);
+        if (runners.empty() || !source.ready()) return false;
+        facts.exact = source.exact();
+        TurnsOptions options{
+            study.after_cut.back(), study.seeds, study.warm_up, {study.after_cut.back() - 2}};
+        for (const uint32_t after : study.after_cut) options.judged.insert(after - 1);
+        const Turns turns(runners, contenders.size(), options, bench.step);
+        judge_stillness(study, source.at(0), turns, rows);
+        bench.step();
+    }
+    const auto runners =
+        open_runners(bench.device, bench.nodes, contenders, shot.moving, study.size, diagnostics, warnings);
+    TruthSource source(bench.device, shot.moving, study.size, study.rays, study.analytic_border_px,
+                       diagnostics, warnings);
+    if (runners.empty() || !source.ready()) return false;
+    const Turns turns(runners, contenders.size(),
+                      {study.moving_frames, study.seeds, study.warm_up, moving_frames_judged(study)},
+                      bench.step);
+    judge_motion(bench, study, source, turns, contenders, facts, rows);
+    for (Row& row : rows) add_costs(turns.costs(row.contender), study.size, row);
+    results.shots.push_back(std::move(facts));
+    std::move(rows.begin(), rows.end(), std::back_inserter(results.rows));
+    return true;
+}
+
+bool measure_edge(const Bench& bench, const EdgeShot& edge, Results& results, Diagnostics& diagnostics,
+                  std::vector<std::string>& warnings) {
+    const Study& study = results.study;
+    const auto runners = open_runners(bench.device, bench.nodes, results.contenders, edge.shot,
+                                      study.edge_size, diagnostics, warnings);
+    if (runners.empty()) return false;
+    TruthSource source(bench.device, edge.shot, study.edge_size, study.rays, study.analytic_border_px,
+                       diagnostics, warnings);
+    if (!source.ready()) return false;
+    const uint32_t frame = study.edge_frame;
+    const Turns turns(runners, results.contenders.size(), {frame + 1, study.seeds, study.warm_up, {frame}},
+                      bench.step);
+    const TruthSource::Frame truth = source.at(frame), before = source.at(frame - 1);
+    for (size_t c = 0; c < results.contenders.size(); ++c) {
+        const ComparedFrame one = compared(study.edge_size, truth, turns.masks(c, frame));
+        results.edge.push_back({edge.width_px, edge.speed_px, c, metrics_of(measure(one)),
+                                lag_px(one, before.truth.visibility)});
+    }
+    return true;
+}
+
+uint32_t steps_of(const Study& study, size_t shots, size_t edges) {
+    const size_t still = size_t{study.seeds} * study.after_cut.back() + 1;
+    const size_t moving = size_t{study.seeds} * study.moving_frames + moving_frames_judged(study).size();
+    const size_t edge = size_t{study.seeds} * (study.edge_frame + 1);
+    return static_cast<uint32_t>(shots * (still + moving) + edges * edge);
+}
+
+}  // namespace penumbra::report

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+#include "app/report/page.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "app/report/assets.h"
+#include "app/report/dataflow_figure.h"
+#include "app/report/html.h"
+#include "app/report/images.h"
+#include "app/report/memory_figure.h"
+#include "app/report/page_tables.h"
+#include "app/report/plots.h"
+#include "host/image_file.h"
+
+namespace penumbra::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint32_t largest_magnification = 4;  // of the slider's images
+
+std::string data_uri(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+    if (!stream || bytes.empty()) throw FileError(file.string() + ": cannot be read");
+    return "data:image/png;base64," + base64(bytes);
+}
+
+std::string image(const fs::path& file, const std::string& name) {
+    return fmt::format("<img src=\"{}\" alt=\"{}\">", data_uri(file), escape(name));
+}
+
+std::string image_figure(const std::string& images, const std::string& caption) {
+    return fmt::format("<figure><div class=\"pair\">{}</div><figcaption>{}</figcaption></figure>\n", images,
+                       escape(caption));
+}
+
+std::string fact(const std::string& name, const std::string& value) {
+    return fmt::format("<dt>{}</dt><dd>{}</dd>\n", escape(name), escape(value));
+}
+
+std::string legend(const Results& results) {
+    std::string out;
+    bool brute_force = false;
+    for (size_t c = 0; c < results.contenders.size(); ++c) {
+        if (results.contenders[c].brute_force && std::exchange(brute_force, true)) continue;
+        const std::string style = accent(results, c);
+        out += fmt::format(
+            "<button type=\"button\" class=\"{0}\" data-style=\"{0}\" aria-pressed=\"true\"><span "
+            "class=\"key\" style=\"background:currentColor;color:inherit\"></span><span>{1}</span></button>",
+            style, brute_force ? "brute force" : escape(results.contenders[c].id));
+    }
+    return out;
+}
+
+std::string images(const Results& results, size_t shot, const fs::path& folder) {
+    const ShotFacts& facts = results.shots[shot];
+    std::string out = image_figure(image(folder / facts.reference_image, "reference"), "reference");
+    for (const Row& row : results.rows) {
+        if (row.shot != shot || row.images.size() != 2) continue;
+        const std::string name = label(results.contenders[row.contender]);
+        std::optional<double> rmse;
+        for (const Judged& judged : row.over_time)
+            if (judged.frame == facts.image_frame) rmse = judged.metrics.rmse_all;
+        out += image_figure(
+            image(folder / row.images[0], name) + image(folder / row.images[1], name + ", error"),
+            fmt::format("{}: RMSE {}", name, number_or_dash(rmse)));
+    }
+    return out;
+}
+
+// Which of images() the slider starts with: noise on the left, the last pipeline's mask on the right.
+size_t slider_choice(const Results& results, bool noisy) {
+    size_t choice = 0;
+    for (size_t c = 0; c < results.contenders.size(); ++c)
+        if (!results.contenders[c].brute_force && (!noisy || results.contenders[c].id == "raw"))
+            choice = 1 + 2 * c;  // behind the reference: mask and error in turns
+    return choice;
+}
+
+std::string shot_section(const Results& results, size_t shot, const fs::path& folder) {
+    const ShotFacts& facts = results.shots[shot];
+    const Study& study = results.study;
+    const std::string truth =
+        facts.exact ? "the truth is a closed form"
+                    : fmt::format("the truth is {} stratified rays per pixel of the penumbra", study.rays);
+    const std::string text = fmt::format(
+        "{} × {} pixels, {} receivers of which {} lie in the penumbra (frame {}); {}; {} seeds; {}",
+        facts.size[0], facts.size[1], facts.receivers, facts.penumbra, facts.image_frame, truth, study.seeds,
+        facts.file);
+    return fill(assets::shot_html, {{"name", escape(facts.name)},
+                                    {"facts", escape(text)},
+                                    {"legend", legend(results)},
+                                    {"pareto_rmse", pareto_plot(results, shot, Quality::rmse)},
+                                    {"pareto_n_eff", pareto_plot(results, shot, Quality::n_eff)},
+                                    {"after_cut", after_cut_plot(results, shot)},
+                                    {"over_time", over_time_plot(results, shot)},
+                                    {"passes", passes_plot(results, shot)},
+                                    {"left", fmt::to_string(slider_choice(results, true))},
+                                    {"right", fmt::to_string(slider_choice(results, false))},
+                                    {"stage_width", fmt::to_string(largest_magnification * facts.size[0])},
+                                    {"aspect", fmt::format("{} / {}", facts.size[0], facts.size[1])},
+                                    {"image_frame", fmt::to_string(facts.image_frame)},
+                                    {"images", images(results, shot, folder)},
+                                    {"error_full", fmt::format("± {:g}", error_at_full)},
+                                    {"table", shot_table(results, shot)}});
+}
+
+std::string mebibytes(uint64_t bytes) {
+    return fmt::format("{:.2f} MiB", static_cast<double>(bytes) / (1 << 20));
+}
+
+std::string pipeline_article(const Results& results, const PipelinePlan& planned) {
+    const Plan& plan = planned.plan;
+    const Contender& contender = results.contenders[planned.contender];
+    const MemoryReport& m = plan.memory;
+    const double pixels = static_cast<double>(plan.extent.width) * plan.extent.height;
+    std::string memory = fmt::format(
+        "Memory at {} × {}: heap {} ({:.1f} bytes per pixel), live bound {}, optimum {}, without aliasing "
+        "{}.",
+        plan.extent.width, plan.extent.height, mebibytes(m.heap_bytes),
+        static_cast<double>(m.heap_bytes) / pixels, mebibytes(m.live_bound_bytes),
+        m.optimum_bytes ? mebibytes(*m.optimum_bytes) : "unknown", mebibytes(m.unaliased_bytes));
+    for (const Culled& culled : plan.culled)
+        memory += fmt::format(" Culled: {} ({}{}).", culled.node, culled.why,
+                              culled.cond.empty() ? "" : " " + culled.cond);
+    const std::string style = accent(results, planned.contender);
+    return fill(assets::pipeline_html, {{"accent", style},
+                                        {"name", escape(contender.id)},
+                                        {"doc", escape(contender.doc)},
+                                        {"memory", escape(memory)},
+                                        {"dataflow", dataflow_figure(plan, style)},
+                                        {"timeline", memory_figure(plan, style)},
+                                        {"passes", passes_table(plan)}});
+}
+
+std::string method(const Results& results) {
+    const Study& study = results.study;
+    std::string out = fmt::format(
+        "<p>All contenders stand ready in one process and take turns frame by frame, in an order that "
+        "rotates; every "
+        "run is repeated under {} seeds. Without jitter, since the truth is that of pixel centres. Times are "
+        "medians "
+        "over frames and seeds of the moving run without its first {} frames, with 95 % intervals from order "
+        "statistics. {}</p>",
+        study.seeds, study.warm_up,
+        cost_is_cpu(results) ? "On this CPU device the cost is process CPU time, each pass submitted by "
+                               "itself: wall time would "
+                               "measure the machine's other work too."
+                             : "The cost is GPU time between timestamps.");
+    out +=
+        "<p>Cost of the mask: the passes that visibility depends on. Brute force of N rays: the pipeline "
+        "raw, "
+        "whose trace runs N times per frame, frozen, with N consecutive points of its own low-discrepancy "
+        "sequence; everything else, the averaging of N masks included, is charged at most once.</p>";
+    if (!results.left_out.empty()) {
+        out += "<p>Left out, since they cannot run by themselves:</p><ul>";
+        for (const LeftOut& left : results.left_out)
+            out += fmt::format("<li>{}: {}</li>", escape(left.file), escape(left.why));
+        out += "</ul>";
+    }
+    return out;
+}
+
+}  // namespace
+
+std::string report_page(const Results& results, const std::vector<PipelinePlan>& plans,
+                        const fs::path& folder) {
+    std::string links, shots, edge_plots, pipelines;
+    for (size_t s = 0; s < results.shots.size(); ++s) {
+        const std::string name = escape(results.shots[s].name);
+        links += fmt::format("<li><a href=\"#shot-{0}\">{0}</a></li>\n", name);
+        shots += shot_section(results, s, folder);
+    }
+    for (const double width : results.study.edge_widths_px)
+        edge_plots += fmt::format(
+            "<figure>{}<figcaption>Penumbra {:g} px wide, {} × {} pixels.</figcaption></figure>\n",
+            edge_plot(results, width), width, results.study.edge_size[0], results.study.edge_size[1]);
+    for (const PipelinePlan& planned : plans) pipelines += pipeline_article(results, planned);
+    const DeviceInfo& device = results.device;
+    const std::string facts =
+        fact("Device", fmt::format("{} ({}), subgroup of {}", device.name, device.is_cpu ? "CPU" : "GPU",
+                                   device.subgroup_size)) +
+        fact("Driver", device.driver) + fact("penumbra", PENUMBRA_VERSION) +
+        fact("Extent",
+             results.quick ? "quick: small images, few frames and seeds; intervals are wide" : "full");
+    return fill(
+        assets::page_html,
+        {{"title", "penumbra report"},
+         {"lead", "Masks of soft sun shadows against the truth, and what they cost, beside brute force."},
+         {"style", assets::style_css},
+         {"facts", facts},
+         {"shot_links", links},
+         {"worst_width", fmt::format("{:g}", headline_width_px(results))},
+         {"headline_table", headline_table(results)},
+         {"shots", shots},
+         {"edge_frames", fmt::to_string(results.study.edge_frame + 1)},
+         {"edge_plots", edge_plots},
+         {"edge_table", edge_table(results)},
+         {"pipelines", pipelines},
+         {"method", method(results)},
+         {"command", escape(results.command)},
+         {"commands", commands(results)},
+         {"script", assets::page_js}});
+}
+
+}  // namespace penumbra::report

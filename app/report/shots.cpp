@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "app/report/shots.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/image_file.h"
+
+namespace penumbra::report {
+namespace {
+
+namespace fs = std::filesystem;
+using OrderedJson = nlohmann::ordered_json;
+
+void cut_to_first_key(OrderedJson& value) {
+    if (!value.is_structured()) return;
+    for (auto item = value.begin(); item != value.end(); ++item) {
+        if (value.is_object() && item.key() == "keys" && item->is_array() && item->size() > 1)
+            *item = OrderedJson::array({item->front()});
+        cut_to_first_key(*item);
+    }
+}
+
+// Works on the text rather than on a Shot, so that whatever else a shot says stays as it is.
+OrderedJson standing_still(const fs::path& file, const fs::path& folder, uint32_t frames) {
+    std::ifstream stream(file);
+    OrderedJson json = OrderedJson::parse(stream);
+    json.erase("$schema");  // relative to the original
+    cut_to_first_key(json);
+    OrderedJson& scene = json["scene"];
+    if (scene.is_string())
+        scene =
+            fs::proximate(fs::absolute(file.parent_path() / scene.get<std::string>()), fs::absolute(folder))
+                .generic_string();
+    else
+        for (const char* motion : {"speed_px", "offset_px"}) scene.erase(motion);
+    json["frames"] = frames;
+    return json;
+}
+
+void write_json(const fs::path& file, const OrderedJson& json) {
+    const std::string text = json.dump(2) + "\n";
+    write_file(file, std::as_bytes(std::span(text)));
+}
+
+}  // namespace
+
+std::optional<ReportShot> open_report_shot(const fs::path& file, const fs::path& folder, uint32_t frames,
+                                           Diagnostics& diagnostics) {
+    auto moving = read_shot(file, diagnostics);
+    if (!moving) return std::nullopt;
+    const fs::path still_file = folder / (moving->name + ".still.shot.json");
+    write_json(still_file, standing_still(file, folder, frames));
+    auto still = read_shot(still_file, diagnostics);
+    if (!still) return std::nullopt;
+    const std::string name = moving->name;
+    return ReportShot{name, std::move(*moving), std::move(*still)};
+}
+
+EdgeShot make_edge_shot(double width_px, double speed_px, uint32_t frame, const fs::path& folder,
+                        Diagnostics& diagnostics) {
+    const fs::path file = folder / fmt::format("edge_{:g}px_{:+g}.shot.json", width_px, speed_px);
+    // The edge's angle and the sun are those of scripts/accuracy.sh.
+    write_json(file, {{"penumbra_shot", 1},
+                      {"scene",
+                       {{"analytic", "half_plane"},
+                        {"penumbra_px", width_px},
+                        {"edge_deg", 20},
+                        {"speed_px", speed_px},
+                        {"offset_px", -speed_px * frame}}},
+                      {"frames", frame + 1},
+                      {"sun",
+                       {{"angular_radius_deg", 0.2665},
+                        {"keys", OrderedJson::array({{{"frame", 0}, {"to_sun", {0.3, 0.2, 1}}}})}}}});
+    EdgeShot edge{width_px, speed_px, {}};
+    if (auto shot = read_shot(file, diagnostics)) edge.shot = std::move(*shot);
+    return edge;
+}
+
+}  // namespace penumbra::report

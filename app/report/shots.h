@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// The shots that a report looks at, as files beside it, so that each figure can be repeated by hand: a shot
+// as it is, the same standing still (every list of keys cut to its first), and straight edges that move.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/shot.h"
+
+namespace penumbra::report {
+
+// Both are ordinary shots; `still` is `moving` with nothing that moves.
+struct ReportShot {
+    std::string name;
+    Shot moving, still;
+};
+
+struct EdgeShot {
+    double width_px = 0, speed_px = 0;
+    Shot shot;
+};
+
+// Writes FOLDER/NAME.still.shot.json. `frames`: how long it lasts.
+std::optional<ReportShot> open_report_shot(const std::filesystem::path& file,
+                                           const std::filesystem::path& folder, uint32_t frames,
+                                           Diagnostics& diagnostics);
+
+// Writes FOLDER/edge_16px_+0.25.shot.json: a half-plane whose penumbra's middle is the image's at `frame`.
+EdgeShot make_edge_shot(double width_px, double speed_px, uint32_t frame, const std::filesystem::path& folder,
+                        Diagnostics& diagnostics);
+
+}  // namespace penumbra::report

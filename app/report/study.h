@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// What a report measures, and how much of it: every figure of the page follows from these numbers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace penumbra::report {
+
+struct Study {
+    std::array<uint32_t, 2> size{480, 270};
+    uint32_t seeds = 4;    // every run is repeated with seeds 1 to n
+    uint32_t rays = 1024;  // per pixel of a penumbra, of the reference
+    // Static: frames since a cut, from 1, at which the error is taken. They hold 1, 8 and 64, the headline's.
+    std::vector<uint32_t> after_cut{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
+    // The shot as it is: its first frames, of which every nth is judged; the first `settling` ones are left
+    // out of pooled errors.
+    uint32_t moving_frames = 64, moving_every = 4, settling = 8;
+    // A straight edge that moves: all speeds (pixels per frame across the edge, positive where the shadow
+    // grows), at the frame at which the penumbra's middle passes the image's.
+    std::array<uint32_t, 2> edge_size{256, 128};
+    uint32_t edge_frame = 63;
+    std::vector<double> edge_widths_px{8, 16, 32};
+    std::vector<double> edge_speeds_px{-4, -2, -1, -0.5, -0.25, -0.1, 0, 0.1, 0.25, 0.5, 1, 2, 4};
+    // Along the border of analytic scenes: what a denoiser does at the image's border is not in question
+    // there.
+    uint32_t analytic_border_px = 24;
+    uint32_t warm_up = 2;  // first frames of a run, left out of timings
+};
+
+// For a first look, in minutes on two cores.
+inline Study quick_study() {
+    Study study;
+    study.size = {192, 108};
+    study.seeds = 2;
+    study.rays = 256;
+    study.moving_frames = 40;
+    study.moving_every = 8;
+    study.edge_size = {160, 96};
+    study.edge_frame = 31;
+    study.edge_widths_px = {16};
+    study.edge_speeds_px = {-4, -1, -0.25, 0, 0.25, 1, 4};
+    return study;
+}
+
+inline constexpr std::array<uint32_t, 3> brute_force_rays{4, 16, 64};  // per pixel, rising
+
+}  // namespace penumbra::report

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// penumbra report: measures all that compete and writes results.json, results.csv and index.html, in this
+// order and each under its name only when it is whole. An earlier index.html goes first, so that a folder
+// with one is a complete report.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/node_folders.h"
+#include "app/progress.h"
+#include "app/report/measure.h"
+#include "app/report/page.h"
+#include "host/image_file.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace report;
+
+// Quick reports look at these of the shipped shots.
+constexpr const char* quick_shots[] = {"colonnade", "engine"};
+
+struct Job {
+    fs::path folder;
+    Results results;
+    std::vector<ReportShot> shots;
+    std::vector<EdgeShot> edges;
+};
+
+std::optional<Study> study_of(const ReportArguments& arguments) {
+    Study study = arguments.quick ? quick_study() : Study{};
+    if (!arguments.size.empty()) {
+        const auto size = parse_size(arguments.size);
+        if (!size) return std::nullopt;
+        study.size = *size;
+    }
+    if (arguments.seeds) study.seeds = *arguments.seeds;
+    return study;
+}
+
+std::vector<fs::path> shot_files(const ReportArguments& arguments, const fs::path& root,
+                                 Diagnostics& diagnostics) {
+    constexpr const char* suffix = ".shot.json";
+    std::vector<std::string> wanted = arguments.shots;
+    if (wanted.empty() && arguments.quick) wanted.assign(std::begin(quick_shots), std::end(quick_shots));
+    std::vector<fs::path> files;
+    for (const std::string& name : wanted)
+        if (const auto file = shipped_file(name, root, "scenes", suffix, diagnostics)) files.push_back(*file);
+    if (wanted.empty()) files = shipped_files(root, "scenes", suffix);
+    if (files.empty() && diagnostics.empty())
+        diagnostics.add({}, "--shots", "none given, and no folder of shipped ones is near the program");
+    return files;
+}
+
+// Reads everything before anything is run, so that mistakes are found at once.
+std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& nodes, Diagnostics& diagnostics) {
+    const auto study = study_of(arguments);
+    if (!study) return std::nullopt;
+    const fs::path root = shipped_root();
+    auto contenders = open_contenders(arguments.pipelines, root, nodes, diagnostics);
+    const std::vector<fs::path> files = shot_files(arguments, root, diagnostics);
+    if (!contenders || !diagnostics.empty()) return std::nullopt;
+    Job job;
+    job.folder = arguments.out;
+    fs::create_directories(job.folder / "images");
+    fs::create_directories(job.folder / "shots");
+    fs::remove(job.folder / "index.html");
+    for (const fs::path& file : files)
+        if (auto shot = open_report_shot(file, job.folder / "shots", study->after_cut.back(), diagnostics))
+            job.shots.push_back(std::move(*shot));
+    for (const double width : study->edge_widths_px)
+        for (const double speed : study->edge_speeds_px)
+            job.edges.push_back(
+                make_edge_shot(width, speed, study->edge_frame, job.folder / "shots", diagnostics));
+    job.results.command = arguments.command_line;
+    job.results.quick = arguments.quick;
+    job.results.study = *study;
+    job.results.contenders = std::move(contenders->list);
+    job.results.left_out = std::move(contenders->left_out);
+    if (!diagnostics.empty()) return std::nullopt;
+    return job;
+}
+
+bool measure(Job& job, Device& device, const NodeSet& nodes, Diagnostics& diagnostics,
+             std::vector<std::string>& warnings) {
+    Progress progress("report", steps_of(job.results.study, job.shots.size(), job.edges.size()));
+    const Bench bench{device, nodes, job.folder, [&] { progress.step(); }};
+    for (const ReportShot& shot : job.shots)
+        if (!measure_shot(bench, shot, job.results, diagnostics, warnings)) return false;
+    for (const EdgeShot& edge : job.edges)
+        if (!measure_edge(bench, edge, job.results, diagnostics, warnings)) return false;
+    return true;
+}
+
+// Pipelines as they would run by themselves on the first shot: without captures, with the smallest heap
+// looked for.
+std::optional<std::vector<PipelinePlan>> plan_pipelines(const Job& job, const Device& device,
+                                                        const NodeSet& nodes, const Facts& facts,
+                                                        Diagnostics& diagnostics) {
+    DeviceTable table = device_table(handles_of(device));
+    table.ray_query = device.caps().ray_query;
+    table.storage8 = device.caps().storage8;
+    CompileOptions options;
+    options.optimum_search_nodes = report_search_nodes;
+    std::vector<PipelinePlan> plans;
+    for (size_t c = 0; c < job.results.contenders.size(); ++c) {
+        const Contender& contender = job.results.contenders[c];
+        if (contender.brute_force) continue;
+        Target target = standalone_target(table, job.results.study.size, facts);
+        for (const HostInput& input : contender.pipeline.inputs)
+            if (input.optional && !standalone_has_input(input.name)) target.left_out.insert(input.name);
+        auto plan = compile(contender.pipeline, nodes, target, options, diagnostics);
+        if (!plan) return std::nullopt;
+        plans.push_back({c, std::move(*plan)});
+    }
+    return plans;
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+    write_file(file, std::as_bytes(std::span(text)));
+}
+
+}  // namespace
+
+int run_report(const ReportArguments& arguments) {
+    const auto nodes = open_nodes(arguments.node_folders);
+    if (!nodes) return exit_wrong;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    auto job = prepare(arguments, *nodes, diagnostics);
+    if (!job) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    Device device({arguments.device, false});
+    job->results.device = device.info();
+    Shot first = job->shots.front().moving;
+    first.size = job->results.study.size;
+    const bool measured = measure(*job, device, *nodes, diagnostics, warnings);
+    std::set<std::string> said;
+    for (const std::string& warning : warnings)
+        if (said.insert(warning).second) std::cerr << "warning: " << warning << "\n";
+    auto scene = measured ? load_scene(first, diagnostics, warnings) : std::nullopt;
+    std::optional<std::vector<PipelinePlan>> plans;
+    if (scene) {
+        const StandaloneHost host(device, first, std::move(*scene), {first.size, 1, false});
+        plans = plan_pipelines(*job, device, *nodes, host.facts(), diagnostics);
+    }
+    if (!plans) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    write_text(job->folder / "results.json", to_json(job->results).dump(2) + "\n");
+    write_text(job->folder / "results.csv", to_csv(job->results));
+    write_text(job->folder / "index.html", report_page(job->results, *plans, job->folder));
+    fmt::print("{}\n", (job->folder / "index.html").string());
+    return exit_good;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Whole tiles at once: one lane follows the beam of all shadow rays of an 8x4 tile through the tree, once for up to 32
+// pixels. Most tiles of a frame are lit or shadowed as a whole and done then; the others go on in a shorter list.
+#define APPENDS_TILES
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/guide_normal.glsl"
+#include "common/ray_origin.glsl"
+#include "common/sun_sample.glsl"
+#include "common/tile_list.glsl"
+#include "common/tiles.glsl"
+#include "common/beam_query.glsl"
+
+ivec2 pixel_of_bit(ivec2 tile, uint bit) { return tile * TILE + ivec2(bit & 7u, bit >> 3); }
+
+// The beam of the pixels in `mask`, and where in it their rays start.
+void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts) {
+    const mat3 frame = sun_frame(sun.to_sun);
+    const vec3 origin = shadow_ray_origin(pixel_of_bit(tile, uint(findLSB(mask))));
+    // A plane through three of the starts, far apart; where there are none the axes of the frame will do.
+    const uint first_row = mask & (0xffu << (uint(findLSB(mask)) & 24u)), last_row = mask & (0xffu << (uint(findMSB(mask)) & 24u));
+    const vec3 last = (shadow_ray_origin(pixel_of_bit(tile, uint(findMSB(mask)))) - origin) * frame;
+    const vec3 right = (shadow_ray_origin(pixel_of_bit(tile, uint(findMSB(first_row)))) - origin) * frame;
+    const vec3 left = (shadow_ray_origin(pixel_of_bit(tile, uint(findLSB(last_row)))) - origin) * frame;
+    const vec3 by_right = cross(last, right), by_left = cross(left, last);
+    const vec3 normal = dot(by_right, by_right) > dot(by_left, by_left) ? by_right : by_left;
+    mat3 axes = mat3(1.0);
+    if (dot(normal, normal) > 0.0) {
+        axes[0] = normalize(last);
+        axes[2] = normalize(normal);
+        axes[1] = cross(axes[2], axes[0]);
+    }
+    vec3 lo = vec3(1e38), hi = vec3(-1e38), box_lo = vec3(1e38), box_hi = vec3(-1e38);
+    for (uint i = 0u; i < 32u; ++i)
+        if ((mask >> i & 1u) != 0u) {
+            const vec3 p = (shadow_ray_origin(pixel_of_bit(tile, i)) - origin) * frame;
+            lo = min(lo, p);
+            hi = max(hi, p);
+            box_lo = min(box_lo, p * axes);
+            box_hi = max(box_hi, p * axes);
+        }
+    const vec3 base = vec3(0.5 * (lo.xy + hi.xy), lo.z);
+    const float rounding = CONE_ROUNDING * (taxicab(lo) + taxicab(hi));
+    const vec3 half_box = 0.5 * (box_hi - box_lo) + rounding;
+    cone = Cone(origin + frame * base, frame, tan(sun.angular_radius), 0.5 * length(hi.xy - lo.xy) + rounding);
+    starts = Starts(axes * (0.5 * (box_lo + box_hi)) - base, axes[0] * half_box.x, axes[1] * half_box.y, axes[2] * half_box.z);
+}
+
+void main() {
+    const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
+    const bool listed = index < candidate_args[3];
+    uvec4 record = uvec4(0u);
+    if (listed) record = candidates[index];
+    const ivec2 tile = tile_of(record);
+    const uint mask = record.y;
+
+    bool lit = false, shadowed = false;
+    if (mask != 0u) {
+        Walk walk;
+        make_beam(tile, mask, walk.cone, walk.starts);
+        walk.wide = cone_slabs(walk.cone.frame[2], walk.cone.spread, walk.cone.radius);
+        walk.thin = cone_slabs(walk.cone.frame[2], 0.0, 0.0);
+        walk.clean = true;
+        walk.covered = false;
+        const bool finished = walk_tree(walk, walk.cone.frame[2], BUDGET);
+        shadowed = walk.covered;
+        lit = finished && walk.clean && !walk.covered;
+        if (shadowed) preloaded_hits[tile_index(tile)] |= mask;
+    }
+    const bool open = mask != 0u && !lit && !shadowed;
+    append_tile(open, record);
+    count_lit(lit ? uint(bitCount(mask)) : 0u);
+    count_shadowed(shadowed ? uint(bitCount(mask)) : 0u);
+    count_unknown(open ? uint(bitCount(mask)) : 0u);
+    count_tiles_listed(open ? 1u : 0u);
+}

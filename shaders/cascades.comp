@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// Pixels that the cascades' bounds prove lit need no ray. One workgroup per listed tile, one lane per pixel; the list of
+// nodes is the tile's, so that a load serves 32 pixels. See common/cascade_proof.glsl. Wherever the proof cannot be led
+// (no cascade holds the search area, numbers that are none, the sun's rim near the surface's own horizon), rays decide.
+#define APPENDS_TILES
+#define LISTED_TILES candidates
+#define LISTED_ARGS candidate_args
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/cascade_node.glsl"
+#include "common/cascade_place.glsl"
+#include "common/guide_normal.glsl"
+#include "common/tile_interval.glsl"
+#include "common/tile_list.glsl"
+#include "common/tiles.glsl"
+#include "common/cascade_proof.glsl"
+
+// What fp32 rounds away of a depth z: a few ulps, and a bound for small scenes' positions.
+const float ROUNDING_OF_DEPTH = 2e-6;
+const float ROUNDING_M = 1e-5;
+const float HORIZON = 1.02;  // a surface whose horizon cuts the sun's disc, or nearly, shades itself
+const int MOVES = 3;         // to finer cascades, as the search area shrinks
+const float OFFSET_SHARE = 64.0;  // rays start off the surface by less than this part of a pixel, or of a texel
+
+// Texel-scale metres across the light and along it. Depth 0 is above every caster.
+vec3 metres_in(Cascade c, vec3 relative) {
+    const float side_m = float(textureSize(cascade_bounds, 0).x) * c.texel_m;
+    return in_cascade(c, relative) * vec3(side_m, side_m, c.depth_m);
+}
+
+// Nodes double, so a map whose side is no power of two has texels that no level covers: rays decide everything.
+uint usable_cascades() {
+    const ivec3 size = textureSize(cascade_bounds, 0);
+    return size.x == size.y && (size.x & (size.x - 1)) == 0 ? min(cascades.count, uint(size.z)) : 0u;
+}
+
+struct Area {
+    bool found;
+    Search search;
+    Tile bounds;
+    vec3 at;          // this lane's pixel
+    vec2 low, high;   // the tile, grown by the search radius
+};
+
+// In the finest of the first `limit` cascades that holds the tile's search area. All invocations call it.
+Area enclosing_area(uint limit, float reach_m, bool wanted, vec3 relative, bool speaks, vec3 n) {
+    Area area;
+    area.found = false;
+    for (uint k = 0u; k < limit; ++k) {
+        const Cascade c = cascades.c[k];
+        if (!is_usable(c)) continue;
+        area.at = metres_in(c, relative);
+        area.bounds = tile_about(wanted, area.at, speaks, receiver_slope(c, n));
+        area.search.cascade = k;
+        area.search.tangent = tan(sun.angular_radius);
+        area.search.texel_m = c.texel_m;
+        area.search.slack =
+            CONTACT_TEXELS * c.texel_m + ROUNDING_OF_DEPTH * (abs(area.bounds.deepest) + c.depth_m) + ROUNDING_M;
+        area.search.blur = c.texel_m / OFFSET_SHARE;
+        const float radius = area.search.tangent * min(reach_m, area.bounds.deepest) + c.texel_m / OFFSET_SHARE;
+        area.low = area.bounds.low - radius;
+        area.high = area.bounds.high + radius;
+        const float side_m = float(textureSize(cascade_bounds, 0).x) * c.texel_m;
+        area.found = all(greaterThan(area.low, vec2(0.0))) && all(lessThan(area.high, vec2(side_m))) &&
+                     all(lessThanEqual(area.low, area.high));
+        if (area.found) break;
+    }
+    return area;
+}
+
+void main() {
+    uvec4 record;
+    if (!listed_tile(record)) return;  // the whole workgroup
+    open_tile();
+    const int lane = int(gl_LocalInvocationIndex);
+    const ivec2 in_tile = pixel_of_lane(lane);
+    const ivec2 tile = tile_of(record), p = tile * TILE + in_tile;
+    const uint bit = pixel_bit(in_tile);
+    const bool wanted = (record.y & bit) != 0u;
+    const bool speaks = bit == 1u << uint(findLSB(record.y));  // its normal stands for the tile's
+
+    const float view_z = wanted ? imageLoad(view_depth, p).x : 0.0;
+    const vec3 n = wanted ? unit_or_zero(decode_normal(imageLoad(guide_normal, p))) : vec3(0.0);
+    const vec3 relative = wanted ? position(p, view_z) : vec3(0.0);
+    const bool may_be_lit = dot(n, sun.to_sun) > HORIZON * sin(sun.angular_radius) + GUIDE_NORMAL_ERROR;
+
+    // The finest cascade that holds the search area, and the first few nodes there. What they show is often lower than
+    // the topmost caster; then a smaller area suffices, which a finer cascade may hold.
+    Search search;
+    Tile bounds;
+    vec3 at = vec3(0.0);
+    bool proving = false;
+    float reach_m = WHOLE_RAY_M;  // along the light, to the topmost caster that may matter
+    uint limit = usable_cascades();
+    for (int move = 0; move <= MOVES; ++move) {
+        Area area = enclosing_area(limit, reach_m, wanted, relative, speaks, n);
+        if (!area.found || !first_list(area.search, area.bounds, area.low, area.high)) break;
+        proving = true;
+        search = area.search;
+        bounds = area.bounds;
+        at = area.at;
+        limit = search.cascade;
+        if (list_count[0] == 0u || limit == 0u) break;
+        reach_m = bounds.deepest - list_top(0u);
+    }
+    Proof proof = Proof(false, 0.0, WHOLE_RAY_M);
+    if (proving) {
+        const uint list = refine(search, bounds);
+        proof = test_list(search, list, at);
+    }
+    const bool lit = proof.lit && may_be_lit;
+    const float margin_m = proving ? pixel_span_m(view_z) / OFFSET_SHARE : 0.0;
+    const bool whole = !proving || !may_be_lit;  // the interval speaks of the proof's rays
+    close_tile(wanted && !lit, bit, whole ? 0.0 : proof.nearest_m - margin_m,
+               whole ? WHOLE_RAY_M : (proof.farthest_m + margin_m) / cos(sun.angular_radius));
+
+    const bool first = lane == 0;
+    const uvec4 left = closed_record(record, USE_INTERVAL);
+    append_tile(first && left.y != 0u, left);
+#if HAS_UNDECIDED_WORDS
+    if (first) undecided_words[tile_index(tile_of(record))] = left.y;
+#endif
+    count_lit(first ? uint(bitCount(record.y & ~left.y)) : 0u);
+    count_unknown(first ? uint(bitCount(left.y)) : 0u);
+    count_tiles_listed(first && left.y != 0u ? 1u : 0u);
+}

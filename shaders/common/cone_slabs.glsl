@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// Cones against the boxes of common/bvh.glsl. A cone may be thick: at its apex it has a radius already.
+//
+// Includer has common/bvh.glsl.
+
+// What of a box a cone can meet, axis by axis. With h the distance along the cone's axis, the box of its disc spans
+// apex_k -+ radius * w + h * (axis_k -+ spread * w), w = sqrt(1 - axis_k^2): two flanks, each of which meets a plane of the box at one h. A
+// flank that moves away from its plane bounds h from below, one that moves towards it from above; where one moves each
+// way, as in an axis across which the cone goes, both bound it from below.
+struct ConeSlabs {
+    vec3 near_inverse, far_inverse;  // 1 / slope of the flank that bounds h from below, and of the other
+    bvec3 rising;                    // the first flank meets the low plane, the other the high one
+    vec3 also_near, not_far;         // added to the other's h: 0, or out of the way
+    vec3 thickness;                  // by which the flanks start apart from the apex: radius * w
+};
+
+vec3 inverse_slope(vec3 slope) {
+    const float tiny = 8.271806125530277e-25;  // 2^-80: no 0 * inf
+    const vec3 signed_tiny = mix(vec3(tiny), vec3(-tiny), lessThan(slope, vec3(0.0)));
+    return 1.0 / mix(signed_tiny, slope, greaterThanEqual(abs(slope), vec3(tiny)));
+}
+
+// Widened by what rounding does to a slope; boxes keep a distance of their own from their planes (host/bvh.cpp).
+ConeSlabs cone_slabs(vec3 axis, float spread, float radius) {
+    const vec3 tilt = sqrt(max(1.0 - axis * axis, vec3(0.0)));
+    const vec3 across = (spread * 1.0001 + 1e-6) * tilt;
+    const vec3 upper = axis + across, lower = axis - across;
+    const vec3 upper_inverse = inverse_slope(upper), lower_inverse = inverse_slope(lower);
+    ConeSlabs slabs;
+    slabs.rising = greaterThanEqual(upper, vec3(0.0));
+    slabs.near_inverse = mix(lower_inverse, upper_inverse, slabs.rising);
+    slabs.far_inverse = mix(upper_inverse, lower_inverse, slabs.rising);
+    const bvec3 both_ways = notEqual(slabs.rising, greaterThanEqual(lower, vec3(0.0)));
+    slabs.also_near = mix(vec3(-3e38), vec3(0.0), both_ways);
+    slabs.not_far = mix(vec3(0.0), vec3(3e38), both_ways);
+    slabs.thickness = radius * (tilt + 1e-3);
+    return slabs;
+}
+
+void cone_slab(inout vec4 near, inout vec4 far, uint low_planes, uint high_planes, float grid_step, float base, float thickness, bool rising,
+               float near_inverse, float far_inverse, float also_near, float not_far) {
+    const float lean = rising ? thickness : -thickness;
+    near = max(near, bvh_planes(rising ? low_planes : high_planes, grid_step * near_inverse, (base - lean) * near_inverse));
+    const vec4 other =
+        bvh_planes(rising ? high_planes : low_planes, grid_step * far_inverse, (base + lean) * far_inverse);
+    near = max(near, other + also_near);
+    far = min(far, other + not_far);
+}
+
+// Children whose boxes the cone may meet, bit k for child k; as bvh_hit_children().
+uint cone_hit_children(ConeSlabs slabs, vec3 apex, uvec4 n0, uvec4 n1, uvec4 n2) {
+    const vec3 grid_step = uintBitsToFloat((uvec3(n0.w, n0.w >> 8, n0.w >> 16) & 255u) << 23);
+    const vec3 base = uintBitsToFloat(n0.xyz) - apex;
+    vec4 near = vec4(0.0), far = vec4(3e38);
+    cone_slab(near, far, n1.z, n1.w, grid_step.x, base.x, slabs.thickness.x, slabs.rising.x, slabs.near_inverse.x, slabs.far_inverse.x,
+              slabs.also_near.x, slabs.not_far.x);
+    cone_slab(near, far, n2.x, n2.y, grid_step.y, base.y, slabs.thickness.y, slabs.rising.y, slabs.near_inverse.y, slabs.far_inverse.y,
+              slabs.also_near.y, slabs.not_far.y);
+    cone_slab(near, far, n2.z, n2.w, grid_step.z, base.z, slabs.thickness.z, slabs.rising.z, slabs.near_inverse.z, slabs.far_inverse.z,
+              slabs.also_near.z, slabs.not_far.z);
+    const uvec4 hit = mix(uvec4(0), uvec4(1, 2, 4, 8), lessThanEqual(near, far * 1.000002));
+    return hit.x | hit.y | hit.z | hit.w;
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// A gate against losing accuracy: small analytic shots through whole pipelines, with fixed seeds, and the
+// effective samples per pixel that they have reached. Docs: docs/accuracy.md has the full tables.
+#include <algorithm>
+#include <filesystem>
+
+#include "app/session.h"
+#include "host/analytic.h"
+#include "host/metrics/mask_error.h"
+#include "host/texels.h"
+#include "nodes/nodes.h"
+#include "tests/gpu_test.h"
+
+namespace penumbra::test {
+namespace {
+
+constexpr uint32_t width = 96, height = 64, border = 12, last_frame = 15, seeds = 2;
+
+struct GateCase {
+    const char* pipeline;
+    const char* scene_name;
+    AnalyticScene scene;
+    double low, high;  // of N_eff: a fifth about what it is; other seeds move it by a tenth
+};
+
+Shot shot_of(const AnalyticScene& scene) {
+    Shot shot;
+    shot.analytic = scene;
+    shot.analytic->offset_px -= scene.speed_px * last_frame;
+    shot.size = {width, height};
+    shot.frames = last_frame + 1;
+    shot.sun_angular_radius_deg = 2;
+    shot.sun = {{0, {0.3, 0.2, 1}}};
+    add_analytic_motion(shot);
+    return shot;
+}
+
+CheckedPipeline mask_pipeline(const std::string& name, const NodeSet& nodes) {
+    Diagnostics diagnostics;
+    auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"),
+                                  {}, diagnostics);
+    if (pipeline)
+        std::erase_if(pipeline->outputs, [](const OutputName& o) { return o.name != "visibility"; });
+    auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    if (!checked) throw std::runtime_error(diagnostics.text());
+    return std::move(*checked);
+}
+
+// Pipelines choose its format.
+Format visibility_format(const Plan& plan) {
+    for (const PlanPass& pass : plan.passes)
+        if (pass.kind == PassKind::capture && pass.node == "visibility")
+            return plan.resources[pass.bindings.front().index].format;
+    throw std::logic_error("visibility is not captured");
+}
+
+std::vector<float> last_image(const CheckedPipeline& pipeline, const NodeSet& nodes, const Shot& shot,
+                              uint32_t seed) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    SessionOptions options;
+    options.size = shot.size;
+    options.captures = {"visibility"};
+    options.seed = seed;
+    options.jitter = false;
+    options.optimum = false;
+    const auto session = Session::open(gpu(), nodes, pipeline, shot, options, diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    for (uint32_t frame = 0; frame <= last_frame; ++frame) session->run_frame(frame, frame == 0);
+    const auto image = decode_texels(visibility_format(session->plan()), width, height,
+                                     session->view().captured("visibility"), {"Y"});
+    return image.planes.front().values;
+}
+
+class AccuracyGate : public GpuTest, public ::testing::WithParamInterface<GateCase> {};
+
+TEST_P(AccuracyGate, EffectiveSamplesAreKept) {
+    static const NodeSet nodes = shadow_nodes();
+    const GateCase& c = GetParam();
+    const Shot shot = shot_of(c.scene);
+    ASSERT_FALSE(analytic_problem(shot, 0)) << analytic_problem(shot, 0)->text;
+    const CheckedPipeline pipeline = mask_pipeline(c.pipeline, nodes);
+    std::vector<std::vector<float>> images;
+    for (uint32_t seed = 1; seed <= seeds; ++seed) images.push_back(last_image(pipeline, nodes, shot, seed));
+
+    const std::vector<double> exact = analytic_image(shot, last_frame);
+    const std::vector<float> truth(exact.begin(), exact.end());
+    std::vector<uint8_t> counted = analytic_receivers(shot, last_frame);
+    for (size_t p = 0; p < counted.size(); ++p) {
+        const size_t x = p % width, y = p / width;
+        if (x < border || y < border || x + border >= width || y + border >= height) counted[p] = 0;
+    }
+    const MaskMetrics m = metrics_of(measure({width, height, truth, counted, {images[0], images[1]}}));
+    std::printf("%s, %s: N_eff %.2f, penumbra alone %.2f, %llu pixels of it\n", c.pipeline, c.scene_name,
+                m.n_eff.value(), m.n_eff_penumbra.value(), static_cast<unsigned long long>(m.penumbra));
+    EXPECT_GE(m.n_eff.value(), c.low);
+    EXPECT_LE(m.n_eff.value(), c.high);
+    EXPECT_EQ(m.nonfinite, 0u);
+}
+
+constexpr double any = 1e9;  // ours may get better: its lower ends are a fifth below what it reaches
+const AnalyticScene edge{16, 20, 0, 0, HalfPlane{}}, moving_edge{16, 20, 0.5, 0, HalfPlane{}},
+    slit{12, 65, 0, 0, Slit{8}}, fence{16, 110, 0, 0, Fence{24, 0.5}}, ball{10, 0, 0, 0, Sphere{14}},
+    wall{0, 20, 0, 8, ContactWall{1.5}};
+
+INSTANTIATE_TEST_SUITE_P(Raw, AccuracyGate,
+                         ::testing::Values(GateCase{"raw", "edge", edge, 0.9, 1.1},
+                                           GateCase{"raw", "slit", slit, 0.9, 1.1},
+                                           GateCase{"raw", "fence", fence, 0.9, 1.1},
+                                           GateCase{"raw", "sphere", ball, 0.9, 1.1},
+                                           GateCase{"raw", "wall", wall, 0.9, 1.1}));
+INSTANTIATE_TEST_SUITE_P(Published, AccuracyGate,
+                         ::testing::Values(GateCase{"fidelityfx", "edge", edge, 44, 67},
+                                           GateCase{"fidelityfx", "moving edge", moving_edge, 5.2, 7.9},
+                                           GateCase{"fidelityfx", "sphere", ball, 56, 85}));
+INSTANTIATE_TEST_SUITE_P(Ours, AccuracyGate,
+                         ::testing::Values(GateCase{"shadows", "edge", edge, 210, any},
+                                           GateCase{"shadows", "moving edge", moving_edge, 33, any},
+                                           GateCase{"shadows", "slit", slit, 139, any},
+                                           GateCase{"shadows", "fence", fence, 184, any},
+                                           GateCase{"shadows", "sphere", ball, 86, any},
+                                           GateCase{"shadows", "wall", wall, 1, any}));
+
+}  // namespace
+}  // namespace penumbra::test

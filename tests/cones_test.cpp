@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+// The nodes beams and cones against Embree: every ray to the sun's disc from a pixel that they call lit must
+// be free, from one that they call shadowed must be blocked. How much they leave to rays is measured against
+// the pixels in penumbra, counted by the same rays.
+#include "host/bvh.h"
+#include "nodes/nodes.h"
+#include "tests/embree_scene.h"
+#include "tests/gpu_test.h"
+#include "tests/ray_maker.h"
+#include "tests/test_scene.h"
+
+namespace penumbra::test {
+namespace {
+
+const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
+
+const NodeSet& nodes() {
+    static const NodeSet set = shadow_nodes();
+    return set;
+}
+
+CheckedPipeline pipeline_named(const std::string& name, const std::vector<std::string>& settings = {}) {
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), settings, diagnostics);
+    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    if (!result) throw std::runtime_error(diagnostics.text());
+    return std::move(*result);
+}
+
+struct Verdicts {
+    size_t receivers = 0, lit = 0, shadowed = 0, traced = 0;
+    size_t penumbra = 0, penumbra_traced = 0;  // by the rays
+    size_t wrong_lit = 0, wrong_shadowed = 0;  // pixels with a ray that contradicts
+
+    double eta() const { return traced ? double(penumbra_traced) / double(traced) : 1; }
+};
+
+// Judges one frame with `side` squared rays per pixel that classify left open.
+Verdicts judge(Shot shot, double angle_deg, const std::vector<std::string>& settings, uint32_t side) {
+    shot.sun_angular_radius_deg = angle_deg;
+    SessionOptions options;
+    options.size = shot.size;
+    options.optimum = false;
+    options.jitter = false;
+    options.captures = {"view_depth",      "guide_normal",   "receiver_words",
+                        "candidate_words", "preloaded_hits", "undecided_words"};
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    std::vector<std::string> all = {"nodes.classify.out.undecided_words=candidate_words"};
+    all.insert(all.end(), settings.begin(), settings.end());
+    const auto session = Session::open(gpu(), nodes(), pipeline_named("hybrid_raw", all), shot, options,
+                                       diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    session->run_frame(0, true);
+
+    const std::vector<Triangle> triangles = session->host().scene().triangles(0);
+    const EmbreeScene embree(triangles);
+    const StandaloneFrame standalone = session->host().frame(0, true);
+    const RayMaker maker(*session, nodes(), standalone);
+    const auto depth = captured<float>(*session, "view_depth");
+    const auto normal = captured<uint32_t>(*session, "guide_normal"),
+               receivers = captured<uint32_t>(*session, "receiver_words"),
+               candidates = captured<uint32_t>(*session, "candidate_words"),
+               hits = captured<uint32_t>(*session, "preloaded_hits"),
+               undecided = captured<uint32_t>(*session, "undecided_words");
+    const uint32_t tiles_x = (shot.size[0] + 7) / 8;
+    Verdicts sum;
+    for (uint32_t y = 0; y < shot.size[1]; ++y)
+        for (uint32_t x = 0; x < shot.size[0]; ++x) {
+            const uint32_t word = y / 4 * tiles_x + x / 8, bit = y % 4 * 8 + x % 8,
+                           pixel = y * shot.size[0] + x;
+            const auto has = [&](const std::vector<uint32_t>& words) {
+                return (words[word] >> bit & 1) != 0;
+            };
+            sum.receivers += has(receivers);
+            if (!has(candidates)) {
+                EXPECT_FALSE(has(undecided));
+                continue;
+            }
+            uint32_t blocked = 0;
+            for (uint32_t i = 0; i < side * side; ++i) {
+                // The rim is where a wrong verdict shows first: cells of equal area, jittered, and a few
+                // points on it.
+                const uint32_t h = hash(pixel * 4096 + i);
+                glm::dvec2 u((i % side + (h & 0xffff) / 65536.0) / side,
+                             (i / side + (h >> 16) / 65536.0) / side);
+                if (i % 8 == 0) u.x = i % 16 ? 0 : 1 - 0x1p-20;
+                blocked += embree.occluded(maker.ray(x, y, depth[pixel], normal[pixel], u));
+            }
+            const bool in_penumbra = blocked != 0 && blocked != side * side;
+            sum.penumbra += in_penumbra;
+            if (has(undecided)) {
+                ++sum.traced;
+                sum.penumbra_traced += in_penumbra;
+            } else if (has(hits)) {
+                ++sum.shadowed;
+                sum.wrong_shadowed += blocked != side * side;
+            } else {
+                ++sum.lit;
+                sum.wrong_lit += blocked != 0;
+            }
+        }
+    return sum;
+}
+
+Shot shipped(const char* name, std::array<uint32_t, 2> size) {
+    Diagnostics diagnostics;
+    auto shot = read_shot(root / "scenes" / (std::string(name) + ".shot.json"), diagnostics);
+    if (!shot) throw std::runtime_error(diagnostics.text());
+    shot->size = size;
+    return *shot;
+}
+
+class Cones : public GpuTest, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(Cones, NeverContradictARay) {
+    for (const double angle_deg : {0.0, 0.25, 0.5, 1.0, 2.0, 10.0}) {
+        const Verdicts v = judge(shipped(GetParam(), {128, 72}), angle_deg, {}, 8);
+        std::printf(
+            "%s %.2f deg: receivers %zu, lit %zu, shadowed %zu, traced %.2f %%, penumbra %.2f %%, eta %.3f\n",
+            GetParam(), angle_deg, v.receivers, v.lit, v.shadowed,
+            100.0 * double(v.traced) / double(v.receivers), 100.0 * double(v.penumbra) / double(v.receivers),
+            v.eta());
+        EXPECT_EQ(v.wrong_lit, 0u) << angle_deg;
+        EXPECT_EQ(v.wrong_shadowed, 0u) << angle_deg;
+        EXPECT_EQ(v.penumbra, v.penumbra_traced) << angle_deg;
+        if (angle_deg == 0.25) {
+            EXPECT_GT(v.eta(), 0.4);
+        }
+        if (angle_deg == 0.0) {
+            EXPECT_LT(v.traced, v.receivers / 100);
+        }
+    }
+}
+
+// What is proved needs no ray, and what is left gets the ray that it gets without proofs: the words of the
+// two pipelines are the same bits, whatever the camera, the sun and the objects do.
+void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> frames) {
+    std::vector<std::vector<uint32_t>> words[2];
+    for (const bool hybrid : {false, true}) {
+        SessionOptions options;
+        options.size = shot.size;
+        options.optimum = false;
+        options.captures = {"hits"};
+        Diagnostics diagnostics;
+        std::vector<std::string> warnings;
+        const auto session = Session::open(gpu(), nodes(), pipeline_named(hybrid ? "hybrid_raw" : "raw"),
+                                           shot, options, diagnostics, warnings);
+        ASSERT_TRUE(session) << diagnostics.text();
+        for (const uint32_t frame : frames) {
+            session->run_frame(frame, frame == *frames.begin());
+            words[hybrid].push_back(captured<uint32_t>(*session, "hits"));
+        }
+    }
+    for (size_t f = 0; f < words[0].size(); ++f)
+        for (size_t i = 0; i < words[0][f].size(); ++i)
+            ASSERT_EQ(words[0][f][i], words[1][f][i]) << shot.name << ", word " << i << " of frame " << f;
+}
+
+TEST_P(Cones, ChangeNoRaysAnswer) {
+    expect_the_words_of_raw(shipped(GetParam(), {200, 113}), {0, 1, 9});
+}
+
+class ConesOn : public GpuTest {};
+
+TEST_F(ConesOn, MovingObjectsChangeNoRaysAnswer) {
+    expect_the_words_of_raw(plaza_shot({160, 96}, 8), {0, 1, 2, 7});
+}
+
+// A hole lets rays through, whatever surrounds it: a proof that took a leaf card for solid would show here.
+TEST_F(ConesOn, AlphaTestedCardsChangeNoRaysAnswer) {
+    expect_the_words_of_raw(shipped("cards", {200, 113}), {0, 1});
+}
+
+INSTANTIATE_TEST_SUITE_P(Shots, Cones,
+                         ::testing::Values("colonnade", "engine", "fan", "heightfield", "lamp", "trees"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace penumbra::test

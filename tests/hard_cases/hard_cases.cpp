@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+#include "tests/hard_cases/hard_cases.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/gtc/type_ptr.hpp>
+#include <map>
+#include <set>
+
+#include "host/glb_writer.h"
+#include "host/image_file.h"
+#include "nodes/nodes.h"
+
+namespace penumbra::test {
+namespace {
+
+const NodeSet& nodes() {
+    static const NodeSet set = shadow_nodes();
+    return set;
+}
+
+// Files of this process, removed with it.
+class SceneFiles {
+  public:
+    ~SceneFiles() {
+        std::error_code ignored;
+        for (const std::filesystem::path& file : files_) std::filesystem::remove(file, ignored);
+    }
+    std::filesystem::path file(const std::string& key, const std::vector<Placed>& shapes) {
+        const std::filesystem::path path =
+            std::filesystem::temp_directory_path() / fmt::format("penumbra_hard_{}_{}.glb", getpid(), key);
+        if (!files_.insert(path).second) return path;
+        Model model;
+        model.materials = {{{0.8f, 0.8f, 0.75f, 1}, -1}};
+        for (const Placed& placed : shapes) {
+            Mesh mesh;
+            mesh.parts.push_back(to_part(placed.shape, 0));
+            model.meshes.push_back(std::move(mesh));
+            Node& node = model.nodes.emplace_back();
+            node.name = placed.name;
+            node.mesh = static_cast<int>(model.meshes.size()) - 1;
+        }
+        write_file(path, to_glb(model));
+        return path;
+    }
+
+  private:
+    std::set<std::filesystem::path> files_;
+};
+
+struct Projected {
+    glm::dvec2 uv{0};
+    double view_depth = 0;
+};
+
+Projected project(const Camera& camera, const glm::dvec3& world) {
+    const glm::dmat3 world_from_view = glm::make_mat3(camera.world_from_view.data());
+    const glm::dvec3 view =
+        glm::transpose(world_from_view) * (world - glm::make_vec3(camera.position.data()));
+    const glm::dvec4 clip = glm::make_mat4(camera.clip_from_view.data()) * glm::dvec4(view, 1);
+    return {0.5 + 0.5 * glm::dvec2(clip) / clip.w, -view.z};
+}
+
+}  // namespace
+
+void figure(const char* what, double naive, double ours) {
+    fmt::print("[  figure  ] {}: naive {:.4g}, ours {:.4g}\n", what, naive, ours);
+}
+
+Shot scene_shot(const std::string& key, const std::vector<Placed>& shapes, std::array<uint32_t, 2> size) {
+    static SceneFiles files;
+    Shot shot;
+    shot.name = key;
+    shot.model = files.file(key, shapes);
+    shot.size = size;
+    shot.frames = 64;
+    shot.camera = {{0, {0, 4, 4}, {0, 0, 0}, {0, 1, 0}}};
+    shot.sun = {{0, {0.4, 0.8, 0.2}}};
+    shot.sun_angular_radius_deg = 1.5;
+    return shot;
+}
+
+CheckedPipeline pipeline_with(const std::string& name, const std::vector<std::string>& settings) {
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(
+        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
+    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    if (!result) throw std::runtime_error(diagnostics.text());
+    return std::move(*result);
+}
+
+SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& options) {
+    SessionOptions session_options;
+    session_options.size = shot.size;
+    session_options.captures = options.captures;
+    session_options.captures.emplace_back("visibility");
+    session_options.seed = options.seed;
+    session_options.jitter = options.jitter;
+    session_options.facts = options.facts;
+    session_options.optimum = false;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    session_ = Session::open(gpu(), nodes(), pipeline_with(pipeline, options.settings), std::move(shot),
+                             session_options, diagnostics, warnings);
+    if (!session_) throw std::runtime_error(diagnostics.text());
+}
+
+std::vector<float> SceneRun::frame(uint32_t index, bool reset) {
+    session_->run_frame(index, reset);
+    return plane("visibility");
+}
+
+std::vector<float> SceneRun::up_to(uint32_t last) {
+    for (uint32_t index = 0; index < last; ++index) session_->run_frame(index, index == 0);
+    return frame(last, last == 0);
+}
+
+std::vector<float> SceneRun::plane(const std::string& capture, size_t channel) const {
+    return captured_planes(session_->view(), capture).at(channel);
+}
+
+std::vector<float> SceneRun::mean(uint32_t frames) {
+    std::vector<double> sum;
+    for (uint32_t index = 0; index < frames; ++index) {
+        const std::vector<float> v = frame(index, index == 0);
+        sum.resize(v.size());
+        for (size_t i = 0; i < v.size(); ++i) sum[i] += v[i];
+    }
+    std::vector<float> mean(sum.size());
+    std::ranges::transform(sum, mean.begin(), [&](double s) { return static_cast<float>(s / frames); });
+    return mean;
+}
+
+Truth truth_of(const Shot& shot, uint32_t frame, uint32_t rays) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = open_truth(gpu(), shot, diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    return counted_truth(*session, frame, rays);
+}
+
+double rms(const std::vector<float>& a, const std::vector<float>& b) {
+    double sum = 0;
+    for (size_t i = 0; i < a.size(); ++i) sum += (double(a[i]) - b[i]) * (double(a[i]) - b[i]);
+    return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+size_t count_if(const std::vector<float>& values, const std::function<bool(float)>& test) {
+    return static_cast<size_t>(std::ranges::count_if(values, test));
+}
+
+size_t nonfinite(const std::vector<float>& values) {
+    return count_if(values, [](float v) { return !std::isfinite(v); });
+}
+
+double n_eff(const std::vector<float>& image, const std::vector<float>& truth,
+             const std::function<bool(size_t)>& counted) {
+    double signal = 0, error = 0;
+    for (size_t i = 0; i < truth.size(); ++i) {
+        if (counted && !counted(i)) continue;
+        const double v = truth[i];
+        if (v >= 1.0 / 256 && v <= 255.0 / 256) signal += v * (1 - v);
+        error += (image[i] - v) * (image[i] - v);
+    }
+    return signal / error;
+}
+
+PlaneImages see_plane(const ViewedPlane& plane, const Camera& previous, const Camera& camera, Extent extent) {
+    const size_t n = size_t{extent.width} * extent.height;
+    PlaneImages images{std::vector<float>(n), std::vector<std::array<uint16_t, 4>>(n),
+                       std::vector<std::array<float, 2>>(n), std::vector<float>(n)};
+    const glm::dmat3 world_from_view = glm::make_mat3(camera.world_from_view.data());
+    const glm::dvec3 eye = glm::make_vec3(camera.position.data());
+    for (size_t i = 0; i < n; ++i) {
+        const glm::dvec2 uv((static_cast<double>(i % extent.width) + 0.5) / extent.width,
+                            (static_cast<double>(i / extent.width) + 0.5) / extent.height);
+        const glm::dvec3 ray = world_from_view * glm::dvec3((2 * uv.x - 1) / camera.clip_from_view[0],
+                                                            (2 * uv.y - 1) / camera.clip_from_view[5], -1);
+        const double z = glm::dot(plane.point - eye, plane.normal) / glm::dot(ray, plane.normal);
+        if (!(z > 0 && z < 1e9)) continue;
+        const Projected before = project(previous, eye + z * ray);
+        const glm::dvec2 motion = before.view_depth > 0 ? before.uv - uv : glm::dvec2(4);
+        images.view_depth[i] = static_cast<float>(z);
+        images.depth[i] = static_cast<float>(camera.near / z);
+        images.normal[i] = to_half4({plane.normal.x, plane.normal.y, plane.normal.z, 0});
+        images.motion[i] = {static_cast<float>(motion.x), static_cast<float>(motion.y)};
+    }
+    return images;
+}
+
+std::vector<uint32_t> hit_words(Extent extent, const std::function<bool(uint32_t, uint32_t)>& lit) {
+    const uint32_t columns = (extent.width + 7) / 8;
+    std::vector<uint32_t> words(size_t{columns} * ((extent.height + 3) / 4), 0);
+    for (uint32_t y = 0; y < extent.height; ++y)
+        for (uint32_t x = 0; x < extent.width; ++x)
+            if (!lit(x, y)) words[size_t{y / 4} * columns + x / 8] |= 1u << (y % 4 * 8 + x % 8);
+    return words;
+}
+
+namespace {
+
+ViewRunOptions denoise_options(std::vector<std::string> captures) {
+    ViewRunOptions options;
+    options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}, {"motion", Format::rg32f}};
+    options.captures = std::move(captures);
+    return options;
+}
+
+}  // namespace
+
+DenoiseRun::DenoiseRun(const CheckedPipeline& pipeline, Extent extent, std::vector<std::string> captures)
+    : run_(pipeline, extent, denoise_options(std::move(captures))) {}
+
+void DenoiseRun::frame(const PlaneImages& images, const std::vector<uint32_t>& hits,
+                       FrameDescription description) {
+    run_.set("depth", images.depth);
+    run_.set("normal", images.normal);
+    run_.set("motion", images.motion);
+    run_.set("hits", hits);
+    run_.frame(description);
+}
+
+std::vector<float> DenoiseRun::plane(const std::string& name, size_t channel) {
+    return captured_planes(run_.view(), name).at(channel);
+}
+
+CheckedPipeline published_denoiser(const std::string& tileclass_params) {
+    return shadow_pipeline(R"({
+      "penumbra": 1, "name": "published", "inputs": { "depth": {}, "normal": {}, "motion": {}, "hits": {} },
+      "outputs": ["visibility"], "resources": { "visibility": { "format": "r16f" } },
+      "nodes": {
+        "guides": { "type": "guides" }, "receivers": { "type": "receivers" }, "prepare": { "type": "prepare" },
+        "tileclass": { "type": "tileclass", "in": { "history": "filtered0@-1", "moments_prev": "moments@-1",
+                       "view_depth_prev": "view_depth@-1" }, "params": )" +
+                           tileclass_params + R"( },
+        "filter0": { "type": "filter", "in": { "signal": "reprojected" }, "out": { "filtered": "filtered0" }, "params": { "step": 1 } },
+        "filter1": { "type": "filter", "in": { "signal": "filtered0" }, "out": { "filtered": "filtered1" }, "params": { "step": 2 } },
+        "filter2": { "type": "filter", "in": { "signal": "filtered1" }, "out": { "filtered": "visibility" }, "params": { "step": 4 } } } })");
+}
+
+}  // namespace penumbra::test

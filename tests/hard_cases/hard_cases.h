@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// What the tests of hard cases share (docs/hard_cases.md): scenes from a few shapes run through whole
+// pipelines, an analytic plane seen by any camera as a host's images, and the figures that a case gives,
+// printed for the table.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/session.h"
+#include "app/truth.h"
+#include "host/shapes.h"
+#include "tests/gpu_test.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+
+class HardCase : public GpuTest {};
+
+// Prints "case 13: naive 0.5, ours 0" for docs/hard_cases.md.
+void figure(const char* what, double naive, double ours);
+
+struct Placed {
+    const char* name;
+    Shape shape;
+};
+
+// A still shot of the shapes from above; the file is gone when the process ends. Shots of one `key` share it.
+Shot scene_shot(const std::string& key, const std::vector<Placed>& shapes, std::array<uint32_t, 2> size);
+
+CheckedPipeline pipeline_with(const std::string& name, const std::vector<std::string>& settings);
+
+struct RunOptions {
+    std::vector<std::string> settings, captures;  // captures: besides the visibility
+    Facts facts;
+    bool jitter = false;
+    uint32_t seed = 0;
+};
+
+class SceneRun {
+  public:
+    SceneRun(const std::string& pipeline, Shot shot, const RunOptions& options = {});
+
+    std::vector<float> frame(uint32_t index, bool reset);  // visibility
+    std::vector<float> up_to(uint32_t last);               // the same, of frame `last`
+    std::vector<float> plane(const std::string& capture, size_t channel = 0) const;
+    std::vector<float> mean(uint32_t frames);  // of the visibility over frames 0 .. frames - 1
+    Session& session() { return *session_; }
+
+  private:
+    std::unique_ptr<Session> session_;
+};
+
+// The converged visibility of a frozen frame.
+Truth truth_of(const Shot& shot, uint32_t frame, uint32_t rays);
+
+double rms(const std::vector<float>& a, const std::vector<float>& b);
+size_t count_if(const std::vector<float>& values, const std::function<bool(float)>& test);
+size_t nonfinite(const std::vector<float>& values);
+
+// Sum of v (1 - v) over the penumbra by the squared errors of all pixels that `counted` accepts (all: none
+// given).
+double n_eff(const std::vector<float>& image, const std::vector<float>& truth,
+             const std::function<bool(size_t)>& counted = {});
+
+// An infinite plane as a G-buffer that a host hands to the denoiser alone, with shadow samples of the test's
+// choosing. Everything is computed per pixel in double precision.
+struct ViewedPlane {
+    glm::dvec3 point{0, 0, 0}, normal{0, 1, 0};
+};
+
+struct PlaneImages {
+    std::vector<float> depth;                     // near / view depth, 0 = sky
+    std::vector<std::array<uint16_t, 4>> normal;  // fp16
+    std::vector<std::array<float, 2>> motion;
+    std::vector<float> view_depth;
+};
+PlaneImages see_plane(const ViewedPlane& plane, const Camera& previous, const Camera& camera, Extent extent);
+
+// Ray-hit words from a predicate "lit at pixel x, y".
+std::vector<uint32_t> hit_words(Extent extent, const std::function<bool(uint32_t, uint32_t)>& lit);
+
+// denoise.json, or what `text` says, on such images.
+class DenoiseRun {
+  public:
+    DenoiseRun(const CheckedPipeline& pipeline, Extent extent, std::vector<std::string> captures);
+    void frame(const PlaneImages& images, const std::vector<uint32_t>& hits, FrameDescription description);
+    std::vector<float> plane(const std::string& name, size_t channel = 0);
+    View& view() { return run_.view(); }
+
+  private:
+    ViewRun run_;
+};
+
+// The published temporal pass (tileclass and one filter) on the same inputs, without the constant-time parts
+// around it.
+CheckedPipeline published_denoiser(const std::string& tileclass_params = "{}");
+
+}  // namespace penumbra::test

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+// What `penumbra report` measures, on small images: brute force does what brute force must, figures are those
+// of render, reference and compare, and mistakes leave no page behind.
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.h"
+#include "app/report/measure.h"
+#include "nodes/nodes.h"
+#include "tests/gpu_test.h"
+
+namespace penumbra::report {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ReportMeasure : public test::GpuTest {
+  protected:
+    void SetUp() override {
+        GpuTest::SetUp();
+        folder_ = fs::temp_directory_path() / ("penumbra_report_" + std::to_string(getpid()));
+        fs::create_directories(folder_ / "images");
+        fs::create_directories(folder_ / "shots");
+        Diagnostics diagnostics;
+        auto contenders = open_contenders({pipeline("raw"), pipeline("shadows")}, {}, nodes_, diagnostics);
+        ASSERT_TRUE(contenders) << diagnostics.text();
+        results_.contenders = std::move(contenders->list);
+        results_.device = test::gpu().info();
+        Study& study = results_.study;
+        study.size = study.edge_size = {64, 48};
+        study.seeds = 2;
+        study.rays = 256;
+        study.after_cut = {1, 4};
+        study.moving_frames = 8;
+        study.moving_every = 4;
+        study.settling = 0;
+        study.edge_frame = 3;
+        study.analytic_border_px = 4;
+    }
+    void TearDown() override {
+        fs::remove_all(folder_);
+        GpuTest::TearDown();
+    }
+
+    static std::string pipeline(const std::string& name) {
+        return PENUMBRA_SOURCE_DIR "/pipelines/" + name + ".json";
+    }
+    size_t contender(const std::string& id) const {
+        for (size_t c = 0; c < results_.contenders.size(); ++c)
+            if (results_.contenders[c].id == id) return c;
+        ADD_FAILURE() << id;
+        return 0;
+    }
+    Bench bench() {
+        return {test::gpu(), nodes_, folder_, [this] { ++steps_; }};
+    }
+
+    fs::path folder_;
+    NodeSet nodes_ = shadow_nodes();
+    Results results_;
+    uint32_t steps_ = 0;
+};
+
+TEST_F(ReportMeasure, BruteForceGainsWithEveryRayAndIsChargedForIt) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const EdgeShot edge = make_edge_shot(16, 1, results_.study.edge_frame, folder_ / "shots", diagnostics);
+    ASSERT_TRUE(measure_edge(bench(), edge, results_, diagnostics, warnings)) << diagnostics.text();
+    ASSERT_EQ(results_.edge.size(), 5u);
+    EXPECT_EQ(steps_, steps_of(results_.study, 0, 1));
+    const auto n_eff = [&](const char* id) { return *results_.edge[contender(id)].metrics.n_eff; };
+    EXPECT_NEAR(n_eff("raw"), 1,
+                0.12);  // one ray is one ray: about 1500 pixels and two seeds say so within 5 %
+    // Consecutive points of the sequence are stratified: N rays are worth more than N.
+    EXPECT_GT(n_eff("rays_4"), 4);
+    EXPECT_GT(n_eff("rays_16"), 16);
+    EXPECT_GT(n_eff("rays_64"), 64);
+}
+
+TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const EdgeShot edge = make_edge_shot(8, 0.5, 6, folder_ / "shots", diagnostics);
+    const auto shot = open_report_shot(edge.shot.file, folder_ / "shots", 4, diagnostics);
+    ASSERT_TRUE(shot) << diagnostics.text();
+    ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
+    EXPECT_EQ(steps_, steps_of(results_.study, 1, 0));
+    ASSERT_EQ(results_.rows.size(), 5u);
+    for (const Row& row : results_.rows) {
+        EXPECT_EQ(row.after_cut.size(), 2u);
+        EXPECT_EQ(row.over_time.size(), 2u);
+        EXPECT_LE(row.mask_cpu_ms->median, row.frame_cpu_ms->median);
+        for (const std::string& image : row.images)
+            EXPECT_TRUE(fs::is_regular_file(folder_ / image)) << image;
+        const std::optional<uint32_t> rays = results_.contenders[row.contender].brute_force;
+        EXPECT_NEAR(*row.rays_per_pixel, rays.value_or(1), 1e-6);  // all pixels of the plane are undecided
+    }
+
+    for (const auto& [file, frames, every, id, still] :
+         {std::tuple(shot->moving.file, "3..7", 4u, "shadows", false),
+          std::tuple(shot->still.file, "3", 1u, "shadows", true),
+          std::tuple(shot->moving.file, "3..7", 4u, "raw", false)}) {
+        testing::internal::CaptureStdout();
+        ReferenceArguments reference;
+        reference.shot = file.string();
+        reference.out = (folder_ / "truth").string();
+        reference.frames = frames;
+        reference.size = "64x48";
+        ASSERT_EQ(run_reference(reference), exit_good);
+        CompareArguments compare;
+        compare.image = (folder_ / "1").string();
+        compare.reference = reference.out;
+        compare.also = {(folder_ / "2").string()};
+        compare.border = results_.study.analytic_border_px;
+        compare.json = true;
+        for (const uint32_t seed : {1u, 2u}) {
+            RenderArguments render;
+            render.pipeline = pipeline(id);
+            render.shot = reference.shot;
+            render.out = (folder_ / std::to_string(seed)).string();
+            render.frames = frames;
+            render.every = every;
+            render.size = reference.size;
+            render.seed = seed;
+            render.no_jitter = true;
+            ASSERT_EQ(run_render(render), exit_good);
+        }
+        std::fflush(stdout);
+        testing::internal::GetCapturedStdout();
+        testing::internal::CaptureStdout();
+        ASSERT_EQ(run_compare(compare), exit_good);
+        std::fflush(stdout);
+        const auto said = nlohmann::json::parse(testing::internal::GetCapturedStdout());
+        const Row& row = *results_.row(0, contender(id));
+        const MaskMetrics& metrics = still ? *row.after(4) : row.moving;
+        EXPECT_DOUBLE_EQ(*metrics.n_eff, said["n_eff"]["value"].get<double>()) << file;
+        EXPECT_DOUBLE_EQ(*metrics.rmse_all, said["rmse"]["all"].get<double>()) << file;
+        for (const char* folder : {"truth", "1", "2"}) fs::remove_all(folder_ / folder);
+    }
+}
+
+TEST_F(ReportMeasure, MistakesAreFoundFirstAndLeaveNoPage) {
+    ReportArguments arguments;
+    arguments.out = (folder_ / "out").string();
+    arguments.quick = true;
+    const auto says = [&](const char* what) {
+        testing::internal::CaptureStderr();
+        EXPECT_EQ(run_report(arguments), exit_wrong);
+        const std::string err = testing::internal::GetCapturedStderr();
+        EXPECT_NE(err.find(what), std::string::npos) << err;
+        EXPECT_FALSE(fs::exists(folder_ / "out/index.html"));
+    };
+    arguments.pipelines = {pipeline("denoise")};
+    says("takes \"hits\", which only an engine can bring");
+    arguments.pipelines = {pipeline("raw"), pipeline("raw")};
+    says("is the name of");
+    arguments.pipelines = {pipeline("raw")};
+    arguments.shots = {"nowhere"};
+    says("\"nowhere\" is neither a file");
+
+    // An object that the scene does not have shows only when the scene is opened: by then an old page is
+    // gone.
+    const fs::path shot = folder_ / "wrong.shot.json";
+    std::ifstream original(PENUMBRA_SOURCE_DIR "/scenes/colonnade.shot.json");
+    auto json = nlohmann::json::parse(original);
+    json["scene"] = PENUMBRA_SOURCE_DIR "/scenes/colonnade.glb";
+    json["objects"] = {{"gatf", json["objects"]["gate"]}};
+    std::ofstream(shot) << json;
+    fs::create_directories(folder_ / "out");
+    std::ofstream(folder_ / "out/index.html") << "an old page";
+    arguments.shots = {shot.string()};
+    says("gatf");
+}
+
+}  // namespace
+}  // namespace penumbra::report

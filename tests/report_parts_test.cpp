@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+// Parts of `penumbra report`: medians and their intervals, axes, markup, tables of results, drawings of
+// plans.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "app/report/html.h"
+#include "app/report/images.h"
+#include "app/report/layered_layout.h"
+#include "app/report/plots.h"
+#include "app/report/statistics.h"
+#include "app/report/svg.h"
+#include "tests/report_results.h"
+
+namespace penumbra::report {
+namespace {
+
+TEST(ReportMedian, IsTheMiddleAndHasNoIntervalBelowSixSamples) {
+    EXPECT_FALSE(median_of({}));
+    EXPECT_EQ(median_of({3, 1, 2})->median, 2);
+    EXPECT_EQ(median_of({4, 1, 2, 3})->median, 2.5);
+    EXPECT_FALSE(median_of({1, 2, 3, 4, 5})->low);  // 2 * 2^-5 > 5 %: no interval can be had
+    const Estimate six = *median_of({6, 5, 4, 3, 2, 1});
+    EXPECT_EQ(six.low, 1);
+    EXPECT_EQ(six.high, 6);
+    // n = 20: P(X <= 5) = 2.07 %, P(X <= 6) = 5.8 %; so from the 6th smallest to the 6th largest.
+    std::vector<double> twenty;
+    for (int i = 1; i <= 20; ++i) twenty.push_back(i);
+    EXPECT_EQ(median_of(twenty)->low, 6);
+    EXPECT_EQ(median_of(twenty)->high, 15);
+}
+
+TEST(ReportMedian, IntervalHoldsTheTrueMedianOfALongTail) {
+    std::mt19937 random(7);
+    std::exponential_distribution<double> tail(1);
+    int held = 0;
+    constexpr int draws = 2000;
+    for (int draw = 0; draw < draws; ++draw) {
+        std::vector<double> samples(25);
+        for (double& s : samples) s = tail(random);
+        const Estimate e = *median_of(samples);
+        held += *e.low <= std::log(2.0) && std::log(2.0) <= *e.high;
+    }
+    EXPECT_GE(held, draws * 95 / 100);  // exact: 95.7 %, and never below 95 %
+    EXPECT_LE(held, draws * 98 / 100);  // nor so wide that it says nothing
+}
+
+TEST(ReportAxis, TicksAreRoundAndCoverAllValues) {
+    const Axis axis = linear_axis({0.3, 7.2}, true);
+    EXPECT_EQ(axis.low, 0);
+    EXPECT_EQ(axis.high, 8);
+    std::vector<std::string> labels;
+    for (const Tick& tick : axis.ticks) labels.push_back(tick.label);
+    EXPECT_EQ(labels, (std::vector<std::string>{"0", "2", "4", "6", "8"}));
+    EXPECT_EQ(axis.at(4), 0.5);
+    // Adding up 0.1 gives 0.30000000000000004, and such labels.
+    for (const Tick& tick : linear_axis({0, 0.5}, true).ticks) EXPECT_LE(tick.label.size(), 3u);
+    EXPECT_FALSE(linear_axis({}, true).ticks.empty());
+    EXPECT_GT(linear_axis({5, 5}, false).high, 5);
+}
+
+TEST(ReportAxis, LogarithmsTakeWhatIsPositive) {
+    const Axis axis = log_axis({0.013, 0.38, 0, -1, NAN});
+    EXPECT_DOUBLE_EQ(axis.low, 0.01);
+    EXPECT_DOUBLE_EQ(axis.high, 0.5);
+    EXPECT_EQ(axis.at(0.01), 0);
+    EXPECT_EQ(axis.at(0.5), 1);
+    EXPECT_NEAR(axis.at(std::sqrt(0.01 * 0.5)), 0.5, 1e-12);
+    EXPECT_EQ(axis.ticks.size(), 6u);  // .01 .02 .05 .1 .2 .5
+    const Axis wide = log_axis({1, 2e4});
+    for (const Tick& tick : wide.ticks)  // decades alone
+        EXPECT_NEAR(std::log10(tick.value), std::round(std::log10(tick.value)), 1e-9);
+    EXPECT_LT(log_axis({10, 10}).low, log_axis({10, 10}).high);
+    EXPECT_LT(log_axis({}).low, log_axis({}).high);
+}
+
+TEST(ReportHtml, EscapesWhatCouldEndATextOrAnAttribute) {
+    EXPECT_EQ(escape("<a href=\"x\">'&"), "&lt;a href=&quot;x&quot;&gt;&#39;&amp;");
+    Svg svg(10, 10, "\"><script>");
+    svg.circle({1, 1}, 1, "dot", "a < b");
+    svg.text({1, 1}, "</svg>");
+    EXPECT_EQ(svg.str().find("<script>"), std::string::npos);
+    EXPECT_NE(svg.str().find("<title>a &lt; b</title>"), std::string::npos);
+    EXPECT_EQ(svg.str().find("</svg>"), svg.str().size() - 7);
+}
+
+TEST(ReportHtml, TemplatesAreFilledWhollyOrNotAtAll) {
+    EXPECT_EQ(fill("a{{x}}b{{x}}{{y}}", {{"x", "{{y}}"}, {"y", "2"}}), "a{{y}}b{{y}}2");
+    EXPECT_THROW(fill("{{x}}", {}), std::logic_error);
+    EXPECT_THROW(fill("", {{"x", ""}}), std::logic_error);
+    EXPECT_THROW(fill("{{x", {{"x", ""}}), std::logic_error);
+    Table table("c", {{"a", false}, {"b"}});
+    EXPECT_THROW(table.row({"1"}), std::logic_error);
+}
+
+TEST(ReportHtml, Base64AgreesWithTheRfc) {
+    const std::pair<const char*, const char*> known[] = {{"", ""},
+                                                         {"f", "Zg=="},
+                                                         {"fo", "Zm8="},
+                                                         {"foo", "Zm9v"},
+                                                         {"foob", "Zm9vYg=="},
+                                                         {"fooba", "Zm9vYmE="},
+                                                         {"foobar", "Zm9vYmFy"}};
+    for (const auto& [plain, coded] : known) EXPECT_EQ(base64(plain), coded);
+    EXPECT_EQ(base64("\xff\xfe"), "//4=");
+}
+
+TEST(ReportHtml, NumbersKeepTheirSize) {
+    EXPECT_EQ(number(0.3141), "0.314");
+    EXPECT_EQ(number(0.03141), "0.0314");
+    EXPECT_EQ(number(31.41), "31.4");
+    EXPECT_EQ(number(12345.6), "12346");
+    EXPECT_EQ(number(2e-7), "2.0e-07");
+    EXPECT_EQ(number(NAN), "not finite");
+}
+
+TEST(ReportImages, ErrorsOfBothSignsDifferAndRightIsWhite) {
+    EXPECT_EQ(error_color(0), (std::array<float, 3>{1, 1, 1}));
+    EXPECT_GT(error_color(0.3)[0], error_color(0.3)[2]);    // too bright: orange
+    EXPECT_LT(error_color(-0.3)[0], error_color(-0.3)[2]);  // too dark: blue
+    EXPECT_EQ(error_color(0.5), error_color(1));
+    EXPECT_EQ(error_color(NAN), (std::array<float, 3>{1, 0, 1}));
+}
+
+// A ladder with its rungs crossed: the order as given has as many crossings as can be, the best has none.
+TEST(ReportLayout, UncrossesWhatCanBeUncrossedAndLeavesGaps) {
+    std::vector<LayoutItem> items;
+    constexpr size_t rungs = 6;
+    for (size_t i = 0; i < rungs; ++i) items.push_back({0, 10, {}});
+    for (size_t i = 0; i < rungs; ++i) items.push_back({1, 20, {rungs - 1 - i}});
+    for (size_t i = 0; i < rungs; ++i) items[rungs + i].y = items[i].y = static_cast<double>(i);
+    EXPECT_EQ(crossings(items), rungs * (rungs - 1) / 2);
+    arrange(items, 5);
+    EXPECT_EQ(crossings(items), 0u);
+    for (size_t a = 0; a < items.size(); ++a)
+        for (size_t b = 0; b < items.size(); ++b)
+            if (a != b && items[a].layer == items[b].layer && items[a].y <= items[b].y) {
+                EXPECT_GE(items[b].y - items[a].y, items[a].height + 5 - 1e-9);
+            }
+}
+
+size_t count(const std::string& text, const std::string& part) {
+    size_t found = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+    return found;
+}
+
+TEST(ReportResults, EveryRowIsAPointWithItsNumbers) {
+    const Results results = test::made_up_results();
+    for (const Quality quality : {Quality::rmse, Quality::n_eff}) {
+        const std::string plot = pareto_plot(results, 0, quality);
+        EXPECT_EQ(count(plot, "<circle"), results.contenders.size());
+        for (const Contender& contender : results.contenders)
+            EXPECT_NE(plot.find(label(contender) + ":"), std::string::npos) << contender.id;
+    }
+    EXPECT_EQ(count(after_cut_plot(results, 0), "<circle"),
+              results.contenders.size() * results.study.after_cut.size());
+    // A row that could not be timed is no point at a made-up place.
+    Results untimed = results;
+    untimed.rows[0].mask_cpu_ms.reset();
+    EXPECT_EQ(count(pareto_plot(untimed, 0, Quality::rmse), "<circle"), results.contenders.size() - 1);
+}
+
+TEST(ReportResults, JsonAndCsvHoldTheSameRowsAndNullForTheUnknown) {
+    Results results = test::made_up_results();
+    results.contenders[0].id = "a,\"b\"";
+    const auto json = to_json(results);
+    ASSERT_EQ(json["results"].size(), results.rows.size());
+    EXPECT_EQ(json["results"][0]["contender"], "a,\"b\"");
+    EXPECT_EQ(json["results"][0]["moving"]["rmse"]["all"], *results.rows[0].moving.rmse_all);
+    EXPECT_TRUE(json["results"][0]["mask_ms"]["median"].is_null());
+    EXPECT_TRUE(json["results"][0].contains("ssim") && json["results"][0]["ssim"].is_null());
+    const std::string csv = to_csv(results);
+    EXPECT_EQ(count(csv, "\r\n"), results.rows.size() + 1);
+    EXPECT_NE(csv.find("\"a,\"\"b\"\"\""), std::string::npos);
+    const size_t columns = count(csv.substr(0, csv.find("\r\n")), ",");
+    const size_t second = csv.find("\r\n", csv.find("\r\n") + 2) + 2;  // a row without quoted commas
+    EXPECT_EQ(count(csv.substr(second, csv.find("\r\n", second) - second), ","), columns);
+}
+
+TEST(ReportResults, TheWorstEdgeIsAMovingOne) {
+    Results results = test::made_up_results();
+    const EdgePoint* worst = results.worst_edge(0, 16);
+    ASSERT_TRUE(worst);
+    EXPECT_EQ(worst->speed_px, -1);
+    EXPECT_FALSE(results.worst_edge(0, 5));
+}
+
+}  // namespace
+}  // namespace penumbra::report
