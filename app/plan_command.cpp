@@ -8,6 +8,7 @@
 #include "app/fact_list.h"
 #include "app/node_folders.h"
 #include "app/pipeline_file.h"
+#include "app/session.h"
 
 namespace penumbra {
 
@@ -34,6 +35,11 @@ int run_plan(const PlanArguments& arguments) {
     target.extent = {(*size)[0], (*size)[1]};
     target.facts = *facts;
     target.device = reference_device();
+    // The sun's maps have a size of their own: as the standalone host draws them.
+    const auto many = facts->find("many_cascades");
+    const uint32_t layers = many == facts->end() || many->second ? max_cascades : 1;
+    const Target host = standalone_target(target.device, *size, *facts, {1024, 1024}, layers);
+    for (const char* maps : {"cascade_maps", "cascade_bounds"}) target.inputs[maps] = host.inputs.at(maps);
     Diagnostics diagnostics;
     CompileOptions options;
     options.alias = !arguments.no_alias;

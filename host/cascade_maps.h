@@ -2,8 +2,7 @@
 // The sun's shadow maps on the device, of the very triangles that rays meet. Per texel and cascade:
 // - maps (d32): depth of the nearest surface at the texel's centre, an ordinary shadow map;
 // - bounds (rgba32f), made only where they are wanted: least depth of any surface that touches the texel, and
-// a
-//   plane below all of them (its depth at the texel's centre, its slope); metres. 1e30: no surface.
+//   a plane below all of them (its depth at the texel's centre, its slope); metres. 1e30: no surface.
 // Nothing is drawn where neither the cascades nor the triangles have moved.
 #pragma once
 

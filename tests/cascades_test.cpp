@@ -203,8 +203,8 @@ TEST_F(Cascades, DoNotDependOnWhereTheWorldIs) {
 
 TEST_F(Cascades, AliasingAndPoisonDoNotShow) {
     const Shot shot = plaza_shot({75, 43}, 8);
-    for (const char* name :
-         {"hybrid_cascades_raw", "hybrid_published_raw", "hybrid_cascades", "cascades_only"}) {
+    for (const char* name : {"hybrid_cascades_raw", "hybrid_published_raw", "hybrid_cascades",
+                             "hybrid_cascades_cones_raw", "cascades_only"}) {
         SessionOptions plain = maps_of(64);
         plain.alias = false;
         const Frames expected = run(name, {}, shot, plain);

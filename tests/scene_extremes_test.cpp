@@ -171,11 +171,11 @@ TEST_F(ShorterPlans, ShareMemoryWithoutATrace) {
     const std::vector<std::pair<const char*, Shot>> shots = {
         {"still", still_plaza(8)}, {"point", point}, {"moving point", moving_point}, {"night", night}};
     for (const auto& [name, shot] : shots) {
-        const auto run = [&](bool alias, std::optional<uint32_t> poison) {
+        const auto run = [&, &scene = shot](bool alias, std::optional<uint32_t> poison) {
             SessionOptions options;
             options.alias = alias;
             options.poison = poison;
-            const auto session = open("shadows", shot, options);
+            const auto session = open("shadows", scene, options);
             std::vector<std::vector<std::byte>> frames;
             for (uint32_t frame = 0; frame < 8; ++frame) {
                 session->run_frame(frame, frame == 0 || frame == 5);

@@ -16,6 +16,7 @@
 #include "host/shapes.h"
 #include "host/shot_facts.h"
 #include "nodes/nodes.h"
+#include "tests/plan_checks.h"
 
 namespace penumbra::test {
 namespace {
@@ -36,6 +37,23 @@ Model yard() {
     };
     add("floor", ground(5, 5, 2, 2));
     add("gate", box({-1, 0, -0.1}, {1, 2, 0.1}));
+    return model;
+}
+
+// The same with a leaf whose texture is half holes.
+Model garden(double alpha_cutoff = 0.5) {
+    Model model = yard();
+    model.textures.push_back({2, 1, {90, 160, 60, 255, 90, 160, 60, 0}});
+    Material leaf;
+    leaf.texture = 0;
+    leaf.alpha_cutoff = alpha_cutoff;
+    model.materials.push_back(leaf);
+    Mesh mesh;
+    add_part(model, mesh, {{2, 1, 0}, {3, 1, 0}, {2, 1, 1}}, {{0, 0}, {1, 0}, {0, 1}}, {0, 1, 2}, 1);
+    model.meshes.push_back(std::move(mesh));
+    Node node;
+    node.mesh = static_cast<int>(model.meshes.size()) - 1;
+    model.nodes.push_back(node);
     return model;
 }
 
@@ -93,11 +111,11 @@ Shot far_away(Shot shot) {
 
 Shot edge(double speed_px) {
     Shot shot;
-    shot.half_plane = HalfPlane{8, 17, speed_px, 0};
+    shot.analytic = AnalyticScene{.penumbra_px = 8, .edge_deg = 17, .speed_px = speed_px};
     shot.size = {64, 48};
     shot.frames = 100;
     shot.sun = {{0, {0.3, 0.2, 1}}};
-    add_half_plane_motion(shot);
+    add_analytic_motion(shot);
     return shot;
 }
 
@@ -111,6 +129,7 @@ struct Row {
     Shot shot;
     Shadow shadow;
     bool moves;
+    bool alpha = false;
 };
 
 std::vector<Row> table() {
@@ -165,6 +184,15 @@ std::vector<Row> table() {
     row("a point for a sun, on the horizon", yard(), still(at(0), 0), Shadow::all, false);
     row("polar night: the sun circles below the horizon", yard(),
         still({{0, toward(-5, 0)}, {50, toward(-5, 90)}, {99, toward(-5, 180)}}), Shadow::all, false);
+    const auto with_holes = [&](const char* name, Model model, Shot shot, Shadow shadow, bool moves) {
+        row(name, std::move(model), std::move(shot), shadow, moves);
+        rows.back().alpha = true;
+    };
+    with_holes("leaves with holes", garden(), still(noon), Shadow::soft, false);
+    with_holes("leaves with holes, the camera flies", garden(), flying(still(noon)), Shadow::soft, true);
+    with_holes("leaves with holes, a point for a sun", garden(), still(noon, 0), Shadow::hard, false);
+    with_holes("leaves with holes at midnight", garden(), still(at(-60)), Shadow::all, false);
+    row("leaves whose cutoff removes nothing", garden(0), still(noon), Shadow::soft, false);
     return rows;
 }
 
@@ -180,7 +208,7 @@ struct Needed {
 };
 
 // The required nodes and what they keep, per pipeline.
-Needed needed_by(const std::string& pipeline, Shadow shadow, bool moves) {
+Needed needed_by(const std::string& pipeline, Shadow shadow, bool moves, bool alpha) {
     Needed needed{"guides shade", "view_depth guide_normal visibility lit", "", "depth normal albedo sun",
                   ""};
     const auto also = [&](const char* nodes, const char* resources, const char* histories, const char* inputs,
@@ -195,6 +223,7 @@ Needed needed_by(const std::string& pipeline, Shadow shadow, bool moves) {
     if (traced)
         also("classify trace", "tile_list trace_args preloaded_hits receiver_words", "",
              "scene scene.nodes scene.leaves", "");
+    if (traced && alpha) also("", "", "", "scene.alpha_uv scene.alpha_map", "");
     if (shadow == Shadow::soft) also("", "", "", "", "blue_noise");
     if (shadow == Shadow::none) also("open", "", "", "", "");
     if (shadow == Shadow::all) also("night", "", "", "", "");
@@ -233,8 +262,7 @@ CheckedPipeline pipeline_with(const std::string& name, const std::string& patch 
 }
 
 Facts facts_of(const Row& row) {
-    return shot_facts(row.shot,
-                      Scene(row.shot.half_plane ? half_plane_model(row.shot) : row.model, row.shot));
+    return shot_facts(row.shot, Scene(row.shot.analytic ? analytic_model(row.shot) : row.model, row.shot));
 }
 
 Plan plan_of(const std::string& name, const Facts& facts, const std::string& patch = "") {
@@ -267,6 +295,7 @@ TEST(SceneFacts, AreMeasuredOnTheScene) {
         EXPECT_EQ(facts.size(), fact_names.size());
         for (const char* name : fact_names) EXPECT_TRUE(facts.contains(name)) << name;
         EXPECT_EQ(facts.at("moves"), row.moves);
+        EXPECT_EQ(facts.at("alpha"), row.alpha);
         EXPECT_EQ(facts.at("sun_up"), row.shadow != Shadow::all);
         if (row.shadow == Shadow::all) continue;  // night asks for no more
         EXPECT_EQ(facts.at("casters"), row.shadow != Shadow::none);
@@ -281,7 +310,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     for (const Row& row : rows)
         for (const char* pipeline : {"raw", "shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
-            const Needed needed = needed_by(pipeline, row.shadow, row.moves);
+            const Needed needed = needed_by(pipeline, row.shadow, row.moves, row.alpha);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
             EXPECT_EQ(words(used.nodes), words(needed.nodes));
             EXPECT_EQ(words(used.resources), words(needed.resources));
@@ -337,6 +366,23 @@ TEST(SceneFacts, OneClearIsAllThatANightNeeds) {
         EXPECT_TRUE(plan.slots.empty());
         EXPECT_EQ(plan.memory.heap_bytes, plan.resources[0].bytes);
     }
+}
+
+// Under every combination of facts, every shipped pipeline has a plan in which nothing overlaps or races.
+TEST(SceneFacts, EveryCombinationHasASoundPlan) {
+    for (const char* pipeline : {"raw", "shadows", "fidelityfx", "denoise", "reference"})
+        for (size_t bits = 0; bits < size_t{1} << fact_names.size(); ++bits) {
+            Facts facts;
+            std::string names;
+            for (size_t i = 0; i < fact_names.size(); ++i) {
+                facts[fact_names[i]] = (bits >> i & 1) != 0;
+                names += facts[fact_names[i]] ? " " + std::string(fact_names[i]) : "";
+            }
+            SCOPED_TRACE(pipeline + names);
+            const Plan plan = plan_of(pipeline, facts);
+            EXPECT_EQ(overlap_errors(plan), std::vector<std::string>{});
+            EXPECT_EQ(hazard_errors(plan), std::vector<std::string>{});
+        }
 }
 
 TEST(SceneFacts, MemoryShrinksWithTheScene) {

@@ -9,8 +9,8 @@
 namespace penumbra::report {
 
 struct Study {
-    std::array<uint32_t, 2> size{480, 270};
-    uint32_t seeds = 4;    // every run is repeated with seeds 1 to n
+    std::array<uint32_t, 2> size{384, 216};
+    uint32_t seeds = 3;    // every run is repeated with seeds 1 to n
     uint32_t rays = 1024;  // per pixel of a penumbra, of the reference
     // Static: frames since a cut, from 1, at which the error is taken. They hold 1, 8 and 64, the headline's.
     std::vector<uint32_t> after_cut{1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64};
@@ -19,7 +19,7 @@ struct Study {
     uint32_t moving_frames = 64, moving_every = 4, settling = 8;
     // A straight edge that moves: all speeds (pixels per frame across the edge, positive where the shadow
     // grows), at the frame at which the penumbra's middle passes the image's.
-    std::array<uint32_t, 2> edge_size{256, 128};
+    std::array<uint32_t, 2> edge_size{192, 96};
     uint32_t edge_frame = 63;
     std::vector<double> edge_widths_px{8, 16, 32};
     std::vector<double> edge_speeds_px{-4, -2, -1, -0.5, -0.25, -0.1, 0, 0.1, 0.25, 0.5, 1, 2, 4};

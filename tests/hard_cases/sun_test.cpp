@@ -109,7 +109,7 @@ TEST_F(HardCase, ASunOfATenthOfAMicroradianCastsTheHardShadow) {
 TEST_F(HardCase, AWideSunIsAsBrightAsItsCap) {
     for (const double radius_deg : {10.0, 45.0}) {
         Shot shot;
-        shot.half_plane = HalfPlane{48, 17, 0, 0};
+        shot.analytic = AnalyticScene{.penumbra_px = 48, .edge_deg = 17};
         shot.size = {96, 64};
         shot.frames = 64;
         shot.sun = {{0, {0.05, 0.02, 1}}};

@@ -18,7 +18,7 @@ namespace {
 
 Shot edge_shot(double width_px, double edge_deg, std::array<uint32_t, 2> size, uint32_t frames = 64) {
     Shot shot;
-    shot.half_plane = HalfPlane{width_px, edge_deg, 0, 0};
+    shot.analytic = AnalyticScene{.penumbra_px = width_px, .edge_deg = edge_deg};
     shot.size = size;
     shot.frames = frames;
     shot.sun = {{0, {0.3, 0.2, 1}}};
@@ -212,6 +212,39 @@ TEST_F(HardCase, NoDirectionOfAnEdgeIsWorseThanOthers) {
     figure("case 43, best over worst direction of an edge, N_eff of 32 frames", naive, ours);
     EXPECT_LT(ours, 2);
     EXPECT_GT(naive, 4);
+}
+
+// ---- 44: the tile of noise repeats
+
+// Correlation of the errors of pixels `lag` apart along the edge, where both have the same visibility.
+double correlation(const std::vector<float>& image, const std::vector<float>& truth, size_t width,
+                   size_t lag) {
+    double both = 0, one = 0, other = 0;
+    for (size_t i = 0; i < image.size(); ++i) {
+        if (i % width + lag >= width) continue;
+        const double a = image[i] - truth[i], b = image[i + lag] - truth[i + lag];
+        both += a * b;
+        one += a * a;
+        other += b * b;
+    }
+    return both / std::sqrt(one * other);
+}
+
+// They do repeat: what saves the picture is that little is left of them.
+TEST_F(HardCase, WhatRepeatsWithTheNoiseTileIsFaint) {
+    const Shot shot = edge_shot(200, 90, {320, 96}, 16);
+    const std::vector<float> truth = analytic_truth(shot, 0).visibility;
+    SceneRun rays("raw", shot), run("shadows", shot);
+    for (uint32_t frame = 0; frame < 16; ++frame) {
+        const std::vector<float> naive = rays.frame(frame, frame == 0), ours = run.frame(frame, frame == 0);
+        if (frame != 0 && frame != 15) continue;
+        const std::string after = "case 44, after frames: " + std::to_string(frame + 1);
+        figure((after + ", correlation of errors 128 px apart").c_str(), correlation(naive, truth, 320, 128),
+               correlation(ours, truth, 320, 128));
+        figure((after + ", the errors").c_str(), rms(naive, truth), rms(ours, truth));
+        EXPECT_LT(rms(ours, truth), frame == 0 ? 1.0 / 48 : 1.0 / 128);
+        EXPECT_GT(rms(naive, truth), 0.3);
+    }
 }
 
 // ---- 45, 47: broken input
