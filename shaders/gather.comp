@@ -8,6 +8,7 @@
 #include "common/blockers.glsl"
 #include "common/bit_window.glsl"
 #include "common/camera.glsl"
+#include "common/cubic.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/previous_surface.glsl"
@@ -22,11 +23,12 @@ const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
 const float SAME_FACE = 0.9;      // cosine: beyond a crease the sun stands differently
 const float EQUAL_SHARE = 0.6;    // of the rays of a box that all say the same: what they count
 const float IDLE_COUNT = 8.0;     // frames that a cell without any doubt counts for
-const float RESAMPLING_SHARE = 0.5; // over the radius in pixels: of the variance between texels, error that resampling makes
-const float LARGEST_SHARE = 3.0;
-const float SHARE_PER_RADIUS = 1.0;
+// Of the variance between the texels that the past is resampled from: what resampling adds to its error. Over the
+// penumbra's radius in pixels; both numbers minimise the shots' error (docs/sheared.md).
+const float RESAMPLING_SHARE = 0.5, LARGEST_SHARE = 3.0;
+const float SHARE_PER_RADIUS = 1.0;  // per pixel: of the pixels beside a narrow penumbra, how many lie in it
 const float LEAST_SHARE = 0.02;
-const float KNOWN = 12.0;
+const float KNOWN = 12.0;         // frames after which a past in a penumbra is taken at its word
 const float NEW_RESIDUAL = 0.2;   // weight of a frame in the running mean of the residual
 
 // Rows of 24 pixels around the cell, bit 0 is 8 pixels left of the tile's first; the first row lies R above the cell.
@@ -81,12 +83,6 @@ bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
     const float z = imageLoad(view_depth_prev, q).x;
     const vec3 n_prev = unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)));
     return z > 0.0 && dot(n, n_prev) > SAME_FACE && lies_on_plane(previous_position(q, z), here, n, tolerance_m);
-}
-
-// Weights of four neighbours at -1, 0, 1, 2 for a position t between 0 and 1: Catmull-Rom.
-vec4 cubic_weights(float t) {
-    return 0.5 * vec4(t * (-1.0 + t * (2.0 - t)), 2.0 + t * t * (3.0 * t - 5.0), t * (1.0 + t * (4.0 - 3.0 * t)),
-                      t * t * (t - 1.0));
 }
 
 float sharper(ivec2 corner, vec2 t) {
