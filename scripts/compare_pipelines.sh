@@ -2,7 +2,8 @@
 # Error and cost of pipelines on shots, as a Markdown table: root mean square error over all receivers and over the
 # penumbra, effective samples per pixel (both against `penumbra reference`), and CPU milliseconds per frame of all passes.
 #   scripts/compare_pipelines.sh
-# SHOTS, PIPELINES, FRAME (15: after 16 frames), SIZE (640x360), RAYS (256, of the reference) and PENUMBRA may be set.
+# SHOTS, PIPELINES, FRAME (15: after 16 frames), SIZE (640x360), RAYS (256, of the reference) and PENUMBRA may be set, and
+# SUN: the sun's angular radius in degrees instead of the shots', for wider or narrower penumbrae.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 penumbra=${PENUMBRA:-build/release/app/penumbra}
@@ -22,11 +23,14 @@ number() { # file, section, key
 echo "| shot | pipeline | RMSE all | RMSE penumbra | N_eff | CPU ms |"
 echo "|---|---|---|---|---|---|"
 for shot in "${shots[@]}"; do
-    "$penumbra" reference --shot "scenes/$shot.shot.json" --size "$size" --frames "$frame" --rays "$rays" \
+    file=$work/$shot.shot.json
+    sed -E "s#(\"scene\": *\")#\1$PWD/scenes/#; ${SUN:+s#(\"angular_radius_deg\": *)[0-9.]+#\1$SUN#}" \
+        "scenes/$shot.shot.json" >"$file"
+    "$penumbra" reference --shot "$file" --size "$size" --frames "$frame" --rays "$rays" \
         --out "$work/truth" >/dev/null
     for pipeline in "${pipelines[@]}"; do
         # Without jitter: the truth is that of pixel centres.
-        "$penumbra" render "pipelines/$pipeline.json" --shot "scenes/$shot.shot.json" --size "$size" \
+        "$penumbra" render "pipelines/$pipeline.json" --shot "$file" --size "$size" \
             --frames "$frame" --no-jitter --out "$work/$pipeline" >/dev/null 2>&1
         "$penumbra" compare "$work/$pipeline" "$work/truth" --json >"$work/compare.json"
         printf '| %s | %s | %.4f | %.3f | %.2f | %.0f |\n' "$shot" "$pipeline" \

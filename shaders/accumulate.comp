@@ -3,7 +3,9 @@
 // - The average is 1/n of each of the last n <= 32 samples and is kept unfiltered: it converges to the pixel's own
 //   visibility, however narrow the penumbra. Low-discrepancy samples make it worth far more than 32 independent ones.
 // - n restarts where the surface was not seen before, and shrinks where the shadow moves (common/drift.glsl).
-// - Beside the average stands a tolerance: its deviation, wider the softer the shadow's edge is here and 0 at a hard one
+// - Where n is small, what the bits of 3x3 pixels say together joins the average (common/edge_pattern.glsl), for the filters
+//   and not for the history.
+// - Beside it stands a tolerance: its deviation, wider the softer the shadow's edge is here and 0 at a hard one
 //   (common/bit_window.glsl). The filters mix values that differ by less.
 // - Blocks of 8x8 pixels whose surroundings agree are what they say, at once and without a history.
 // An invocation owns a column of a block.
@@ -12,6 +14,7 @@
 #include "common/camera.glsl"
 #include "common/drift.glsl"
 #include "common/cubic.glsl"
+#include "common/edge_pattern.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/previous_surface.glsl"
@@ -24,6 +27,8 @@ const float HARD = 2.2;                 // softness below which nothing is filte
 const float LARGEST_GAIN = 20.0;        // of the filters' tolerance squared
 const float PRIOR = 2.0;                // samples that the neighbourhood's mean is worth in a pixel's variance
 const float CONVERGENCE = 1.75;         // of the average: variance ~ n^-1.75, chosen by what the filters gain
+const float OWN_PLANE_PX = 0.5;
+const float LEAST_SHARE = 1.0 / 64.0;   // of the pattern: less is not worth asking nine pixels' surface
 
 Surroundings surroundings(ivec2 block) {
     Surroundings around;
@@ -148,6 +153,25 @@ float stochastically_rounded(float visibility, ivec2 p) {
     return floor(visibility * 2048.0 + random) / 2048.0;
 }
 
+// Which of 3x3 pixels show the centre's surface: the diagonal neighbours are asked, and stand for the sides next to them.
+uint surface_around(ivec2 p) {
+    const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
+    const float z = imageLoad(view_depth, p).x, tolerance_m = OWN_PLANE_PX * pixel_span_m(z);
+    const vec3 here = position(p, z), n = decode_normal(imageLoad(guide_normal, p));
+    const ivec2 last = ivec2(frame.size) - 1;
+    uint surface = WHOLE_PATTERN;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 q = clamp(p + 2 * ivec2(i & 1, i >> 1) - 1, ivec2(0), last);
+        if (!lies_on_plane(position(q, imageLoad(view_depth, q).x), here, n, tolerance_m)) surface &= ~CORNERS[i];
+    }
+    return surface;
+}
+
+// How much the pattern of bits counts beside an average of that many samples.
+float share_of_pattern(float samples) {
+    return params.pattern_samples / (params.pattern_samples + pow(samples, CONVERGENCE) - 1.0 + 1e-6);
+}
+
 void main() {
     const int lane = int(gl_LocalInvocationID.x), column = lane & 7;
     const ivec2 block = ivec2(gl_GlobalInvocationID.x >> 3, gl_GlobalInvocationID.y);
@@ -181,11 +205,12 @@ void main() {
     if (!inside) return;
 
     if (column == 0) tile_meta[block_index(block)] = state;
-    float forget = 1.0;
+    vec2 forget = vec2(1.0);  // upper and lower rows
     float means[8];
     vec2 softness;
-    if (state == BLOCK_WORK) {
-        forget = 1.0 / (1.0 + 0.5 * drift(lane, params.drift_threshold));
+    for (int once = 0; once < (state == BLOCK_WORK ? 1 : 0); ++once) {
+        const vec2 drifted = max(vec2(drift(lane, params.drift_threshold)), local_drift(lane, params.local_threshold));
+        forget = 1.0 / (1.0 + 0.5 * drifted);
         local_means(around, column, means);
         softness = softness_of(around, column);
     }
@@ -194,18 +219,24 @@ void main() {
         if (inside_frame(p)) {
             const bool receives = (around.receivers[2 + (j >> 2)].y & pixel_bit(p)) != 0u;
             // A uniform block's pixels, and whatever receives nothing: that is lit.
-            vec2 signal = vec2(state == BLOCK_SHADOWED && receives ? 0.0 : 1.0, 0.0);
+            float average = state == BLOCK_SHADOWED && receives ? 0.0 : 1.0;
+            vec2 filtered = vec2(average, 0.0);
             float samples = receives ? CAP : 0.0;
             if (state == BLOCK_WORK && receives) {
-                const float soft = j < 4 ? softness.x : softness.y;
                 const float error = resampling_error(past[j]);
                 const float trusted = min(past[j].count, (1.0 - error) / max(error, 1e-3));
-                samples = min(trusted * forget + 1.0, CAP);
-                const float v = mix(past[j].visibility, bit[j], 1.0 / samples);
-                signal = vec2(stochastically_rounded(v, p),
-                              tolerance_of(v, samples, means[j], soft) * (1.0 - error) * (1.0 - error));
+                samples = min(trusted * (j < 4 ? forget.x : forget.y) + 1.0, CAP);
+                average = mix(past[j].visibility, bit[j], 1.0 / samples);
+                filtered.y = tolerance_of(average, samples, means[j], j < 4 ? softness.x : softness.y) *
+                             (1.0 - error) * (1.0 - error);
+                const float share = share_of_pattern(samples);
+                filtered.x = average;
+                if (share > LEAST_SHARE)
+                    filtered.x = mix(average, visibility_by_pattern(edge_pattern(around, column, j, surface_around(p))), share);
+                average = stochastically_rounded(average, p);
             }
-            imageStore(accumulated, p, vec4(signal, 0.0, 0.0));
+            imageStore(accumulated, p, vec4(average));
+            imageStore(signal, p, vec4(filtered, 0.0, 0.0));
             imageStore(count, p, vec4(samples / CAP));
         }
     }

@@ -14,7 +14,9 @@
 ivec2 pixel_of_bit(ivec2 tile, uint bit) { return tile * TILE + ivec2(bit & 7u, bit >> 3); }
 
 // The beam of the pixels in `mask`, and where in it their rays start.
-void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts) {
+// `open`: no surface blocks its own rays.
+void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts, out bool open) {
+    open = true;
     const mat3 frame = sun_frame(sun.to_sun);
     const vec3 origin = shadow_ray_origin(pixel_of_bit(tile, uint(findLSB(mask))));
     // A plane through three of the starts, far apart; where there are none the axes of the frame will do.
@@ -38,6 +40,7 @@ void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts) {
             hi = max(hi, p);
             box_lo = min(box_lo, p * axes);
             box_hi = max(box_hi, p * axes);
+            open = open && surface_lets_rays_out(pixel_of_bit(tile, i));
         }
     const vec3 base = vec3(0.5 * (lo.xy + hi.xy), lo.z);
     const float rounding = CONE_ROUNDING * (taxicab(lo) + taxicab(hi));
@@ -57,14 +60,15 @@ void main() {
     bool lit = false, shadowed = false;
     if (mask != 0u) {
         Walk walk;
-        make_beam(tile, mask, walk.cone, walk.starts);
+        bool open_surface;
+        make_beam(tile, mask, walk.cone, walk.starts, open_surface);
         walk.wide = cone_slabs(walk.cone.frame[2], walk.cone.spread, walk.cone.radius);
         walk.thin = cone_slabs(walk.cone.frame[2], 0.0, 0.0);
         walk.clean = true;
         walk.covered = false;
         const bool finished = walk_tree(walk, walk.cone.frame[2], BUDGET);
         shadowed = walk.covered;
-        lit = finished && walk.clean && !walk.covered;
+        lit = finished && walk.clean && !walk.covered && open_surface;
         if (shadowed) preloaded_hits[tile_index(tile)] |= mask;
     }
     const bool open = mask != 0u && !lit && !shadowed;

@@ -28,9 +28,11 @@ void main() {
     const bool wanted = (record.y & bit) != 0u;
 
     uint answer = CONE_MIXED;
-    if (wanted)
-        answer = query_cone(
-            Cone(shadow_ray_origin(tile * TILE + in_tile), sun_frame(sun.to_sun), tan(sun.angular_radius), 0.0));
+    if (wanted) {
+        const ivec2 p = tile * TILE + in_tile;
+        answer = query_cone(Cone(shadow_ray_origin(p), sun_frame(sun.to_sun), tan(sun.angular_radius), 0.0));
+        if (answer == CONE_CLEAR && !surface_lets_rays_out(p)) answer = CONE_MIXED;
+    }
     const uint lit = subgroupOr(answer == CONE_CLEAR ? bit : 0u);
     const uint shadowed = subgroupOr(answer == CONE_COVERED ? bit : 0u);
     if (subgroupElect()) {

@@ -85,7 +85,8 @@ Verdicts judge(Shot shot, double angle_deg, const std::vector<std::string>& sett
                 glm::dvec2 u((i % side + (h & 0xffff) / 65536.0) / side,
                              (i / side + (h >> 16) / 65536.0) / side);
                 if (i % 8 == 0) u.x = i % 16 ? 0 : 1 - 0x1p-20;
-                blocked += embree.occluded(maker.ray(x, y, depth[pixel], normal[pixel], u));
+                const Ray ray = maker.ray(x, y, depth[pixel], normal[pixel], u);
+                blocked += RayMaker::slope(ray, normal[pixel]) <= -1.0 / 512 || embree.occluded(ray);
             }
             const bool in_penumbra = blocked != 0 && blocked != side * side;
             sum.penumbra += in_penumbra;

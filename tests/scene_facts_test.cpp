@@ -236,7 +236,8 @@ Needed needed_by(const std::string& pipeline, Shadow shadow, bool moves, bool al
     if (shadow == Shadow::hard) also("hard", "", "", "", "");
     if (shadow == Shadow::soft) {
         also("prepare accumulate smooth0 smooth1 smooth2",
-             "visibility_words accumulated count tile_meta smoothed0 smoothed1", "accumulated count", "", "");
+             "visibility_words accumulated signal count tile_meta smoothed0 smoothed1", "accumulated count",
+             "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");
     }
     return needed;

@@ -5,6 +5,7 @@
 // (Holding the history against the neighbourhood's mean instead blurs every penumbra that is narrower than it.)
 //
 // Sums are over 17x8 pixels and over their four halves, because the two edges of a pole cancel in the whole.
+// A shadow of a pixel's width is swamped by the noise of a wide penumbra beside it: sums over 5x4 pixels find it.
 // Columns beyond the workgroup's 64 are left out. Every lane calls share_residuals(), then barrier(), then drift().
 
 struct Residuals {
@@ -12,7 +13,7 @@ struct Residuals {
     float variance;  // that the sum has if nothing moved
 };
 
-const int DRIFT_RADIUS = 8;
+const int DRIFT_RADIUS = 8, LOCAL_RADIUS = 2;
 const float HALF_THRESHOLD_RATIO = 1.75;  // four halves are as many chances for a false alarm
 const float VARIANCE_FLOOR = 0.05;
 
@@ -44,4 +45,15 @@ float drift(int lane, float threshold) {
     const float half_of = max(max(squared_deviations(left), squared_deviations(right)),
                               max(squared_deviations(upper_left + upper_right), squared_deviations(lower_left + lower_right)));
     return max(0.0, max(whole - threshold, half_of - HALF_THRESHOLD_RATIO * threshold));
+}
+
+// The same of the nearest columns, for the upper and the lower four rows.
+vec2 local_drift(int lane, float threshold) {
+    const int first = max(lane - LOCAL_RADIUS, 0), last = min(lane + LOCAL_RADIUS, 63);
+    vec2 upper = vec2(0.0), lower = vec2(0.0);
+    for (int i = first; i <= last; ++i) {
+        upper += residuals_of_column[0][i];
+        lower += residuals_of_column[1][i];
+    }
+    return max(vec2(squared_deviations(upper), squared_deviations(lower)) - threshold, 0.0);
 }

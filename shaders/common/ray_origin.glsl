@@ -18,11 +18,17 @@ float robust_offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
            DEPTH_ROUNDINGS * depth_rounding_m(z) * abs(dot(n, to_viewer(p))) + SNAP_PX * pixel_span_m(z);
 }
 
-// In the scene's frame, for a pixel that shows a surface. Includer declares: image view_depth, guide_normal; block scene.
+// In the scene's frame, for a pixel that shows a surface. Includer declares: image view_depth, guide_normal; block scene, sun.
 vec3 shadow_ray_origin(ivec2 p) {
     const float z = imageLoad(view_depth, p).x;
     const vec3 relative = position(p, z);
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
     const vec3 in_scene = relative + scene.camera_from_origin;
     return in_scene + n * robust_offset_m(p, z, n, relative, in_scene);
+}
+
+// Whether the surface at a pixel itself blocks none of the rays; what else does is the scene's to say.
+bool surface_lets_rays_out(ivec2 p) {
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    return cap_leaves_surface(n, sun.to_sun, sun.angular_radius);
 }
