@@ -21,7 +21,9 @@ namespace penumbra {
     X(clear)              \
     X(cones)              \
     X(copy)               \
+    X(drift)              \
     X(filter)             \
+    X(gather)             \
     X(guides)             \
     X(prepare)            \
     X(receivers)          \
@@ -29,6 +31,8 @@ namespace penumbra {
     X(resolve)            \
     X(shade)              \
     X(smooth)             \
+    X(soften)             \
+    X(sun_points)         \
     X(taa)                \
     X(tileclass)          \
     X(trace)

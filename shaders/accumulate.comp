@@ -13,6 +13,7 @@
 #include "common/bit_window.glsl"
 #include "common/camera.glsl"
 #include "common/drift.glsl"
+#include "common/cubic.glsl"
 #include "common/edge_pattern.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
@@ -72,12 +73,6 @@ bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
     const float z = imageLoad(view_depth_prev, q).x;
     const vec3 n_prev = unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)));
     return z > 0.0 && dot(n, n_prev) > SAME_FACE && lies_on_plane(previous_position(q, z), here, n, tolerance_m);
-}
-
-// Weights of four neighbours at -1, 0, 1, 2 for a position t between 0 and 1: Catmull-Rom.
-vec4 cubic_weights(float t) {
-    return 0.5 * vec4(t * (-1.0 + t * (2.0 - t)), 2.0 + t * t * (3.0 * t - 5.0), t * (1.0 + t * (4.0 - 3.0 * t)),
-                      t * t * (t - 1.0));
 }
 
 // Resampling by halves and halves again would blur the history a little every frame.

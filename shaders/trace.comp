@@ -3,15 +3,17 @@
 // Sampling: a point of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl. A sun
 // that is a point takes no noise.
 #include "node.glsl"
-#if HAS_BLUE_NOISE
-#include "common/blue_noise.glsl"
-#endif
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/ray_origin.glsl"
-#include "common/sun_sample.glsl"
+#if HAS_BLUE_NOISE
+#include "common/sun_point.glsl"
+#endif
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
+#if HAS_BLOCKERS
+#include "common/blockers.glsl"
+#endif
 #if BACKEND == BACKEND_RAY_QUERY
 #include "common/ray_query.glsl"
 #else
@@ -31,7 +33,7 @@ vec3 ray_direction(ivec2 p) {
     if (SAMPLING == SAMPLING_PUBLISHED)
         return sun_direction_published(sun.to_sun, sun.angular_radius,
                                        noise_published(p, frame.frame_index, params.seed));
-    return sun_direction(sun.to_sun, sun.angular_radius, noise_r2(p, frame.frame_index, params.seed));
+    return sun_direction_through(sun.to_sun, sun.angular_radius, sun_point(p, frame.frame_index, params.seed));
 #else
     return sun.to_sun;
 #endif
@@ -42,13 +44,17 @@ vec3 ray_direction(ivec2 p) {
 // still ends above the surface that it belongs to.
 const float FAR_ULPS = 8.0 * 1.1920929e-7;  // 2^-23
 
-bool hits_reversed(vec3 origin, vec3 n, vec3 direction, float t_min, float t_max) {
+bool hits_reversed(vec3 origin, vec3 n, vec3 direction, float t_min, float t_max, inout float t_hit) {
     const vec3 far = abs(origin) + t_max * abs(direction);
     const vec3 start = origin + n * (FAR_ULPS * (far.x + far.y + far.z)) + direction * t_max;
-    return occluded(start, -direction, 0.0, t_max - t_min);
+    float from_start = t_max - t_hit;
+    const bool found = occluded_at(start, -direction, 0.0, t_max - t_min, from_start);
+    t_hit = t_max - from_start;
+    return found;
 }
 
-bool hits_something(ivec2 p, float t_min, float t_max) {
+// `t_hit` stays where it is the surface itself that hides the sun.
+bool hits_something(ivec2 p, float t_min, float t_max, inout float t_hit) {
     const float z = imageLoad(view_depth, p).x;
     const vec3 relative = position(p, z);
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
@@ -57,8 +63,8 @@ bool hits_something(ivec2 p, float t_min, float t_max) {
     const vec3 direction = ray_direction(p);
     if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
     else if (points_into_surface(n, direction)) return true;
-    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, direction, t_min, t_max);
-    return occluded(origin, direction, t_min, t_max);
+    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, direction, t_min, t_max, t_hit);
+    return occluded_at(origin, direction, t_min, t_max, t_hit);
 }
 
 void main() {
@@ -71,9 +77,13 @@ void main() {
     const bool wanted = (record.y & bit) != 0u;
 
     uint hit = 0u;
-    if (wanted && hits_something(tile * TILE + in_tile, uintBitsToFloat(record.z), uintBitsToFloat(record.w)))
+    float t_hit = 0.0;
+    if (wanted && hits_something(tile * TILE + in_tile, uintBitsToFloat(record.z), uintBitsToFloat(record.w), t_hit))
         hit = bit;
     const uint word = subgroupOr(hit);
     if (subgroupElect() && word != 0u) atomicOr(hits[tile_index(tile)], word);
+#if HAS_BLOCKERS
+    add_blockers(tile_index(tile), hit != 0u && t_hit > 0.0, t_hit);
+#endif
     count_rays(wanted ? 1u : 0u);
 }

@@ -173,9 +173,11 @@ TEST_F(ShadowsSky, IsLit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
-                         ::testing::Values("raw", "hybrid_raw", "fidelityfx", "shadows", "hybrid_shadows"),
+                         ::testing::Values("raw", "hybrid_raw", "fidelityfx", "shadows", "hybrid_shadows",
+                                           "sheared"),
                          [](const auto& test) { return std::string(test.param); });
-INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline,
+                         ::testing::Values("raw", "fidelityfx", "shadows", "sheared"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "app/session.h"
 #include "host/analytic.h"
 #include "nodes/nodes.h"
+#include "tests/edge_run.h"
 #include "tests/gpu_test.h"
 #include "tests/view_run.h"
 
@@ -23,96 +24,8 @@ const NodeSet& nodes() {
     return set;
 }
 
-CheckedPipeline pipeline_named(const char* name) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(
-        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (std::string(name) + ".json"), {},
-        diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
-
-struct Edge {
-    double width_px = 8;
-    double speed_px = 0;
-    uint32_t last = 63;    // frame that is looked at; the penumbra is in the middle of the image then
-    double offset_px = 0;  // from there
-    std::array<uint32_t, 2> size{192, 112};
-};
-
-Shot shot_of(const Edge& edge) {
-    Shot shot;
-    shot.analytic =
-        AnalyticScene{edge.width_px, 17, edge.speed_px, edge.offset_px - edge.speed_px * edge.last};
-    shot.size = edge.size;
-    shot.frames = edge.last + 1;
-    shot.sun = {{0, {0.3, 0.2, 1}}};
-    add_analytic_motion(shot);
-    return shot;
-}
-
-class EdgeRun {
-  public:
-    explicit EdgeRun(const Edge& edge, const char* pipeline = "shadows", uint32_t seed = 0,
-                     std::optional<uint32_t> poison = {})
-        : shot_(shot_of(edge)) {
-        SessionOptions options;
-        options.size = edge.size;
-        options.captures = {"visibility"};
-        options.seed = seed;
-        options.jitter = false;
-        options.poison = poison;
-        options.optimum = false;
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        session_ =
-            Session::open(gpu(), nodes(), pipeline_named(pipeline), shot_, options, diagnostics, warnings);
-        if (!session_) throw std::runtime_error(diagnostics.text());
-    }
-
-    std::vector<float> frame(uint32_t index, bool reset) {
-        session_->run_frame(index, reset);
-        const auto bytes = session_->view().captured("visibility");
-        std::vector<float> values(bytes.size() / 2);
-        for (size_t i = 0; i < values.size(); ++i) {
-            uint16_t half = 0;
-            std::memcpy(&half, &bytes[2 * i], 2);
-            values[i] = glm::unpackHalf1x16(half);
-        }
-        return values;
-    }
-    std::vector<float> up_to(uint32_t last) {
-        for (uint32_t index = 0; index < last; ++index) frame(index, index == 0);
-        return frame(last, last == 0);
-    }
-
-  private:
-    Shot shot_;
-    std::unique_ptr<Session> session_;
-};
-
-// v(1 - v) over squared errors, of the pixels that `counted` accepts.
-template <typename Counted>
-double n_eff(const Edge& edge, const std::vector<float>& image, const Counted& counted) {
-    const std::vector<double> truth = analytic_image(shot_of(edge), edge.last);
-    double signal = 0, error = 0;
-    for (int y = 0; y < int(edge.size[1]); ++y)
-        for (int x = 0; x < int(edge.size[0]); ++x) {
-            if (!counted(x, y)) continue;
-            const size_t i = size_t(y) * edge.size[0] + size_t(x);
-            const double v = truth[i];
-            if (v >= 1.0 / 256 && v <= 255.0 / 256) signal += v * (1 - v);
-            error += (image[i] - v) * (image[i] - v);
-        }
-    return signal / error;
-}
-
 double n_eff(const Edge& edge) {
-    const auto inside = [&](int x, int y) {
-        return x >= 24 && y >= 24 && x < int(edge.size[0]) - 24 && y < int(edge.size[1]) - 24;
-    };
-    return n_eff(edge, EdgeRun(edge, "shadows", 1).up_to(edge.last), inside);
+    return n_eff_inside(edge, EdgeRun(edge, "shadows", 1).up_to(edge.last));
 }
 
 class Shadows : public GpuTest {};

@@ -77,8 +77,8 @@ float bvh_hit_rounding(BvhRay ray, vec3 a, vec3 b, vec3 c) {
 }
 
 // uvw: the edge functions opposite to a, b, c. One of exactly 0 counts for both triangles at the edge. A triangle seen
-// edge-on, or degenerate, has all three at 0 and no area to hit.
-bool bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c) {
+// edge-on, or degenerate, has all three at 0 and no area to hit. `t_hit` is changed by a hit alone.
+bool bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c, inout float t_hit) {
     bool miss = min(min(uvw.x, uvw.y), uvw.z) < 0.0 && max(max(uvw.x, uvw.y), uvw.z) > 0.0;
     precise float det = uvw.x + uvw.y + uvw.z;
     precise float t = (uvw.x * a.z + uvw.y * b.z + uvw.z * c.z) * ray.shear.z;
@@ -86,10 +86,12 @@ bool bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c) {
     precise float near = ray.t_min * size + bvh_hit_rounding(ray, a, b, c);
     precise float far = ray.t_max * size;
     float signed_t = det < 0.0 ? -t : t;
-    return !miss && size > 0.0 && signed_t > near && signed_t < far;
+    const bool hit = !miss && size > 0.0 && signed_t > near && signed_t < far;
+    if (hit) t_hit = signed_t / size;
+    return hit;
 }
 
-bool bvh_hits_leaf(BvhRay ray, uint leaf) {
+bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit) {
     int texel = int(leaf * 3u);
     vec4 q0 = uintBitsToFloat(texelFetch(scene_leaves, texel));
     vec4 q1 = uintBitsToFloat(texelFetch(scene_leaves, texel + 1));
@@ -100,12 +102,16 @@ bool bvh_hits_leaf(BvhRay ray, uint leaf) {
     vec3 d = bvh_shear(ray, q2.yzw);
     float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
 #ifdef SCENE_ALPHA
-    bool first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c), second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d);
+    float t_first = t_hit, t_second = t_hit;
+    bool first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_first),
+         second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_second);
     if (first) first = bvh_alpha_blocks(leaf, 0u, vec3(bc, ca, ab));
     if (second) second = bvh_alpha_blocks(leaf, 1u, vec3(bd, dc, -bc));
+    if (first) t_hit = t_first;
+    if (second) t_hit = t_second;
     return first || second;
 #else
-    return bvh_inside(ray, vec3(bc, ca, ab), a, b, c) || bvh_inside(ray, vec3(bd, dc, -bc), c, b, d);
+    return bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_hit) || bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_hit);
 #endif
 }
 
@@ -139,8 +145,9 @@ uint bvh_reverse4(uint mask) {
 uint bvh_bit_index(uint bit) { return (bit >> 1) - (bit >> 3); }
 
 // Whether anything lies on the ray between t_min and t_max (exclusive, t_min >= 0); both sides of a triangle block.
-// `direction` is finite and of any length but zero, the unit of t; t_max may be infinite.
-bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+// `direction` is finite and of any length but zero, the unit of t; t_max may be infinite. `t_hit` becomes where some such
+// thing lies, not the nearest, and costs nothing where nobody reads it; without one it stays what it was.
+bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
     BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
     uint away = uint(direction.x > 0.0) | uint(direction.y > 0.0) << 1 | uint(direction.z > 0.0) << 2;
 
@@ -153,7 +160,7 @@ bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
     while (true) {
         uint leaf_bit = leaf_mask & (~leaf_mask + 1u);
         if (leaf_bit != 0u) {
-            if (bvh_hits_leaf(ray, leaf_first + bvh_bit_index(leaf_bit))) found = true;
+            if (bvh_hits_leaf(ray, leaf_first + bvh_bit_index(leaf_bit), t_hit)) found = true;
             leaf_mask ^= leaf_bit;
         }
         // A new node may bring new leaves, so it waits until this step's leaf was the last at hand.
@@ -186,4 +193,9 @@ bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
         if (found || ((group & 15u) | leaf_mask) == 0u) break;
     }
     return found;
+}
+
+bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+    float unread = 0.0;
+    return occluded_at(origin, direction, t_min, t_max, unread);
 }

@@ -12,8 +12,8 @@ const uint ray_query_flags = gl_RayFlagsOpaqueEXT | gl_RayFlagsTerminateOnFirstH
 #endif
 
 // Whether anything lies on the ray between t_min and t_max; both sides of a triangle block. `direction` is finite and of
-// any length but zero, the unit of t; 0 <= t_min.
-bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+// any length but zero, the unit of t; 0 <= t_min. `t_hit` becomes where some such thing lies; without one it stays.
+bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
     if (!(t_min < t_max)) return false;  // an empty interval is not a valid ray
     rayQueryEXT query;
     rayQueryInitializeEXT(query, scene_tlas, ray_query_flags, 0xFFu, origin, t_min, direction, t_max);
@@ -25,5 +25,12 @@ bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
         if (alpha_blocks(record, vec3(1.0 - b.x - b.y, b))) rayQueryConfirmIntersectionEXT(query);
 #endif
     }
-    return rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
+    const bool found = rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
+    if (found) t_hit = rayQueryGetIntersectionTEXT(query, true);
+    return found;
+}
+
+bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
+    float unread = 0.0;
+    return occluded_at(origin, direction, t_min, t_max, unread);
 }

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// One frame's visibility of a pixel from its neighbours' rays. A shadow ray tests one point of the blocker's silhouette.
+// Seen from the sun and on the pixel's own terms (eta: the point's place on the disc that the sun makes there), a
+// neighbour's ray is a sample of the pixel's visibility wherever |eta| < 1, and an exact one: no blur, so no width of a
+// filter to choose. What remains is variance, and that regression on eta (whose mean over the disc is 0) removes most of
+// where the edge is straight.
+//
+// The idea of filtering along the shear that a light field has: Egan et al. 2011, "Frequency Analysis and Sheared
+// Filtering for Shadow Light Fields of Complex Occluders". Here single rays are sheared, and none is filtered.
+//
+// Includer has light_space.glsl.
+
+const float UNEVEN = 0.109;   // see Window
+const float FEWEST = 2.5;     // rays with which a plane through their bits is fitted
+
+// What surrounds the pixel, in light space.
+struct Penumbra {
+    float distance_m;  // of the blockers, 0: none
+    float tangent;     // of the sun's angular radius
+    float spread;      // relative deviation of the distance
+};
+
+struct Estimate {
+    float visibility;
+    float rays;  // independent ones that it is worth
+    float gain;  // of its variance by regression, over v (1 - v) / rays
+};
+
+float radius_m(Penumbra p) { return p.distance_m * p.tangent; }
+
+// Moments of the rays that hit the disc, from which everything follows.
+struct Moments {
+    float n, n2;        // weights, and their squares
+    float b;            // bits
+    vec2 e, be;         // eta, bit * eta
+    vec3 ee;            // eta eta^T: xx, xy, yy
+};
+
+// Which rays are asked. A window that covers a part c of the disc's radius sees rays from eta near 1 less often than from
+// the middle: their pixels lie outside. The inverse of that coverage is a straight line in |eta|, measured for a disc of
+// pixels.
+struct Window {
+    float tangent, distance_m;
+    float by_radius;            // 1 / the disc's radius
+    float limit2;               // of a neighbour's distance across the light, squared
+    float per_eta, from_eta;    // coverage falls by this from there on
+};
+
+Window window_of(Penumbra p, float limit, float covered_m) {
+    const float by_radius = 1.0 / max(radius_m(p), 1e-9), c = clamp(covered_m * by_radius, 1e-3, 1.0);
+    return Window(p.tangent, p.distance_m, by_radius, limit * limit, (0.5 + UNEVEN * c) / c, 1.0 - c);
+}
+
+// `at`: the neighbour, light space, relative to the pixel; `point`: of the sun, that its ray went to.
+void add_ray(inout Moments m, bool usable, float lit, vec3 at, vec2 point, Window window) {
+    const vec2 eta = (at.xy + (window.distance_m - at.z) * window.tangent * point) * window.by_radius;
+    const float e2 = dot(eta, eta);
+    const bool hits = usable && e2 < 1.0 && dot(at.xy, at.xy) <= window.limit2;
+    const float w = hits ? 1.0 / (1.0 - window.per_eta * max(sqrt(e2) - window.from_eta, 0.0)) : 0.0;
+    const vec2 we = hits ? w * eta : vec2(0.0);
+    m.n += w;
+    m.n2 += w * w;
+    m.b += w * lit;
+    m.e += we;
+    m.be += we * lit;
+    m.ee += hits ? vec3(we.x * eta.x, we.x * eta.y, we.y * eta.y) : vec3(0.0);
+}
+
+Estimate estimate_of(Moments m) {
+    const float by_n = 1.0 / m.n, rays = m.n * m.n / m.n2;
+    const float mean = m.b * by_n, variance = mean * (1.0 - mean);
+    Estimate e = Estimate(mean, rays, 0.0);
+    float left = variance;
+    if (rays > FEWEST) {
+        const vec2 eta = m.e * by_n, cov = m.be * by_n - mean * eta;
+        const float ridge = 1.0 / rays;
+        const vec3 s = m.ee * by_n - vec3(eta.x * eta.x, eta.x * eta.y, eta.y * eta.y) + vec3(ridge, 0.0, ridge);
+        const float det = s.x * s.z - s.y * s.y;
+        const vec2 beta = vec2(s.z * cov.x - s.y * cov.y, s.x * cov.y - s.y * cov.x) / det;
+        e.visibility = clamp(mean - dot(beta, eta), 0.0, 1.0);
+        left = max(variance - dot(beta, cov), 0.1 * variance);
+    }
+    e.gain = variance > 1e-6 ? clamp(left / variance, 0.25, 1.0) : 0.4;
+    e.gain = max(e.gain, min(1.0, 3.0 / rays));
+    return e;
+}
+
+// Standard error, squared, with a prior so that a handful of equal rays is not certainty.
+float squared_error(Estimate e) {
+    const float v = (e.rays * e.visibility + 1.0) / (e.rays + 2.0);
+    return e.gain * v * (1.0 - v) / e.rays;
+}

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+// Which point of the sun's disc a pixel's ray goes to: the one place that the tracer and whoever reads its bits ask. The
+// disc has radius 1 and the axes of sun_frame(to_sun).
+//
+// Includer declares: uniform usampler2D blue_noise (see blue_noise.glsl).
+#include "common/blue_noise.glsl"
+#include "common/sun_sample.glsl"
+
+vec2 sun_point(ivec2 pixel, uint frame, uint seed) { return concentric_disc(noise_r2(pixel, frame, seed)); }

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Second pass of the sheared denoiser: how much of the past to keep. Where nothing moves, the differences between this
+// frame and the past are noise of a known size; sums over the surroundings, of the differences and of their running
+// means, with sign and squared, show when they are more than that. Pooled, because one pixel's difference proves nothing;
+// with sign, because noise cancels and a moving edge does not; squared, because two moving edges do. The count of frames
+// decays by what they are too much. An invocation owns a cell of 4x4 pixels.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/guide_normal.glsl"
+#include "common/pixels.glsl"
+#include "common/shadow_state.glsl"
+#include "common/sun_sample.glsl"
+#include "common/light_space.glsl"
+
+const float RESIDUAL_VARIANCE = 0.2 / 1.8;  // of a running mean with weight .2, over that of one frame
+const float CLAMP_ERRORS = 5.0;             // insurance only: the test nearly always comes first
+const float GAIN_OF_SURROUNDINGS = 1.5;     // share of the surroundings' mean difference, over that of the own
+
+// Excess of what the cells around say over what noise says, 0 where nothing moves. In a static penumbra the four
+// quotients have means between .5 and 1.1 at every width.
+float excess_at(ivec2 cell) {
+    const ivec2 grid = cell_grid();
+    float d = 0.0, e = 0.0, v = 0.0, d2 = 0.0, e2 = 0.0, c = 0.0;
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+            const ivec2 q = cell + ivec2(x, y);
+            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, grid))) continue;
+            const vec4 first = cells[2u * cell_index(q)], second = cells[2u * cell_index(q) + 1u];
+            const float w = (x == 0 ? 1.0 : 0.5) * (y == 0 ? 1.0 : 0.5);
+            d += w * first.x;
+            e += w * first.y;
+            v += w * first.z;
+            d2 += w * first.w;
+            e2 += w * second.x;
+            c += w * w * second.y;
+        }
+    const float sf = d * d / (c + 1e-4), ss = e * e / (RESIDUAL_VARIANCE * c + 1e-4);
+    const float qf = d2 / (v + 1e-4), qs = e2 / (RESIDUAL_VARIANCE * v + 1e-4);
+    return max(0.0, sf - 9.0) + max(0.0, ss - 7.0) + 2.0 * max(0.0, qf - 2.5) + 2.0 * max(0.0, qs - 2.5);
+}
+
+// Mean difference between frame and past over 3x3 taps of the same surface, `step` pixels apart; 0: nothing is asked.
+float surrounding_difference(ivec2 p, int step, ViewRays rays) {
+    const float z = imageLoad(view_depth, p).x, tolerance_m = params.plane_tolerance * pixel_span_m(z);
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), here = rays.o + z * rays.r;
+    const ivec2 last = ivec2(frame.size) - 1;
+    const int reach = step > 0 ? 1 : -1;
+    float sum = 0.0, weights = 0.0;
+    for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x) {
+            const ivec2 q = clamp(p + step * ivec2(x, y), ivec2(0), last);
+            const Gathered g = unpack_gathered(imageLoad(gathered, q).xy);
+            const vec3 there = seen_at(rays, vec2(q - p), imageLoad(view_depth, q).x);
+            const bool same = g.counts && g.count > 0.0 && abs(dot(n, there - here)) <= tolerance_m;
+            const float w = same ? 1.0 / (g.error * g.error + 1e-4) : 0.0;
+            sum += w * (g.now - g.past);
+            weights += w;
+        }
+    return weights > 0.0 ? sum / weights : 0.0;
+}
+
+void main() {
+    const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(cell, cell_grid()))) return;
+    const ivec2 first = cell * CELL;
+    const float radius_px = cells[2u * cell_index(cell) + 1u].z;
+    const bool works = radius_px >= 0.0;
+    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
+        const ivec2 p = first + ivec2(i & 3, i >> 2);
+        const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
+        imageStore(state, p, uvec4(pack_state(ShadowState(g.now, g.counts ? g.count : 0.0, 0.0)), 0u, 0u, 0u));
+    }
+
+    float shrink = 1.0;
+    for (int i = 0; i < (works ? 1 : 0); ++i) shrink = 1.0 / (1.0 + 0.5 * excess_at(cell));
+    const int step = clamp(int(0.5 * min(radius_px, 8.0) + 0.5), 1, 4);
+    const ViewRays corner = view_rays(first, mat3(1.0));
+    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
+        const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
+        const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
+        ShadowState s = ShadowState(g.now, g.counts ? 1.0 : 0.0, 0.0);
+        if (g.counts && g.count > 0.0) {
+            const float past = clamp(g.past, g.now - CLAMP_ERRORS * g.error, g.now + CLAMP_ERRORS * g.error);
+            s.count = min(g.count * shrink + 1.0, COUNT_CAP);
+            const float a = 1.0 / s.count;
+            const float a_around = radius_px < 1.0 ? a : min(1.0, GAIN_OF_SURROUNDINGS * a);
+            const float around = surrounding_difference(p, a_around > a ? step : 0, moved(corner, vec2(offset)));
+            s.visibility = clamp(past + a * (g.now - past) + (a_around - a) * around, 0.0, 1.0);
+            s.residual = shrink < 0.5 ? 0.5 * g.residual : g.residual;
+        }
+        imageStore(state, p, uvec4(pack_state(s), 0u, 0u, 0u));
+    }
+}

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+// First pass of the sheared denoiser: what this frame's rays say about each pixel (common/sheared_gather.glsl), beside
+// what the previous frame knew about the same surface, and how the two differ, summed over cells of 4x4 pixels for the
+// drift test. An invocation owns a cell. Cells with nothing but equal bits in reach are what these say.
+#define READS_BLOCKERS
+#include "node.glsl"
+#include "common/tiles.glsl"
+#include "common/blockers.glsl"
+#include "common/bit_window.glsl"
+#include "common/camera.glsl"
+#include "common/cubic.glsl"
+#include "common/guide_normal.glsl"
+#include "common/pixels.glsl"
+#include "common/previous_surface.glsl"
+#include "common/shadow_state.glsl"
+#include "common/sun_sample.glsl"
+#include "common/light_space.glsl"
+#include "common/sheared_gather.glsl"
+
+const int R = RADIUS;
+const int ROWS = CELL + 2 * R;
+const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
+const float SAME_FACE = 0.9;      // cosine: beyond a crease the sun stands differently
+const float EQUAL_SHARE = 0.6;    // of the rays of a box that all say the same: what they count
+const float IDLE_COUNT = 8.0;     // frames that a cell without any doubt counts for
+// Of the variance between the texels that the past is resampled from: what resampling adds to its error. Over the
+// penumbra's radius in pixels; both numbers minimise the shots' error (docs/sheared.md).
+const float RESAMPLING_SHARE = 0.5, LARGEST_SHARE = 3.0;
+const float SHARE_PER_RADIUS = 1.0;  // per pixel: of the pixels beside a narrow penumbra, how many lie in it
+const float LEAST_SHARE = 0.02;
+const float KNOWN = 12.0;         // frames after which a past in a penumbra is taken at its word
+const float NEW_RESIDUAL = 0.2;   // weight of a frame in the running mean of the residual
+
+// Rows of 24 pixels around the cell, bit 0 is 8 pixels left of the tile's first; the first row lies R above the cell.
+uint lit_rows[ROWS];
+uint test_rows[ROWS];
+
+void load_rows(ivec2 tile) {
+    const ivec2 grid = tile_grid();
+    for (int ty = -TILES_ABOVE; ty <= TILES_ABOVE; ++ty) {
+        uvec3 lit = uvec3(0u), tests = uvec3(0u);
+        for (int tx = 0; tx < 3; ++tx) {
+            const ivec2 at = tile + ivec2(tx - 1, ty);
+            if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, grid))) continue;
+            tests[tx] = sunward_words[tile_index(at)];
+            lit[tx] = visibility_words[tile_index(at)] & tests[tx];
+        }
+        for (int y = 0; y < TILE.y; ++y) {
+            const int row = TILE.y * ty + y + R;
+            if (row < 0 || row >= ROWS) continue;
+            lit_rows[row] = row_of(lit, y);
+            test_rows[row] = row_of(tests, y);
+        }
+    }
+}
+
+// Blockers around the cell: 8x8 tiles, weighted by how near they are. x: hits, y: log2 of the distance, z: of its square.
+Penumbra penumbra_at(ivec2 cell) {
+    const vec2 centre = (vec2(cell * CELL) + 0.5 * float(CELL)) / 8.0;
+    const ivec2 first = ivec2(floor(centre - 0.5)) - 1, grid = tile_grid();
+    vec3 sums = vec3(0.0);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 4; ++x) {
+            const ivec2 tile = ivec2(first.x + x, 2 * first.y + y);
+            if (any(lessThan(tile, ivec2(0))) || any(greaterThanEqual(tile, grid))) continue;
+            const vec2 d = max(2.0 - abs(vec2(first) + vec2(x, y >> 1) + 0.5 - centre), 0.0);
+            sums += d.x * d.x * d.y * d.y * blockers_of(tile_index(tile));
+        }
+    if (sums.x <= 0.0) return Penumbra(0.0, 0.0, 0.0);
+    const float octaves = sums.y / sums.x;
+    const float deviation = sqrt(max(sums.z / sums.x - octaves * octaves, 0.0));
+    return Penumbra(exp2(octaves), tan(sun.angular_radius), 0.6931472 * deviation);
+}
+
+struct Past {
+    float visibility, count, residual;
+    float variance;  // between the texels that it is resampled from; 0: it is one of them
+};
+const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0);
+
+bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
+    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
+    const float z = imageLoad(view_depth_prev, q).x;
+    const vec3 n_prev = unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)));
+    return z > 0.0 && dot(n, n_prev) > SAME_FACE && lies_on_plane(previous_position(q, z), here, n, tolerance_m);
+}
+
+float sharper(ivec2 corner, vec2 t) {
+    const vec4 wx = cubic_weights(t.x), wy = cubic_weights(t.y);
+    const ivec2 last = ivec2(frame.prev_size) - 1;
+    float sum = 0.0;
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 4; ++x) {
+            const ivec2 q = clamp(corner + ivec2(x, y) - 1, ivec2(0), last);
+            sum += wx[x] * wy[y] * unpack_state(imageLoad(history, q).x).visibility;
+        }
+    return sum;
+}
+
+Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
+    const Reprojection there = reproject(p, texelFetch(motion, p, 0).xy);
+    if (!there.on_screen || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
+    const vec3 here = position(p, z);
+    const vec2 at = there.uv * vec2(frame.prev_size) - 0.5;
+    const ivec2 corner = ivec2(floor(at + 1e-3));
+    const vec2 t = clamp(at - vec2(corner), 0.0, 1.0);
+    float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0;
+    Past past = NO_PAST;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 q = corner + ivec2(i & 1, i >> 1);
+        const float weight = ((i & 1) != 0 ? t.x : 1.0 - t.x) * ((i >> 1) != 0 ? t.y : 1.0 - t.y);
+        if (weight > 1e-3 && shows_plane(q, here, n, tolerance_m)) {
+            const ShadowState s = unpack_state(imageLoad(history, q).x);
+            if (s.count > 0.0) {
+                weights += weight;
+                past.visibility += weight * s.visibility;
+                past.variance += weight * s.visibility * s.visibility;
+                low = min(low, s.visibility);
+                high = max(high, s.visibility);
+                if (weight > nearest) {
+                    nearest = weight;
+                    past.count = s.count;
+                    past.residual = s.residual;
+                }
+            }
+        }
+    }
+    if (weights <= 0.0) return NO_PAST;
+    past.visibility /= weights;
+    past.variance = max(past.variance / weights - past.visibility * past.visibility, 0.0);
+    if (weights > 0.99 && high > low) past.visibility = clamp(sharper(corner, t), low, high);
+    return past;
+}
+
+// A pixel on its receiver's plane, as the sun sees it.
+struct Footprint {
+    mat2x3 tangents;  // light space per pixel along x and y
+    Stretches s;      // of their part across the light
+};
+
+Footprint footprint_of(ViewRays rays, float z, vec3 n) {
+    const mat2x3 t = tangents(rays, z, n);
+    return Footprint(t, stretches_of(mat2(t[0].xy, t[1].xy)));
+}
+
+Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penumbra penumbra, Footprint foot) {
+    const float bit = float(lit_rows[in_rows.y] >> uint(in_rows.x) & 1u);
+    const float rho = radius_m(penumbra);
+    const Stretches s = foot.s;
+    const float limit = rho * min(1.0, 0.5 / max(penumbra.spread, 1e-3));
+    const float b1 = min(float(R), limit / max(s.s1, 1e-9)), b2 = min(float(R), limit / max(s.s2, 1e-9));
+    const ivec2 box = clamp(ivec2(ceil(vec2(length(vec2(b1 * s.first.x, b2 * s.second.x)),
+                                            length(vec2(b1 * s.first.y, b2 * s.second.y))) - 1e-3)), 1, R);
+    uint lit = 0u, dark = 0u;
+    int tests = 0;
+    for (int dy = -box.y; dy <= box.y; ++dy) {
+        const uint columns = ((2u << uint(2 * box.x)) - 1u) << uint(in_rows.x - box.x);
+        const uint tested = test_rows[in_rows.y + dy] & columns, l = lit_rows[in_rows.y + dy] & columns;
+        lit |= l;
+        dark |= tested & ~l;
+        tests += bitCount(tested);
+    }
+    // All rays of the box agree, and so may those beyond.
+    const float n_rays = max(EQUAL_SHARE * float(tests), 1.0);
+    Estimate e = Estimate(bit, n_rays, max(0.4, min(1.0, 3.0 / n_rays)));
+    const bool mixed = lit != 0u && dark != 0u;
+    if (mixed) e = Estimate(bit, 1.0, 1.0);
+
+    const Window window = window_of(penumbra, limit, sqrt(b1 * s.s1 * b2 * s.s2));
+    const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
+    const vec3 here = rays.o + z * rays.r;
+    Moments m = Moments(0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
+    // Own ray only: a penumbra so narrow that no neighbour's can help.
+    const int reach_y = !mixed || min(b1, b2) <= 0.0 ? -1 : box.y;
+    for (int dy = -reach_y; dy <= reach_y; ++dy) {
+        const uint tested = test_rows[in_rows.y + dy] >> uint(in_rows.x - R), l = lit_rows[in_rows.y + dy] >> uint(in_rows.x - R);
+        const int half_width = min(int(sqrt(float(R * R - dy * dy)) + 1e-3), box.x);
+        const vec3 row_o = rays.o - here + float(dy) * rays.oy, row_r = rays.r + float(dy) * rays.ry;
+        const int noise_row = (p.y + dy & 127) * 128;
+        for (int dx = -half_width; dx <= half_width; ++dx) {
+            const vec3 at = row_o + float(dx) * rays.ox +
+                            imageLoad(view_depth, p + ivec2(dx, dy)).x * (row_r + float(dx) * rays.rx);
+            const bool usable = (tested >> uint(dx + R) & 1u) != 0u && abs(dot(n, at)) <= tolerance_m;
+            add_ray(m, usable, float(l >> uint(dx + R) & 1u), at, unpackSnorm2x16(sun_points[noise_row + (p.x + dx & 127)]), window);
+        }
+    }
+    if (m.n > 0.0) e = estimate_of(m);
+    return e;
+}
+
+// Of the difference between a frame and the past where nothing moves. A pixel beside a narrow penumbra is seldom in it,
+// unless its past says that it is.
+float null_variance(Estimate now, Past past, float radius_px) {
+    const float share = clamp(SHARE_PER_RADIUS * radius_px, LEAST_SHARE, 1.0);
+    const float v = (now.rays * now.visibility + past.count * past.visibility) / (now.rays + past.count);
+    const float known = min(past.count / KNOWN, 1.0);
+    const float p = max(share * v * (1.0 - v), known * past.visibility * (1.0 - past.visibility));
+    return p * now.gain / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
+}
+
+// What drift reads of a cell: sums over its pixels.
+struct Sums {
+    float d, e, v, d2, e2, c;
+};
+
+void main() {
+    const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(cell, cell_grid()))) return;
+    const ivec2 first = cell * CELL;
+    const int tile_x = cell.x >> 1, column = 8 + (first.x & 7);
+
+    load_rows(ivec2(tile_x, cell.y));
+    const uint in_reach = ((1u << uint(CELL + 2 * R)) - 1u) << uint(column - R);
+    uint any_lit = 0u, any_dark = 0u;
+    for (int i = 0; i < ROWS; ++i) {
+        any_lit |= lit_rows[i] & in_reach;
+        any_dark |= test_rows[i] & ~lit_rows[i] & in_reach;
+    }
+    const bool works = any_lit != 0u && any_dark != 0u;
+
+    const uint receivers = receiver_words[tile_index(first / TILE)], visible = visibility_words[tile_index(first / TILE)];
+    const uint lit_or_sky = visible | ~receivers;
+    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
+        const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
+        const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        const bool tests = (test_rows[R + offset.y] >> uint(column + offset.x) & 1u) != 0u;
+        imageStore(gathered, p, uvec4(pack_gathered(Gathered(bit, bit, IDLE_COUNT, 0.0, 0.0, tests)), 0u, 0u));
+    }
+    const mat3 light = transpose(sun_frame(sun.to_sun));
+    const ViewRays corner = view_rays(first, light);
+    Penumbra penumbra = Penumbra(0.0, 0.0, 0.0);
+    for (int i = 0; i < (works ? 1 : 0); ++i) penumbra = penumbra_at(cell);
+    const float rho = radius_m(penumbra);
+
+    Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    vec2 steps = vec2(1e9);  // light-space pixel sizes
+    float largest = 0.0;
+    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
+        const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
+        const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false);
+        const ivec2 in_rows = ivec2(column + offset.x, R + offset.y);
+        if ((test_rows[in_rows.y] >> uint(in_rows.x) & 1u) != 0u) {
+            const float z = imageLoad(view_depth, p).x;
+            const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), n_light = light * n;
+            const ViewRays rays = moved(corner, vec2(offset));
+            const Footprint foot = footprint_of(rays, z, n_light);
+            const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra, foot);
+            Past past = past_of(p, z, n, params.plane_tolerance * pixel_span_m(z));
+            const float radius_px = rho / max(foot.s.s1, 1e-9);
+            const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
+            past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
+            steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
+            largest = max(largest, foot.s.s1);
+
+            g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
+                         sqrt(squared_error(now)), true);
+            if (past.count > 0.0) {
+                const float d = g.now - g.past;
+                g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
+                const float variance = null_variance(now, past, rho / max(foot.s.s2, 1e-9));
+                sums.d += d;
+                sums.e += g.residual;
+                sums.v += variance;
+                sums.d2 += d * d;
+                sums.e2 += g.residual * g.residual;
+                sums.c += variance * (1.0 + 0.5 * (now.rays - 1.0));
+            }
+        }
+        imageStore(gathered, p, uvec4(pack_gathered(g), 0u, 0u));
+    }
+    const vec2 reach = rho > 0.0 && works ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
+    const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
+    cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
+    cells[2u * cell_index(cell) + 1u] =
+        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(packHalf2x16(floor(reach))));
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Third pass of the sheared denoiser, not fed back: 3x3 taps a quarter of the penumbra's radius apart, which is too near
+// to blur it much, and fading as the past grows, which needs it less and less. Per image axis, because a penumbra on a
+// surface that is seen at a grazing angle is much narrower on one. An invocation owns a cell of 4x4 pixels.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/guide_normal.glsl"
+#include "common/pixels.glsl"
+#include "common/shadow_state.glsl"
+#include "common/sun_sample.glsl"
+#include "common/light_space.glsl"
+
+const float SIDE = 0.75;             // kernel: .75, 1, .75 per axis
+const float NEIGHBOURS = 0.9;        // weight of the neighbours on the first frame,
+const float FADING = 0.3;            // and how fast it falls with the count
+
+float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
+    const float z = imageLoad(view_depth, p).x;
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), here = rays.o + z * rays.r;
+    const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
+    const float weight = NEIGHBOURS / (1.0 + FADING * max(own.count - 1.0, 0.0));
+    const ivec2 last = ivec2(frame.size) - 1;
+    float sum = own.visibility, weights = 1.0;
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+            const ivec2 offset = steps * ivec2(x, y), q = p + offset;
+            const bool elsewhere = (x == 0 || steps.x > 0) && (y == 0 || steps.y > 0) && (x != 0 || y != 0);
+            if (!elsewhere || any(lessThan(q, ivec2(0))) || any(greaterThan(q, last))) continue;
+            const ShadowState s = unpack_state(imageLoad(state, q).x);
+            const vec3 there = seen_at(rays, vec2(offset), imageLoad(view_depth, q).x);
+            const bool same = s.count > 0.0 && abs(dot(n, there - here)) <= tolerance_m;
+            const float w = same ? weight * (x == 0 ? 1.0 : SIDE) * (y == 0 ? 1.0 : SIDE) : 0.0;
+            sum += w * s.visibility;
+            weights += w;
+        }
+    return sum / weights;
+}
+
+void main() {
+    const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(cell, cell_grid()))) return;
+    const ivec2 first = cell * CELL, steps = ivec2(unpackHalf2x16(floatBitsToUint(cells[2u * cell_index(cell) + 1u].w)));
+    const bool works = (steps.x | steps.y) != 0;
+    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
+        const ivec2 p = first + ivec2(i & 3, i >> 2);
+        imageStore(visibility, p, vec4(unpack_state(imageLoad(state, p).x).visibility));
+    }
+    const ViewRays corner = view_rays(first, mat3(1.0));
+    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
+        const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
+        const ShadowState own = unpack_state(imageLoad(state, p).x);
+        float v = own.visibility;
+        if (own.count > 0.0) v = softened(p, steps, own, moved(corner, vec2(offset)));
+        imageStore(visibility, p, vec4(v));
+    }
+}
