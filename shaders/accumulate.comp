@@ -14,10 +14,10 @@
 #include "common/camera.glsl"
 #include "common/drift.glsl"
 #include "common/cubic.glsl"
-#include "common/edge_pattern.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/previous_surface.glsl"
+#include "common/edge_pattern.glsl"
 #include "common/tiles.glsl"
 
 const float CAP = 32.0;                 // samples
@@ -26,9 +26,6 @@ const float SAME_FACE = 0.9;            // cosine: beyond a crease the sun stand
 const float HARD = 2.2;                 // softness below which nothing is filtered
 const float LARGEST_GAIN = 20.0;        // of the filters' tolerance squared
 const float PRIOR = 2.0;                // samples that the neighbourhood's mean is worth in a pixel's variance
-const float CONVERGENCE = 1.75;         // of the average: variance ~ n^-1.75, chosen by what the filters gain
-const float OWN_PLANE_PX = 0.5;
-const float LEAST_SHARE = 1.0 / 64.0;   // of the pattern: less is not worth asking nine pixels' surface
 
 Surroundings surroundings(ivec2 block) {
     Surroundings around;
@@ -153,23 +150,15 @@ float stochastically_rounded(float visibility, ivec2 p) {
     return floor(visibility * 2048.0 + random) / 2048.0;
 }
 
-// Which of 3x3 pixels show the centre's surface: the diagonal neighbours are asked, and stand for the sides next to them.
-uint surface_around(ivec2 p) {
-    const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
-    const float z = imageLoad(view_depth, p).x, tolerance_m = OWN_PLANE_PX * pixel_span_m(z);
-    const vec3 here = position(p, z), n = decode_normal(imageLoad(guide_normal, p));
-    const ivec2 last = ivec2(frame.size) - 1;
-    uint surface = WHOLE_PATTERN;
-    for (int i = 0; i < 4; ++i) {
-        const ivec2 q = clamp(p + 2 * ivec2(i & 1, i >> 1) - 1, ivec2(0), last);
-        if (!lies_on_plane(position(q, imageLoad(view_depth, q).x), here, n, tolerance_m)) surface &= ~CORNERS[i];
+// What the 3x3 pixels around row j of the column say.
+float pattern_at(Surroundings around, int column, int j, uint surface) {
+    uint lit = 0u, receivers = 0u;
+    for (int i = 0; i < 3; ++i) {
+        const int y = 7 + j + i;
+        lit |= (row_of(around.lit[y >> 2], y & 3) >> (column + 7) & 7u) << 3 * i;
+        receivers |= (row_of(around.receivers[y >> 2], y & 3) >> (column + 7) & 7u) << 3 * i;
     }
-    return surface;
-}
-
-// How much the pattern of bits counts beside an average of that many samples.
-float share_of_pattern(float samples) {
-    return params.pattern_samples / (params.pattern_samples + pow(samples, CONVERGENCE) - 1.0 + 1e-6);
+    return visibility_by_pattern(edge_pattern(lit, receivers & surface));
 }
 
 void main() {
@@ -229,10 +218,10 @@ void main() {
                 average = mix(past[j].visibility, bit[j], 1.0 / samples);
                 filtered.y = tolerance_of(average, samples, means[j], j < 4 ? softness.x : softness.y) *
                              (1.0 - error) * (1.0 - error);
-                const float share = share_of_pattern(samples);
+                const float share = share_of_pattern(samples, params.pattern_samples);
                 filtered.x = average;
                 if (share > LEAST_SHARE)
-                    filtered.x = mix(average, visibility_by_pattern(edge_pattern(around, column, j, surface_around(p))), share);
+                    filtered.x = mix(average, pattern_at(around, column, j, surface_around(p)), share);
                 average = stochastically_rounded(average, p);
             }
             imageStore(accumulated, p, vec4(average));

@@ -169,7 +169,8 @@ Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penu
     const Window window = window_of(penumbra, limit, sqrt(b1 * s.s1 * b2 * s.s2));
     const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
     const vec3 here = rays.o + z * rays.r;
-    Moments m = Moments(0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
+    const Horizon horizon = horizon_of(n, penumbra.tangent);
+    Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     // Own ray only: a penumbra so narrow that no neighbour's can help.
     const int reach_y = !mixed || min(b1, b2) <= 0.0 ? -1 : box.y;
     for (int dy = -reach_y; dy <= reach_y; ++dy) {
@@ -181,10 +182,11 @@ Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penu
             const vec3 at = row_o + float(dx) * rays.ox +
                             imageLoad(view_depth, p + ivec2(dx, dy)).x * (row_r + float(dx) * rays.rx);
             const bool usable = (tested >> uint(dx + R) & 1u) != 0u && abs(dot(n, at)) <= tolerance_m;
-            add_ray(m, usable, float(l >> uint(dx + R) & 1u), at, unpackSnorm2x16(sun_points[noise_row + (p.x + dx & 127)]), window);
+            add_ray(m, usable, float(l >> uint(dx + R) & 1u), at, unpackSnorm2x16(sun_points[noise_row + (p.x + dx & 127)]), window,
+                    horizon);
         }
     }
-    if (m.n > 0.0) e = estimate_of(m);
+    if (m.n > 0.0 && (m.asked > FEWEST || horizon.above == 1.0)) e = estimate_of(m, horizon);
     return e;
 }
 

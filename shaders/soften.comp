@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: MIT
 // Third pass of the sheared denoiser, not fed back: 3x3 taps a quarter of the penumbra's radius apart, which is too near
 // to blur it much, and fading as the past grows, which needs it less and less. Per image axis, because a penumbra on a
-// surface that is seen at a grazing angle is much narrower on one. An invocation owns a cell of 4x4 pixels.
+// surface that is seen at a grazing angle is much narrower on one. Below a pixel, where there is nothing to blur and no
+// neighbour's ray to count, what 3x3 bits say together (common/edge_pattern.glsl). An invocation owns a cell of 4x4 pixels.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/previous_surface.glsl"
+#include "common/edge_pattern.glsl"
 #include "common/shadow_state.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
+#include "common/tiles.glsl"
+#include "common/bit_window.glsl"
 
 const float SIDE = 0.75;             // kernel: .75, 1, .75 per axis
 const float NEIGHBOURS = 0.9;        // weight of the neighbours on the first frame,
 const float FADING = 0.3;            // and how fast it falls with the count
+// Radius of a penumbra in pixels: up to NARROW no neighbour's ray tests the pixel's disc, and the bits around say what they
+// say as a pattern; from WIDEST on, gather has asked them better.
+const float NARROW = 0.5, WIDEST = 1.0;
 
 float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     const float z = imageLoad(view_depth, p).x;
@@ -36,21 +44,65 @@ float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     return sum / weights;
 }
 
+// The bits of the cell's pixels and of those around them, six rows; bit 0 is 8 pixels left of the cell's tile.
+struct Bits {
+    uint lit[CELL + 2];
+    uint known[CELL + 2];
+};
+
+Bits bits_around(ivec2 cell) {
+    const ivec2 tile = ivec2(cell.x >> 1, cell.y), grid = tile_grid();
+    Bits bits;
+    uvec3 lit[3], known[3];
+    for (int y = 0; y < 3; ++y)
+        for (int x = 0; x < 3; ++x) {
+            const ivec2 at = tile + ivec2(x, y) - 1;
+            const bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, grid));
+            known[y][x] = inside ? sunward_words[tile_index(at)] : 0u;
+            lit[y][x] = inside ? visibility_words[tile_index(at)] : 0u;
+        }
+    for (int i = 0; i < CELL + 2; ++i) {
+        const int y = 3 + i;
+        bits.lit[i] = row_of(lit[y >> 2], y & 3);
+        bits.known[i] = row_of(known[y >> 2], y & 3);
+    }
+    return bits;
+}
+
+// `column`: of the pixel, as the rows count; `row`: of the cell.
+float by_pattern(ivec2 p, Bits bits, int column, int row) {
+    uint lit = 0u, known = 0u;
+    for (int i = 0; i < 3; ++i) {
+        lit |= (bits.lit[row + i] >> (column - 1) & 7u) << 3 * i;
+        known |= (bits.known[row + i] >> (column - 1) & 7u) << 3 * i;
+    }
+    return visibility_by_pattern(edge_pattern(lit, known & surface_around(p)));
+}
+
 void main() {
     const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(cell, cell_grid()))) return;
-    const ivec2 first = cell * CELL, steps = ivec2(unpackHalf2x16(floatBitsToUint(cells[2u * cell_index(cell) + 1u].w)));
-    const bool works = (steps.x | steps.y) != 0;
+    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
+    const ivec2 first = cell * CELL, steps = ivec2(unpackHalf2x16(floatBitsToUint(size.y)));
+    const bool asks = size.x >= 0.0 && size.x < WIDEST;
+    const bool works = (steps.x | steps.y) != 0 || asks;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 p = first + ivec2(i & 3, i >> 2);
         imageStore(visibility, p, vec4(unpack_state(imageLoad(state, p).x).visibility));
     }
     const ViewRays corner = view_rays(first, mat3(1.0));
+    Bits bits;
+    for (int i = 0; i < (asks ? 1 : 0); ++i) bits = bits_around(cell);
+    const float fade = asks ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
     for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const ShadowState own = unpack_state(imageLoad(state, p).x);
         float v = own.visibility;
-        if (own.count > 0.0) v = softened(p, steps, own, moved(corner, vec2(offset)));
+        if (own.count > 0.0) {
+            v = softened(p, steps, own, moved(corner, vec2(offset)));
+            const float share = fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples);
+            if (share > LEAST_SHARE) v = mix(v, by_pattern(p, bits, 8 + (first.x & 7) + offset.x, offset.y), share);
+        }
         imageStore(visibility, p, vec4(v));
     }
 }

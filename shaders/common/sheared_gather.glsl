@@ -30,11 +30,32 @@ float radius_m(Penumbra p) { return p.distance_m * p.tangent; }
 
 // Moments of the rays that hit the disc, from which everything follows.
 struct Moments {
+    float asked;        // rays, those below the horizon too
     float n, n2;        // weights, and their squares
     float b;            // bits
     vec2 e, be;         // eta, bit * eta
     vec3 ee;            // eta eta^T: xx, xy, yy
 };
+
+// What of the sun's disc stands above the receiver's own plane. A ray to a point below meets the receiver whatever else is
+// there: it knows nothing of blockers and shears nowhere. It is left out, and its share of the disc is known.
+struct Horizon {
+    vec2 up;        // unit vector
+    float height;   // of the disc's centre above the horizon, in radii
+    float above;    // share of the disc
+    float middle;   // of what is above, along `up`
+};
+
+// `n`: the receiver's normal in light space.
+Horizon horizon_of(vec3 n, float tangent) {
+    const float across = length(n.xy), d = n.z / max(across * tangent, 1e-9);
+    if (d >= 1.0) return Horizon(vec2(0.0), 1.0, 1.0, 0.0);
+    const float c = max(d, -1.0), s = sqrt(max(1.0 - c * c, 0.0));
+    const float above = 0.5 + (asin(c) + c * s) * 0.31830989;
+    return Horizon(n.xy / across, c, above, 0.21220659 * s * s * s / max(above, 1e-3));
+}
+
+bool is_above(Horizon h, vec2 point) { return dot(h.up, point) > -h.height; }
 
 // Which rays are asked. A window that covers a part c of the disc's radius sees rays from eta near 1 less often than from
 // the middle: their pixels lie outside. The inverse of that coverage is a straight line in |eta|, measured for a disc of
@@ -52,10 +73,12 @@ Window window_of(Penumbra p, float limit, float covered_m) {
 }
 
 // `at`: the neighbour, light space, relative to the pixel; `point`: of the sun, that its ray went to.
-void add_ray(inout Moments m, bool usable, float lit, vec3 at, vec2 point, Window window) {
+void add_ray(inout Moments m, bool usable, float lit, vec3 at, vec2 point, Window window, Horizon horizon) {
     const vec2 eta = (at.xy + (window.distance_m - at.z) * window.tangent * point) * window.by_radius;
     const float e2 = dot(eta, eta);
-    const bool hits = usable && e2 < 1.0 && dot(at.xy, at.xy) <= window.limit2;
+    const bool asked = usable && e2 < 1.0 && dot(at.xy, at.xy) <= window.limit2;
+    const bool hits = asked && is_above(horizon, point) && is_above(horizon, eta);
+    m.asked += asked ? 1.0 : 0.0;
     const float w = hits ? 1.0 / (1.0 - window.per_eta * max(sqrt(e2) - window.from_eta, 0.0)) : 0.0;
     const vec2 we = hits ? w * eta : vec2(0.0);
     m.n += w;
@@ -66,7 +89,7 @@ void add_ray(inout Moments m, bool usable, float lit, vec3 at, vec2 point, Windo
     m.ee += hits ? vec3(we.x * eta.x, we.x * eta.y, we.y * eta.y) : vec3(0.0);
 }
 
-Estimate estimate_of(Moments m) {
+Estimate estimate_of(Moments m, Horizon horizon) {
     const float by_n = 1.0 / m.n, rays = m.n * m.n / m.n2;
     const float mean = m.b * by_n, variance = mean * (1.0 - mean);
     Estimate e = Estimate(mean, rays, 0.0);
@@ -77,11 +100,12 @@ Estimate estimate_of(Moments m) {
         const vec3 s = m.ee * by_n - vec3(eta.x * eta.x, eta.x * eta.y, eta.y * eta.y) + vec3(ridge, 0.0, ridge);
         const float det = s.x * s.z - s.y * s.y;
         const vec2 beta = vec2(s.z * cov.x - s.y * cov.y, s.x * cov.y - s.y * cov.x) / det;
-        e.visibility = clamp(mean - dot(beta, eta), 0.0, 1.0);
+        e.visibility = clamp(mean - dot(beta, eta - horizon.middle * horizon.up), 0.0, 1.0);
         left = max(variance - dot(beta, cov), 0.1 * variance);
     }
     e.gain = variance > 1e-6 ? clamp(left / variance, 0.25, 1.0) : 0.4;
     e.gain = max(e.gain, min(1.0, 3.0 / rays));
+    e.visibility *= horizon.above;
     return e;
 }
 
