@@ -28,9 +28,10 @@ float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
     const float weight = NEIGHBOURS / (1.0 + FADING * max(own.count - 1.0, 0.0));
     const ivec2 last = ivec2(frame.size) - 1;
+    const int reach = (steps.x | steps.y) != 0 ? 1 : -1;
     float sum = own.visibility, weights = 1.0;
-    for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) {
+    for (int y = -reach; y <= reach; ++y)
+        for (int x = -reach; x <= reach; ++x) {
             const ivec2 offset = steps * ivec2(x, y), q = p + offset;
             const bool elsewhere = (x == 0 || steps.x > 0) && (y == 0 || steps.y > 0) && (x != 0 || y != 0);
             if (!elsewhere || any(lessThan(q, ivec2(0))) || any(greaterThan(q, last))) continue;
@@ -76,7 +77,9 @@ float by_pattern(ivec2 p, Bits bits, int column, int row) {
         lit |= (bits.lit[row + i] >> (column - 1) & 7u) << 3 * i;
         known |= (bits.known[row + i] >> (column - 1) & 7u) << 3 * i;
     }
-    return visibility_by_pattern(edge_pattern(lit, known & surface_around(p)));
+    const bool mixed = (lit & known) != 0u && (~lit & known) != 0u;
+    for (int i = 0; i < (mixed ? 1 : 0); ++i) known &= surface_around(p);  // else it does not matter
+    return visibility_by_pattern(edge_pattern(lit, known));
 }
 
 void main() {

@@ -22,8 +22,8 @@ TEST_F(Sheared, ConvergesToTheTruth) {
 }
 
 TEST_F(Sheared, StartsWell) {
-    for (const double width : {1.0, 2.0, 4.0})
-        EXPECT_GT(n_eff({.width_px = width, .last = 0}), 0.95) << width;
+    EXPECT_GT(n_eff({.width_px = 1, .last = 0}), 1.7);  // by the patterns: the rays alone give 1.07
+    for (const double width : {2.0, 4.0}) EXPECT_GT(n_eff({.width_px = width, .last = 0}), 0.95) << width;
     EXPECT_GT(n_eff({.width_px = 8, .last = 0}), 60);
     EXPECT_GT(n_eff({.width_px = 16, .last = 0}), 90);
     EXPECT_GT(n_eff({.width_px = 32, .last = 0}), 120);
@@ -38,7 +38,7 @@ TEST_F(Sheared, StartsWellAtAnyAngle) {
 TEST_F(Sheared, FollowsAMovingEdge) {
     for (const double speed : {-4.0, 0.1, 0.5}) {
         SCOPED_TRACE(speed);
-        EXPECT_GT(n_eff({.width_px = 1, .speed_px = speed, .last = 24}), 0.95);
+        EXPECT_GT(n_eff({.width_px = 1, .speed_px = speed, .last = 24}), 1.5);
         EXPECT_GT(n_eff({.width_px = 8, .speed_px = speed, .last = 24}), 40);
         EXPECT_GT(n_eff({.width_px = 32, .speed_px = speed, .last = 24}), 90);
     }
