@@ -22,6 +22,10 @@ struct GateCase {
     AnalyticScene scene;
     double low, high;  // of N_eff: a fifth about what it is; other seeds move it by a tenth
 };
+// What ctest shows of a case.
+void PrintTo(const GateCase& c, std::ostream* out) {
+    *out << c.pipeline << ", " << c.scene_name;
+}
 
 Shot shot_of(const AnalyticScene& scene) {
     Shot shot;
