@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
-scripts/setup.sh
+scripts/setup.sh --test
 scripts/build.sh release
 scripts/scenes.sh release
 

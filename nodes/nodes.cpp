@@ -35,7 +35,8 @@ namespace penumbra {
     X(sun_points)         \
     X(taa)                \
     X(tileclass)          \
-    X(trace)
+    X(trace)              \
+    X(verdicts)
 
 #define PENUMBRA_DECLARE(name) extern const EmbeddedNode embedded_##name;
 PENUMBRA_NODES(PENUMBRA_DECLARE)

@@ -14,14 +14,16 @@ run() { "$program" "$@" > "$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; 
 
 echo "| shot | sun's radius | classifier | rays without, % of receivers | rays, % | penumbra with rays | MR(.05) | false lit | eta | frames equal to the rays' | CPU ms without | with | pyramid | maps drawn | kept |"
 echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
-for shot in ${SHOTS:-colonnade engine fan heightfield lamp trees}; do
+for shot in ${SHOTS:-cards colonnade engine fan heightfield lamp trees}; do
     for radius in ${RADII:-0.25 1}; do
         sed -E "s/(\"angular_radius_deg\": *)[0-9.]+/\1$radius/" "scenes/$shot.shot.json" > "$variant"
         run reference --shot "$variant" --out "$work/truth" --size "$size" --frames "$last..$last" --rays "${RAYS:-256}"
         for pipeline in raw hybrid_cascades_raw hybrid_published_raw; do
             rm -rf "${work:?}/$pipeline"
+            verdicts=()
+            [[ $pipeline == raw ]] || verdicts=(--capture "undecided_words,preloaded_hits")
             run render "pipelines/$pipeline.json" --shot "$variant" --out "$work/$pipeline" --size "$size" --frames "0..$last" \
-                --cascade-size "$cascade" --no-jitter $([[ $pipeline == raw ]] || echo --capture undecided_words,preloaded_hits)
+                --cascade-size "$cascade" --no-jitter "${verdicts[@]}"
             "$program" compare "$work/$pipeline" "$work/truth" --frames "$last..$last" --json > "$work/$pipeline/compare.json"
         done
         python3 - "$work" "$shot" "$radius" <<'PYTHON'

@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 penumbra=${PENUMBRA:-build/release/app/penumbra}
 frame=${FRAME:-15} size=${SIZE:-640x360} rays=${RAYS:-256}
-read -ra shots <<<"${SHOTS:-colonnade engine fan heightfield lamp trees}"
+read -ra shots <<<"${SHOTS:-cards colonnade engine fan heightfield lamp trees}"
 read -ra pipelines <<<"${PIPELINES:-raw fidelityfx shadows}"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what building and running penumbra takes, on Debian 12 or a relative: `scripts/setup.sh`, or with --dev also
-# clang, clang-format, clang-tidy, shellcheck, and chromium, in which a test opens the report. Does nothing, quickly, where all
-# is there.
+# Installs what building and running penumbra takes, on Debian 12 or a relative: `scripts/setup.sh`; with --test also
+# chromium, in which a test opens the report's page; with --dev also clang, clang-format, clang-tidy and shellcheck. Does
+# nothing, quickly, where all is there.
 # The software Vulkan driver comes from bookworm-backports (Mesa 25) where that can be had, else from the release
 # (Mesa 22.3.6); both are tested. PENUMBRA_STOCK_MESA=1 leaves the system's Mesa alone; PENUMBRA_SKIP_SETUP=1 installs
 # nothing, for systems without apt that have all this already.
@@ -19,7 +19,8 @@ packages=(
     libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
     libembree-dev librapidcheck-dev libgtest-dev libvalijson-dev # the tests
 )
-[[ ${1:-} == --dev ]] && packages+=(clang-14 clang-format-14 clang-tidy-14 shellcheck chromium)
+[[ ${1:-} == --test || ${1:-} == --dev ]] && packages+=(chromium)
+[[ ${1:-} == --dev ]] && packages+=(clang-14 clang-format-14 clang-tidy-14 shellcheck)
 driver="mesa-vulkan-drivers"
 
 if [[ ${PENUMBRA_SKIP_SETUP:-} == 1 ]]; then

@@ -178,7 +178,7 @@ addEventListener("load", () => {
 
 TEST_F(ReportPage, WorksInABrowser) {
     const Finished which = run("command -v chromium || command -v chromium-browser || true");
-    if (which.out.empty()) GTEST_SKIP() << "no chromium here; scripts/setup.sh --dev installs it";
+    if (which.out.empty()) GTEST_SKIP() << "no chromium here; scripts/setup.sh --test installs it";
     const std::string chromium = which.out.substr(0, which.out.find('\n'));
     std::string text = page();
     const std::string plain = (folder_ / "plain.html").string(), worked = (folder_ / "worked.html").string();

@@ -56,6 +56,10 @@ struct AnalyticCase {
     AnalyticScene scene;
     double radius_deg = 0.2665, rms = 2e-4, worst = 1e-3;
 };
+// What ctest shows of a case.
+void PrintTo(const AnalyticCase& c, std::ostream* out) {
+    *out << c.name;
+}
 
 class AnalyticReference : public Reference, public ::testing::WithParamInterface<AnalyticCase> {};
 

@@ -101,6 +101,7 @@ SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& opt
     session_options.seed = options.seed;
     session_options.jitter = options.jitter;
     session_options.facts = options.facts;
+    session_options.cascade_size = options.cascade_size;
     session_options.optimum = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;

@@ -37,6 +37,7 @@ struct RunOptions {
     Facts facts;
     bool jitter = false;
     uint32_t seed = 0;
+    uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
 };
 
 class SceneRun {
