@@ -48,14 +48,14 @@ system deb822
 cat >"$made/etc/apt/sources.list.d/debian.sources" <<'END'
 # The mirror.
 Types: deb deb-src
-URIs: http://mirror.example/debian
+URIs: http://own.example/main
 Suites: bookworm
  bookworm-updates
 Components: main contrib
 Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
 
 Types: deb
-URIs: http://mirror.example/debian-security
+URIs: http://own.example/security
 Suites: bookworm-security
 Components: main
 
@@ -71,7 +71,7 @@ Suites: bookworm
 Components: stable
 END
 expect "deb822 entry" "$(candidates)" "== 1.sources
-URIs: http://mirror.example/debian
+URIs: http://own.example/main
 Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
 Types: deb
 Suites: bookworm-backports
@@ -95,28 +95,28 @@ system oneline
 cat >"$made/etc/apt/sources.list" <<'END'
 # deb http://commented.example bookworm main
 deb [ arch=amd64 signed-by=/usr/share/keyrings/a.gpg ] http://third-party.example/x bookworm main # theirs
-deb http://mirror.example/debian bookworm main contrib
-deb-src http://mirror.example/debian bookworm main
-deb http://mirror.example/debian bookworm-updates main
-deb http://mirror.example/debian bookworm main non-free-firmware
+deb http://own.example/main bookworm main contrib
+deb-src http://own.example/main bookworm main
+deb http://own.example/main bookworm-updates main
+deb http://own.example/main bookworm main non-free-firmware
 END
 expect "one-line entries" "$(candidates)" "== 1.list
 deb [ arch=amd64 signed-by=/usr/share/keyrings/a.gpg ] http://third-party.example/x bookworm-backports main
 == 2.list
-deb http://mirror.example/debian bookworm-backports main"
+deb http://own.example/main bookworm-backports main"
 failing=third-party candidate=25.0.7-2~bpo12+1
 expect "the second entry serves" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" yes
 expect "and is kept" "$(cat "$made/etc/apt/sources.list.d/penumbra-backports.list")" \
-    "deb http://mirror.example/debian bookworm-backports main"
+    "deb http://own.example/main bookworm-backports main"
 
 system present
-echo "deb http://mirror.example/debian bookworm-backports main" >"$made/etc/apt/sources.list.d/own.list"
+echo "deb http://own.example/main bookworm-backports main" >"$made/etc/apt/sources.list.d/own.list"
 failing=""
 expect "backports are there already" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" yes
 expect "so only the pin is ours" "$(own_files)" "./preferences.d/penumbra-mesa "
 
 system other
-echo "deb http://mirror.example/ubuntu noble main" >"$made/etc/apt/sources.list"
+echo "deb http://own.example/ubuntu noble main" >"$made/etc/apt/sources.list"
 expect "another distribution" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" no
 expect "is left alone" "$(own_files)" ""
 
