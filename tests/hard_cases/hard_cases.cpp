@@ -243,4 +243,13 @@ CheckedPipeline published_denoiser(const std::string& tileclass_params) {
         "filter2": { "type": "filter", "in": { "signal": "filtered1" }, "out": { "filtered": "visibility" }, "params": { "step": 4 } } } })");
 }
 
+Shot edge_shot(double width_px, double edge_deg, std::array<uint32_t, 2> size, uint32_t frames) {
+    Shot shot;
+    shot.analytic = AnalyticScene{.penumbra_px = width_px, .edge_deg = edge_deg};
+    shot.size = size;
+    shot.frames = frames;
+    shot.sun = {{0, {0.3, 0.2, 1}}};
+    return shot;
+}
+
 }  // namespace penumbra::test

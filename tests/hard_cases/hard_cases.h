@@ -99,4 +99,7 @@ class DenoiseRun {
 // around it.
 CheckedPipeline published_denoiser(const std::string& tileclass_params = "{}");
 
+// A straight edge seen face on; sun (.3, .2, 1).
+Shot edge_shot(double width_px, double edge_deg, std::array<uint32_t, 2> size, uint32_t frames = 64);
+
 }  // namespace penumbra::test
