@@ -29,8 +29,7 @@ void Compiler::choose_variant(const BoundNode& node, const SelectedNode& selecte
         const Port& port = *c.bound->port;
         if (port.optional || !port.condition.empty())
             plan_.passes.back().variant.present[port.name] = c.source != Source::none;
-        if (port.kind == PortKind::image && port.storage && port.formats.size() > 1 && port.updates.empty())
-            choices_.back().push_back({&port, c.resource, c.source, node.id});
+        if (has_format_choice(port)) choices_.back().push_back({&port, c.resource, c.source, node.id});
     }
     for (const Table& table : node.type->tables)
         if (!table.condition.empty())

@@ -81,6 +81,7 @@ struct Variant {
     bool alpha = false;                     // always false where the type has no scene port
 };
 bool uses_ray_query(const Variant& variant);
+bool has_format_choice(const Port& port);  // a storage image that the pipeline may give another format
 bool exists(const Variant& variant, const std::string& port_or_table);
 bool traces_scene(const NodeType& type);  // has a scene port
 std::string to_string(
