@@ -309,27 +309,24 @@ void Device::create_device() {
     VkCommandPool handle = VK_NULL_HANDLE;
     check(vkCreateCommandPool(device_, &pool, nullptr, &handle), "vkCreateCommandPool", "one-off commands");
     pool_ = {device_, handle};
-}
-
-void Device::run(const std::function<void(VkCommandBuffer)>& commands) {
     VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
     allocate.commandPool = pool_.get();
     allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
     allocate.commandBufferCount = 1;
-    VkCommandBuffer buffer = VK_NULL_HANDLE;
-    check(vkAllocateCommandBuffers(device_, &allocate, &buffer), "vkAllocateCommandBuffers",
+    check(vkAllocateCommandBuffers(device_, &allocate, &commands_), "vkAllocateCommandBuffers",
           "one-off commands");
-    // Freed on every way out; after a failed submission the device is lost and nothing is pending.
-    const auto free = [this](VkCommandBuffer b) { vkFreeCommandBuffers(device_, pool_.get(), 1, &b); };
-    const std::unique_ptr<VkCommandBuffer_T, decltype(free)> owner(buffer, free);
+}
 
+void Device::run(const std::function<void(VkCommandBuffer)>& commands) {
+    // Also ends a recording that an exception left half done.
+    check(vkResetCommandPool(device_, pool_.get(), 0), "vkResetCommandPool", "one-off commands");
     VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(buffer, &begin), "vkBeginCommandBuffer", "one-off commands");
-    commands(buffer);
-    check(vkEndCommandBuffer(buffer), "vkEndCommandBuffer", "one-off commands");
+    check(vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer", "one-off commands");
+    commands(commands_);
+    check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer", "one-off commands");
     VkCommandBufferSubmitInfo submitted{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
-    submitted.commandBuffer = buffer;
+    submitted.commandBuffer = commands_;
     VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
     submit.commandBufferInfoCount = 1;
     submit.pCommandBufferInfos = &submitted;

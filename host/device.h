@@ -67,7 +67,9 @@ class Device {
     const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
     std::span<const char* const> extensions() const { return extensions_; }  // enabled on the device
 
-    // Records `commands` into a fresh command buffer, submits it and waits for the queue.
+    // Records `commands` into a command buffer, submits it and waits for the queue; not from within `commands`.
+    // One buffer serves all calls: validation layers hold on to a submitted buffer on a thread of their own for
+    // a while after the queue is idle, and freeing one per call then races with it.
     void run(const std::function<void(VkCommandBuffer)>& commands);
 
     // Warnings and errors of the validation layer so far (copies: the layer may report from any thread).
@@ -94,6 +96,7 @@ class Device {
     VkPhysicalDeviceMemoryProperties memory_{};
     std::vector<const char*> extensions_;
     Owned<VkCommandPool> pool_;
+    VkCommandBuffer commands_ = VK_NULL_HANDLE;  // the pool's only one
 };
 
 }  // namespace penumbra
