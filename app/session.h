@@ -28,6 +28,7 @@ struct SessionOptions {
     std::optional<uint32_t> poison;
     Facts facts;          // instead of what the scene says
     bool optimum = true;  // search for the smallest possible heap, for the report
+    bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
 // What one frame cost. Process CPU time per pass needs passes submitted one by one and is measured on CPU
@@ -74,6 +75,7 @@ class Session {
 
     Device& device_;
     uint32_t seed_ = 0;
+    bool pass_costs_ = true;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
     std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it

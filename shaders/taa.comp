@@ -142,11 +142,37 @@ bool was_seen(Plane plane, vec2 uv, float z) {
     return off.x <= plane.tolerance_m || off.y <= plane.tolerance_m;
 }
 
+// What is seen around the pixel now: two surfaces and perhaps the sky.
+struct Seen {
+    Plane front, back;
+    bool solid, sky;
+};
+
+// Whether a texel of the previous frame showed any of it.
+bool showed(Seen seen, ivec2 t) {
+    const float z = imageLoad(view_depth_prev, t).x;
+    const vec2 uv = (vec2(t) + 0.5) / vec2(frame.prev_size) - frame.prev_jitter;
+    const bool surface = seen.solid && (was_seen(seen.front, uv, z) || was_seen(seen.back, uv, z));
+    return z > 0.0 ? surface : seen.sky;
+}
+
+// What is thinner than a pixel comes and goes with the jitter: gone from all nine pixels it is still no surface that went
+// away, if what is seen now was seen on both sides of it. What is left of its colour is up to the box.
+bool was_thin(Seen seen, ivec2 t, ivec2 last) {
+    bool thin = false;
+    for (int axis = 0; axis < 2; ++axis) {
+        const ivec2 side = axis == 0 ? ivec2(1, 0) : ivec2(0, 1);
+        const bool both = showed(seen, clamp(t - side, ivec2(0), last)) && showed(seen, clamp(t + side, ivec2(0), last));
+        thin = thin || both;
+    }
+    return thin;
+}
+
 // An edge of the picture alternates with the jitter between what is in front and what is behind, so a texel may have shown
 // either. Where one of the four around the position showed something else, the largest share of the others stands for all.
 Past past_at(vec2 texel, Around around) {
-    const Plane front = plane_at(around.nearest, around.nearest_depth), back = plane_at(around.farthest, around.farthest_depth);
-    const bool solid = around.farthest_depth > 0.0;
+    const Seen seen = Seen(plane_at(around.nearest, around.nearest_depth), plane_at(around.farthest, around.farthest_depth),
+                           around.farthest_depth > 0.0, around.sky);
     const ivec2 last = ivec2(frame.prev_size) - 1, base = ivec2(floor(texel - 0.5));
     // Rounding must not turn "exactly there" into a neighbour's tiny share.
     const float SUBTEXELS = 256.0;
@@ -157,19 +183,17 @@ Past past_at(vec2 texel, Around around) {
         const ivec2 offset = ivec2(i & 1, i >> 1);
         const vec2 axes = mix(1.0 - f, f, vec2(offset));
         const ivec2 t = clamp(base + offset, ivec2(0), last);
-        const float z = imageLoad(view_depth_prev, t).x;
-        const vec2 uv = (vec2(t) + 0.5) / vec2(frame.prev_size) - frame.prev_jitter;
-        const bool surface = solid && (was_seen(front, uv, z) || was_seen(back, uv, z));
-        const bool counts = z > 0.0 ? surface : around.sky;
-        const float share = counts ? axes.x * axes.y : 0.0;
+        const float share = showed(seen, t) ? axes.x * axes.y : 0.0;
         best = share > best_share ? t : best;
         best_share = max(best_share, share);
         shares += share;
     }
-    const vec4 value = texelFetch(history, best, 0);
+    const ivec2 nearest = clamp(ivec2(floor(texel)), ivec2(0), last);
+    const bool none = best_share < 0.05, thin = none && was_thin(seen, nearest, last);
+    const vec4 value = texelFetch(history, none ? nearest : best, 0);
     // The shares of four that count are 1, exactly: they are multiples of 2^-16.
     const bool between = best_share < 1.0 && shares == 1.0;
-    return Past(between ? history_at(texel) : value.xyz, best_share < 0.05 ? 0.0 : frames_of(value.w));
+    return Past(between ? history_at(texel) : value.xyz, none && !thin ? 0.0 : frames_of(value.w));
 }
 #else
 Past past_at(vec2 texel, Around around) {
