@@ -26,8 +26,8 @@ struct SessionOptions {
     bool alias = true;
     bool jitter = true;
     std::optional<uint32_t> poison;
-    Facts facts;          // instead of what the scene says
-    bool optimum = true;  // search for the smallest possible heap, for the report
+    Facts facts;             // instead of what the scene says
+    bool optimum = true;     // search for the smallest possible heap, for the report
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 

@@ -108,6 +108,7 @@ vec3 clamp_to_neighbours(ivec2 p, vec3 past, float scale) {
 struct Past {
     vec3 color;
     float frames;
+    bool thin;  // it may have shown something thinner than a pixel that is not seen now
 };
 
 float frames_of(float alpha) { return floor(alpha * float(MAX_FRAMES) + 0.5); }
@@ -156,8 +157,9 @@ bool showed(Seen seen, ivec2 t) {
     return z > 0.0 ? surface : seen.sky;
 }
 
-// What is thinner than a pixel comes and goes with the jitter: gone from all nine pixels it is still no surface that went
-// away, if what is seen now was seen on both sides of it. What is left of its colour is up to the box.
+// What is thinner than a pixel comes and goes with the jitter: gone from all nine pixels, it is still no surface that went
+// away if what is seen now was seen on both sides of it. Should it have gone all the same, its colour must not stay: what
+// lies between the mean around the pixel and the pixel's own colour does.
 bool was_thin(Seen seen, ivec2 t, ivec2 last) {
     bool thin = false;
     for (int axis = 0; axis < 2; ++axis) {
@@ -193,12 +195,12 @@ Past past_at(vec2 texel, Around around) {
     const vec4 value = texelFetch(history, none ? nearest : best, 0);
     // The shares of four that count are 1, exactly: they are multiples of 2^-16.
     const bool between = best_share < 1.0 && shares == 1.0;
-    return Past(between ? history_at(texel) : value.xyz, none && !thin ? 0.0 : frames_of(value.w));
+    return Past(between ? history_at(texel) : value.xyz, none && !thin ? 0.0 : frames_of(value.w), thin);
 }
 #else
 Past past_at(vec2 texel, Around around) {
     const vec4 value = texelFetch(history, ivec2(texel), 0);
-    return Past(value.xyz, frames_of(value.w));
+    return Past(value.xyz, frames_of(value.w), false);
 }
 #endif
 
@@ -209,7 +211,8 @@ vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
         const vec2 texel = (vec2(p) + 0.5) * (vec2(frame.prev_size) / vec2(frame.size)) + v * vec2(frame.prev_size);
         const Past past = past_at(texel, around);
         if (past.frames >= 1.0) {
-            const vec3 before = clamp_to_neighbours(p, compress(storable(past.color)), params.clamp_sigma);
+            const float scale = past.thin ? 0.0 : params.clamp_sigma;
+            const vec3 before = clamp_to_neighbours(p, compress(storable(past.color)), scale);
             frames = min(past.frames + 1.0, float(MAX_FRAMES));
             c = before + (c - before) / frames;
         }

@@ -29,8 +29,7 @@ const NodeSet& nodes() {
 std::unique_ptr<Session> open(const std::string& name, const std::vector<std::string>& settings,
                               const std::vector<std::string>& captures) {
     Diagnostics diagnostics;
-    const auto pipeline =
-        load_pipeline(root / "pipelines" / (name + ".json"), settings, diagnostics);
+    const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), settings, diagnostics);
     const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     const Shot shot = plaza_shot({160, 90}, 8);
@@ -47,9 +46,9 @@ std::unique_ptr<Session> open(const std::string& name, const std::vector<std::st
 
 // The outputs of every frame.
 std::vector<std::vector<std::byte>> run(Session& session, const std::string& name, uint32_t frames) {
-    const std::vector<std::string> outputs =
-        name.ends_with("raw") ? std::vector<std::string>{"visibility"}
-                              : std::vector<std::string>{"visibility", "color"};
+    const std::vector<std::string> outputs = name.ends_with("raw")
+                                                 ? std::vector<std::string>{"visibility"}
+                                                 : std::vector<std::string>{"visibility", "color"};
     std::vector<std::vector<std::byte>> result;
     for (uint32_t frame = 0; frame < frames; ++frame) {
         session.run_frame(frame, frame == 0);
@@ -75,7 +74,8 @@ TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
     const bool hybrid = std::string_view(GetParam()).starts_with("hybrid");
     const auto expected = run(*open(GetParam(), {}, {}), GetParam(), 4);
     for (const uint32_t stride : {0u, 5003u, 65521u}) {
-        const std::string params = R"("type": "permute_list", "params": { "stride": )" + std::to_string(stride) + " }";
+        const std::string params =
+            R"("type": "permute_list", "params": { "stride": )" + std::to_string(stride) + " }";
         const auto permute = [&](const std::string& node, const std::string& list, const std::string& args) {
             return "nodes." + node + "={ " + params + R"(, "in": { "tile_list": ")" + list +
                    R"(", "trace_args": ")" + args + R"(" }, "out": { "permuted_list": ")" + node + R"(" } })";
@@ -94,9 +94,11 @@ TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
         const auto before = captured<Record>(session->view(), "tile_list"),
                    after = captured<Record>(session->view(), "other_tiles");
         const uint32_t count = captured<uint32_t>(session->view(), "trace_args").at(3);
+        ASSERT_GT(count, 0u);
+        if (stride != 0 && stride % count == 1) continue;  // every place is its own
         size_t elsewhere = 0;
         for (uint32_t i = 0; i < count; ++i) elsewhere += before[i] != after[i];
-        EXPECT_GT(elsewhere, count * 9 / 10) << "the list was hardly permuted, stride " << stride;
+        EXPECT_GT(elsewhere, count * 8 / 10) << "the list was hardly permuted, stride " << stride;
     }
 }
 

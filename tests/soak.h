@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -29,18 +30,20 @@ struct Soak {
     std::vector<SoakWindow> windows;  // the first starts at frame 192, the last ends with the run
     size_t nonfinite = 0;             // texels of all windows
 
-    // Share of the change that is still to come in the eighth frame after a jump by 2/3 of the image's width:
+    // Share of the change that is still to come in the third frame after a jump by 2/3 of the image's width:
     // of the whole run, and of one that began 256 frames before the jump.
     double left = 0, left_of_young = 0;
 
-    double worst_drift() const;  // of the mean, against the first window
-    double worst_n_eff() const;  // over the first window's
+    // The last third of the windows against the first third: one window's own noise is of the size of the
+    // limits.
+    double drift() const;       // of the mean
+    double n_eff_kept() const;  // quotient
 };
 
 Soak soak(Device& device, const SoakOptions& options);
 
-// The limits: no window's mean is further than 1e-4 from the first one's, none has less than .95 of its N_eff,
-// the jump is followed as a young history follows it, and everything is finite.
+// The limits: the mean drifts by no more than 1e-4, .95 of N_eff are kept, the jump is followed as a young
+// history follows it, and everything is finite.
 bool soak_holds(const Soak& result);
 
 }  // namespace penumbra::test

@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
         const std::string_view text = argv[1];
         std::from_chars(text.data(), text.data() + text.size(), frames);
     }
-    if (frames < 1000) {
-        std::fputs("usage: soak FRAMES PIPELINE... (at least 1000 frames)\n", stderr);
+    if (frames < 1300) {
+        std::fputs("usage: soak FRAMES PIPELINE... (at least 1300 frames)\n", stderr);
         return 2;
     }
     Device device({});
@@ -28,14 +28,16 @@ int main(int argc, char** argv) {
     for (int i = 2; i < argc; ++i) {
         const std::clock_t begin = std::clock();
         const Soak result = soak(device, {.pipeline = argv[i], .frames = frames});
-        fmt::print("{}, {} frames, {:.0f} s of processor time\n\n| frames from | N_eff | mean |\n|---|---|---|\n",
-                   argv[i], frames, double(std::clock() - begin) / CLOCKS_PER_SEC);
+        fmt::print(
+            "{}, {} frames, {:.0f} s of processor time\n\n| frames from | N_eff | mean |\n|---|---|---|\n",
+            argv[i], frames, double(std::clock() - begin) / CLOCKS_PER_SEC);
         for (const SoakWindow& w : result.windows)
             fmt::print("| {} | {:.1f} | {:.6f} |\n", w.first, w.n_eff, w.mean);
-        fmt::print("\ndrift of the mean {:.2g}, worst N_eff over the first window's {:.3f}, left 8 frames after a "
-                   "jump {:.4f} (young history {:.4f}), not finite {}\n\n",
-                   result.worst_drift(), result.worst_n_eff(), result.left, result.left_of_young,
-                   result.nonfinite);
+        fmt::print(
+            "\nlast third against the first: drift of the mean {:.2g}, N_eff kept {:.3f}; left 3 frames "
+            "after a "
+            "jump {:.4f} (young history {:.4f}), not finite {}\n\n",
+            result.drift(), result.n_eff_kept(), result.left, result.left_of_young, result.nonfinite);
         std::fflush(stdout);
         held = held && soak_holds(result);
     }

@@ -13,9 +13,10 @@ namespace {
 Soak printed_soak(const SoakOptions& options) {
     const Soak result = soak(gpu(), options);
     for (const SoakWindow& w : result.windows)
-        std::printf("%s from %u: N_eff %.1f, mean %.6f\n", options.pipeline.c_str(), w.first, w.n_eff, w.mean);
-    std::printf("%s: drift %.2g, N_eff over the first %.3f, left after a jump %.4f (young %.4f)\n",
-                options.pipeline.c_str(), result.worst_drift(), result.worst_n_eff(), result.left,
+        std::printf("%s from %u: N_eff %.1f, mean %.6f\n", options.pipeline.c_str(), w.first, w.n_eff,
+                    w.mean);
+    std::printf("%s: drift %.2g, N_eff kept %.3f, left after a jump %.4f (young %.4f)\n",
+                options.pipeline.c_str(), result.drift(), result.n_eff_kept(), result.left,
                 result.left_of_young);
     return result;
 }
@@ -35,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, SoakRun, ::testing::Values("shadows", "shear
 class SoakLimits : public GpuTest {};
 
 TEST_F(SoakLimits, ArePassedByThePublishedDenoiser) {
-    EXPECT_FALSE(soak_holds(printed_soak({.pipeline = "fidelityfx", .frames = 1200})));
+    EXPECT_FALSE(soak_holds(printed_soak({.pipeline = "fidelityfx", .frames = 1300})));
 }
 
 }  // namespace

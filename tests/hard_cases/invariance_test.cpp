@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Metric 12, invariances that need no reference: a scene, its camera and its sun turned together, mirrored, or
-// with their axes renamed are the same scene. The converged picture must not change (RMSE within 1/255); one
-// frame's noise may, since the points of the sun are taken in a frame of its own, so that of the denoised
+// Metric 12, invariances that need no reference: a scene, its camera and its sun turned together, mirrored,
+// or with their axes renamed are the same scene. The converged picture must not change (RMSE within 1/255);
+// one frame's noise may, since the points of the sun are taken in a frame of its own, so that of the denoised
 // picture only the statistics can agree: N_eff within 2 % or what the seeds leave open. Scale and translation
 // are cases 1, 2 and 9 (coordinates_test.cpp). Naive: one phase for both coordinates of the sun's disc, whose
 // error depends on the direction of an edge in that frame.
@@ -88,9 +88,9 @@ Change change(const Error& from, const Error& to) {
 TEST_F(HardCase, ATurnedOrMirroredSceneIsTheSameScene) {
     const Turn as_it_is{"not", glm::dmat3(1)};
     const std::vector<Turn> turns = {
-        {"yzx", glm::dmat3(0, 0, 1, 1, 0, 0, 0, 1, 0)},   // even permutations of the axes: rotations
+        {"yzx", glm::dmat3(0, 0, 1, 1, 0, 0, 0, 1, 0)},  // even permutations of the axes: rotations
         {"zxy", glm::dmat3(0, 1, 0, 0, 0, 1, 1, 0, 0)},
-        {"yxz", glm::dmat3(0, 1, 0, 1, 0, 0, 0, 0, 1)},   // an odd one: a mirror
+        {"yxz", glm::dmat3(0, 1, 0, 1, 0, 0, 0, 0, 1)},  // an odd one: a mirror
         {"-x", glm::dmat3(-1, 0, 0, 0, 1, 0, 0, 0, 1)},
         {"-z", glm::dmat3(1, 0, 0, 0, 1, 0, 0, 0, -1)},
         {"about y", rotation(37, {0, 1, 0})},
@@ -109,10 +109,11 @@ TEST_F(HardCase, ATurnedOrMirroredSceneIsTheSameScene) {
         const double apart = rms(truth, seen_unturned(there, turn, shot.size[0]));
         const Change moved = change(ours, error_of(other, there, {}));
         const Change moved_naive = change(naive, error_of(other, there, published));
-        figure((std::string("metric 12, RMSE of the converged picture turned: ") + turn.name).c_str(), NAN, apart);
+        figure((std::string("metric 12, RMSE of the converged picture turned: ") + turn.name).c_str(), NAN,
+               apart);
         figure("metric 12, change of log N_eff", moved_naive.found, moved.found);
         figure("metric 12, three deviations of it", moved_naive.open, moved.open);
-        printf("%f %f\n", 1/ours.mean, ours.deviation/ours.mean);
+        printf("%f %f\n", 1 / ours.mean, ours.deviation / ours.mean);
         EXPECT_LT(apart, 1.0 / 255);
         EXPECT_LT(std::abs(moved.found), std::max(0.02, moved.open));
         worst_rms = std::max(worst_rms, apart);

@@ -147,8 +147,9 @@ TEST_F(HardCase, AContactShadowOfOnePixelSurvivesTheDenoiser) {
 
 // ---- 21: facets
 
-// A convex solid of few facets: what faces the sun is lit, whatever its neighbours do. Naive: who shades it with
-// the normals of the ball that it stands for lights parts whose facets are turned away, and these are dark.
+// A convex solid of few facets: what faces the sun is lit, whatever its neighbours do. Naive: who shades it
+// with the normals of the ball that it stands for lights parts whose facets are turned away, and these are
+// dark.
 TEST_F(HardCase, AFacetedBallCastsNothingOnItsLitFacets) {
     std::vector<ProfilePoint> profile;
     for (int i = 0; i <= 8; ++i) {
@@ -170,11 +171,10 @@ TEST_F(HardCase, AFacetedBallCastsNothingOnItsLitFacets) {
         ++ball;
         const glm::dvec3 facet = 2.0 * glm::dvec3(normal[0][i], normal[1][i], normal[2][i]) - 1.0;
         const glm::dvec2 uv((double(i % 160) + 0.5) / 160, (double(i / 160) + 0.5) / 96);
-        const glm::dvec3 on_ball =
-            glm::make_vec3(camera.position.data()) +
-            double(z[i]) * (glm::dmat3(glm::make_mat3(camera.world_from_view.data())) *
-                            glm::dvec3((2 * uv.x - 1) / camera.clip_from_view[0],
-                                       (2 * uv.y - 1) / camera.clip_from_view[5], -1));
+        const glm::dvec3 on_ball = glm::make_vec3(camera.position.data()) +
+                                   double(z[i]) * (glm::dmat3(glm::make_mat3(camera.world_from_view.data())) *
+                                                   glm::dvec3((2 * uv.x - 1) / camera.clip_from_view[0],
+                                                              (2 * uv.y - 1) / camera.clip_from_view[5], -1));
         // 10 bits of a normal and the sun's radius.
         if (glm::dot(facet, sun) > 0.01) {
             ++facing;

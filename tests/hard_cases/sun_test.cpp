@@ -39,7 +39,8 @@ TEST_F(HardCase, ASunOnAnAxisIsASunLikeAnyOther) {
             EXPECT_EQ(nonfinite(run.plane("color")), 0u);
         }
     // The picture is a continuous function of the direction: whatever frame the samples are taken in, they
-    // converge. Two sets of n stratified rays differ by n^-3/4 where the frame turns, at z = 0: 6e-4 for 1024.
+    // converge. Two sets of n stratified rays differ by n^-3/4 where the frame turns, at z = 0: 6e-4 for
+    // 1024.
     constexpr uint32_t rays = 16'384;
     for (const glm::dvec3& axis : {glm::dvec3(0, 1, 0), {1, 0.6, 0}}) {
         const std::vector<float> at = truth_of(under(axis, {48, 32}), 0, rays).visibility;
@@ -145,7 +146,8 @@ TEST_F(HardCase, AWideSunIsAsBrightAsItsCap) {
         double largest = 0;
         for (size_t i = 0; i < exact.size(); ++i)
             largest = std::max(largest, std::abs(double(counted[i]) - exact[i]));
-        figure("case 29, largest error and rms of 65 536 rays in a pixel (naive: rms)", rms(counted, exact), largest);
+        figure("case 29, largest error and rms of 65 536 rays in a pixel (naive: rms)", rms(counted, exact),
+               largest);
         EXPECT_LT(largest, 1e-3);
         EXPECT_LT(rms(counted, exact), 2e-4);
     }
