@@ -28,7 +28,7 @@ Shot still_shot(const SoakOptions& options) {
 }
 
 double jump_px(const Shot& shot) {
-    return 2.0 / 3 * shot.size[0];
+    return shot.size[0] / 3.0;
 }
 
 // The caster stays where it is up to the last frame of the run and is elsewhere in the next one.

@@ -30,8 +30,8 @@ struct Soak {
     std::vector<SoakWindow> windows;  // the first starts at frame 192, the last ends with the run
     size_t nonfinite = 0;             // texels of all windows
 
-    // Share of the change that is still to come in the third frame after a jump by 2/3 of the image's width:
-    // of the whole run, and of one that began 256 frames before the jump.
+    // Share of the change that is still to come in the third frame after a jump by a third of the image's
+    // width: of the whole run, and of one that began 256 frames before the jump.
     double left = 0, left_of_young = 0;
 
     // The last third of the windows against the first third: one window's own noise is of the size of the
