@@ -5,7 +5,8 @@
 // supersampling (2016).
 //
 // published: the new colour counts 1/16, and the box alone rejects history.
-// robust: a history texel counts where it showed a surface that is seen around the pixel now (distance to its plane), and
+// robust: a history texel counts where it showed a surface that is seen around the pixel now (distance to its plane), or
+// something thinner than a pixel before one; and
 // the new colour counts 1/n of n frames: an edge under 16 jitter positions is their mean after 16 frames, and what has just
 // come into view starts anew. Where nothing moves, a pixel's history is its own.
 #include "node.glsl"
