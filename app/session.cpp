@@ -70,6 +70,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (!scene) return nullptr;
     auto session = std::unique_ptr<Session>(new Session(device));
     session->seed_ = options.seed.value_or(shot.seed);
+    session->pass_costs_ = options.pass_costs;
     DeviceTable table = device_table(handles_of(device));
     table.ray_query = device.caps().ray_query;
     table.storage8 = device.caps().storage8;
@@ -199,7 +200,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
 // What is recorded before the passes is no part of their cost.
 FrameCost Session::run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost) {
     const std::vector<SlotBinding> slots = bind_slots();
-    const bool pass_by_pass = plan().cpu;
+    const bool pass_by_pass = plan().cpu && pass_costs_;
     cost.pass_cpu_ms.resize(plan().passes.size());
     device_.run([&](VkCommandBuffer cmd) {
         record_before(cmd);

@@ -27,8 +27,9 @@ struct SessionOptions {
     bool jitter = true;
     bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
-    Facts facts;          // instead of what the scene says
-    bool optimum = true;  // search for the smallest possible heap, for the report
+    Facts facts;             // instead of what the scene says
+    bool optimum = true;     // search for the smallest possible heap, for the report
+    bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
 // What one frame cost. Process CPU time per pass needs passes submitted one by one and is measured on CPU
@@ -75,6 +76,7 @@ class Session {
 
     Device& device_;
     uint32_t seed_ = 0;
+    bool pass_costs_ = true;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
     std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it
