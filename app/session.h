@@ -80,7 +80,7 @@ class Session {
     std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
     std::unique_ptr<CascadeMaps> cascade_maps_;
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
-    MappedBuffer sun_, scene_, cascades_;
+    MappedBuffer sun_, sun_prev_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
 

@@ -27,7 +27,7 @@ struct StandaloneOptions {
 // One frame's data, a pure function of its index.
 struct StandaloneFrame {
     FrameDescription description;
-    blocks::Sun sun{};
+    blocks::Sun sun{}, sun_prev{};  // of the previous frame; of this one where there is none
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };

@@ -87,6 +87,8 @@ INSTANTIATE_TEST_SUITE_P(
     Scenes, AnalyticReference,
     ::testing::Values(
         AnalyticCase{"half_plane", {16, 20, 1.5, -7.5, HalfPlane{}}},
+        AnalyticCase{"tilted_60", {16, 20, 1.5, -7.5, HalfPlane{60}}},
+        AnalyticCase{"tilted_85", {16, 70, 1.5, -7.5, HalfPlane{85}}},
         AnalyticCase{"slit", {16, 20, 1.5, -7.5, Slit{6}}},
         AnalyticCase{"fence", {16, 20, 1.5, -7.5, Fence{11, 0.4}}},
         AnalyticCase{"polygon", {16, 20, 1.5, -7.5, Polygon{{{-9, -4}, {8, -5}, {1, 0}, {10, 5}, {-7, 4}}}}},
