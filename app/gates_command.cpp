@@ -65,15 +65,17 @@ uint32_t steps_of(const Study& study, const std::set<std::string>& parts) {
 }
 
 bool print_still(const Bench& bench) {
-    fmt::print("| penumbra, px | first frame | asked | frame {} | asked | flicker / 255 | asked |\n",
-               bench.study.still_frames - 1);
-    fmt::print("|---|---|---|---|---|---|---|\n");
+    fmt::print(
+        "| penumbra, px | first frame | asked | frame {} | asked | flicker of the penumbra / 255 | of all | "
+        "asked |\n",
+        bench.study.still_frames - 1);
+    fmt::print("|---|---|---|---|---|---|---|---|\n");
     for (const double width : bench.study.widths_px) {
         const auto still = measure_still(bench, width);
         if (!still) return false;
-        fmt::print("| {:g} | {} | {} | {} | {} | {} | {} |\n", width, text_of(still->first),
+        fmt::print("| {:g} | {} | {} | {} | {} | {} | {} | {} |\n", width, text_of(still->first),
                    asked_text(width, &Asked::first), text_of(still->last), asked_text(width, &Asked::last),
-                   text_of(still->flicker), asked_text(width, &Asked::flicker));
+                   text_of(still->flicker), text_of(still->flicker_all), asked_text(width, &Asked::flicker));
         std::fflush(stdout);
     }
     return true;

@@ -25,6 +25,7 @@ struct SessionOptions {
     std::optional<uint32_t> seed;
     bool alias = true;
     bool jitter = true;
+    bool exact_normals = false;  // the host brings rgba32f
     std::optional<uint32_t> poison;
     Facts facts;          // instead of what the scene says
     bool optimum = true;  // search for the smallest possible heap, for the report

@@ -79,22 +79,25 @@ Estimate estimate(std::vector<double> samples) {
     return report::median_of(std::move(samples)).value();
 }
 
-// Sum of squares of what has changed in the penumbra.
+// Sums of squares of what has changed, in the penumbra and everywhere.
 struct Changes {
     std::vector<float> before;
-    double squares = 0;
-    size_t pixels = 0;
+    double penumbra = 0, all = 0;
+    size_t soft = 0, counted = 0;
 
     void add(const Judge& judge, std::span<const float> image) {
         for (size_t p = 0; p < before.size(); ++p) {
-            if (!judge.counted[p] || !in_penumbra(judge.truth[p])) continue;
+            if (!judge.counted[p]) continue;
             const auto d = static_cast<double>(image[p] - before[p]);
-            squares += std::isfinite(d) ? d * d : 1;
-            ++pixels;
+            const double square = std::isfinite(d) ? d * d : 1;
+            all += square;
+            ++counted;
+            if (!in_penumbra(judge.truth[p])) continue;
+            penumbra += square;
+            ++soft;
         }
         before.assign(image.begin(), image.end());
     }
-    double rms() const { return std::sqrt(squares / static_cast<double>(std::max<size_t>(pixels, 1))); }
 };
 
 }  // namespace
@@ -103,18 +106,19 @@ std::optional<Still> measure_still(const Bench& bench, double width_px) {
     const Study& study = bench.study;
     const Shot shot = edge_shot(study, width_px, study.still_frames);
     const Judge judge(study, shot, 0);
-    std::vector<double> first, last, flicker;
+    std::vector<double> first, last, flicker, flicker_all;
     Changes changes;
     const auto look = [&](uint32_t frame, std::span<const float> image) {
         if (frame == 0) first.push_back(judge.n_eff(image));
         if (frame + 1 >= study.flicker_from) changes.add(judge, image);
         if (frame + 1 < shot.frames) return;
         last.push_back(judge.n_eff(image));
-        flicker.push_back(255 * changes.rms());
+        flicker.push_back(255 * std::sqrt(changes.penumbra / static_cast<double>(changes.soft)));
+        flicker_all.push_back(255 * std::sqrt(changes.all / static_cast<double>(changes.counted)));
         changes = {};
     };
     if (!run(bench, shot, study.seeds, 0, look)) return std::nullopt;
-    return Still{estimate(first), estimate(last), estimate(flicker)};
+    return Still{estimate(first), estimate(last), estimate(flicker), estimate(flicker_all)};
 }
 
 std::optional<std::vector<Moving>> measure_moving(const Bench& bench, double width_px) {

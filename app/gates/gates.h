@@ -45,7 +45,8 @@ struct Bench {
 
 struct Still {
     Estimate first, last;  // effective samples per pixel of the first frame and of the last
-    Estimate flicker;      // rms over the penumbra's pixels of what changes from frame to frame, in 1/255
+    // rms of what changes from frame to frame, in 1/255: over the penumbra's pixels, over all that count.
+    Estimate flicker, flicker_all;
 };
 std::optional<Still> measure_still(const Bench& bench, double width_px);
 
