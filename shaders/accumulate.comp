@@ -24,7 +24,7 @@
 #include "common/sun_change.glsl"
 #endif
 
-const float CAP = 64.0;                 // samples
+const float CAP = 32.0;                 // samples
 const float RESIDUAL_VARIANCE = 0.003;  // of a pixel that has always been lit, so that one surprise is not proof
 const float SAME_FACE = 0.9;            // cosine: beyond a crease the sun stands differently
 const float HARD = 2.2;                 // softness below which nothing is filtered
