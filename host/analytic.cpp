@@ -73,7 +73,7 @@ double cut_height(const ContactPoint& point) {
 
 // How far a tilted receiver reaches towards the camera and away from it, from the image's centre, and how far
 // in front of it, on each pixel's line of sight, the sheet hangs. A near plane fits between the two where the
-// latter is twice the former.
+// latter is 2.25 times the former.
 struct TiltedDepths {
     double reach = 0, sheet = 0;
 };
@@ -245,7 +245,9 @@ Camera analytic_camera(const Shot& shot) {
         above = 4 * caster_height(shot);  // edge-on, a wall covers no pixel
         far = 2 * above;
     } else if (tilt(shot) > 0) {
-        above = tilted_depths(shot).sheet;
+        const TiltedDepths depths = tilted_depths(shot);
+        above =
+            std::max(2.5 * depths.reach, 0.01 * depths.sheet);  // near: large numbers are rounded coarsely
         far = 1.5 * above;
     } else if (shape_of<Terminator>(shot)) {
         const double half = analytic_half_diagonal(shot);
@@ -365,12 +367,12 @@ std::optional<AnalyticProblem> analytic_problem(const Shot& shot, double frame) 
             fmt::format(
                 "the sphere would reach {:.3g} m below the receiver: a wider penumbra hangs it higher",
                 -lowest_of_caster(shot))};
-    if (const TiltedDepths depths = tilted_depths(shot); !(depths.sheet > 2 * depths.reach))
+    if (const TiltedDepths depths = tilted_depths(shot); !(depths.sheet > 2.25 * depths.reach))
         return AnalyticProblem{
             "scene",
             fmt::format("the tilted receiver would reach past the sheet over it: {:.3g} m of {:.3g}; a "
                         "wider penumbra hangs it higher",
-                        2 * depths.reach, depths.sheet)};
+                        2.25 * depths.reach, depths.sheet)};
     if (const auto* polygon = shape_of<Polygon>(shot)) return polygon_problem(*polygon);
     if (shape_of<Fence>(shot) && frame == 0) {
         const SlatRange slats = fence_slats(shot);
