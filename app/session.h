@@ -25,7 +25,8 @@ struct SessionOptions {
     std::optional<uint32_t> seed;
     bool alias = true;
     bool jitter = true;
-    bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
+    bool exact_normals = false;  // the host brings rgba32f
+    bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;             // instead of what the scene says
     bool optimum = true;     // search for the smallest possible heap, for the report
@@ -83,7 +84,7 @@ class Session {
     std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
     std::unique_ptr<CascadeMaps> cascade_maps_;
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
-    MappedBuffer sun_, scene_, cascades_;
+    MappedBuffer sun_, sun_prev_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
 
