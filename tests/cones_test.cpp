@@ -148,8 +148,9 @@ void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> f
         options.captures = {"hits", "visibility"};
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        const auto session = Session::open(gpu(), nodes(), pipeline_named(hybrid ? "hybrid_raw" : "raw", settings),
-                                           shot, options, diagnostics, warnings);
+        const auto session =
+            Session::open(gpu(), nodes(), pipeline_named(hybrid ? "hybrid_raw" : "raw", settings), shot,
+                          options, diagnostics, warnings);
         ASSERT_TRUE(session) << diagnostics.text();
         for (const uint32_t frame : frames) {
             session->run_frame(frame, frame == *frames.begin());

@@ -160,8 +160,7 @@ TEST(Condition, HoldsUnderFactsAndConstantParameters) {
     EXPECT_TRUE(holds({}, {}, {})) << "no condition is always";
     for (const char* text :
          {"", "&", "sun_up &", "sun", "!mode=tnet", "mode", "mode=tnet", "taps=x", "taps=3.5", "fast=1",
-          "sun_up & !sun_up", "mode=tent & mode=plane",
-          "mode=tent & !mode=tent", "sun_up | alpha"})
+          "sun_up & !sun_up", "mode=tent & mode=plane", "mode=tent & !mode=tent", "sun_up | alpha"})
         EXPECT_FALSE(condition(text, type)) << text;
 }
 
@@ -172,8 +171,8 @@ TEST(Condition, ExclusiveMeansALiteralAndItsNegation) {
     EXPECT_FALSE(exclusive(up, other));
     EXPECT_FALSE(exclusive(up, up));
     EXPECT_FALSE(exclusive({}, down));
-    const Condition one = {{"rays", false, "1"}}, two = {{"rays", false, "2"}}, not_one = {{"rays", true, "1"}},
-                    not_two = {{"rays", true, "2"}};
+    const Condition one = {{"rays", false, "1"}}, two = {{"rays", false, "2"}},
+                    not_one = {{"rays", true, "1"}}, not_two = {{"rays", true, "2"}};
     EXPECT_TRUE(exclusive(one, two));
     EXPECT_TRUE(exclusive(one, not_one));
     EXPECT_FALSE(exclusive(two, not_one));

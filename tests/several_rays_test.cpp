@@ -25,7 +25,8 @@ std::unique_ptr<Session> open(const Shot& shot, uint32_t rays, SessionOptions op
     std::vector<std::string> warnings;
     const std::vector<std::string> settings = {"outputs=[\"visibility\"]",
                                                "nodes.trace.params.rays_per_pixel=" + std::to_string(rays)};
-    const auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
+    const auto pipeline = load_pipeline(
+        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
     const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     options.size = shot.size;
@@ -94,10 +95,11 @@ TEST_F(SeveralRays, AreUnbiasedAndBetterThanIndependentOnes) {
         for (const uint32_t rays : {1u, 2u, 4u, 7u, 16u, 64u}) {
             const Error e = error_of(shot, rays, 6);
             if (rays == 1) one = e.square;
-            std::printf("%2u rays: error %.4f, as %.1f independent rays; bias %+.4f\n", rays, std::sqrt(e.square),
-                        one / e.square, e.bias);
+            std::printf("%2u rays: error %.4f, as %.1f independent rays; bias %+.4f\n", rays,
+                        std::sqrt(e.square), one / e.square, e.bias);
             EXPECT_LT(e.wrong, 0.51 / 255);
-            // Neighbours' errors are anticorrelated, so that of the mean is below that of as many independent rays.
+            // Neighbours' errors are anticorrelated, so that of the mean is below that of as many independent
+            // rays.
             EXPECT_LT(std::abs(e.bias), 3 * std::sqrt(e.square / 5000) + 1e-3) << rays;
             if (rays >= 4) {
                 EXPECT_LT(e.square * rays, 0.9 * one) << rays;
