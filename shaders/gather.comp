@@ -31,10 +31,10 @@ const float LEAST_SHARE = 0.02;
 const float KNOWN = 12.0;         // frames after which a past in a penumbra is taken at its word
 // Flips that a still edge shows, of what its length and width say (see flips_of), and how many a window may always show: one
 // surprise is no proof. Half of it follows a moving shadow best and is enough for one that stands still (docs/sheared.md).
-const float FLIP_SHARE = 0.5, FEWEST_FLIPS = 0.4;
+const float FLIP_SHARE = 0.5, FEWEST_FLIPS = 0.8;
 const float PAIRS_PER_PX = 1.2732;  // of an edge, mean over its angles: 4 / pi
 const float CELLS_POOLED = 16.0;    // weight of drift's window in cells, so that it has all of FEWEST_FLIPS; see there
-const float NARROW_PX = 0.5;       // radius below which a young past is judged by the edge beside it
+const float NARROW_PX = 0.75;      // radius below which a young past is judged by the edge beside it
 const float OWN_RAY_PX = 1.25;      // radius up to which a handful of neighbours' rays would do the own one's average harm
 const float NEW_RESIDUAL = 0.2;   // weight of a frame in the running mean of the residual
 
