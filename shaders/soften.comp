@@ -86,10 +86,11 @@ uint surface_seen(ivec2 p, ViewRays rays) {
     const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
     const float z = imageLoad(view_depth, p).x, tolerance_m = OWN_PLANE_PX * pixel_span_m(z);
     const vec3 n = decode_normal(imageLoad(guide_normal, p)), here = rays.o + z * rays.r;
+    const ivec2 last = ivec2(frame.size) - 1;
     uint surface = WHOLE_PATTERN;
     for (int i = 0; i < 4; ++i) {
-        const ivec2 offset = 2 * ivec2(i & 1, i >> 1) - 1;
-        const vec3 there = seen_at(rays, vec2(offset), imageLoad(view_depth, p + offset).x);  // off the screen: depth 0
+        const ivec2 q = clamp(p + 2 * ivec2(i & 1, i >> 1) - 1, ivec2(0), last);
+        const vec3 there = seen_at(rays, vec2(q - p), imageLoad(view_depth, q).x);
         if (!(abs(dot(n, there - here)) <= tolerance_m)) surface &= ~CORNERS[i];
     }
     return surface;
