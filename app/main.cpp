@@ -35,7 +35,8 @@ void add_render(CLI::App& app, RenderArguments& a) {
         ->check(CLI::Range(16u, 16384u));
     c->add_option("--facts", a.facts, "a,!b: take these as true or false, whatever the scene says");
     c->add_flag("--validate", a.validate,
-                "Vulkan validation with synchronisation checks; count non-finite texels");
+                "Vulkan validation with synchronisation checks; count texels of every resource that are "
+                "not finite or out of range");
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
     c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
 }

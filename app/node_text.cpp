@@ -3,7 +3,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace penumbra {
+namespace {
+
+// "0..1" for every channel, "x 0..1, y 0..inf" for some.
+std::string describe_ranges(const std::vector<std::array<double, 2>>& ranges) {
+    const auto text_of = [](const std::array<double, 2>& r) { return fmt::format("{}..{}", r[0], r[1]); };
+    if (ranges.size() == 4 && std::ranges::count(ranges, ranges.front()) == 4) return text_of(ranges.front());
+    std::string text;
+    for (size_t i = 0; i < ranges.size(); ++i)
+        text += fmt::format("{}{} {}", i ? ", " : "", "xyzw"[i], text_of(ranges[i]));
+    return text;
+}
+
+}  // namespace
 
 const char* type_name(ParamType type) {
     constexpr const char* names[] = {"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"};
@@ -32,6 +47,7 @@ std::string describe(const Port& port) {
     if (port.previous) text += ", previous frame's";
     if (port.optional) text += ", optional";
     if (!port.condition.empty()) text += ", if " + to_string(port.condition);
+    if (!port.ranges.empty()) text += ", " + describe_ranges(port.ranges);
     return text;
 }
 

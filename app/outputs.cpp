@@ -131,7 +131,7 @@ void write_png(const std::filesystem::path& path, const PlanarImage& image) {
     write_png_color(path, image.width, image.height, rgb);
 }
 
-void summarise(const PlanarImage& image, bool visibility, WrittenOutput& out, TexelCheck& texel_check) {
+void summarise(const PlanarImage& image, WrittenOutput& out) {
     out.min = std::numeric_limits<double>::infinity();
     out.max = -out.min;
     const auto see = [&](double value) {
@@ -142,9 +142,6 @@ void summarise(const PlanarImage& image, bool visibility, WrittenOutput& out, Te
         out.channels += (out.channels.empty() ? "" : ",") + plane.name;
         for (const uint32_t word : plane.words) see(word);
         for (const float value : plane.values) {
-            texel_check.nan += std::isnan(value);
-            texel_check.inf += std::isinf(value);
-            if (visibility) texel_check.out_of_range += !(value >= 0 && value <= 1);
             out.nonfinite += !std::isfinite(value);
             if (std::isfinite(value)) see(value);
         }
@@ -172,7 +169,7 @@ void OutputWriter::write(const Session& session, const std::string& resource, ui
     out.resource = resource;
     out.frame = frame;
     out.hash = texels.hash;
-    summarise(texels.image, resource == "visibility", out, checks_[resource]);
+    summarise(texels.image, out);
     const std::string base = fmt::format("{}.{:04}", resource, frame);
     out.file = base + ".exr";
     write_exr(folder_ / out.file, texels.image);

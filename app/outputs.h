@@ -3,7 +3,6 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -23,12 +22,6 @@ struct WrittenOutput {
     uint64_t hash = 0;  // FNV-1a over the stored texels
 };
 
-// Non-finite and out-of-range texels of one resource over all frames looked at. Visibility lies in [0, 1];
-// other resources have no range of their own.
-struct TexelCheck {
-    uint64_t nan = 0, inf = 0, out_of_range = 0;
-};
-
 // Host inputs that can be captured beside the graph's own resources.
 bool is_host_image(const std::string& name);
 
@@ -46,13 +39,11 @@ class OutputWriter {
     void write(const Session& session, const std::string& resource, uint32_t frame);
 
     const std::vector<WrittenOutput>& written() const { return written_; }
-    const std::map<std::string, TexelCheck>& checks() const { return checks_; }
 
   private:
     Device& device_;
     std::filesystem::path folder_;
     std::vector<WrittenOutput> written_;
-    std::map<std::string, TexelCheck> checks_;
 };
 
 }  // namespace penumbra

@@ -16,6 +16,7 @@
 #include "app/progress.h"
 #include "app/report.h"
 #include "app/session.h"
+#include "app/validation.h"
 #include "host/image_file.h"
 
 namespace penumbra {
@@ -61,6 +62,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.cascade_size = arguments.cascade_size;
     options.alias = !arguments.no_alias;
     options.jitter = !arguments.no_jitter;
+    options.validate = arguments.validate;
     options.facts = job.facts;
     const auto session =
         Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
@@ -75,11 +77,13 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
 
     OutputWriter outputs(device, folder);
     std::vector<FrameCost> costs;
+    std::vector<Finding> findings = no_findings(session->plan());
     const uint32_t start = arguments.cold ? job.frames[0] : 0;
     {
         Progress progress(session->plan().pipeline, job.frames[1] - start + 1);
         for (uint32_t frame = start; frame <= job.frames[1]; ++frame) {
             costs.push_back(session->run_frame(frame, frame == start));
+            add_frame(findings, frame, costs.back().passes);
             if (frame >= job.frames[0] && (frame - job.frames[0]) % arguments.every == 0) {
                 for (const std::string& name : job.graph_captures) outputs.write(*session, name, frame);
                 for (const std::string& name : job.host_captures) outputs.write(*session, name, frame);
@@ -88,12 +92,14 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         }
     }
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
+    const std::string complaints = complaint(findings);
+    std::cerr << complaints;
     const auto report =
-        render_report(arguments, *session, device.info(), job.frames, costs, outputs, warnings);
+        render_report(arguments, *session, device.info(), job.frames, costs, findings, outputs, warnings);
     const std::string text = report.dump(2) + "\n";
     write_file(folder / "report.json", std::as_bytes(std::span(text)));
     print_summary(report);
-    return device.message_count() == 0 ? exit_good : exit_failed;
+    return device.message_count() == 0 && complaints.empty() ? exit_good : exit_failed;
 }
 
 }  // namespace

@@ -135,14 +135,6 @@ OrderedJson outputs_json(const OutputWriter& outputs) {
     return list;
 }
 
-OrderedJson validation_json(const OutputWriter& outputs) {
-    OrderedJson out = OrderedJson::object();
-    for (const auto& [name, texel_check] : outputs.checks())
-        out[name] = {
-            {"nan", texel_check.nan}, {"inf", texel_check.inf}, {"out_of_range", texel_check.out_of_range}};
-    return out;
-}
-
 std::string number(const OrderedJson& value) {
     return value.is_null() ? "-" : fmt::format("{:.3f}", value.get<double>());
 }
@@ -155,7 +147,8 @@ std::string mebibytes(const OrderedJson& bytes) {
 
 OrderedJson render_report(const RenderArguments& arguments, const Session& session, const DeviceInfo& device,
                           std::array<uint32_t, 2> frames, const std::vector<FrameCost>& costs,
-                          const OutputWriter& outputs, const std::vector<std::string>& warnings) {
+                          const std::vector<Finding>& findings, const OutputWriter& outputs,
+                          const std::vector<std::string>& warnings) {
     const Plan& plan = session.plan();
     const auto warm = warmed_up(costs);
     const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });
@@ -185,7 +178,7 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"culled", culled_json(plan)},
             {"memory", memory_json(plan)},
             {"counts", counts(plan, passes)},
-            {"validate", arguments.validate ? validation_json(outputs) : OrderedJson()},
+            {"validate", findings_json(plan, findings)},
             {"warnings", warnings},  // about the scene: what of it is not shown as its file says
             {"outputs", outputs_json(outputs)}};
 }
@@ -197,7 +190,7 @@ void print_summary(const OrderedJson& report) {
                report["device"]["driver"].get<std::string>());
     fmt::print("  {:<12} {:>10} {:>10}\n", "pass", "ms", "cpu ms");
     for (const OrderedJson& pass : report["passes"])
-        if (pass["type"] != "capture")
+        if (pass["type"] != "capture" && pass["type"] != "validate")
             fmt::print("  {:<12} {:>10} {:>10}\n", pass["node"].get<std::string>(),
                        number(pass["ms"]["median"]), number(pass["cpu_ms"]["median"]));
     fmt::print("  {:<12} {:>10} {:>10}\n", "frame", number(report["frame_ms"]["median"]),

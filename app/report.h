@@ -8,13 +8,15 @@
 #include "app/commands.h"
 #include "app/outputs.h"
 #include "app/session.h"
+#include "app/validation.h"
 
 namespace penumbra {
 
 // Costs of all executed frames; the first two are left out of medians where there are more.
 nlohmann::ordered_json render_report(const RenderArguments& arguments, const Session& session,
                                      const DeviceInfo& device, std::array<uint32_t, 2> frames,
-                                     const std::vector<FrameCost>& costs, const OutputWriter& outputs,
+                                     const std::vector<FrameCost>& costs,
+                                     const std::vector<Finding>& findings, const OutputWriter& outputs,
                                      const std::vector<std::string>& warnings);
 
 // The same for people: milliseconds per pass, and the heap beside its bounds.

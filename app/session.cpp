@@ -101,7 +101,12 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         if (input.optional &&
             std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())
             target.left_out.insert(input.name);
-    auto plan = compile(pipeline, nodes, target, compile_options, diagnostics);
+    std::optional<CheckedPipeline> validating;
+    if (options.validate) {
+        validating = with_validation(pipeline, nodes, diagnostics);
+        if (!validating) return nullptr;
+    }
+    auto plan = compile(validating ? *validating : pipeline, nodes, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;
     session->host_->set_jitter(options.jitter && plan->jitter);

@@ -25,6 +25,7 @@ struct SessionOptions {
     std::optional<uint32_t> seed;
     bool alias = true;
     bool jitter = true;
+    bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;          // instead of what the scene says
     bool optimum = true;  // search for the smallest possible heap, for the report
@@ -35,7 +36,7 @@ struct SessionOptions {
 struct FrameCost {
     std::vector<PassStatistics> passes;
     std::vector<std::optional<double>> pass_cpu_ms;
-    double cpu_ms = 0;  // of the graph's passes, without captures
+    double cpu_ms = 0;  // of the graph's passes, without captures (with those that validate)
     std::optional<double> ms;
     // Of drawing the sun's shadow maps, where the pipeline reads any; 0 where nothing had moved.
     std::optional<double> cascades_cpu_ms;

@@ -33,6 +33,7 @@ struct BoundNode {
         set_by_user;  // parameters the pipeline sets itself: class overrides leave these
     Condition condition;
     Place place;
+    bool added = false;  // by the graph, not by the pipeline's text: not worth a word where it does not run
 };
 
 struct CheckedPipeline {

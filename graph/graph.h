@@ -19,4 +19,5 @@
 #include "graph/pipeline.h"
 #include "graph/plan.h"
 #include "graph/program.h"
+#include "graph/validate.h"
 #include "graph/view.h"

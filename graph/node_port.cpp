@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "graph/condition.h"
 #include "graph/interface.h"
@@ -17,11 +18,12 @@ namespace {
 
 constexpr uint32_t max_factor = 1u << 16;  // of div and mul: far beyond any image, and products fit 64 bits
 constexpr uint32_t max_variants = 8;
+constexpr size_t max_channels = 4;
 
 const std::vector<std::string> kind_words = {"image", "texels", "buffer", "block", "scene"};
 const std::vector<std::string> port_keys = {"kind",     "format",   "as",       "filter", "layers",  "levels",
                                             "element",  "extent",   "count",    "writes", "updates", "first",
-                                            "previous", "indirect", "optional", "if",     "doc"};
+                                            "previous", "indirect", "optional", "if",     "range",   "doc"};
 const std::vector<std::string> elements = {"u32", "uvec2", "uvec4", "f32", "vec4"};
 
 std::vector<std::string> keys_of(PortKind kind, bool output, bool updates) {
@@ -33,7 +35,7 @@ std::vector<std::string> keys_of(PortKind kind, bool output, bool updates) {
     if (kind == PortKind::block) add({"element"});
     if (kind == PortKind::block || kind == PortKind::scene) return keys;
     if (!output) add({"previous"});
-    if (output) add({"updates", "first"});
+    if (output) add({"updates", "first", "range"});
     if (kind == PortKind::buffer) add({"indirect"});
     if (kind == PortKind::image) add({"as"});
     if (kind == PortKind::image && !output) add({"filter"});
@@ -110,6 +112,44 @@ void read_element(const ObjectReader& reader, Port& port) {
     reader.error(*reader.find("element"), "element",
                  fmt::format("\"{}\" is no {}{}", *element, wanted,
                              port.kind == PortKind::block ? "" : did_you_mean(*element, elements)));
+}
+
+// [least, greatest] of one channel; null: open.
+std::optional<std::array<double, 2>> read_range(const Json& json, const std::string& path,
+                                                Diagnostics& diagnostics) {
+    std::array<double, 2> range = {-std::numeric_limits<double>::infinity(),
+                                   std::numeric_limits<double>::infinity()};
+    bool good = json.kind == Json::Kind::array && json.items.size() == 2;
+    for (size_t end = 0; good && end < 2; ++end) {
+        const Json& item = json.items[end];
+        good = item.is_number() || item.kind == Json::Kind::null;
+        if (item.is_number()) range[end] = item.real;
+    }
+    if (!good)
+        diagnostics.add(json.place, path,
+                        "expected the least and the greatest value, null where there is none");
+    else if (range[0] > range[1])
+        diagnostics.add(json.place, path, "the least value exceeds the greatest");
+    else
+        return range;
+    return std::nullopt;
+}
+
+// One range for every channel, or a list with one per channel.
+void read_ranges(const ObjectReader& reader, Port& port) {
+    const Json* json = reader.find("range");
+    if (!json || !expect(*json, Json::Kind::array, reader.path("range"), reader.diagnostics())) return;
+    if (json->items.empty() || json->items.front().kind != Json::Kind::array) {
+        if (const auto range = read_range(*json, reader.path("range"), reader.diagnostics()))
+            port.ranges.assign(max_channels, *range);
+        return;
+    }
+    for (size_t i = 0; i < json->items.size(); ++i)
+        if (const auto range = read_range(json->items[i], fmt::format("{}[{}]", reader.path("range"), i),
+                                          reader.diagnostics()))
+            port.ranges.push_back(*range);
+    if (json->items.size() > max_channels)
+        reader.error(*json, "range", fmt::format("no format has more than {} channels", max_channels));
 }
 
 // A port's name; "" means "none" to all that follows, so nobody may write it.
@@ -205,6 +245,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
         const std::vector<std::string> words = {"any", "clear"};
         port.first = static_cast<First>(reader.choice("first", words).value_or(0));
     }
+    if (applies("range")) read_ranges(reader, port);
     if (updates) port.updates = read_name(reader, "updates", "");
     if (const Json* condition = reader.find("if"))
         port.condition =
@@ -236,6 +277,8 @@ class Linker {
             else
                 link_size(port, "extent", port.extent.of);
         }
+        for (const Port& port : type_.ports)
+            if (!port.ranges.empty()) check_ranges(port);
         count_variants();
     }
 
@@ -309,6 +352,14 @@ class Linker {
         if (port.layers && !source->layers)
             error(port, "layers", fmt::format("\"{}\", whose extent it takes, has no layers", of));
         if (sized_by_itself(port)) error(port, key, "the extent depends on itself");
+    }
+
+    // Integers are words more often than numbers: bits and packed values have no range.
+    void check_ranges(const Port& port) {
+        const bool numbers = port.kind == PortKind::buffer
+                                 ? port.element == "f32" || port.element == "vec4"
+                                 : port.formats.empty() || info(port.formats[0]).kind != FormatClass::uint;
+        if (!numbers) error(port, "range", "only formats and elements that are no integers have a range");
     }
 
     bool sized_by_itself(const Port& port) const {

@@ -39,10 +39,11 @@ class DeclarationReader {
         if (const Json* outputs = reader_.find("outputs")) parse_ports(*outputs, true, type_, diagnostics_);
         const bool writes = std::ranges::any_of(type_.ports, &Port::output);
         const Json* outputs = reader_.find("outputs");
-        if (!writes && (!outputs || (outputs->kind == Json::Kind::object && outputs->members.empty())))
-            error(reader_.json().place, "", "a node writes at least one output");
+        const bool none_given = !outputs || (outputs->kind == Json::Kind::object && outputs->members.empty());
         check_names();
         read_counters();
+        if (!writes && none_given && (type_.counters.empty() || type_.host))
+            error(reader_.json().place, "", "a node writes at least one output, or its shader counts");
         link_ports(reader_.json(), type_, diagnostics_);
         read_dispatch();
         if (const Json* classes = reader_.find("classes")) read_classes(*classes);
@@ -353,6 +354,10 @@ const Port* NodeType::port(std::string_view port_name) const {
 const Port* NodeType::levelled_output() const {
     const auto found = std::ranges::find_if(ports, [](const Port& p) { return p.output && p.levels; });
     return found == ports.end() ? nullptr : &*found;
+}
+
+bool NodeType::watches() const {
+    return std::ranges::none_of(ports, &Port::output);
 }
 
 const Param* NodeType::param(std::string_view param_name) const {

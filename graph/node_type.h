@@ -75,6 +75,10 @@ struct Port {
     bool indirect = false;  // holds dispatch arguments
     bool optional = false;
     Condition condition;  // "if": the port exists only where this holds
+    // Output of numbers: what each channel may hold, inclusive, infinite where an end is open. Fewer than the
+    // format's channels: the others may hold anything finite. A promise, which `validate` checks
+    // (validate.h).
+    std::vector<std::array<double, 2>> ranges;
     std::string doc;
     Place place;
 };
@@ -145,6 +149,8 @@ struct NodeType {
     // The output with a mip chain, which the node writes level by level; nullptr: it has none.
     const Port* levelled_output() const;
     const Param* param(std::string_view name) const;
+    // Writes nothing and counts: it runs where all that it reads is there anyway, and keeps nothing alive.
+    bool watches() const;
 };
 
 // Reads a declaration; `basename` is the file's name without extension and must equal the key "node".

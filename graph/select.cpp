@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Conditions choose the producers, reachability from the outputs (through @-1 too) does the rest. The order
 // is the dataflow's; among nodes that are ready the file's order decides, so that a plan reads like its
-// pipeline.
+// pipeline. Nodes without outputs watch: they follow what they read and decide nothing.
 #include "graph/select.h"
 
 #include <algorithm>
@@ -42,7 +42,7 @@ class Selector {
 
     void consider(const BoundNode& node) {
         if (!holds(node.condition, facts_, node.params)) {
-            selection_.culled.push_back({node.id, "if", to_string(node.condition)});
+            if (!node.added) selection_.culled.push_back({node.id, "if", to_string(node.condition)});
             return;
         }
         add(node, false);
@@ -144,14 +144,28 @@ class Selector {
     }
 
     void drop_unneeded() {
+        keep([](const Candidate& candidate) { return candidate.needed || watches(candidate); });
+        drop_unread_optional_outputs();
+        index_producers();
+        const std::set<std::string> host_slots = read_host_slots();
+        keep([&](const Candidate& candidate) {
+            return !watches(candidate) || has_something_to_watch(candidate, host_slots);
+        });
+        index_producers();
+    }
+
+    template <class Wanted>
+    void keep(Wanted&& wanted) {
         std::vector<Candidate> kept;
         for (Candidate& candidate : candidates_)
-            if (candidate.needed)
+            if (wanted(candidate))
                 kept.push_back(std::move(candidate));
-            else if (!candidate.is_copy)
+            else if (!candidate.is_copy && !candidate.selected.node->added)
                 selection_.culled.push_back({candidate.selected.node->id, "unused", ""});
         candidates_ = std::move(kept);
-        drop_unread_optional_outputs();
+    }
+
+    void index_producers() {
         producer_.clear();
         for (size_t i = 0; i < candidates_.size(); ++i)
             for (const Connection& c : candidates_[i].selected.ports)
@@ -159,12 +173,38 @@ class Selector {
                     producer_[c.resource] = i;
     }
 
+    static bool watches(const Candidate& candidate) {
+        return candidate.selected.node && candidate.selected.node->type->watches();
+    }
+
+    std::set<std::string> read_host_slots() const {
+        std::set<std::string> slots;
+        for (const Candidate& candidate : candidates_)
+            for (const Connection& c : candidate.selected.ports)
+                if (c.source == Source::host && !watches(candidate)) slots.insert(c.resource);
+        return slots;
+    }
+
+    // A watcher changes nothing about what else runs, so all that it reads must be there without it.
+    bool has_something_to_watch(const Candidate& candidate, const std::set<std::string>& host_slots) const {
+        bool something = false;
+        for (const Connection& c : candidate.selected.ports) {
+            if (c.bound->resource.empty() || !exists(*candidate.selected.node, *c.bound->port)) continue;
+            something = c.source == Source::host       ? host_slots.contains(c.resource)
+                        : c.source == Source::internal ? producer_.contains(c.resource)
+                                                       : false;
+            if (!something) return false;
+        }
+        return something;
+    }
+
     // An optional output that nobody asks for does not exist: it costs no memory and no store.
     void drop_unread_optional_outputs() {
         std::set<std::string> read(pipeline_.outputs.begin(), pipeline_.outputs.end());
         for (const Candidate& candidate : candidates_)
             for (const Connection& c : candidate.selected.ports)
-                if (c.source == Source::internal && (!c.bound || !c.bound->port->output))
+                if (c.source == Source::internal && (!c.bound || !c.bound->port->output) &&
+                    !watches(candidate))
                     read.insert(c.resource);
         for (Candidate& candidate : candidates_)
             for (Connection& c : candidate.selected.ports)

@@ -36,6 +36,7 @@ namespace penumbra {
     X(taa)                \
     X(tileclass)          \
     X(trace)              \
+    X(validate)           \
     X(verdicts)
 
 #define PENUMBRA_DECLARE(name) extern const EmbeddedNode embedded_##name;

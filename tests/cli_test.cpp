@@ -204,6 +204,61 @@ TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
     EXPECT_EQ(frames, (std::set<int>{1, 3}));
 }
 
+TEST_F(CliRender, ValidateReportsEveryResource) {
+    const fs::path out = folder_ / "o";
+    const Result result = run(render("--validate --size 48x32 --frames 0..2 --out " + out.string()));
+    ASSERT_EQ(result.code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    const Json validate = Json::parse(read_file(out / "report.json"))["validate"];
+    for (const char* name : {"depth", "view_depth", "guide_normal", "visibility", "lit"}) {
+        ASSERT_TRUE(validate.contains(name)) << name;
+        EXPECT_EQ(validate[name]["checked"], 3 * 48 * 32) << name;
+        for (const char* key : {"nan", "inf", "out_of_range"}) EXPECT_EQ(validate[name][key], 0) << name;
+        EXPECT_TRUE(validate[name]["first_frame"].is_null()) << name;
+    }
+    ASSERT_TRUE(validate.contains("receiver_words"));
+    EXPECT_TRUE(validate["receiver_words"].is_null()) << "words are neither finite nor not";
+}
+
+// The culprit comes before what it has spoilt, and the work has failed.
+TEST_F(CliRender, ValidateNamesNodePortFrameAndCount) {
+    fs::create_directories(folder_ / "nodes");
+    file("nodes/spoil.json", R"({ "node": "spoil", "doc": "Wrong from frame 2 on.", "shader": "spoil.comp",
+        "inputs": { "visibility": { "kind": "image", "format": "r16f" } },
+        "outputs": { "spoiled": { "kind": "image", "format": "r16f", "range": [0, 1] } },
+        "dispatch": { "over": "frame", "group": [8, 8] } })");
+    file("nodes/spoil.comp", R"(#include "node.glsl"
+void main() {
+    const ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(p, imageSize(spoiled)))) return;
+    float v = texelFetch(visibility, p, 0).x;
+    if (frame.frame_index >= 2u) {
+        if (p == ivec2(3, 5)) v = uintBitsToFloat(0x7fc00000u);
+        if (p.y == 31) v = 1.5;
+    }
+    imageStore(spoiled, p, vec4(v));
+})");
+    const std::string pipeline = file("spoilt.json", R"({ "extends": ")" PENUMBRA_SOURCE_DIR
+                                                     R"(/pipelines/raw.json", "name": "spoilt",
+        "resources": { "visibility": { "format": "r16f" } },
+        "nodes": { "spoil": { "type": "spoil" }, "shade": { "in": { "visibility": "spoiled" } } } })");
+    const std::string command = "render " + pipeline + " --nodes " + (folder_ / "nodes").string() +
+                                " --shot scenes/colonnade.shot.json --size 48x32 --frames 0..3 --out " +
+                                (folder_ / "o").string();
+    const Result result = run(command + " --validate");
+    EXPECT_EQ(result.code, 1);
+    EXPECT_EQ(
+        result.err.substr(0, result.err.find('\n')),
+        "nodes.spoil.out.spoiled: frame 2: of 1536 texels 1 NaN, 0 infinite, 48 out of range (2, 0, 96 in "
+        "all frames)");
+    const Json report = Json::parse(read_file(folder_ / "o/report.json"));
+    EXPECT_EQ(report["validate"]["spoiled"]["nan"], 2);
+    EXPECT_EQ(report["validate"]["spoiled"]["out_of_range"], 96);
+    EXPECT_EQ(report["validate"]["spoiled"]["first_frame"], 2);
+    EXPECT_EQ(report["validate"]["visibility"]["nan"], 0);
+    EXPECT_EQ(run(command).code, 0) << "without --validate nobody looks";
+}
+
 TEST_F(CliRender, AFolderThatCannotBeWrittenIsFailedWork) {
     const std::string plain = file("plain", "a file where the folder should be");
     expect(run(render("--size 16x16 --frames 0 --out " + plain + "/inside")), 1, plain);

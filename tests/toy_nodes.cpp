@@ -84,7 +84,7 @@ const std::map<std::string, std::string>& declarations() {
     "signal": { "kind": "image", "format": ["rg16f", "r16f"] },
     "meta":   { "kind": "texels", "format": "r32ui", "optional": true }
   },
-  "outputs": { "filtered": { "kind": "image", "format": ["r16f", "r8", "rg16f"] } },
+  "outputs": { "filtered": { "kind": "image", "format": ["r16f", "r8", "rg16f"], "range": [[0, 1], [0, null]] } },
   "params": {
     "step": { "type": "int", "default": 1, "range": [1, 16], "unit": "px", "constant": true, "doc": "between taps" },
     "strength": { "type": "float", "default": 1, "range": [0, 4], "doc": "of the filter" },
@@ -98,7 +98,7 @@ const std::map<std::string, std::string>& declarations() {
     "sum":    { "kind": "image", "format": ["r16f", "r32f"], "as": "storage" },
     "addend": { "kind": "image", "format": ["r16f", "r8"], "optional": true }
   },
-  "outputs": { "total": { "kind": "image", "updates": "sum" } },
+  "outputs": { "total": { "kind": "image", "updates": "sum", "range": [0, 8] } },
   "dispatch": { "over": "sum", "group": [8, 8] }
 })"},
         {"shade", R"({
