@@ -151,7 +151,8 @@ class Loader {
         return words(arguments_.image, name, frame);
     }
 
-    // The ray-hit words of the same rays without intervals; an error where they were asked for and are not there.
+    // The ray-hit words of the same rays without intervals; an error where they were asked for and are not
+    // there.
     std::optional<PlanarImage> whole_hits(const LoadedFrame& frame) const {
         if (arguments_.whole_rays.empty()) return std::nullopt;
         auto found = words(arguments_.whole_rays, "hits", frame);

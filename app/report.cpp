@@ -99,14 +99,15 @@ OrderedJson cascades_json(const Session& session, std::array<uint32_t, 2> frames
             return (c.cascades_drawn > 0) == drawn ? c.cascades_cpu_ms : std::nullopt;
         }));
     };
-    return {{"size", fit.size},
-            {"texel_m", texels},
-            {"drawn_share",
-             costs.empty() ? OrderedJson()
-                           : OrderedJson(double(std::ranges::count_if(
-                                             costs, [](const FrameCost& c) { return c.cascades_drawn > 0; })) /
-                                         double(costs.size()))},
-            {"cpu_ms", {{"drawn", cpu(true)}, {"kept", cpu(false)}}}};
+    return {
+        {"size", fit.size},
+        {"texel_m", texels},
+        {"drawn_share",
+         costs.empty() ? OrderedJson()
+                       : OrderedJson(double(std::ranges::count_if(
+                                         costs, [](const FrameCost& c) { return c.cascades_drawn > 0; })) /
+                                     double(costs.size()))},
+        {"cpu_ms", {{"drawn", cpu(true)}, {"kept", cpu(false)}}}};
 }
 
 // {"nodes.filter0.params.step": 2}, the last setting of a path wins.

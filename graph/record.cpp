@@ -104,8 +104,8 @@ void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<c
     if (frame_block_.flags & frame_reset) record_reset(cmd);
 }
 
-// No history exists: the previous parity's images and what is kept get a layout, those with `first: clear` (and, in
-// tests, a poison) a value.
+// No history exists: the previous parity's images and what is kept get a layout, those with `first: clear`
+// (and, in tests, a poison) a value.
 void View::record_reset(VkCommandBuffer cmd) {
     const uint32_t previous = 1 - parity_;
     std::vector<VkImageMemoryBarrier2> images;

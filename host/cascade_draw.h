@@ -26,10 +26,10 @@ CascadeConstants cascade_constants(const Device& device, const CascadeFit& fit, 
 struct CascadePipeline {
     std::span<const uint32_t> vertex, fragment;  // SPIR-V; no fragment stage: none is needed
     VkPipelineLayout layout = VK_NULL_HANDLE;
-    uint32_t size = 0;                           // texels along a side
-    VkFormat color = VK_FORMAT_UNDEFINED;        // undefined: none
-    VkFormat depth = VK_FORMAT_UNDEFINED;        // undefined: no depth test
-    bool minimum = false;                        // blends by it
+    uint32_t size = 0;                     // texels along a side
+    VkFormat color = VK_FORMAT_UNDEFINED;  // undefined: none
+    VkFormat depth = VK_FORMAT_UNDEFINED;  // undefined: no depth test
+    bool minimum = false;                  // blends by it
 };
 Owned<VkPipeline> make_cascade_pipeline(const Device& device, const CascadePipeline& description);
 

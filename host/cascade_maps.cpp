@@ -21,8 +21,7 @@ constexpr VkPipelineStageFlags2 depth_stages =
 
 CascadeView view_of(const CascadeFit& fit, uint32_t layer) {
     if (layer >= fit.count) return {};
-    return {fit.light.u,  fit.light.v, fit.light.away, fit.areas[layer],
-            fit.near_m, fit.depth_m, false};
+    return {fit.light.u, fit.light.v, fit.light.away, fit.areas[layer], fit.near_m, fit.depth_m, false};
 }
 
 VkImageMemoryBarrier2 barrier(const GpuImage& image, uint32_t layer, VkImageLayout from, VkImageLayout to) {
@@ -33,8 +32,7 @@ VkImageMemoryBarrier2 barrier(const GpuImage& image, uint32_t layer, VkImageLayo
     result.srcQueueFamilyIndex = result.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     result.image = image.get();
     result.subresourceRange = {
-        VkImageAspectFlags(depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT), 0, 1, layer,
-        1};
+        VkImageAspectFlags(depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT), 0, 1, layer, 1};
     return result;
 }
 

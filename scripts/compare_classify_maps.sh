@@ -3,7 +3,8 @@
 # against many rays (penumbra compare), the image against that of the same rays without a classifier, the shortened rays'
 # answers against whole ones', and CPU time: of classifiers and rays, of the pyramid, of drawing the maps; the latter two
 # also in a variant of the shot in which nothing moves, where both are kept. Prints a table. Environment: SIZE (default
-# 160x90), CASCADE (texels, default 1024), RADII (of the sun, degrees), RAYS (of the reference), SHOTS, PENUMBRA (the program).
+# 160x90), CASCADE (texels, default 1024), RADII (of the sun, degrees), RAYS (of the reference), SHOTS,
+# PIPELINES (of the four, raw first), PENUMBRA (the program).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 program=${PENUMBRA:-build/release/app/penumbra}
@@ -28,7 +29,7 @@ for keyed in [it.get("camera", {}), it["sun"], *it.get("objects", {}).values()]:
 json.dump(it, open(still, "w"))
 PYTHON
         run reference --shot "$variant" --out "$work/truth" --size "$size" --frames "$last..$last" --rays "${RAYS:-256}"
-        for pipeline in raw hybrid_cascades_raw hybrid_raw hybrid_published_raw; do
+        for pipeline in ${PIPELINES:-raw hybrid_cascades_raw hybrid_raw hybrid_published_raw}; do
             rm -rf "${work:?}/$pipeline" "${work:?}/whole" "${work:?}/still_$pipeline"
             settings=(--size "$size" --frames "0..$last" --cascade-size "$cascade" --no-jitter)
             compared=()
@@ -62,6 +63,7 @@ raw = report("raw")
 base = raw["counts"]["receivers"]
 for name, said in (("raw", "none"), ("hybrid_cascades_raw", "cascades"), ("hybrid_raw", "cones"), ("hybrid_published_raw", "published")):
     r, still = report(name), report("still_" + name)
+    if not r: continue
     m = json.load(open(f"{work}/{name}/compare.json"))["misclassified"]
     nodes = cpu(r, "classify", "cascades", "cascade_taps", "beams", "cones", "trace")
     anew = drawn = kept = maps_kept = None

@@ -250,8 +250,7 @@ TEST_F(Cascades, APyramidIsKeptWhileTheMapsAreAndIsTheSame) {
         const auto open = [&] {
             Diagnostics diagnostics;
             std::vector<std::string> warnings;
-            const auto pipeline =
-                load_pipeline(root / "pipelines/hybrid_cascades_raw.json", {}, diagnostics);
+            const auto pipeline = load_pipeline(root / "pipelines/hybrid_cascades_raw.json", {}, diagnostics);
             const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
             if (!checked) throw std::runtime_error(diagnostics.text());
             SessionOptions options = maps_of(128);

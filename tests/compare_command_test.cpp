@@ -218,7 +218,8 @@ TEST_F(CompareSequence, TellsAllThatTheFilesCarry) {
     EXPECT_EQ(run(whole).code, exit_wrong) << "asked for, and not there";
     for (uint32_t frame = 0; frame < 6; ++frame) {
         write_image(root_ / "a", "hits", frame, {words(0x00ff0001)}, 8, 4);
-        write_image(root_ / "whole", "hits", frame, {words(0xf0ff0003)}, 8, 4);  // four of others do not count
+        write_image(root_ / "whole", "hits", frame, {words(0xf0ff0003)}, 8,
+                    4);  // four of others do not count
     }
     EXPECT_NEAR(nlohmann::json::parse(run(whole).out)["misclassified"]["interval"].get<double>(), 1.0 / 16,
                 1e-12);

@@ -198,9 +198,9 @@ TEST(CompileKept, HasOneMemoryForAllFrames) {
     const NodeSet set = small_set();
     const std::string nodes = R"("t": { "type": "tally" }, "source": { "type": "source" },
           "a": { "type": "twice", "in": { "value": "value" }, "out": { "doubled": "two" } })";
-    const Plan plan = *compile_text(set, R"("outputs": ["kept", "two"], "nodes": {)" + nodes + "}",
-                                    target_of({64, 64}))
-                           .plan;
+    const Plan plan =
+        *compile_text(set, R"("outputs": ["kept", "two"], "nodes": {)" + nodes + "}", target_of({64, 64}))
+             .plan;
     const PlanResource& kept = *resource_of(plan, "kept");
     EXPECT_TRUE(kept.kept);
     EXPECT_TRUE(kept.clear_on_reset);
@@ -214,9 +214,9 @@ TEST(CompileKept, HasOneMemoryForAllFrames) {
               "\"kept\" is kept for the next frame and cannot be updated"}}) {
         std::string errors;
         try {
-            (void)compile_text(
-                set, R"("outputs": ["kept", "mixed"], "nodes": {)" + nodes + ", " + reader + "}",
-                target_of({64, 64}));
+            (void)compile_text(set,
+                               R"("outputs": ["kept", "mixed"], "nodes": {)" + nodes + ", " + reader + "}",
+                               target_of({64, 64}));
         } catch (const std::runtime_error& error) {
             errors = error.what();
         }

@@ -25,7 +25,8 @@ namespace {
 class TileBits {
   public:
     explicit TileBits(const ComparedFrame& frame)
-        : width_(frame.width), tiles_x_((frame.width + tile_words_width - 1) / tile_words_width),
+        : width_(frame.width),
+          tiles_x_((frame.width + tile_words_width - 1) / tile_words_width),
           tiles_y_((frame.height + tile_words_height - 1) / tile_words_height) {}
 
     size_t words() const { return tiles_x_ * tiles_y_; }
@@ -81,7 +82,8 @@ IntervalSums judge_interval(const ComparedFrame& frame, std::span<const uint32_t
                             std::span<const uint32_t> hits, std::span<const uint32_t> whole_hits) {
     const TileBits bits(frame);
     for (const auto words : {undecided, hits, whole_hits})
-        if (words.size() != bits.words()) throw std::invalid_argument("judge_interval: not one word per tile");
+        if (words.size() != bits.words())
+            throw std::invalid_argument("judge_interval: not one word per tile");
     IntervalSums sums;
     for (size_t p = 0; p < frame.pixels(); ++p) {
         if (!frame.counted[p] || !bits.at(undecided, p)) continue;
