@@ -18,7 +18,7 @@ layout(set = 0, binding = 3, std430) buffer Large {
     uint triangles[];
 } large;
 
-const int SMALL_TEXELS = 100;  // of the box about a triangle
+const int SMALL_TEXELS = 100;  // of the box about a triangle; see docs/cascades.md
 
 void main() {
     const uint triangle = gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x;
