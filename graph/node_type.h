@@ -18,7 +18,7 @@
 
 namespace penumbra {
 
-// One literal of a condition: FACT, !FACT or PARAM=VALUE. Literals of a Condition are joined by "and"; empty
+// One literal of a condition: FACT or PARAM=VALUE, or ! and one of them. Literals of a Condition are joined by "and"; empty
 // = always.
 struct Literal {
     std::string name;
