@@ -73,6 +73,14 @@ struct ReportArguments {
     std::string command_line;  // as it was given, for the report
 };
 
+struct GatesArguments {
+    std::vector<std::string> pipelines;  // files, or names of shipped ones
+    std::vector<std::string> parts{"still", "moving", "jump", "tilted"};
+    std::optional<uint32_t> seeds;  // else the study's
+    std::vector<std::string> node_folders;
+    std::string device;
+};
+
 int run_render(const RenderArguments& arguments);
 int run_plan(const PlanArguments& arguments);
 int run_check(const CheckArguments& arguments);
@@ -81,6 +89,7 @@ int run_devices();
 int run_reference(const ReferenceArguments& arguments);
 int run_compare(const CompareArguments& arguments);
 int run_report(const ReportArguments& arguments);
+int run_gates(const GatesArguments& arguments);
 
 // "1280x720"; nothing where it is not two positive numbers.
 std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text);

@@ -93,9 +93,23 @@ void add_report(CLI::App& app, ReportArguments& a) {
     c->add_option("--device", a.device, "part of a device's name");
 }
 
+void add_gates(CLI::App& app, GatesArguments& a) {
+    CLI::App* c = app.add_subcommand(
+        "gates", "measure pipelines on straight penumbrae with a known answer; prints Markdown tables");
+    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines")->required();
+    c->add_option("--parts", a.parts, "of still, moving, jump, tilted (default: all)")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember({"still", "moving", "jump", "tilted"}));
+    c->add_option("--seeds", a.seeds, "repetitions of every run (default: 16)")->check(CLI::Range(1u, 1024u));
+    add_node_folders(c, a.node_folders);
+    c->add_option("--device", a.device, "part of a device's name");
+}
+
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
-             const CompareArguments& compare, const ReportArguments& report) {
+             const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates) {
+    if (app.got_subcommand("gates")) return run_gates(gates);
     if (app.got_subcommand("report")) return run_report(report);
     if (app.got_subcommand("reference")) return run_reference(reference);
     if (app.got_subcommand("compare")) return run_compare(compare);
@@ -119,11 +133,13 @@ int main(int argc, char** argv) {
     ReferenceArguments reference;
     CompareArguments compare;
     ReportArguments report;
+    GatesArguments gates;
     add_render(app, render);
     add_plan(app, plan);
     add_reference(app, reference);
     add_compare(app, compare);
     add_report(app, report);
+    add_gates(app, gates);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
     checking->add_option("pipelines", check.pipelines)->required();
     add_node_folders(checking, check.node_folders);
@@ -143,7 +159,7 @@ int main(int argc, char** argv) {
     }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report);
+        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates);
     } catch (const std::exception&
                  e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";

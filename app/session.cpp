@@ -22,9 +22,9 @@ double process_cpu_ms() {
 
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
 const std::vector<std::string> known_slots = {
-    "depth",       "normal",       "motion",         "albedo",         "sun",
-    "cascades",    "cascade_maps", "cascade_bounds", "neighbours",     "scene",
-    "scene.nodes", "scene.leaves", "scene.tlas",     "scene.alpha_uv", "scene.alpha_map"};
+    "depth",        "normal",       "motion",         "albedo",         "sun",   "sun_prev",
+    "cascades",     "cascade_maps", "cascade_bounds", "neighbours",     "scene", "scene.nodes",
+    "scene.leaves", "scene.tlas",   "scene.alpha_uv", "scene.alpha_map"};
 
 bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
@@ -70,6 +70,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (!scene) return nullptr;
     auto session = std::unique_ptr<Session>(new Session(device));
     session->seed_ = options.seed.value_or(shot.seed);
+    session->pass_costs_ = options.pass_costs;
     DeviceTable table = device_table(handles_of(device));
     table.ray_query = device.caps().ray_query;
     table.storage8 = device.caps().storage8;
@@ -83,7 +84,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 
     // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in
     // between.
-    StandaloneOptions host_options{options.size, 1, false, options.cascade_size};
+    StandaloneOptions host_options{options.size, 1, false, options.cascade_size, options.exact_normals};
     CompileOptions compile_options;
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
@@ -97,6 +98,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     Target target =
         standalone_target(table, options.size, facts, {options.cascade_size, options.cascade_size},
                           session->host_->cascade_layers());
+    if (options.exact_normals) target.inputs.at("normal").format = Format::rgba32f;
     for (const HostInput& input : pipeline.inputs)
         if (input.optional &&
             std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())
@@ -124,6 +126,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                           session->host_->cascade_layers(), needs("cascade_bounds"));
     session->sun_ =
         MappedBuffer(handles_of(device), sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
+    session->sun_prev_ = MappedBuffer(handles_of(device), sizeof(blocks::Sun),
+                                      VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the previous frame's sun");
     session->scene_ = MappedBuffer(handles_of(device), sizeof(blocks::Scene),
                                    VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the scene block");
     session->cascades_ = MappedBuffer(handles_of(device), sizeof(blocks::Cascades),
@@ -133,6 +137,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 
 void Session::write_blocks(const StandaloneFrame& frame) {
     std::memcpy(sun_.data(), &frame.sun, sizeof frame.sun);
+    std::memcpy(sun_prev_.data(), &frame.sun_prev, sizeof frame.sun_prev);
     std::memcpy(scene_.data(), &frame.scene, sizeof frame.scene);
     std::memcpy(cascades_.data(), &frame.cascades, sizeof frame.cascades);
 }
@@ -147,6 +152,7 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "motion") b.image = images.motion.view.get();
         if (slot.name == "albedo") b.image = images.albedo.view.get();
         if (slot.name == "sun") b.buffer = sun_.get();
+        if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
         if (slot.name == "scene") b.buffer = scene_.get();
         if (slot.name == "scene.nodes") b.texels = bvh_->nodes();
         if (slot.name == "scene.leaves") b.texels = bvh_->leaves();
@@ -199,7 +205,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
 // What is recorded before the passes is no part of their cost.
 FrameCost Session::run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost) {
     const std::vector<SlotBinding> slots = bind_slots();
-    const bool pass_by_pass = plan().cpu;
+    const bool pass_by_pass = plan().cpu && pass_costs_;
     cost.pass_cpu_ms.resize(plan().passes.size());
     device_.run([&](VkCommandBuffer cmd) {
         record_before(cmd);

@@ -25,10 +25,12 @@ struct SessionOptions {
     std::optional<uint32_t> seed;
     bool alias = true;
     bool jitter = true;
-    bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
+    bool exact_normals = false;  // the host brings rgba32f
+    bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
-    Facts facts;          // instead of what the scene says
-    bool optimum = true;  // search for the smallest possible heap, for the report
+    Facts facts;             // instead of what the scene says
+    bool optimum = true;     // search for the smallest possible heap, for the report
+    bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
 // What one frame cost. Process CPU time per pass needs passes submitted one by one and is measured on CPU
@@ -75,13 +77,14 @@ class Session {
 
     Device& device_;
     uint32_t seed_ = 0;
+    bool pass_costs_ = true;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
     std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it
     std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
     std::unique_ptr<CascadeMaps> cascade_maps_;
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
-    MappedBuffer sun_, scene_, cascades_;
+    MappedBuffer sun_, sun_prev_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
 

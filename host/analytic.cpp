@@ -24,10 +24,26 @@ bool touches(const Shot& shot) {
     return shape_of<ContactPoint>(shot) || shape_of<ContactWall>(shot);
 }
 
+double tilt(const Shot& shot) {
+    const auto* half_plane = shape_of<HalfPlane>(shot);
+    return half_plane ? glm::radians(half_plane->tilt_deg) : 0;
+}
+
+// A point p of the receiver is seen at (p.x, p.y cos(tilt)), so an edge that the image shows across m lies
+// across (m.x, m.y cos(tilt)), and its distances are those of the image divided by that vector's length.
+glm::dvec2 image_normal_on_receiver(const Shot& shot) {
+    const double angle = glm::radians(shot.analytic->edge_deg);
+    return {std::cos(angle), -std::sin(angle) * std::cos(tilt(shot))};  // the image's y points down
+}
+
 glm::dvec2 edge_normal(const Shot& shot) {
     if (shape_of<Terminator>(shot)) return glm::normalize(glm::dvec2(sun_at(shot, 0).to_sun));
-    const double angle = glm::radians(shot.analytic->edge_deg);
-    return {std::cos(angle), -std::sin(angle)};  // the image's y points down
+    return glm::normalize(image_normal_on_receiver(shot));
+}
+
+// Metres on the receiver across the edge per pixel of the image.
+double pixel_across_edge_m(const Shot& shot) {
+    return analytic_pixel_m / (tilt(shot) > 0 ? glm::length(image_normal_on_receiver(shot)) : 1);
 }
 
 // Middle and width of a straight edge's penumbra in units of the sheet's height.
@@ -46,7 +62,7 @@ double caster_height(const Shot& shot) {
     if (const auto* wall = shape_of<ContactWall>(shot)) return wall->height;
     if (const auto* point = shape_of<ContactPoint>(shot)) return point->radius_px * analytic_pixel_m;
     if (shape_of<Terminator>(shot)) return 0;
-    return shot.analytic->penumbra_px * analytic_pixel_m / penumbra_of(shot, 0).width;
+    return shot.analytic->penumbra_px * pixel_across_edge_m(shot) / penumbra_of(shot, 0).width;
 }
 
 // A sphere at rest hides its own contact: what lies above this is cut off by the near plane, so that no more
@@ -55,14 +71,27 @@ double cut_height(const ContactPoint& point) {
     return point.radius_px * analytic_pixel_m / 4000;
 }
 
+// How far a tilted receiver reaches towards the camera and away from it, from the image's centre, and how far
+// in front of it, on each pixel's line of sight, the sheet hangs. A near plane fits between the two where the
+// latter is 2.25 times the former.
+struct TiltedDepths {
+    double reach = 0, sheet = 0;
+};
+TiltedDepths tilted_depths(const Shot& shot) {
+    return {0.5 * (shot.size[1] + 4) * analytic_pixel_m * std::tan(tilt(shot)),
+            caster_height(shot) / std::cos(tilt(shot))};
+}
+
 double lowest_of_caster(const Shot& shot) {
     const auto* sphere = shape_of<Sphere>(shot);
     return caster_height(shot) - (sphere ? sphere->radius_px * analytic_pixel_m : 0);
 }
 
+// On the receiver.
 glm::dvec2 pixel_centre(const Shot& shot, size_t x, size_t y) {
-    return analytic_pixel_m * glm::dvec2(static_cast<double>(x) + 0.5 - 0.5 * shot.size[0],
-                                         0.5 * shot.size[1] - static_cast<double>(y) - 0.5);
+    return analytic_pixel_m *
+           glm::dvec2(static_cast<double>(x) + 0.5 - 0.5 * shot.size[0],
+                      (0.5 * shot.size[1] - static_cast<double>(y) - 0.5) / std::cos(tilt(shot)));
 }
 
 double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
@@ -134,7 +163,7 @@ AnalyticGeometry analytic_geometry(const Shot& shot, double frame) {
     const AnalyticScene& wanted = shot.analytic.value();
     const double last = std::max(shot.frames, 1u) - 1;  // motion is held outside of the shot, like every key
     const double shadow =
-        (wanted.offset_px + wanted.speed_px * std::clamp(frame, 0.0, last)) * analytic_pixel_m;
+        (wanted.offset_px + wanted.speed_px * std::clamp(frame, 0.0, last)) * pixel_across_edge_m(shot);
     AnalyticGeometry out{edge_normal(shot), caster_height(shot), shadow, {}};
     out.centre = shadow * out.normal;
     if (touches(shot) || shape_of<Terminator>(shot)) return out;
@@ -156,22 +185,23 @@ TerminatorStrip terminator_strip(const Shot& shot, double along) {
     const SunState sun = sun_at(shot, 0);
     const double elevation = std::asin(std::clamp(sun.to_sun.z, -1.0, 1.0)),
                  half = 0.5 * shot.analytic->penumbra_px * analytic_pixel_m;
-    const auto tilt = [&](double index) {
+    const auto tilt_of = [&](double index) {
         return sun.angular_radius * std::clamp((index + 0.5) * width / half, -2.0, 2.0) - elevation;
     };
     const double index = std::floor(along / width);
     TerminatorStrip out;
-    for (double i = 0; i < index; ++i) out.height -= width * std::tan(tilt(i));
-    for (double i = index; i < 0; ++i) out.height += width * std::tan(tilt(i));
-    out.slope = -std::tan(tilt(index));
+    for (double i = 0; i < index; ++i) out.height -= width * std::tan(tilt_of(i));
+    for (double i = index; i < 0; ++i) out.height += width * std::tan(tilt_of(i));
+    out.slope = -std::tan(tilt_of(index));
     out.height += out.slope * (along - index * width);
-    const double angle = tilt(index);
+    const double angle = tilt_of(index);
     out.normal = glm::dvec3(std::sin(angle) * edge_normal(shot), std::cos(angle));
     return out;
 }
 
 double analytic_half_diagonal(const Shot& shot) {
-    return 0.5 * analytic_pixel_m * (std::hypot(shot.size[0], shot.size[1]) + 4);
+    const double stretch = 1 / std::cos(tilt(shot));
+    return 0.5 * analytic_pixel_m * (std::hypot(shot.size[0], stretch * shot.size[1]) + 4 * stretch);
 }
 
 double analytic_reach(const Shot& shot) {
@@ -199,7 +229,7 @@ SlatRange fence_slats(const Shot& shot) {
 void add_analytic_motion(Shot& shot) {
     if (shot.analytic.value().speed_px == 0 || shot.frames < 2) return;
     const double last = shot.frames - 1;
-    const glm::dvec2 way = shot.analytic->speed_px * last * analytic_pixel_m * edge_normal(shot);
+    const glm::dvec2 way = shot.analytic->speed_px * last * pixel_across_edge_m(shot) * edge_normal(shot);
     shot.objects["caster"].keys = {{0, glm::dvec3(0), glm::dvec3(0)},
                                    {last, glm::dvec3(way, 0), glm::dvec3(0)}};
 }
@@ -214,6 +244,11 @@ Camera analytic_camera(const Shot& shot) {
     } else if (shape_of<ContactWall>(shot)) {
         above = 4 * caster_height(shot);  // edge-on, a wall covers no pixel
         far = 2 * above;
+    } else if (tilt(shot) > 0) {
+        const TiltedDepths depths = tilted_depths(shot);
+        above =
+            std::max(2.5 * depths.reach, 0.01 * depths.sheet);  // near: large numbers are rounded coarsely
+        far = 1.5 * above;
     } else if (shape_of<Terminator>(shot)) {
         const double half = analytic_half_diagonal(shot);
         const double high = std::max(terminator_strip(shot, half).height, 0.0),
@@ -222,8 +257,11 @@ Camera analytic_camera(const Shot& shot) {
         far = 2 * above;
     }
     Camera camera;
-    for (int i = 0; i < 3; ++i) camera.position[static_cast<size_t>(i)] = shot.origin[i];
-    camera.position[2] += above;
+    const double sine = std::sin(tilt(shot)), cosine = std::cos(tilt(shot));
+    const glm::dvec3 backward(0, -sine, cosine);
+    for (int i = 0; i < 3; ++i)
+        camera.position[static_cast<size_t>(i)] = shot.origin[i] + above * backward[i];
+    if (sine > 0) camera.world_from_view = {1, 0, 0, 0, cosine, sine, 0, -sine, cosine};
     camera.near = 0.5 * above;
     const double x = 2 / (shot.size[0] * analytic_pixel_m), y = 2 / (shot.size[1] * analytic_pixel_m);
     camera.clip_from_view = {
@@ -329,6 +367,12 @@ std::optional<AnalyticProblem> analytic_problem(const Shot& shot, double frame) 
             fmt::format(
                 "the sphere would reach {:.3g} m below the receiver: a wider penumbra hangs it higher",
                 -lowest_of_caster(shot))};
+    if (const TiltedDepths depths = tilted_depths(shot); !(depths.sheet > 2.25 * depths.reach))
+        return AnalyticProblem{
+            "scene",
+            fmt::format("the tilted receiver would reach past the sheet over it: {:.3g} m of {:.3g}; a "
+                        "wider penumbra hangs it higher",
+                        2.25 * depths.reach, depths.sheet)};
     if (const auto* polygon = shape_of<Polygon>(shot)) return polygon_problem(*polygon);
     if (shape_of<Fence>(shot) && frame == 0) {
         const SlatRange slats = fence_slats(shot);

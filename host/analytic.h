@@ -2,7 +2,8 @@
 // Scenes whose visibility is known in closed form. They go through the whole pipeline as real geometry under
 // a camera of their own: the receiver is the plane z = 0 (the terminator's apart), seen along -z by an
 // orthographic camera whose pixels all span the same length, and what casts the shadow hangs behind the
-// camera, is seen edge-on, or begins above the near plane.
+// camera, is seen edge-on, or begins above the near plane. Under a tilted half-plane the camera looks at the
+// receiver at an angle.
 #pragma once
 
 #include <optional>

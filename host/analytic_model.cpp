@@ -38,11 +38,18 @@ Shape band(const glm::dvec2& m, double from, double to, double reach) {
 }
 
 // By circles of latitude about z; the lowest point is a vertex.
-Shape ball(double radius) {
-    constexpr uint32_t rings = 128, segments = 256;  // off the sphere by at most radius / 6600
+//
+// At rest: a point of the receiver at a distance x from the contact sees the ball's outline within an angle
+// of 2 x / radius of the lowest point, at the distance x, so that its penumbra is as wide as x times the sun.
+// What the facets are off by must fall towards the contact likewise: their sagitta, by the square of their
+// size, so circles as far apart as the root of their angle, at the squares of equal steps.
+Shape ball(double radius, bool at_rest) {
+    // Off the sphere by at most radius / 6600; at rest by 2e-4 x.
+    const uint32_t rings = at_rest ? 192 : 128, segments = at_rest ? 384 : 256;
     Shape shape;
     for (uint32_t ring = 0; ring <= rings; ++ring) {
-        const double angle = glm::pi<double>() * ring / rings;
+        const double step = static_cast<double>(ring) / rings;
+        const double angle = glm::pi<double>() * (at_rest ? step * step : step);
         const uint32_t points = ring == 0 || ring == rings ? 1 : segments;
         for (uint32_t i = 0; i < points; ++i) {
             const double turn = 2 * glm::pi<double>() * i / segments;
@@ -136,10 +143,10 @@ struct Caster {
         add_node(model, "caster", at_centre(), filled(std::move(points)));
     }
     void add(Model& model, const Sphere& sphere) const {
-        add_node(model, "caster", at_centre(), ball(sphere.radius_px * analytic_pixel_m));
+        add_node(model, "caster", at_centre(), ball(sphere.radius_px * analytic_pixel_m, false));
     }
     void add(Model& model, const ContactPoint& point) const {
-        add_node(model, "caster", at_centre(), ball(point.radius_px * analytic_pixel_m));
+        add_node(model, "caster", at_centre(), ball(point.radius_px * analytic_pixel_m, true));
     }
     void add(Model& model, const ContactWall& wall) const {
         const glm::dvec2 m = geometry.normal, along(-m.y * reach, m.x * reach);

@@ -10,7 +10,10 @@ namespace penumbra {
 
 // Sheets that hang over the receiver. The edge of the half-plane, and the lines of the others, stand across
 // the direction in which the scene moves.
-struct HalfPlane {};
+struct HalfPlane {
+    double tilt_deg = 0;  // of the receiver's far side away from the camera, 0 to 85; lengths in pixels and
+                          // the edge's angle stay what the image shows
+};
 struct Slit {
     double width_px = 0;  // of the opening between two half-planes
 };

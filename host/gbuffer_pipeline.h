@@ -36,6 +36,7 @@ inline constexpr VkShaderStageFlags draw_constant_stages =
 // Reverse Z, no culling, dynamic viewport and scissor. `alpha_tested`: texels below
 // DrawConstants::least_alpha are discarded, which costs the depth test before the shader; other materials do
 // without.
-Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested);
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested,
+                                        VkFormat normal_format);
 
 }  // namespace penumbra

@@ -123,7 +123,7 @@ struct AnalyticKind {
 
 const std::vector<AnalyticKind>& analytic_kinds() {
     static const std::vector<AnalyticKind> kinds = {
-        {"half_plane", true, true, HalfPlane{}, {}},
+        {"half_plane", true, true, HalfPlane{}, {"tilt_deg"}},
         {"slit", true, true, Slit{}, {"width_px"}},
         {"fence", true, true, Fence{}, {"period_px", "duty"}},
         {"polygon", true, true, Polygon{}, {"points"}},
@@ -191,6 +191,7 @@ void read_analytic(Reader& reader, const Json& scene, Shot& shot) {
     optional("edge_deg", -360, 360, out.edge_deg);
     optional("speed_px", -64, 64, out.speed_px);
     optional("offset_px", -1e5, 1e5, out.offset_px);
+    if (auto* edge = std::get_if<HalfPlane>(&out.shape)) optional("tilt_deg", 0, 85, edge->tilt_deg);
     if (auto* slit = std::get_if<Slit>(&out.shape)) number("width_px", 0.01, 1e4, slit->width_px);
     if (auto* fence = std::get_if<Fence>(&out.shape)) {
         number("period_px", 0.1, 1e4, fence->period_px);

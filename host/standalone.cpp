@@ -12,6 +12,16 @@
 #include "host/shot_facts.h"
 
 namespace penumbra {
+namespace {
+
+blocks::Sun sun_block(const SunState& sun) {
+    blocks::Sun block{};
+    for (int i = 0; i < 3; ++i) block.to_sun.v[i] = static_cast<float>(sun.to_sun[i]);
+    block.angular_radius = static_cast<float>(sun.angular_radius);
+    return block;
+}
+
+}  // namespace
 
 std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
                                 std::vector<std::string>& warnings) {
@@ -31,7 +41,8 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
-      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {
+      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
+               options.exact_normals) {
     for (uint32_t index = 0; index < shot_.frames; ++index)
         cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
 }
@@ -69,14 +80,11 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     description.flags = has_previous ? 0u : uint32_t(frame_reset);
     if (shot_.analytic) description.flags |= frame_orthographic;
 
-    const SunState sun = sun_at(shot_, index);
+    out.sun = sun_block(sun_at(shot_, index));
+    out.sun_prev = sun_block(sun_at(shot_, previous));
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_.bvh_origin());
-    for (int i = 0; i < 3; ++i) {
-        out.sun.to_sun.v[i] = static_cast<float>(sun.to_sun[i]);
-        out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
-    }
-    out.sun.angular_radius = static_cast<float>(sun.angular_radius);
+    for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
     return out;
 }

@@ -22,12 +22,13 @@ struct StandaloneOptions {
     uint32_t frames_in_flight = 2;
     bool jitter = true;            // whether frames are jittered where the pipeline wants it
     uint32_t cascade_size = 1024;  // texels along a side of a shadow map
+    bool exact_normals = false;    // rgba32f instead of rgba16f
 };
 
 // One frame's data, a pure function of its index.
 struct StandaloneFrame {
     FrameDescription description;
-    blocks::Sun sun{};
+    blocks::Sun sun{}, sun_prev{};  // of the previous frame; of this one where there is none
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };

@@ -46,6 +46,7 @@ float channel_value(Format format, const std::byte* texel, size_t c) {
             return half(load<uint16_t>(texel + 2 * c));
         case Format::r32f:
         case Format::rg32f:
+        case Format::rgba32f:
         case Format::d32:
             return load<float>(texel + 4 * c);
         case Format::rgb10a2: {

@@ -2,7 +2,8 @@
 // Temporal average of one-bit shadow samples, and how far a spatial filter may go to finish the work.
 // - The average is 1/n of each of the last n <= 32 samples and is kept unfiltered: it converges to the pixel's own
 //   visibility, however narrow the penumbra. Low-discrepancy samples make it worth far more than 32 independent ones.
-// - n restarts where the surface was not seen before, and shrinks where the shadow moves (common/drift.glsl).
+// - n restarts where the surface was not seen before, and shrinks where the shadow moves (common/drift.glsl) and as the
+//   sun does (common/sun_change.glsl).
 // - Where n is small, what the bits of 3x3 pixels say together joins the average (common/edge_pattern.glsl), for the filters
 //   and not for the history.
 // - Beside it stands a tolerance: its deviation, wider the softer the shadow's edge is here and 0 at a hard one
@@ -19,6 +20,9 @@
 #include "common/previous_surface.glsl"
 #include "common/edge_pattern.glsl"
 #include "common/tiles.glsl"
+#if HAS_SUN && HAS_SUN_PREV
+#include "common/sun_change.glsl"
+#endif
 
 const float CAP = 32.0;                 // samples
 const float RESIDUAL_VARIANCE = 0.003;  // of a pixel that has always been lit, so that one surprise is not proof
@@ -121,6 +125,15 @@ Past past_of(ivec2 p, float z) {
 }
 #endif
 
+// A past that saw another sun.
+Past under_this_sun(Past past) {
+#if HAS_SUN && HAS_SUN_PREV
+    past.count = samples_left(past.count, sun_share(sun, sun_prev));
+    if (past.count <= 0.0) return NO_PAST;
+#endif
+    return past;
+}
+
 // Where neighbouring texels differ by more than their noise, the camera's motion has put an edge between them whose
 // place resampling cannot know and this frame's sample does. From 0: nothing of the kind, to 1: a hard edge.
 float resampling_error(Past past) {
@@ -182,7 +195,7 @@ void main() {
             past[j] = NO_PAST;
             bit[j] = (around.lit[2 + (j >> 2)].y & mask) != 0u ? 1.0 : 0.0;
             if ((around.receivers[2 + (j >> 2)].y & mask) != 0u) {
-                past[j] = past_of(p, imageLoad(view_depth, p).x);
+                past[j] = under_this_sun(past_of(p, imageLoad(view_depth, p).x));
                 const Residuals r = residual(past[j], bit[j]);
                 if (j < 4) upper = Residuals(upper.sum + r.sum, upper.variance + r.variance);
                 else lower = Residuals(lower.sum + r.sum, lower.variance + r.variance);

@@ -13,6 +13,9 @@
 #include "common/pixels.glsl"
 #include "common/previous_surface.glsl"
 #include "common/shadow_state.glsl"
+#if HAS_SUN_PREV
+#include "common/sun_change.glsl"
+#endif
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
 #include "common/sheared_gather.glsl"
@@ -129,6 +132,15 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
     past.visibility /= weights;
     past.variance = max(past.variance / weights - past.visibility * past.visibility, 0.0);
     if (weights > 0.99 && high > low) past.visibility = clamp(sharper(corner, t), low, high);
+    return past;
+}
+
+// A past that saw another sun.
+Past under_this_sun(Past past) {
+#if HAS_SUN_PREV
+    past.count = samples_left(past.count, sun_share(sun, sun_prev));
+    if (past.count <= 0.0) return NO_PAST;
+#endif
     return past;
 }
 
@@ -249,7 +261,7 @@ void main() {
             const ViewRays rays = moved(corner, vec2(offset));
             const Footprint foot = footprint_of(rays, z, n_light);
             const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra, foot);
-            Past past = past_of(p, z, n, params.plane_tolerance * pixel_span_m(z));
+            Past past = under_this_sun(past_of(p, z, n, params.plane_tolerance * pixel_span_m(z)));
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// True visibility by many rays of the kind that trace casts: same origins, same cone, stratified over the sun's disc. The
+// True visibility by many rays of the kind that trace casts: same origins, same cone, stratified over the sun's disc; the
+// receiver's own plane hides what is below it, which an origin above the surface would let pass at the surface's end. The
 // host repeats a frozen frame until all rays are cast; counts are integers, so no sum loses anything.
 //   stage 0: a few rays for every receiver;
 //   stage 1: where these disagree within 5x5 pixels, start anew with the first of many rays; elsewhere keep what is known;
@@ -9,7 +10,7 @@
 #include "common/guide_normal.glsl"
 #include "common/hash.glsl"
 #include "common/pixels.glsl"
-#include "common/ray_origin.glsl"
+#include "common/ray_offset.glsl"
 #include "common/sun_sample.glsl"
 #if BACKEND == BACKEND_RAY_QUERY
 #include "common/ray_query.glsl"
@@ -46,13 +47,13 @@ vec2 stratified(ivec2 p, uint index) {
 
 uint count_lit_rays(ivec2 p, float z, uint first, uint count) {
     const vec3 relative = position(p, z);
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const vec3 n = unit_or_zero(texelFetch(normal, p, 0).xyz);
     const vec3 in_scene = relative + scene.camera_from_origin;
     const vec3 origin = in_scene + n * robust_offset_m(p, z, n, relative, in_scene);
     uint lit = 0u;
     for (uint i = 0u; i < count; ++i) {
         const vec3 direction = sun_direction(sun.to_sun, sun.angular_radius, stratified(p, first + i));
-        if (!points_into_surface(n, direction)) lit += uint(!occluded(origin, direction, 0.0, WHOLE_RAY_M));
+        if (dot(n, direction) > 0.0) lit += uint(!occluded(origin, direction, 0.0, WHOLE_RAY_M));
     }
     return lit;
 }

@@ -2,8 +2,10 @@
 // A gate against losing accuracy: small analytic shots through whole pipelines, with fixed seeds, and the
 // effective samples per pixel that they have reached. Docs: docs/accuracy.md has the full tables.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
+#include "app/gates/gates.h"
 #include "app/session.h"
 #include "host/analytic.h"
 #include "host/metrics/mask_error.h"
@@ -76,6 +78,7 @@ std::vector<float> last_image(const CheckedPipeline& pipeline, const NodeSet& no
     return image.planes.front().values;
 }
 
+class Gates : public GpuTest {};
 class AccuracyGate : public GpuTest, public ::testing::WithParamInterface<GateCase> {};
 
 TEST_P(AccuracyGate, EffectiveSamplesAreKept) {
@@ -100,6 +103,39 @@ TEST_P(AccuracyGate, EffectiveSamplesAreKept) {
     EXPECT_GE(m.n_eff.value(), c.low);
     EXPECT_LE(m.n_eff.value(), c.high);
     EXPECT_EQ(m.nonfinite, 0u);
+}
+
+// What `penumbra gates` says of rays that nobody averages is known beforehand: one sample, white in time. On
+// a tilted receiver this holds only where the closed form, the camera and the sheet agree.
+
+TEST_F(Gates, ReadOneSampleOfOneRay) {
+    static const NodeSet nodes = shadow_nodes();
+    const CheckedPipeline raw = mask_pipeline("raw", nodes);
+    gates::Study study;
+    study.size = {width, height};
+    study.border_px = border;
+    study.seeds = 2;
+    study.still_frames = 12;
+    study.flicker_from = 2;
+    study.speeds_px = {1};
+    study.moving_frame = 8;
+    study.tilted_edges_deg = {17, 90};
+    study.tilted_seeds = 2;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const gates::Bench bench{gpu(), nodes, raw, study, [] {}, diagnostics, warnings};
+    const auto still = gates::measure_still(bench, 16);
+    const auto moving = gates::measure_moving(bench, 16);
+    const auto tilted = gates::measure_tilted(bench, 16, 75);
+    ASSERT_TRUE(still && moving && tilted) << diagnostics.text();
+    EXPECT_NEAR(still->first.median, 1, 0.1);
+    EXPECT_NEAR(still->last.median, 1, 0.1);
+    EXPECT_NEAR(moving->front().n_eff.median, 1, 0.1);
+    EXPECT_NEAR(tilted->mean, 1, 0.1);
+    EXPECT_NEAR(tilted->worst, 1, 0.1);
+    EXPECT_NEAR(still->flicker.median / 255, std::sqrt(2 * 0.144),
+                0.15);  // consecutive samples repel each other
+    EXPECT_LT(still->flicker_all.median, still->flicker.median);
 }
 
 std::string scene_of(const ::testing::TestParamInfo<GateCase>& info) {

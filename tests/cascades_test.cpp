@@ -231,8 +231,8 @@ TEST_F(Cascades, IntervalsAndDirectionsDoNotChangeAnswers) {
 
 TEST_F(Cascades, TheOrderOfTheTileListDoesNotShow) {
     const Shot shot = plaza_shot({160, 90}, 2);
-    const std::vector<std::string> permuted = {R"(nodes.back={"type": "reverse_list"})",
-                                               R"(nodes.trace.in={"tile_list": "reversed_list"})"};
+    const std::vector<std::string> permuted = {R"(nodes.back={"type": "permute_list"})",
+                                               R"(nodes.trace.in={"tile_list": "permuted_list"})"};
     for (const char* name : {"hybrid_cascades_raw", "hybrid_published_raw"})
         EXPECT_EQ(differing(run(name, {}, shot, maps_of(128)), run(name, permuted, shot, maps_of(128))), 0u)
             << name;

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+// penumbra gates: pipelines against straight penumbrae whose truth is known, as Markdown tables beside what
+// is asked of them (docs/accuracy.md).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <set>
+
+#include "app/commands.h"
+#include "app/gates/gates.h"
+#include "app/node_folders.h"
+#include "app/progress.h"
+#include "app/report/contenders.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace gates;
+
+// What is asked at 8, 16 and 32 pixels; other widths have no gate.
+struct Asked {
+    const char *first, *last, *flicker, *moving, *k90;
+};
+const std::map<double, Asked> asked_of{{8, {">= 12", ">= 60", "", ">= 6", "<= 2"}},
+                                       {16, {">= 28", ">= 250", "<= 1", ">= 14", "<= 2"}},
+                                       {32, {">= 67", ">= 1500", "<= 1", ">= 34", "<= 2"}}};
+
+// Nothing but visibility is run: no light, no anti-aliasing.
+std::optional<CheckedPipeline> mask_pipeline(const fs::path& file, const NodeSet& nodes,
+                                             Diagnostics& diagnostics) {
+    auto pipeline = load_pipeline(file, {}, diagnostics);
+    if (!pipeline) return std::nullopt;
+    std::erase_if(pipeline->outputs, [](const OutputName& o) { return o.name != "visibility"; });
+    if (pipeline->outputs.empty()) {
+        diagnostics.add({file.string(), 0, 0}, "outputs", "the pipeline puts out no \"visibility\"");
+        return std::nullopt;
+    }
+    return check(*pipeline, nodes, diagnostics);
+}
+
+std::string text_of(const Estimate& e) {
+    if (!e.low) return fmt::format("{:.3g}", e.median);
+    return fmt::format("{:.3g} [{:.3g}, {:.3g}]", e.median, *e.low, *e.high);
+}
+
+std::string asked_text(double width, const char* Asked::*what) {
+    const auto found = asked_of.find(width);
+    return found == asked_of.end() ? "" : found->second.*what;
+}
+
+uint32_t steps_of(const Study& study, const std::set<std::string>& parts) {
+    const auto widths = static_cast<uint32_t>(study.widths_px.size());
+    uint32_t runs = 0;
+    if (parts.contains("still")) runs += widths * study.seeds;
+    if (parts.contains("moving"))
+        runs += widths * study.seeds * static_cast<uint32_t>(study.speeds_px.size());
+    if (parts.contains("jump")) runs += 2 * widths * study.seeds;
+    if (parts.contains("tilted"))
+        runs += static_cast<uint32_t>(study.tilts_deg.size() * study.tilted_edges_deg.size() *
+                                      study.tilted_widths_px.size()) *
+                study.tilted_seeds;
+    return runs;
+}
+
+bool print_still(const Bench& bench) {
+    fmt::print(
+        "| penumbra, px | first frame | asked | frame {} | asked | flicker of the penumbra / 255 | of all | "
+        "asked |\n",
+        bench.study.still_frames - 1);
+    fmt::print("|---|---|---|---|---|---|---|---|\n");
+    for (const double width : bench.study.widths_px) {
+        const auto still = measure_still(bench, width);
+        if (!still) return false;
+        fmt::print("| {:g} | {} | {} | {} | {} | {} | {} | {} |\n", width, text_of(still->first),
+                   asked_text(width, &Asked::first), text_of(still->last), asked_text(width, &Asked::last),
+                   text_of(still->flicker), text_of(still->flicker_all), asked_text(width, &Asked::flicker));
+        std::fflush(stdout);
+    }
+    return true;
+}
+
+bool print_moving(const Bench& bench) {
+    fmt::print("\n| penumbra, px |");
+    for (const double speed : bench.study.speeds_px) fmt::print(" {:g} |", speed);
+    fmt::print(" worst | asked |\n|---|---|---|");
+    for (size_t i = 0; i < bench.study.speeds_px.size(); ++i) fmt::print("---|");
+    fmt::print("\n");
+    for (const double width : bench.study.widths_px) {
+        const auto moving = measure_moving(bench, width);
+        if (!moving) return false;
+        fmt::print("| {:g} |", width);
+        for (const Moving& m : *moving) fmt::print(" {:.3g} |", m.n_eff.median);
+        const auto worst =
+            std::ranges::min_element(*moving, {}, [](const Moving& m) { return m.n_eff.median; });
+        fmt::print(" {} at {:g} | {} |\n", text_of(worst->n_eff), worst->speed_px,
+                   asked_text(width, &Asked::moving));
+        std::fflush(stdout);
+    }
+    return true;
+}
+
+bool print_jump(const Bench& bench) {
+    fmt::print(
+        "\n| penumbra, px | the sun moves the shadow by | k90, frames | asked | left after 0, 1, ... frames "
+        "|\n"
+        "|---|---|---|---|---|\n");
+    for (const double width : bench.study.widths_px)
+        for (const double way : {-1.0, 1.0}) {
+            const auto jump = measure_jump(bench, width, way * bench.study.jump_px);
+            if (!jump) return false;
+            std::string left;
+            for (size_t k = 0; k < std::min<size_t>(jump->left.size(), 6); ++k)
+                left += fmt::format("{}{:.3f}", k ? " " : "", jump->left[k]);
+            fmt::print("| {:g} | {:g} | {} | {} | {} |\n", width, way * bench.study.jump_px,
+                       text_of(jump->k90), asked_text(width, &Asked::k90), left);
+            std::fflush(stdout);
+        }
+    return true;
+}
+
+bool print_tilted(const Bench& bench) {
+    fmt::print("\n| receiver tilted by |");
+    for (const double width : bench.study.tilted_widths_px) fmt::print(" {:g} px | worst edge |", width);
+    fmt::print("\n|---|");
+    for (size_t i = 0; i < bench.study.tilted_widths_px.size(); ++i) fmt::print("---|---|");
+    fmt::print("\n");
+    for (const double tilt : bench.study.tilts_deg) {
+        fmt::print("| {:g} |", tilt);
+        for (const double width : bench.study.tilted_widths_px) {
+            const auto tilted = measure_tilted(bench, width, tilt);
+            if (!tilted) return false;
+            fmt::print(" {:.3g} | {:.3g} at {:g} |", tilted->mean, tilted->worst, tilted->worst_edge_deg);
+            std::fflush(stdout);
+        }
+        fmt::print("\n");
+    }
+    return true;
+}
+
+bool print_tables(const Bench& bench, const std::set<std::string>& parts) {
+    return (!parts.contains("still") || print_still(bench)) &&
+           (!parts.contains("moving") || print_moving(bench)) &&
+           (!parts.contains("jump") || print_jump(bench)) &&
+           (!parts.contains("tilted") || print_tilted(bench));
+}
+
+}  // namespace
+
+int run_gates(const GatesArguments& arguments) {
+    const auto nodes = open_nodes(arguments.node_folders);
+    if (!nodes) return exit_wrong;
+    Study study;
+    if (arguments.seeds) {
+        study.seeds = *arguments.seeds;
+        study.tilted_seeds = std::min(study.tilted_seeds, study.seeds);
+    }
+    const std::set<std::string> parts(arguments.parts.begin(), arguments.parts.end());
+    Diagnostics diagnostics;
+    const fs::path root = report::shipped_root();
+    std::vector<std::pair<std::string, CheckedPipeline>> pipelines;
+    for (const std::string& name : arguments.pipelines)
+        if (const auto file = report::shipped_file(name, root, "pipelines", ".json", diagnostics))
+            if (auto pipeline = mask_pipeline(*file, *nodes, diagnostics))
+                pipelines.emplace_back(file->stem().string(), std::move(*pipeline));
+    std::vector<std::string> warnings;
+    bool good = diagnostics.empty();
+    if (good) {
+        Device device({arguments.device, false});
+        Progress progress("gates", static_cast<uint32_t>(pipelines.size()) * steps_of(study, parts));
+        for (const auto& [name, pipeline] : pipelines) {
+            fmt::print("{}{}, {} seeds, {}x{}\n\n", &name == &pipelines.front().first ? "" : "\n", name,
+                       study.seeds, study.size[0], study.size[1]);
+            good = good && print_tables({device, *nodes, pipeline, study, [&] { progress.step(); },
+                                         diagnostics, warnings},
+                                        parts);
+        }
+    }
+    for (const std::string& warning : std::set(warnings.begin(), warnings.end()))
+        std::cerr << "warning: " << warning << "\n";
+    if (good) return exit_good;
+    std::cerr << diagnostics.text();
+    return exit_wrong;
+}
+
+}  // namespace penumbra
