@@ -42,7 +42,7 @@ struct FrameCost {
     std::optional<double> ms;
     // Of drawing the sun's shadow maps, where the pipeline reads any; 0 where nothing had moved.
     std::optional<double> cascades_cpu_ms;
-    bool cascades_drawn = false;
+    uint32_t cascades_drawn = 0;  // how many of them
 };
 
 class Session {

@@ -53,7 +53,7 @@ struct CountRule {
 
 enum class PortKind : uint8_t { image, texels, buffer, block, scene };
 const char* kind_name(PortKind kind);  // as declarations spell it
-enum class Writes : uint8_t { all, tiles, some };
+enum class Writes : uint8_t { all, tiles, some, kept };
 enum class First : uint8_t { any, clear };
 
 struct Port {
