@@ -18,8 +18,8 @@
 
 namespace penumbra {
 
-// One literal of a condition: FACT or PARAM=VALUE, or ! and one of them. Literals of a Condition are joined by "and"; empty
-// = always.
+// One literal of a condition: FACT or PARAM=VALUE, or ! and one of them. Literals of a Condition are joined
+// by "and"; empty = always.
 struct Literal {
     std::string name;
     bool negated = false;
