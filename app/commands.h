@@ -60,6 +60,7 @@ struct CompareArguments {
     std::string frames, mask;
     uint32_t border = 0;  // pixels along the image's border that are left out
     bool json = false;
+    std::string whole_rays;  // folder of the same image, its rays traced without intervals
 };
 
 struct ReportArguments {

@@ -57,8 +57,7 @@ OrderedJson to_json(const CompareArguments& arguments, const Comparison& c) {
                              {"me", or_null(d.rms)},
                              {"recall", or_null(d.recall)},
                              {"eta_ray", or_null(d.eta_ray)},
-                             // Would need every ray's verdict with and without its interval.
-                             {"interval", nullptr}};
+                             {"interval", or_null(c.interval)}};
     json["flicker"] = {{"rms", or_null(c.flicker_rms)}, {"p99", or_null(c.flicker_p99)}};
     json["lag"] = {
         {"k90", or_null(c.step.k90)}, {"lag_px", or_null(c.lag_px)}, {"residual", or_null(c.step.residual)}};
@@ -96,6 +95,7 @@ void print_text(const CompareArguments& arguments, const Comparison& c) {
                    text_of(c.decisions.beyond_eps), text_of(c.decisions.beyond_05),
                    text_of(c.decisions.beyond_25), text_of(c.decisions.rms), text_of(c.decisions.recall),
                    text_of(c.decisions.eta_ray));
+    if (c.interval) fmt::print("interval other answers {}\n", text_of(c.interval));
     fmt::print("defects  leak {}  acne {}  contact gap {} px  not finite {}\n", text_of(m.leak),
                text_of(m.acne), text_of(c.peter_panning_px), m.nonfinite);
 }

@@ -148,7 +148,23 @@ class Loader {
 
     // A capture of tile words in the first image's folder.
     std::optional<PlanarImage> words(const char* name, const LoadedFrame& frame) const {
-        const fs::path file = fs::path(arguments_.image) / fmt::format("{}.{:04}.exr", name, frame.number);
+        return words(arguments_.image, name, frame);
+    }
+
+    // The ray-hit words of the same rays without intervals; an error where they were asked for and are not
+    // there.
+    std::optional<PlanarImage> whole_hits(const LoadedFrame& frame) const {
+        if (arguments_.whole_rays.empty()) return std::nullopt;
+        auto found = words(arguments_.whole_rays, "hits", frame);
+        if (!found && diagnostics_.empty())
+            diagnostics_.add({arguments_.whole_rays, 0, 0}, "",
+                             fmt::format("no capture of hits in frame {}", frame.number));
+        return found;
+    }
+
+    std::optional<PlanarImage> words(const fs::path& folder, const char* name,
+                                     const LoadedFrame& frame) const {
+        const fs::path file = folder / fmt::format("{}.{:04}.exr", name, frame.number);
         if (!fs::exists(file)) return std::nullopt;
         auto image = read_exr(file, diagnostics_);
         if (!plane_of(image, file, "W", diagnostics_, true)) return std::nullopt;
@@ -193,6 +209,7 @@ struct Sums {
     RelativeErrorSum relative;
     FlickerSums flicker;
     DecisionSums decisions;
+    IntervalSums interval;
     double lag = 0, gap = 0;
     size_t lags = 0, gaps = 0;
     std::vector<double> remainders;
@@ -224,6 +241,11 @@ void add_decisions(const Loader& loader, const LoadedFrame& loaded, Sums& sums) 
     if (undecided && shadowed)
         sums.decisions.add(
             judge_decisions(loaded.view(), {undecided->find("W")->words, shadowed->find("W")->words}));
+    const auto whole = loader.whole_hits(loaded);
+    const auto hits = whole ? loader.words("hits", loaded) : std::nullopt;
+    if (undecided && hits && whole)
+        sums.interval.add(judge_interval(loaded.view(), undecided->find("W")->words, hits->find("W")->words,
+                                         whole->find("W")->words));
 }
 
 void add_step_in_time(const LoadedFrame& now, const LoadedFrame& before, FlickerSums& sums) {
@@ -285,6 +307,7 @@ Comparison conclude(const Sums& sums) {
     out.relmse = sums.relative.mean();
     out.peter_panning_px = mean(sums.gap, sums.gaps);
     out.decisions = metrics_of(sums.decisions);
+    out.interval = sums.interval.share();
     out.flicker_rms = sums.flicker.rms();
     out.flicker_p99 = sums.flicker.p99();
     out.lag_px = mean(sums.lag, sums.lags);

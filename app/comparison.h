@@ -17,8 +17,9 @@ struct Comparison {
     std::optional<double> bias_max_9x9, ssim;
     std::optional<FlipPool> flip;  // of the first seed
     std::optional<double> relmse;  // both: of the lit picture; albedo, normal and sun are the reference's
-    std::optional<double> peter_panning_px;          // where the scene has a known contact
-    DecisionMetrics decisions;                       // from captures of undecided_words and preloaded_hits
+    std::optional<double> peter_panning_px;  // where the scene has a known contact
+    DecisionMetrics decisions;               // from captures of undecided_words and preloaded_hits
+    std::optional<double> interval;          // from those of undecided_words and hits, beside whole rays'
     std::optional<double> flicker_rms, flicker_p99;  // from consecutive frames
     std::optional<double> lag_px;                    // where the truth moves
     StepResponse step;                               // where it changes suddenly

@@ -74,6 +74,9 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     c->add_option("--mask", a.mask, "EXR; only pixels where its first channel is above 0 are measured");
     c->add_option("--border", a.border, "leave out this many pixels along the image's border");
     c->add_flag("--json", a.json, "print JSON");
+    c->add_option(
+        "--whole-rays", a.whole_rays,
+        "the image's rays without intervals: how many answers differ (captures undecided_words, hits)");
 }
 
 void add_report(CLI::App& app, ReportArguments& a) {

@@ -96,16 +96,18 @@ OrderedJson cascades_json(const Session& session, std::array<uint32_t, 2> frames
     for (uint32_t i = 0; i < fit.count; ++i) texels.push_back(fit.areas[i].texel_m);
     const auto cpu = [&](bool drawn) {
         return median(collect(costs, [&](const FrameCost& c) {
-            return c.cascades_drawn == drawn ? c.cascades_cpu_ms : std::nullopt;
+            return (c.cascades_drawn > 0) == drawn ? c.cascades_cpu_ms : std::nullopt;
         }));
     };
-    return {{"size", fit.size},
-            {"texel_m", texels},
-            {"drawn_share",
-             costs.empty() ? OrderedJson()
-                           : OrderedJson(double(std::ranges::count_if(costs, &FrameCost::cascades_drawn)) /
-                                         double(costs.size()))},
-            {"cpu_ms", {{"drawn", cpu(true)}, {"kept", cpu(false)}}}};
+    return {
+        {"size", fit.size},
+        {"texel_m", texels},
+        {"drawn_share",
+         costs.empty() ? OrderedJson()
+                       : OrderedJson(double(std::ranges::count_if(
+                                         costs, [](const FrameCost& c) { return c.cascades_drawn > 0; })) /
+                                     double(costs.size()))},
+        {"cpu_ms", {{"drawn", cpu(true)}, {"kept", cpu(false)}}}};
 }
 
 // {"nodes.filter0.params.step": 2}, the last setting of a path wins.

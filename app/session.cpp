@@ -70,6 +70,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (!scene) return nullptr;
     auto session = std::unique_ptr<Session>(new Session(device));
     session->seed_ = options.seed.value_or(shot.seed);
+    session->pass_costs_ = options.pass_costs;
     DeviceTable table = device_table(handles_of(device));
     table.ray_query = device.caps().ray_query;
     table.storage8 = device.caps().storage8;
@@ -183,6 +184,10 @@ void Session::draw_cascades(uint32_t index, FrameCost& cost) {
         cost.cascades_drawn = cascade_maps_->record(cmd, host_->cascade_fit(index));
     });
     cost.cascades_cpu_ms = process_cpu_ms() - before;
+    blocks::Cascades block{};
+    std::memcpy(&block, cascades_.data(), sizeof block);
+    for (uint32_t i = 0; i < block.count; ++i) block.c[i].revision = cascade_maps_->revision(i);
+    std::memcpy(cascades_.data(), &block, sizeof block);
 }
 
 FrameCost Session::run_frame(uint32_t index, bool reset) {
@@ -204,7 +209,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
 // What is recorded before the passes is no part of their cost.
 FrameCost Session::run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost) {
     const std::vector<SlotBinding> slots = bind_slots();
-    const bool pass_by_pass = plan().cpu;
+    const bool pass_by_pass = plan().cpu && pass_costs_;
     cost.pass_cpu_ms.resize(plan().passes.size());
     device_.run([&](VkCommandBuffer cmd) {
         record_before(cmd);

@@ -28,8 +28,9 @@ struct SessionOptions {
     bool exact_normals = false;  // the host brings rgba32f
     bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
-    Facts facts;          // instead of what the scene says
-    bool optimum = true;  // search for the smallest possible heap, for the report
+    Facts facts;             // instead of what the scene says
+    bool optimum = true;     // search for the smallest possible heap, for the report
+    bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
 // What one frame cost. Process CPU time per pass needs passes submitted one by one and is measured on CPU
@@ -41,7 +42,7 @@ struct FrameCost {
     std::optional<double> ms;
     // Of drawing the sun's shadow maps, where the pipeline reads any; 0 where nothing had moved.
     std::optional<double> cascades_cpu_ms;
-    bool cascades_drawn = false;
+    uint32_t cascades_drawn = 0;  // how many of them
 };
 
 class Session {
@@ -76,6 +77,7 @@ class Session {
 
     Device& device_;
     uint32_t seed_ = 0;
+    bool pass_costs_ = true;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
     std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it

@@ -4,7 +4,7 @@
 // write and write after write need memory dependencies, write after read needs execution only (Vulkan
 // specification, "Synchronization"). Dependencies are global memory barriers; image barriers only activate
 // images in reused memory, and since their access scope covers that image alone, the previous occupants'
-// writes go into the memory barrier of the same dependency.
+// writes go into the memory barrier of the same dependency. What is kept is activated once, by a reset.
 #include "graph/barriers.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ class Simulation {
     // past.
     void require(Dependency& dependency, uint32_t resource, uint32_t parity, const Use& use, bool activates) {
         if (activates) return activate(dependency, resource, parity, use);
-        require_after(dependency, states_[resource][parity], use);
+        require_after(dependency, state(resource, parity), use);
     }
 
     // The dependency is recorded: everything its source scope covers is ordered before its destination.
@@ -51,7 +51,7 @@ class Simulation {
     }
 
     void done(uint32_t resource, uint32_t parity, const Use& use) {
-        State& s = states_[resource][parity];
+        State& s = state(resource, parity);
         if (use.write) {
             s = {.write_stages = use.stages, .write_access = use.access & write_mask};
         } else {
@@ -64,6 +64,11 @@ class Simulation {
     static constexpr VkAccessFlags2 write_mask = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT |
                                                  VK_ACCESS_2_TRANSFER_WRITE_BIT |
                                                  VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+
+    // What is kept has one instance.
+    State& state(uint32_t resource, uint32_t parity) {
+        return states_[resource][plan_.resources[resource].kept ? 0 : parity];
+    }
 
     static void require_after(Dependency& d, const State& s, const Use& use) {
         if (s.write_stages &&
@@ -137,7 +142,8 @@ void run_frame(Plan& plan, Simulation& simulation, uint32_t parity, const Use& o
                    std::find(pass.clears.begin(), pass.clears.end(), use.resource) != pass.clears.end();
         };
         for (const PassUse& use : uses) {
-            const bool activates = !use.previous && plan.resources[use.resource].first_pass == p;
+            const PlanResource& r = plan.resources[use.resource];
+            const bool activates = !use.previous && r.first_pass == p && !r.kept;
             simulation.require(before, use.resource, use.previous ? 1 - parity : parity,
                                cleared(use) ? clear_use : use.use, activates);
         }

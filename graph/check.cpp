@@ -231,6 +231,8 @@ class Checker {
                   fmt::format(
                       "\"{}\" is a host input without history; give it \"history\": \"host\" or \"copy\"",
                       name));
+        else if (is_kept(use))
+            error(reader, fmt::format("\"{}\" is kept in place, so its previous value is gone", name));
     }
 
     void check_settings() {

@@ -144,6 +144,8 @@ class DataflowChecker {
             const PortUse& updater = *updaters[i];
             if (use.host)
                 error(updater, fmt::format("\"{}\" is a host input, which cannot be updated", name));
+            if (is_kept(use))
+                error(updater, fmt::format("\"{}\" is kept for the next frame and cannot be updated", name));
             if (updated_input(updater).previous)
                 error(updater,
                       fmt::format("\"{}@-1\" is the previous frame's value, which cannot be updated", name));

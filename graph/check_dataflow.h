@@ -2,6 +2,7 @@
 // What the parts of check() share: who writes and who reads each name.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
@@ -23,6 +24,12 @@ struct ResourceUse {
     const HostInput* host = nullptr;
     std::vector<PortUse> writers, readers;  // in the file's order
 };
+
+// One memory for all frames: no previous value, and no other name for it.
+inline bool is_kept(const ResourceUse& use) {
+    return std::ranges::any_of(use.writers,
+                               [](const PortUse& w) { return w.bound->port->writes == Writes::kept; });
+}
 
 struct Dataflow {
     const CheckedPipeline& pipeline;

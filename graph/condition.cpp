@@ -81,7 +81,7 @@ std::optional<Condition> parse_condition(const Json& json, std::span<const Param
         const size_t equals = part.find('=');
         literal.name = trimmed(part.substr(0, equals));
         if (literal.name.empty()) {
-            error("expected literals joined by \"&\": FACT, !FACT or PARAM=VALUE");
+            error("expected literals joined by \"&\": FACT or PARAM=VALUE, or ! and one of them");
             continue;
         }
         if (equals == std::string_view::npos) {
@@ -108,10 +108,6 @@ std::optional<Condition> parse_condition(const Json& json, std::span<const Param
                                   literal.name));
                 continue;
             }
-            if (literal.negated) {
-                error(fmt::format("\"!\" negates facts only, not \"{}\"", part));
-                continue;
-            }
             const Json value = value_json(*param, trimmed(part.substr(equals + 1)), json.place);
             const auto parsed = parse_param_value(*param, value, path, diagnostics);
             if (!parsed) continue;
@@ -130,7 +126,7 @@ bool holds(const Condition& condition, const Facts& facts, const std::map<std::s
     return std::ranges::all_of(condition, [&](const Literal& literal) {
         if (literal.value) {
             const auto param = params.find(literal.name);
-            return param != params.end() && text_of(param->second) == *literal.value;
+            return param != params.end() && (text_of(param->second) == *literal.value) != literal.negated;
         }
         const auto fact = facts.find(literal.name);
         return (fact == facts.end() || fact->second) != literal.negated;
@@ -139,7 +135,8 @@ bool holds(const Condition& condition, const Facts& facts, const std::map<std::s
 
 bool contradict(const Literal& a, const Literal& b) {
     if (a.name != b.name || a.value.has_value() != b.value.has_value()) return false;
-    return a.value ? *a.value != *b.value : a.negated != b.negated;
+    if (a.negated != b.negated) return a.value == b.value;
+    return a.value && !a.negated && *a.value != *b.value;
 }
 
 bool exclusive(const Condition& a, const Condition& b) {

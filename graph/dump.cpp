@@ -104,9 +104,9 @@ std::string to_text(const Plan& plan) {
                             culled.cond);
     text += "resources\n";
     for (const PlanResource& r : plan.resources)
-        text += fmt::format("  {} {} {}{}passes {}+{} heap {} at {} {} size {}\n", join(r.names), shape(r),
-                            r.history ? "history " : "", r.output ? "output " : "", r.first_pass, r.length,
-                            r.heap, r.offset[0], r.offset[1], r.bytes);
+        text += fmt::format("  {} {} {}{}{}passes {}+{} heap {} at {} {} size {}\n", join(r.names), shape(r),
+                            r.history ? "history " : "", r.kept ? "kept " : "", r.output ? "output " : "",
+                            r.first_pass, r.length, r.heap, r.offset[0], r.offset[1], r.bytes);
     text += "host slots\n";
     for (const HostSlot& slot : plan.slots)
         text += fmt::format("  {} for {}\n", slot.name, join(slot.readers));

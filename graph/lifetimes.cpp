@@ -48,7 +48,7 @@ void place_lifetimes(Plan& plan) {
     for (size_t i = 0; i < plan.resources.size(); ++i) {
         PlanResource& r = plan.resources[i];
         if (r.output) end[i] = std::max(end[i], passes);
-        r.length = end[i] - r.first_pass;
+        r.length = r.kept ? 2 * passes : end[i] - r.first_pass;
     }
 }
 
@@ -77,7 +77,7 @@ void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search
         for (uint32_t i = 0; i < plan.resources.size(); ++i) {
             const PlanResource& r = plan.resources[i];
             if (r.heap != h) continue;
-            for (uint32_t parity = 0; parity < 2; ++parity) {
+            for (uint32_t parity = 0; parity < (r.kept ? 1u : 2u); ++parity) {
                 intervals.push_back(interval_of(r, parity, passes));
                 instances.push_back({i, parity});
             }
@@ -88,8 +88,11 @@ void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search
         report.live_bound_bytes += live_bound(intervals, plan.period());
         if (plan.aliased) {
             const Packing packing = pack(intervals, plan.period());
-            for (size_t k = 0; k < instances.size(); ++k)
-                plan.resources[instances[k].resource].offset[instances[k].parity] = packing.offsets[k];
+            for (size_t k = 0; k < instances.size(); ++k) {
+                PlanResource& r = plan.resources[instances[k].resource];
+                r.offset[instances[k].parity] = packing.offsets[k];
+                if (r.kept) r.offset[1] = r.offset[0];
+            }
             plan.heaps[h].bytes = packing.heap;
         } else {
             plan.heaps[h].bytes = place_apart(plan, h);

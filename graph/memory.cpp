@@ -159,7 +159,8 @@ PlanMemory::PlanMemory(const DeviceHandles& handles, const Plan& plan) : instanc
             "the heap of " + heap.type));
     for (uint32_t i = 0; i < plan.resources.size(); ++i) {
         const PlanResource& r = plan.resources[i];
-        for (uint32_t parity = 0; parity < 2; ++parity)
+        kept_.push_back(r.kept);
+        for (uint32_t parity = 0; parity < (r.kept ? 1u : 2u); ++parity)
             (r.kind == PortKind::image ? make_image : make_buffer)(handles, r, heaps_[r.heap].get(),
                                                                    r.offset[parity], instances_[i][parity]);
     }

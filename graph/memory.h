@@ -56,12 +56,13 @@ class PlanMemory {
   public:
     PlanMemory(const DeviceHandles& handles, const Plan& plan);
     const ResourceInstance& at(uint32_t resource, uint32_t parity) const {
-        return instances_[resource][parity];
+        return instances_[resource][kept_[resource] ? 0 : parity];
     }
 
   private:
     std::vector<Owned<VkDeviceMemory>> heaps_;
     std::vector<std::array<ResourceInstance, 2>> instances_;
+    std::vector<bool> kept_;  // one instance stands for both parities
 };
 
 }  // namespace penumbra

@@ -238,7 +238,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
         reader.error(*reader.find("levels"), "levels", "a mip chain is read through a sampler");
     port.optional = reader.flag("optional");
     if (applies("writes")) {
-        const std::vector<std::string> words = {"all", "tiles", "some"};
+        const std::vector<std::string> words = {"all", "tiles", "some", "kept"};
         port.writes = static_cast<Writes>(reader.choice("writes", words).value_or(0));
     }
     if (applies("first")) {

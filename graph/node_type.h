@@ -18,7 +18,7 @@
 
 namespace penumbra {
 
-// One literal of a condition: FACT, !FACT or PARAM=VALUE. Literals of a Condition are joined by "and"; empty
+// One literal of a condition: FACT or PARAM=VALUE, or ! and one of them. Literals of a Condition are joined by "and"; empty
 // = always.
 struct Literal {
     std::string name;
@@ -53,7 +53,7 @@ struct CountRule {
 
 enum class PortKind : uint8_t { image, texels, buffer, block, scene };
 const char* kind_name(PortKind kind);  // as declarations spell it
-enum class Writes : uint8_t { all, tiles, some };
+enum class Writes : uint8_t { all, tiles, some, kept };
 enum class First : uint8_t { any, clear };
 
 struct Port {

@@ -104,13 +104,14 @@ void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<c
     if (frame_block_.flags & frame_reset) record_reset(cmd);
 }
 
-// No history exists: the previous parity's images get a layout, those with `first: clear` (and, in tests, a
-// poison) a value.
+// No history exists: the previous parity's images and what is kept get a layout, those with `first: clear`
+// (and, in tests, a poison) a value.
 void View::record_reset(VkCommandBuffer cmd) {
     const uint32_t previous = 1 - parity_;
     std::vector<VkImageMemoryBarrier2> images;
+    const auto lasts = [&](uint32_t i) { return plan().resources[i].history || plan().resources[i].kept; };
     for (uint32_t i = 0; i < plan().resources.size(); ++i)
-        if (plan().resources[i].history && memory_.at(i, previous).image)
+        if (lasts(i) && memory_.at(i, previous).image)
             images.push_back(activate(memory_.at(i, previous).image.get(),
                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
@@ -118,7 +119,7 @@ void View::record_reset(VkCommandBuffer cmd) {
     full_dependency(cmd, images);
     for (uint32_t i = 0; i < plan().resources.size(); ++i) {
         const PlanResource& r = plan().resources[i];
-        if (r.history && (r.clear_on_reset || options_.poison))
+        if (lasts(i) && (r.clear_on_reset || options_.poison))
             record_clear(cmd, i, previous, r.clear_on_reset ? std::nullopt : options_.poison);
     }
     full_dependency(cmd);
@@ -150,7 +151,8 @@ void View::record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
 void View::record_poison(VkCommandBuffer cmd, size_t pass) const {
     full_dependency(cmd);
     for (uint32_t i = 0; i < plan().resources.size(); ++i)
-        if (plan().resources[i].first_pass == pass) record_clear(cmd, i, parity_, options_.poison);
+        if (plan().resources[i].first_pass == pass && !plan().resources[i].kept)
+            record_clear(cmd, i, parity_, options_.poison);
     full_dependency(cmd);
 }
 

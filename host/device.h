@@ -67,9 +67,9 @@ class Device {
     const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
     std::span<const char* const> extensions() const { return extensions_; }  // enabled on the device
 
-    // Records `commands` into a command buffer, submits it and waits for the queue; not from within `commands`.
-    // One buffer serves all calls: validation layers hold on to a submitted buffer on a thread of their own for
-    // a while after the queue is idle, and freeing one per call then races with it.
+    // Records `commands` into a command buffer, submits it and waits for the queue; not from within
+    // `commands`. One buffer serves all calls: validation layers hold on to a submitted buffer on a thread of
+    // their own for a while after the queue is idle, and freeing one per call then races with it.
     void run(const std::function<void(VkCommandBuffer)>& commands);
 
     // Warnings and errors of the validation layer so far (copies: the layer may report from any thread).

@@ -32,6 +32,13 @@ const float RESAMPLING_SHARE = 0.5, LARGEST_SHARE = 3.0;
 const float SHARE_PER_RADIUS = 1.0;  // per pixel: of the pixels beside a narrow penumbra, how many lie in it
 const float LEAST_SHARE = 0.02;
 const float KNOWN = 12.0;         // frames after which a past in a penumbra is taken at its word
+// Flips that a still edge shows, of what its length and width say (see flips_of), and how many a window may always show: one
+// surprise is no proof. Half of it follows a moving shadow best and is enough for one that stands still (docs/sheared.md).
+const float FLIP_SHARE = 0.5, FEWEST_FLIPS = 0.8;
+const float PAIRS_PER_PX = 1.2732;  // of an edge, mean over its angles: 4 / pi
+const float CELLS_POOLED = 16.0;    // weight of drift's window in cells, so that it has all of FEWEST_FLIPS; see there
+const float NARROW_PX = 0.75;      // radius below which a young past is judged by the edge beside it
+const float OWN_RAY_PX = 1.25;      // radius up to which a handful of neighbours' rays would do the own one's average harm
 const float NEW_RESIDUAL = 0.2;   // weight of a frame in the running mean of the residual
 
 // Rows of 24 pixels around the cell, bit 0 is 8 pixels left of the tile's first; the first row lies R above the cell.
@@ -184,7 +191,7 @@ Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penu
     const Horizon horizon = horizon_of(n, penumbra.tangent);
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     // Own ray only: a penumbra so narrow that no neighbour's can help.
-    const int reach_y = !mixed || min(b1, b2) <= 0.0 ? -1 : box.y;
+    const int reach_y = !mixed || min(b1, b2) <= 0.0 || max(b1, b2) < OWN_RAY_PX ? -1 : box.y;
     for (int dy = -reach_y; dy <= reach_y; ++dy) {
         const uint tested = test_rows[in_rows.y + dy] >> uint(in_rows.x - R), l = lit_rows[in_rows.y + dy] >> uint(in_rows.x - R);
         const int half_width = min(int(sqrt(float(R * R - dy * dy)) + 1e-3), box.x);
@@ -200,6 +207,22 @@ Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penu
     }
     if (m.n > 0.0 && (m.asked > FEWEST || horizon.above == 1.0)) e = estimate_of(m, horizon);
     return e;
+}
+
+// Does the pixel next to this one, which the same ray of light could hit, say something else?
+int differs(ivec2 in_rows, ivec2 offset, ivec2 p, vec3 n, ViewRays rays, float z, float tolerance_m) {
+    const ivec2 q = in_rows + offset;
+    const uint lit = lit_rows[in_rows.y] >> uint(in_rows.x) ^ lit_rows[q.y] >> uint(q.x);
+    const vec3 there = seen_at(rays, vec2(offset), imageLoad(view_depth, p + offset).x);
+    const bool same = (test_rows[q.y] >> uint(q.x) & 1u) != 0u && abs(dot(n, there - (rays.o + z * rays.r))) <= tolerance_m;
+    return same ? int(lit & 1u) : 0;
+}
+
+// In a narrow penumbra the bits are all there is, and a pixel of a young past says nothing of its own variance: it flips
+// or it does not. How many flip depends on the edge: over a length L (`pairs` of unlike neighbours) and a width of 2r lie 2rL
+// pixels whose visibilities are anything between 0 and 1, so the mean of v (1 - v) is a sixth.
+float flips_of(int pairs, float radius_px, float by_count) {
+    return FLIP_SHARE * float(pairs) / PAIRS_PER_PX * radius_px / 3.0 * (1.0 + by_count) + FEWEST_FLIPS / CELLS_POOLED;
 }
 
 // Of the difference between a frame and the past where nothing moves. A pixel beside a narrow penumbra is seldom in it,
@@ -250,6 +273,8 @@ void main() {
     Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     vec2 steps = vec2(1e9);  // light-space pixel sizes
     float largest = 0.0;
+    int pairs = 0, pasts = 0;
+    float radii = 0.0, by_counts = 0.0;  // over these
     for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
@@ -260,13 +285,16 @@ void main() {
             const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), n_light = light * n;
             const ViewRays rays = moved(corner, vec2(offset));
             const Footprint foot = footprint_of(rays, z, n_light);
+            const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
             const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra, foot);
-            Past past = under_this_sun(past_of(p, z, n, params.plane_tolerance * pixel_span_m(z)));
+            Past past = under_this_sun(past_of(p, z, n, tolerance_m));
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
             steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
             largest = max(largest, foot.s.s1);
+            pairs += differs(in_rows, ivec2(1, 0), p, n_light, rays, z, tolerance_m) +
+                     differs(in_rows, ivec2(0, 1), p, n_light, rays, z, tolerance_m);
 
             g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
                          sqrt(squared_error(now)), true);
@@ -274,6 +302,9 @@ void main() {
                 const float d = g.now - g.past;
                 g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
                 const float variance = null_variance(now, past, rho / max(foot.s.s2, 1e-9));
+                ++pasts;
+                radii += rho / max(foot.s.s2, 1e-9);
+                by_counts += 1.0 / past.count;
                 sums.d += d;
                 sums.e += g.residual;
                 sums.v += variance;
@@ -283,6 +314,12 @@ void main() {
             }
         }
         imageStore(gathered, p, uvec4(pack_gathered(g), 0u, 0u));
+    }
+    const float by_pasts = 1.0 / float(max(pasts, 1));
+    if (pasts > 0 && radii * by_pasts < NARROW_PX) {
+        const float flips = flips_of(pairs, radii * by_pasts, by_counts * by_pasts);
+        sums.c += max(flips - sums.v, 0.0);  // where it counts there is one ray
+        sums.v = max(sums.v, flips);
     }
     const vec2 reach = rho > 0.0 && works ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
     const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: MIT
-// Ray hits to an image, for pipelines without a denoiser: 0 where a receiver is occluded, else 1 (sky included).
+// Ray hits to an image, for pipelines without a denoiser: 0 where a receiver is occluded, else 1 (sky included); between
+// where several rays of a pixel disagree.
 #include "node.glsl"
 #include "common/pixels.glsl"
 #include "common/tiles.glsl"
 
 void for_pixel(ivec2 p) {
     const uint i = tile_index(p / TILE);
-    imageStore(visibility, p, vec4((hits[i] & receiver_words[i] & pixel_bit(p)) == 0u ? 1.0 : 0.0));
+    float lit = (hits[i] & receiver_words[i] & pixel_bit(p)) == 0u ? 1.0 : 0.0;
+#if HAS_FRACTION
+    const float between = imageLoad(fraction, p).x;
+    if (between != 0.0) lit = between;
+#endif
+    imageStore(visibility, p, vec4(lit));
 }
 
 void main() { for_each_pixel(); }

@@ -70,16 +70,38 @@ Bits bits_around(ivec2 cell) {
     return bits;
 }
 
-// `column`: of the pixel, as the rows count; `row`: of the cell.
-float by_pattern(ivec2 p, Bits bits, int column, int row) {
-    uint lit = 0u, known = 0u;
-    for (int i = 0; i < 3; ++i) {
-        lit |= (bits.lit[row + i] >> (column - 1) & 7u) << 3 * i;
-        known |= (bits.known[row + i] >> (column - 1) & 7u) << 3 * i;
+// Are both lit and dark pixels among the cell's and those around it? `column`: of the first of them.
+bool unlike(Bits bits, int column) {
+    uint lit = 0u, dark = 0u;
+    for (int i = 0; i < CELL + 2; ++i) {
+        lit |= bits.lit[i] & bits.known[i];
+        dark |= ~bits.lit[i] & bits.known[i];
     }
-    const bool mixed = (lit & known) != 0u && (~lit & known) != 0u;
-    for (int i = 0; i < (mixed ? 1 : 0); ++i) known &= surface_around(p);  // else it does not matter
-    return visibility_by_pattern(edge_pattern(lit, known));
+    const uint columns = ((1u << (CELL + 2)) - 1u) << column;
+    return (lit & columns) != 0u && (dark & columns) != 0u;
+}
+
+// Which of 3x3 pixels show the pixel's surface, as surface_around() has it, without its five unprojections.
+uint surface_seen(ivec2 p, ViewRays rays) {
+    const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
+    const float z = imageLoad(view_depth, p).x, tolerance_m = OWN_PLANE_PX * pixel_span_m(z);
+    const vec3 n = decode_normal(imageLoad(guide_normal, p)), here = rays.o + z * rays.r;
+    const ivec2 last = ivec2(frame.size) - 1;
+    uint surface = WHOLE_PATTERN;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 q = clamp(p + 2 * ivec2(i & 1, i >> 1) - 1, ivec2(0), last);
+        const vec3 there = seen_at(rays, vec2(q - p), imageLoad(view_depth, q).x);
+        if (!(abs(dot(n, there - here)) <= tolerance_m)) surface &= ~CORNERS[i];
+    }
+    return surface;
+}
+
+// The nine bits of a pixel, and which of them are of receivers. `column`: as the rows count; `row`: of the cell.
+uvec2 bits_of(Bits bits, int column, int row) {
+    uvec2 nine = uvec2(0u);
+    for (int i = 0; i < 3; ++i)
+        nine |= uvec2(bits.lit[row + i] >> (column - 1) & 7u, bits.known[row + i] >> (column - 1) & 7u) << 3 * i;
+    return nine;
 }
 
 void main() {
@@ -87,25 +109,34 @@ void main() {
     if (any(greaterThanEqual(cell, cell_grid()))) return;
     const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
     const ivec2 first = cell * CELL, steps = ivec2(unpackHalf2x16(floatBitsToUint(size.y)));
-    const bool asks = size.x >= 0.0 && size.x < WIDEST;
+    const bool narrow = size.x >= 0.0 && size.x < WIDEST;
+    Bits bits;
+    bool asks = false;  // where all bits agree, so do the patterns
+    for (int i = 0; i < (narrow ? 1 : 0); ++i) {
+        bits = bits_around(cell);
+        asks = unlike(bits, 7 + (first.x & 7));
+    }
     const bool works = (steps.x | steps.y) != 0 || asks;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 p = first + ivec2(i & 3, i >> 2);
         imageStore(visibility, p, vec4(unpack_state(imageLoad(state, p).x).visibility));
     }
     const ViewRays corner = view_rays(first, mat3(1.0));
-    Bits bits;
-    for (int i = 0; i < (asks ? 1 : 0); ++i) bits = bits_around(cell);
     const float fade = asks ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
     for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const ShadowState own = unpack_state(imageLoad(state, p).x);
+        const ViewRays rays = moved(corner, vec2(offset));
         float v = own.visibility;
-        if (own.count > 0.0) {
-            v = softened(p, steps, own, moved(corner, vec2(offset)));
-            const float share = fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples);
-            if (share > LEAST_SHARE) v = mix(v, by_pattern(p, bits, 8 + (first.x & 7) + offset.x, offset.y), share);
-        }
+        const bool softens = own.count > 0.0 && (steps.x | steps.y) != 0;
+        for (int k = 0; k < (softens ? 1 : 0); ++k) v = softened(p, steps, own, rays);
+        float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples) : 0.0;
+        if (share <= LEAST_SHARE) share = 0.0;
+        const uvec2 nine = bits_of(bits, 8 + (first.x & 7) + offset.x, offset.y);
+        const bool mixed = (nine.x & nine.y) != 0u && (~nine.x & nine.y) != 0u;  // else the surface does not matter
+        uint known = nine.y;
+        for (int k = 0; k < (mixed && share > 0.0 ? 1 : 0); ++k) known &= surface_seen(p, rays);
+        if (share > 0.0) v = mix(v, visibility_by_pattern(edge_pattern(nine.x, known)), share);
         imageStore(visibility, p, vec4(v));
     }
 }

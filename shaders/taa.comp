@@ -5,7 +5,8 @@
 // supersampling (2016).
 //
 // published: the new colour counts 1/16, and the box alone rejects history.
-// robust: a history texel counts where it showed a surface that is seen around the pixel now (distance to its plane), and
+// robust: a history texel counts where it showed a surface that is seen around the pixel now (distance to its plane), or
+// something thinner than a pixel before one; and
 // the new colour counts 1/n of n frames: an edge under 16 jitter positions is their mean after 16 frames, and what has just
 // come into view starts anew. Where nothing moves, a pixel's history is its own.
 #include "node.glsl"
@@ -108,6 +109,7 @@ vec3 clamp_to_neighbours(ivec2 p, vec3 past, float scale) {
 struct Past {
     vec3 color;
     float frames;
+    bool thin;  // it may have shown something thinner than a pixel that is not seen now
 };
 
 float frames_of(float alpha) { return floor(alpha * float(MAX_FRAMES) + 0.5); }
@@ -142,11 +144,38 @@ bool was_seen(Plane plane, vec2 uv, float z) {
     return off.x <= plane.tolerance_m || off.y <= plane.tolerance_m;
 }
 
+// What is seen around the pixel now: two surfaces and perhaps the sky.
+struct Seen {
+    Plane front, back;
+    bool solid, sky;
+};
+
+// Whether a texel of the previous frame showed any of it.
+bool showed(Seen seen, ivec2 t) {
+    const float z = imageLoad(view_depth_prev, t).x;
+    const vec2 uv = (vec2(t) + 0.5) / vec2(frame.prev_size) - frame.prev_jitter;
+    const bool surface = seen.solid && (was_seen(seen.front, uv, z) || was_seen(seen.back, uv, z));
+    return z > 0.0 ? surface : seen.sky;
+}
+
+// What is thinner than a pixel comes and goes with the jitter: gone from all nine pixels, it is still no surface that went
+// away if what is seen now was seen on both sides of it. Should it have gone all the same, its colour must not stay: what
+// lies between the mean around the pixel and the pixel's own colour does.
+bool was_thin(Seen seen, ivec2 t, ivec2 last) {
+    bool thin = false;
+    for (int axis = 0; axis < 2; ++axis) {
+        const ivec2 side = axis == 0 ? ivec2(1, 0) : ivec2(0, 1);
+        const bool both = showed(seen, clamp(t - side, ivec2(0), last)) && showed(seen, clamp(t + side, ivec2(0), last));
+        thin = thin || both;
+    }
+    return thin;
+}
+
 // An edge of the picture alternates with the jitter between what is in front and what is behind, so a texel may have shown
 // either. Where one of the four around the position showed something else, the largest share of the others stands for all.
 Past past_at(vec2 texel, Around around) {
-    const Plane front = plane_at(around.nearest, around.nearest_depth), back = plane_at(around.farthest, around.farthest_depth);
-    const bool solid = around.farthest_depth > 0.0;
+    const Seen seen = Seen(plane_at(around.nearest, around.nearest_depth), plane_at(around.farthest, around.farthest_depth),
+                           around.farthest_depth > 0.0, around.sky);
     const ivec2 last = ivec2(frame.prev_size) - 1, base = ivec2(floor(texel - 0.5));
     // Rounding must not turn "exactly there" into a neighbour's tiny share.
     const float SUBTEXELS = 256.0;
@@ -157,24 +186,22 @@ Past past_at(vec2 texel, Around around) {
         const ivec2 offset = ivec2(i & 1, i >> 1);
         const vec2 axes = mix(1.0 - f, f, vec2(offset));
         const ivec2 t = clamp(base + offset, ivec2(0), last);
-        const float z = imageLoad(view_depth_prev, t).x;
-        const vec2 uv = (vec2(t) + 0.5) / vec2(frame.prev_size) - frame.prev_jitter;
-        const bool surface = solid && (was_seen(front, uv, z) || was_seen(back, uv, z));
-        const bool counts = z > 0.0 ? surface : around.sky;
-        const float share = counts ? axes.x * axes.y : 0.0;
+        const float share = showed(seen, t) ? axes.x * axes.y : 0.0;
         best = share > best_share ? t : best;
         best_share = max(best_share, share);
         shares += share;
     }
-    const vec4 value = texelFetch(history, best, 0);
+    const ivec2 nearest = clamp(ivec2(floor(texel)), ivec2(0), last);
+    const bool none = best_share < 0.05, thin = none && was_thin(seen, nearest, last);
+    const vec4 value = texelFetch(history, none ? nearest : best, 0);
     // The shares of four that count are 1, exactly: they are multiples of 2^-16.
     const bool between = best_share < 1.0 && shares == 1.0;
-    return Past(between ? history_at(texel) : value.xyz, best_share < 0.05 ? 0.0 : frames_of(value.w));
+    return Past(between ? history_at(texel) : value.xyz, none && !thin ? 0.0 : frames_of(value.w), thin);
 }
 #else
 Past past_at(vec2 texel, Around around) {
     const vec4 value = texelFetch(history, ivec2(texel), 0);
-    return Past(value.xyz, frames_of(value.w));
+    return Past(value.xyz, frames_of(value.w), false);
 }
 #endif
 
@@ -185,7 +212,8 @@ vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
         const vec2 texel = (vec2(p) + 0.5) * (vec2(frame.prev_size) / vec2(frame.size)) + v * vec2(frame.prev_size);
         const Past past = past_at(texel, around);
         if (past.frames >= 1.0) {
-            const vec3 before = clamp_to_neighbours(p, compress(storable(past.color)), params.clamp_sigma);
+            const float scale = past.thin ? 0.0 : params.clamp_sigma;
+            const vec3 before = clamp_to_neighbours(p, compress(storable(past.color)), scale);
             frames = min(past.frames + 1.0, float(MAX_FRAMES));
             c = before + (c - before) / frames;
         }

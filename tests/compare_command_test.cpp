@@ -212,6 +212,18 @@ TEST_F(CompareSequence, TellsAllThatTheFilesCarry) {
     EXPECT_EQ(m["false_shadow"].get<double>(), 0);
     EXPECT_TRUE(m["interval"].is_null());
 
+    CompareArguments whole = arguments();  // one of the tile's 16 rays answers otherwise
+    whole.whole_rays = folder("whole");
+    fs::create_directories(root_ / "whole");
+    EXPECT_EQ(run(whole).code, exit_wrong) << "asked for, and not there";
+    for (uint32_t frame = 0; frame < 6; ++frame) {
+        write_image(root_ / "a", "hits", frame, {words(0x00ff0001)}, 8, 4);
+        write_image(root_ / "whole", "hits", frame, {words(0xf0ff0003)}, 8,
+                    4);  // four of others do not count
+    }
+    EXPECT_NEAR(nlohmann::json::parse(run(whole).out)["misclassified"]["interval"].get<double>(), 1.0 / 16,
+                1e-12);
+
     CompareArguments text = arguments();
     text.json = false;
     EXPECT_NE(run(text).out.find("after a change 1 frames"), std::string::npos) << run(text).out;

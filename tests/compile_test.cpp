@@ -46,6 +46,9 @@ NodeSet small_set() {
                   "motion_prev": { "kind": "image", "format": ["rg16f", "rgba16f", "r32f"], "previous": true } },
       "outputs": { "seen": { "kind": "image", "format": "r16f", "extent": "motion" } },
       "dispatch": { "over": "seen" } })");
+    add("tally", R"({ "node": "tally", "doc": "d", "shader": "s.comp",
+      "outputs": { "kept": { "kind": "image", "format": "r16f", "writes": "kept" } },
+      "dispatch": { "over": "kept" } })");
     add("picky", R"({ "node": "picky", "doc": "d", "shader": "s.comp",
       "inputs": { "motion": { "kind": "image", "format": ["rgba16f", "rg16f"] } },
       "outputs": { "picked": { "kind": "image", "format": "r16f" } }, "dispatch": { "over": "frame" } })");
@@ -188,6 +191,37 @@ TEST(CompileConstants, AValueFitsItsParameterOnly) {
         << "would overrun the block";
     EXPECT_TRUE(fits(*type.param("shape"), ParamValue(std::string("box"))));
     EXPECT_FALSE(fits(*type.param("shape"), ParamValue(std::string("cone"))));
+}
+
+// One memory that lives all the time, so that nobody else gets it; no previous value, and no other name.
+TEST(CompileKept, HasOneMemoryForAllFrames) {
+    const NodeSet set = small_set();
+    const std::string nodes = R"("t": { "type": "tally" }, "source": { "type": "source" },
+          "a": { "type": "twice", "in": { "value": "value" }, "out": { "doubled": "two" } })";
+    const Plan plan =
+        *compile_text(set, R"("outputs": ["kept", "two"], "nodes": {)" + nodes + "}", target_of({64, 64}))
+             .plan;
+    const PlanResource& kept = *resource_of(plan, "kept");
+    EXPECT_TRUE(kept.kept);
+    EXPECT_TRUE(kept.clear_on_reset);
+    EXPECT_EQ(kept.length, plan.period());
+    EXPECT_EQ(kept.offset[0], kept.offset[1]);
+    expect_sound(plan);
+    for (const auto& [reader, message] : std::vector<std::pair<std::string, std::string>>{
+             {R"("r": { "type": "mix", "in": { "value": "two", "before": "kept@-1" } })",
+              "\"kept\" is kept in place, so its previous value is gone"},
+             {R"("r": { "type": "twice", "in": { "value": "kept" }, "out": { "doubled": "mixed" } })",
+              "\"kept\" is kept for the next frame and cannot be updated"}}) {
+        std::string errors;
+        try {
+            (void)compile_text(set,
+                               R"("outputs": ["kept", "mixed"], "nodes": {)" + nodes + ", " + reader + "}",
+                               target_of({64, 64}));
+        } catch (const std::runtime_error& error) {
+            errors = error.what();
+        }
+        EXPECT_NE(errors.find(message), std::string::npos) << errors;
+    }
 }
 
 TEST(CompileUpdates, AChainIsOneResourceThatLivesFromFirstToLastName) {

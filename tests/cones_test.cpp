@@ -135,24 +135,30 @@ TEST_P(Cones, NeverContradictARay) {
 }
 
 // What is proved needs no ray, and what is left gets the ray that it gets without proofs: the words of the
-// two pipelines are the same bits, whatever the camera, the sun and the objects do.
-void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> frames) {
+// two pipelines are the same bits, whatever the camera, the sun and the objects do. So are the images, of one
+// ray and of several.
+void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> frames, uint32_t rays = 1) {
+    const std::vector<std::string> settings = {"nodes.trace.params.rays_per_pixel=" + std::to_string(rays)};
     std::vector<std::vector<uint32_t>> words[2];
+    std::vector<std::vector<uint8_t>> images[2];
     for (const bool hybrid : {false, true}) {
         SessionOptions options;
         options.size = shot.size;
         options.optimum = false;
-        options.captures = {"hits"};
+        options.captures = {"hits", "visibility"};
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        const auto session = Session::open(gpu(), nodes(), pipeline_named(hybrid ? "hybrid_raw" : "raw"),
-                                           shot, options, diagnostics, warnings);
+        const auto session =
+            Session::open(gpu(), nodes(), pipeline_named(hybrid ? "hybrid_raw" : "raw", settings), shot,
+                          options, diagnostics, warnings);
         ASSERT_TRUE(session) << diagnostics.text();
         for (const uint32_t frame : frames) {
             session->run_frame(frame, frame == *frames.begin());
             words[hybrid].push_back(captured<uint32_t>(*session, "hits"));
+            images[hybrid].push_back(captured<uint8_t>(*session, "visibility"));
         }
     }
+    EXPECT_TRUE(images[0] == images[1]) << shot.name;
     for (size_t f = 0; f < words[0].size(); ++f)
         for (size_t i = 0; i < words[0][f].size(); ++i)
             ASSERT_EQ(words[0][f][i], words[1][f][i]) << shot.name << ", word " << i << " of frame " << f;
@@ -160,6 +166,10 @@ void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> f
 
 TEST_P(Cones, ChangeNoRaysAnswer) {
     expect_the_words_of_raw(shipped(GetParam(), {200, 113}), {0, 1, 9});
+}
+
+TEST_P(Cones, ChangeNoneOfSeveralRays) {
+    expect_the_words_of_raw(shipped(GetParam(), {200, 113}), {0, 1}, 5);
 }
 
 class ConesOn : public GpuTest {};
@@ -171,6 +181,7 @@ TEST_F(ConesOn, MovingObjectsChangeNoRaysAnswer) {
 // A hole lets rays through, whatever surrounds it: a proof that took a leaf card for solid would show here.
 TEST_F(ConesOn, AlphaTestedCardsChangeNoRaysAnswer) {
     expect_the_words_of_raw(shipped("cards", {200, 113}), {0, 1});
+    expect_the_words_of_raw(shipped("cards", {200, 113}), {0}, 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shots, Cones,

@@ -155,10 +155,12 @@ TEST(Condition, HoldsUnderFactsAndConstantParameters) {
     EXPECT_TRUE(test(" ! sun_up&alpha ", {{"sun_up", false}}));
     EXPECT_TRUE(test("mode=tent & taps=3 & fast=false", {}));
     EXPECT_FALSE(test("mode = plane", {}));
+    EXPECT_TRUE(test("!mode=plane & !taps=1", {}));
+    EXPECT_FALSE(test("!taps = 3", {}));
     EXPECT_TRUE(holds({}, {}, {})) << "no condition is always";
     for (const char* text :
-         {"", "&", "sun_up &", "sun", "!mode=tent", "mode", "mode=tnet", "taps=x", "taps=3.5", "fast=1",
-          "sun_up & !sun_up", "mode=tent & mode=plane", "sun_up | alpha"})
+         {"", "&", "sun_up &", "sun", "!mode=tnet", "mode", "mode=tnet", "taps=x", "taps=3.5", "fast=1",
+          "sun_up & !sun_up", "mode=tent & mode=plane", "mode=tent & !mode=tent", "sun_up | alpha"})
         EXPECT_FALSE(condition(text, type)) << text;
 }
 
@@ -169,6 +171,12 @@ TEST(Condition, ExclusiveMeansALiteralAndItsNegation) {
     EXPECT_FALSE(exclusive(up, other));
     EXPECT_FALSE(exclusive(up, up));
     EXPECT_FALSE(exclusive({}, down));
+    const Condition one = {{"rays", false, "1"}}, two = {{"rays", false, "2"}},
+                    not_one = {{"rays", true, "1"}}, not_two = {{"rays", true, "2"}};
+    EXPECT_TRUE(exclusive(one, two));
+    EXPECT_TRUE(exclusive(one, not_one));
+    EXPECT_FALSE(exclusive(two, not_one));
+    EXPECT_FALSE(exclusive(not_one, not_two));
 }
 
 TEST(NodeSet, ReplacesATypeInPlace) {

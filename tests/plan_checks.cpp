@@ -33,6 +33,7 @@ std::vector<Held> holdings(const Plan& plan, uint32_t frames) {
                         held.last = std::max(held.last, at);
                     }
             if (plan.resources[r].output) held.last = std::max(held.last, (frame + 1) * passes - 1);
+            if (plan.resources[r].kept) held = {r, frame, frame == 0 ? 0 : ~0ull, ~0ull - 1};  // one for all
             if (held.first != ~0ull) result.push_back(held);
         }
     return result;
@@ -54,6 +55,12 @@ struct Event {
     std::string label;
 };
 
+// Which of the two instances a frame's use is of; what is kept has one.
+uint32_t instance_of(const Plan& plan, const PassUse& use, uint32_t parity) {
+    if (plan.resources[use.resource].kept) return 0;
+    return use.previous ? 1 - parity : parity;
+}
+
 std::vector<Event> events(const Plan& plan, uint32_t frames) {
     std::vector<Event> list;
     for (uint32_t frame = 0; frame < frames; ++frame) {
@@ -70,7 +77,7 @@ std::vector<Event> events(const Plan& plan, uint32_t frames) {
                      label + " (clear)"});
             list.push_back({true, pass.after_clears[parity], {}, parity, label});
             for (const PassUse& use : pass.uses)
-                list.push_back({false, {}, use, use.previous ? 1 - parity : parity, label});
+                list.push_back({false, {}, use, instance_of(plan, use, parity), label});
         }
         list.push_back({true, plan.end[parity], {}, parity, "end"});
     }
@@ -139,12 +146,12 @@ bool transition_ordered(const std::vector<Event>& list, size_t from, size_t to, 
     return !first.write || r.available || flushes(list[to].dependency, first);
 }
 
-// Images come to life undefined, every frame.
+// Images come to life undefined, every frame, unless they are kept (a reset gives those a layout).
 std::vector<std::string> missing_activations(const Plan& plan) {
     std::vector<std::string> errors;
     for (uint32_t r = 0; r < plan.resources.size(); ++r)
         for (const Dependency& d : plan.passes[plan.resources[r].first_pass].before)
-            if (plan.resources[r].kind == PortKind::image &&
+            if (plan.resources[r].kind == PortKind::image && !plan.resources[r].kept &&
                 std::none_of(d.activations.begin(), d.activations.end(),
                              [&](const Activation& a) { return a.resource == r; }))
                 errors.push_back(plan.resources[r].names.front() + " is used without a layout");

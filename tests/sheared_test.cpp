@@ -15,7 +15,9 @@ double n_eff(const Edge& edge, uint32_t seed = 1) {
 class Sheared : public GpuTest {};
 
 TEST_F(Sheared, ConvergesToTheTruth) {
+    EXPECT_GT(n_eff({.width_px = 0.5}), 60);  // 2 where a young past is taken at its word
     EXPECT_GT(n_eff({.width_px = 1}), 60);
+    EXPECT_GT(n_eff({.width_px = 2}), 100);  // 63 with a handful of neighbours' rays
     EXPECT_GT(n_eff({.width_px = 8}), 400);
     EXPECT_GT(n_eff({.width_px = 16}), 800);
     EXPECT_GT(n_eff({.width_px = 32}), 1200);

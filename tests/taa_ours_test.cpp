@@ -246,6 +246,55 @@ TEST_P(TaaOurs, WhatComesIntoViewShowsNoGhost) {
     }
 }
 
+// A bar of a third of a pixel that stands still comes and goes with the jitter, and away from all nine pixels
+// around with it; a pixel beside it keeps its history all the same. One of a pixel that moves on by three a
+// frame is taken for such a bar where it was: its colour goes at once all the same, and what is left there is
+// a blur of the texture.
+TEST_P(TaaOurs, WhatIsThinnerThanAPixelEndsNoHistory) {
+    const Extent extent{64, 32};
+    Taa taa(extent, GetParam(), robust);
+    std::vector<float> held;
+    for (int frame = 0; frame < 16; ++frame) {
+        const Picture picture = [&](glm::dvec2 p) {
+            return std::abs(p.x - 32.4) < 1.0 / 6 ? Sample{glm::dvec3(0.9, 0.1, 0.1), 5}
+                                                  : Sample{glm::dvec3(0.3), 10};
+        };
+        taa.frame(picture, frame == 0);
+        held = taa.frames_held();
+    }
+    for (size_t i = 0; i < held.size(); ++i)
+        EXPECT_EQ(held[i], 16) << i % extent.width << ", " << i / extent.width;
+}
+
+TEST_P(TaaOurs, WhatIsThinAndLeavesTakesItsColourAlong) {
+    const auto trail = [&](const std::string& node, double contrast) {
+        const Extent extent{96, 32};
+        Taa taa(extent, GetParam(), node);
+        double worst = 0;
+        for (int frame = 0; frame < 12; ++frame) {
+            const double left = 20 + 3.0 * frame;
+            const Picture picture = [&](glm::dvec2 p) {
+                if (p.x >= left && p.x < left + 1)
+                    return Sample{glm::dvec3(0.9, 0.1, 0.1), 5, {frame ? -3.0 : 0.0, 0, 0}};
+                const int stripe = static_cast<int>(std::floor(p.x / 2) + std::floor(p.y / 2)) & 1;
+                return Sample{glm::dvec3(0.5 + (stripe ? contrast : -contrast)), 10};
+            };
+            const auto out = taa.frame(picture, frame == 0, false), lit = taa.lit();
+            for (size_t i = 0; frame > 0 && i < out.size(); ++i) {
+                if (std::abs(taa.centre(i).x - (left - 2.5)) > 0.1) continue;  // where it was
+                for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(out[i][c] - lit[i][c]));
+            }
+        }
+        return worst;
+    };
+    for (const double contrast : {0.0, 0.2}) {
+        const double ours = trail(robust, contrast), theirs = trail(published, contrast);
+        std::printf("trail over contrast %.1f: %.5f, published %.5f\n", contrast, ours, theirs);
+        EXPECT_LT(ours, contrast + 1.0 / 255);
+        EXPECT_LE(ours, theirs);
+    }
+}
+
 // A surface keeps its history while it moves, also towards the camera where the host's motion says so.
 TEST_P(TaaOurs, AMovingSurfaceKeepsItsHistory) {
     for (const double told : {1.0, 0.0}) {

@@ -84,7 +84,7 @@ const std::map<std::string, std::string>& declarations() {
     "signal": { "kind": "image", "format": ["rg16f", "r16f"] },
     "meta":   { "kind": "texels", "format": "r32ui", "optional": true }
   },
-  "outputs": { "filtered": { "kind": "image", "format": ["r16f", "r8", "rg16f"], "range": [[0, 1], [0, null]] } },
+  "outputs": { "filtered": { "kind": "image", "format": ["r16f", "r8", "rg16f"], "range": [[0, 1], [0, 8]] } },
   "params": {
     "step": { "type": "int", "default": 1, "range": [1, 16], "unit": "px", "constant": true, "doc": "between taps" },
     "strength": { "type": "float", "default": 1, "range": [0, 4], "doc": "of the filter" },

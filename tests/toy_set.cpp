@@ -35,7 +35,7 @@ const NodeSet& toy_set() {
     static const NodeSet set = [] {
         NodeSet nodes;
         for (const char* name : {"toy_blend", "toy_chain", "toy_double", "toy_fill", "toy_list", "toy_pick",
-                                 "toy_remember", "toy_scatter"})
+                                 "toy_remember", "toy_scatter", "toy_tally"})
             nodes.add(compile_toy(root / "tests/toy" / (std::string(name) + ".json")));
         return nodes;
     }();

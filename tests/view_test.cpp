@@ -214,6 +214,32 @@ TEST_F(ViewGpu, ACopyKeepsTheHostImagesPreviousValue) {
         }
 }
 
+// What a pass leaves unwritten stays as it was, among neighbours that share memory and are poisoned; a reset
+// empties it.
+TEST_F(ViewGpu, WhatIsKeptLastsUntilAReset) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["tally", "trail", "blended"], "nodes": {
+        "tally": { "type": "toy_tally" }, "fill": { "type": "toy_fill" },
+        "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })",
+                                             toy_set());
+    const auto program = program_of(pipeline, toy_set(), true);
+    for (const uint32_t n : {1u, 3u})
+        for (const uint32_t last : {0u, 3u, 4u, 7u}) {
+            View view(program, {.frames_in_flight = n, .poison = last & 1});
+            Ring ring(n);
+            for (uint32_t f = 0; f <= last; ++f)
+                ring.submit(f, [&](VkCommandBuffer cmd) { view.record(cmd, description(f, f == 4), {}); });
+            Ring::wait();
+            const uint32_t first = last < 4 ? 0 : 4;
+            uint32_t tally[2] = {};
+            std::memcpy(tally, view.captured("tally").data(), sizeof tally);
+            EXPECT_EQ(tally[0], last - first + 1);
+            EXPECT_EQ(tally[1], last);
+            std::vector<float> expected(width * height, 0.0f);
+            for (uint32_t f = first; f <= last; ++f) expected[f] = static_cast<float>(f + 1);
+            EXPECT_EQ(floats(view.captured("trail")), expected) << n << " in flight, frame " << last;
+        }
+}
+
 TEST_F(ViewGpu, ASlotThatIsNotBoundIsNamed) {
     const NodeSet set = set_with_copy();
     View view(program_of(checked(kept_input, set), set), {});

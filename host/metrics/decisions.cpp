@@ -19,26 +19,45 @@ void DecisionSums::add(const DecisionSums& other) {
     squares += other.squares;
 }
 
+namespace {
+
+// Where a pixel's bit is among a frame's words.
+class TileBits {
+  public:
+    explicit TileBits(const ComparedFrame& frame)
+        : width_(frame.width),
+          tiles_x_((frame.width + tile_words_width - 1) / tile_words_width),
+          tiles_y_((frame.height + tile_words_height - 1) / tile_words_height) {}
+
+    size_t words() const { return tiles_x_ * tiles_y_; }
+    bool at(std::span<const uint32_t> words, size_t pixel) const {
+        const size_t x = pixel % width_, y = pixel / width_;
+        const size_t tile = y / tile_words_height * tiles_x_ + x / tile_words_width;
+        return words[tile] >> (y % tile_words_height * tile_words_width + x % tile_words_width) & 1;
+    }
+
+  private:
+    size_t width_, tiles_x_, tiles_y_;
+};
+
+}  // namespace
+
 DecisionSums judge_decisions(const ComparedFrame& frame, const TileWords& words) {
-    const size_t tiles_x = (frame.width + tile_words_width - 1) / tile_words_width,
-                 tiles_y = (frame.height + tile_words_height - 1) / tile_words_height;
-    if (words.undecided.size() != tiles_x * tiles_y || words.shadowed.size() != tiles_x * tiles_y ||
+    const TileBits bits(frame);
+    if (words.undecided.size() != bits.words() || words.shadowed.size() != bits.words() ||
         frame.truth.size() != frame.pixels() || frame.counted.size() != frame.pixels())
         throw std::invalid_argument("judge_decisions: not one word per tile");
     DecisionSums sums;
     for (size_t p = 0; p < frame.pixels(); ++p) {
         if (!frame.counted[p]) continue;
-        const size_t x = p % frame.width, y = p / frame.width;
-        const size_t tile = y / tile_words_height * tiles_x + x / tile_words_width;
-        const size_t bit = y % tile_words_height * tile_words_width + x % tile_words_width;
         const double truth = static_cast<double>(frame.truth[p]);
-        const bool traced = words.undecided[tile] >> bit & 1;
+        const bool traced = bits.at(words.undecided, p);
         ++sums.pixels;
         sums.penumbra += in_penumbra(truth);
         sums.traced += traced;
         sums.penumbra_traced += traced && in_penumbra(truth);
         if (traced) continue;
-        const bool lit = !(words.shadowed[tile] >> bit & 1);
+        const bool lit = !bits.at(words.shadowed, p);
         const double error = std::abs((lit ? 1 : 0) - truth);
         sums.beyond_eps += error > penumbra_eps;
         sums.beyond_05 += error > 0.05;
@@ -46,6 +65,30 @@ DecisionSums judge_decisions(const ComparedFrame& frame, const TileWords& words)
         sums.false_lit += lit && error > penumbra_eps;
         sums.false_shadow += !lit && error > penumbra_eps;
         sums.squares += error * error;
+    }
+    return sums;
+}
+
+void IntervalSums::add(const IntervalSums& other) {
+    rays += other.rays;
+    others += other.others;
+}
+
+std::optional<double> IntervalSums::share() const {
+    return rays ? std::optional(static_cast<double>(others) / static_cast<double>(rays)) : std::nullopt;
+}
+
+IntervalSums judge_interval(const ComparedFrame& frame, std::span<const uint32_t> undecided,
+                            std::span<const uint32_t> hits, std::span<const uint32_t> whole_hits) {
+    const TileBits bits(frame);
+    for (const auto words : {undecided, hits, whole_hits})
+        if (words.size() != bits.words())
+            throw std::invalid_argument("judge_interval: not one word per tile");
+    IntervalSums sums;
+    for (size_t p = 0; p < frame.pixels(); ++p) {
+        if (!frame.counted[p] || !bits.at(undecided, p)) continue;
+        ++sums.rays;
+        sums.others += bits.at(hits, p) != bits.at(whole_hits, p);
     }
     return sums;
 }

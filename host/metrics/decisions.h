@@ -29,6 +29,18 @@ struct DecisionSums {
 // Throws std::invalid_argument where the words are not those of the frame's tiles.
 DecisionSums judge_decisions(const ComparedFrame& frame, const TileWords& words);
 
+// Rays, one per undecided pixel, and those that answer otherwise than the same ray without an interval.
+struct IntervalSums {
+    uint64_t rays = 0, others = 0;
+
+    void add(const IntervalSums& other);
+    std::optional<double> share() const;
+};
+
+// Words as above; a bit of `hits` and `whole_hits` is 1 where the ray met something.
+IntervalSums judge_interval(const ComparedFrame& frame, std::span<const uint32_t> undecided,
+                            std::span<const uint32_t> hits, std::span<const uint32_t> whole_hits);
+
 // Shares of all measured pixels, but recall = penumbra traced / penumbra and eta_ray = penumbra traced /
 // traced.
 struct DecisionMetrics {

@@ -8,6 +8,8 @@ layout(push_constant) uniform Constants {
     float depth_m;               // metres per unit of depth
     float texel_m;
     int layer;
+    uint triangle_count;
+    float raster_margin;  // texels by which the rasteriser may move a vertex
 } cascade;
 
 // u and v in texels, metres along the light.

@@ -78,8 +78,8 @@ bool walk_leaf(inout Walk walk, uint leaf) {
     const uint first = beam_meets(walk, v.v0, v.v1, v.v2);
     uint second = MISSES_BEAM;
     if (v.v3 != v.v2) second = beam_meets(walk, v.v2, v.v1, v.v3);
-    if (first == PIERCED_BY_AXIS && covers(walk, leaf << 1)) walk.covered = true;
-    if (!walk.covered && second == PIERCED_BY_AXIS && covers(walk, leaf << 1 | 1u)) walk.covered = true;
+    const bool pierced = first == PIERCED_BY_AXIS || second == PIERCED_BY_AXIS;
+    if (pierced && covers(walk, leaf << 1 | uint(first != PIERCED_BY_AXIS))) walk.covered = true;
     if ((first | second) != MISSES_BEAM) walk.clean = false;
     return walk.covered;
 }

@@ -25,6 +25,7 @@ struct Cascade {
     mat3x4 map;
     float texel_m;  // width of a texel
     float depth_m;  // metres per unit of depth
+    uint revision;  // another value whenever what this layer of the maps shows changes; 0: the host does not tell
 };
 
 struct Cascades {

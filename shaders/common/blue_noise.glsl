@@ -17,10 +17,15 @@ uvec2 noise_tile(ivec2 pixel, uint seed) {
 }
 
 // fract(tile + frame * (0.7548776662, 0.5698402910) + h(seed)): the steps are 1/p and 1/p^2 for p^3 = p + 1, times 2^32.
-vec2 noise_r2(ivec2 pixel, uint frame, uint seed) {
+uvec2 noise_r2_fixed(ivec2 pixel, uint frame, uint seed) {
     uint first = noise_hash(seed ^ 0x9E3779B9u), second = noise_hash(first);
-    return noise_unit(noise_tile(pixel, seed) + frame * uvec2(3242174889u, 2447445414u) + uvec2(first, second));
+    return noise_tile(pixel, seed) + frame * uvec2(3242174889u, 2447445414u) + uvec2(first, second);
 }
+vec2 noise_r2(ivec2 pixel, uint frame, uint seed) { return noise_unit(noise_r2_fixed(pixel, frame, seed)); }
+
+// Where the k-th of n samples of one pixel and frame lies from its first: the points (k / n, k / golden ratio) of the torus,
+// as even for every n as a Fibonacci lattice is for its own. Turned by a uniform first sample each of them is uniform.
+uvec2 noise_step(uint k, uint n) { return k * uvec2(0xFFFFFFFFu / n, 2654435769u); }
 
 // The published form, for the baseline: 8-bit noise and one golden-ratio phase on both axes, so a pixel only ever samples
 // one line of the square.

@@ -21,6 +21,9 @@ uint pixel_bit(ivec2 p) { return 1u << uint((p.y & 3) * 8 + (p.x & 7)); }
 // A tile's pixel for each of 32 lanes, in blocks of 4x2: the 8 lanes of a software device's subgroup walk a tree together.
 ivec2 pixel_of_lane(int lane) { return ivec2((lane >> 3 & 1) * 4 + (lane & 3), (lane >> 4) * 2 + (lane >> 2 & 1)); }
 
+// A tile's mask with the pixels numbered as lanes: pixel_of_lane() swaps bits 2 and 3 of an index.
+uint lanes_of_pixels(uint mask) { return (mask & 0xF00FF00Fu) | (mask & 0x00F000F0u) << 4 | (mask & 0x0F000F00u) >> 4; }
+
 // The bits of a tile that are pixels of the image.
 uint inside_mask(ivec2 tile) {
     if (any(lessThan(tile, ivec2(0)))) return 0u;

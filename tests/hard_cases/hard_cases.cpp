@@ -103,6 +103,7 @@ SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& opt
     session_options.facts = options.facts;
     session_options.cascade_size = options.cascade_size;
     session_options.optimum = false;
+    session_options.pass_costs = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     session_ = Session::open(gpu(), nodes(), pipeline_with(pipeline, options.settings), std::move(shot),

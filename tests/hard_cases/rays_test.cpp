@@ -133,14 +133,60 @@ TEST_F(HardCase, AContactShadowOfOnePixelSurvivesTheDenoiser) {
     const auto brightest = [](const std::string& pipeline, uint32_t frames) {
         return std::ranges::max(beside_the_sheet(pipeline, frames, 0.2665, 0.008, {}).values);
     };
-    for (const uint32_t frames : {1u, 8u})
-        figure(
-            ("case 56, brightest pixel of a contact shadow after frames: " + std::to_string(frames)).c_str(),
-            brightest("fidelityfx", frames), brightest("shadows", frames));
+    for (const uint32_t frames : {1u, 8u, 16u}) {
+        const std::string after = " after frames: " + std::to_string(frames);
+        figure(("case 56, brightest pixel of a contact shadow" + after).c_str(),
+               brightest("fidelityfx", frames), brightest("shadows", frames));
+        figure(("case 56, the same by sheared" + after).c_str(), NAN, brightest("sheared", frames));
+        figure(("case 56, of the rays" + after).c_str(), NAN, brightest("raw", frames));
+    }
     const float naive = brightest("fidelityfx", 16), ours = brightest("shadows", 16);
-    figure("case 56, the same after 16", naive, ours);
     EXPECT_LT(ours, 0.1);
     EXPECT_GT(naive, 0.1);
+}
+
+// ---- 21: facets
+
+// A convex solid of few facets: what faces the sun is lit, whatever its neighbours do. Naive: who shades it
+// with the normals of the ball that it stands for lights parts whose facets are turned away, and these are
+// dark.
+TEST_F(HardCase, AFacetedBallCastsNothingOnItsLitFacets) {
+    std::vector<ProfilePoint> profile;
+    for (int i = 0; i <= 8; ++i) {
+        const double angle = (i / 8.0 - 0.5) * 0.98 * M_PI;
+        profile.push_back({std::sin(angle), std::cos(angle)});
+    }
+    Shot shot = scene_shot("ball", {{"ball", lathe(profile, 8)}}, {160, 96});
+    shot.camera = {{0, {-1.5, 0.6, 1.8}, {0, 0, 0}, {0, 1, 0}}};
+    shot.sun_angular_radius_deg = 0.2665;
+    SceneRun run("raw", shot, {.captures = {"view_depth", "guide_normal"}});
+    const std::vector<float> v = run.frame(0, true), z = run.plane("view_depth");
+    const std::array normal = {run.plane("guide_normal", 0), run.plane("guide_normal", 1),
+                               run.plane("guide_normal", 2)};
+    const Camera camera = camera_at(shot, 0, 160.0 / 96);
+    const glm::dvec3 sun = glm::normalize(shot.sun[0].to_sun);
+    size_t ball = 0, naive = 0, facing = 0, dark = 0;
+    for (size_t i = 0; i < v.size(); ++i) {
+        if (!(z[i] > 0)) continue;
+        ++ball;
+        const glm::dvec3 facet = 2.0 * glm::dvec3(normal[0][i], normal[1][i], normal[2][i]) - 1.0;
+        const glm::dvec2 uv((double(i % 160) + 0.5) / 160, (double(i / 160) + 0.5) / 96);
+        const glm::dvec3 on_ball = glm::make_vec3(camera.position.data()) +
+                                   double(z[i]) * (glm::dmat3(glm::make_mat3(camera.world_from_view.data())) *
+                                                   glm::dvec3((2 * uv.x - 1) / camera.clip_from_view[0],
+                                                              (2 * uv.y - 1) / camera.clip_from_view[5], -1));
+        // 10 bits of a normal and the sun's radius.
+        if (glm::dot(facet, sun) > 0.01) {
+            ++facing;
+            dark += v[i] < 1;
+        }
+        naive += glm::dot(glm::normalize(on_ball), sun) > 0.05 && v[i] == 0;
+    }
+    figure("case 21, share of a ball of 8x8 facets that its own light calls lit and its rays dark",
+           share(naive, ball), share(dark, ball));
+    EXPECT_GT(facing, ball / 4);
+    EXPECT_EQ(dark, 0u);
+    EXPECT_GT(naive, ball / 100);
 }
 
 // ---- 14, 15, 20: what rays meet

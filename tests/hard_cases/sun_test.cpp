@@ -18,8 +18,8 @@ bool naive_frame_is_finite(const glm::vec3& d) {
     return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z);
 }
 
-Shot under(const glm::dvec3& to_sun) {
-    Shot shot = plaza_shot({96, 64}, 4);
+Shot under(const glm::dvec3& to_sun, std::array<uint32_t, 2> size = {96, 64}) {
+    Shot shot = plaza_shot(size, 4);
     shot.camera.resize(1);
     shot.objects.clear();
     shot.sun = {{0, to_sun}};
@@ -39,17 +39,19 @@ TEST_F(HardCase, ASunOnAnAxisIsASunLikeAnyOther) {
             EXPECT_EQ(nonfinite(run.plane("color")), 0u);
         }
     // The picture is a continuous function of the direction: whatever frame the samples are taken in, they
-    // converge.
+    // converge. Two sets of n stratified rays differ by n^-3/4 where the frame turns, at z = 0: 6e-4 for
+    // 1024.
+    constexpr uint32_t rays = 16'384;
     for (const glm::dvec3& axis : {glm::dvec3(0, 1, 0), {1, 0.6, 0}}) {
-        const std::vector<float> at = truth_of(under(axis), 0, 1024).visibility;
+        const std::vector<float> at = truth_of(under(axis, {48, 32}), 0, rays).visibility;
         for (const glm::dvec3& step : {glm::dvec3(0, 0, 1e-6), {0, 0, -1e-6}})
-            worst_step = std::max(worst_step, rms(at, truth_of(under(axis + step), 0, 1024).visibility));
+            worst_step =
+                std::max(worst_step, rms(at, truth_of(under(axis + step, {48, 32}), 0, rays).visibility));
     }
     figure("case 26, suns without a frame of 20 (naive); RMS of a step of 1e-6 rad (ours)", double(naive),
            worst_step);
     EXPECT_GT(naive, 0u);
-    // Two sets of 1024 stratified rays differ by 6e-4 in a penumbra where the frame turns at z = 0.
-    EXPECT_LT(worst_step, 1e-3);
+    EXPECT_LT(worst_step, 1e-4);
 }
 
 // ---- 27: the horizon
@@ -136,13 +138,18 @@ TEST_F(HardCase, AWideSunIsAsBrightAsItsCap) {
                naive, ours);
         EXPECT_LT(ours, 0.01);
         EXPECT_GT(naive, 2 * ours);
-        const std::vector<float> counted = truth_of(shot, 0, 4096).visibility;
+        Shot few = shot;
+        few.size = {24, 16};
+        few.analytic->penumbra_px = 12;
+        const std::vector<float> exact = analytic_truth(few, 0).visibility,
+                                 counted = truth_of(few, 0, 65'536).visibility;
         double largest = 0;
-        for (size_t i = 0; i < truth.size(); ++i)
-            largest = std::max(largest, std::abs(double(counted[i]) - truth[i]));
-        figure("case 29, largest error of 4096 rays in a pixel", NAN, largest);
-        EXPECT_LT(largest, 5e-3);
-        EXPECT_LT(rms(counted, truth), 1e-3);
+        for (size_t i = 0; i < exact.size(); ++i)
+            largest = std::max(largest, std::abs(double(counted[i]) - exact[i]));
+        figure("case 29, largest error and rms of 65 536 rays in a pixel (naive: rms)", rms(counted, exact),
+               largest);
+        EXPECT_LT(largest, 1e-3);
+        EXPECT_LT(rms(counted, exact), 2e-4);
     }
 }
 

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// One device gives one picture: over ten runs, and whatever order the scheduling leaves the tile lists in.
+// (Memory: shadow_pipeline_test.) And the two
+// trace backends differ where their rays do.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/glm.hpp>
+
+#include "app/session.h"
+#include "graph/user_nodes.h"
+#include "nodes/nodes.h"
+#include "tests/gpu_test.h"
+#include "tests/test_scene.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
+
+const NodeSet& nodes() {
+    static const NodeSet set = [] {
+        NodeSet all = shadow_nodes();
+        Diagnostics diagnostics;
+        if (!add_user_nodes(all, root / "tests/nodes", diagnostics, std::make_shared<ShaderCache>("")))
+            throw std::runtime_error(diagnostics.text());
+        return all;
+    }();
+    return set;
+}
+
+std::unique_ptr<Session> open(const std::string& name, const std::vector<std::string>& settings,
+                              const std::vector<std::string>& captures) {
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), settings, diagnostics);
+    const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    if (!checked) throw std::runtime_error(diagnostics.text());
+    const Shot shot = plaza_shot({160, 90}, 8);
+    SessionOptions options;
+    options.size = shot.size;
+    options.optimum = false;
+    options.captures = captures;
+    options.captures.insert(options.captures.end(), checked->outputs.begin(), checked->outputs.end());
+    std::vector<std::string> warnings;
+    auto session = Session::open(gpu(), nodes(), *checked, shot, options, diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    return session;
+}
+
+// The outputs of every frame.
+std::vector<std::vector<std::byte>> run(Session& session, const std::string& name, uint32_t frames) {
+    const std::vector<std::string> outputs = name.ends_with("raw")
+                                                 ? std::vector<std::string>{"visibility"}
+                                                 : std::vector<std::string>{"visibility", "color"};
+    std::vector<std::vector<std::byte>> result;
+    for (uint32_t frame = 0; frame < frames; ++frame) {
+        session.run_frame(frame, frame == 0);
+        for (const std::string& output : outputs) {
+            const auto bytes = session.view().captured(output);
+            result.emplace_back(bytes.begin(), bytes.end());
+        }
+    }
+    return result;
+}
+
+class Determinism : public GpuTest, public ::testing::WithParamInterface<const char*> {};
+
+// Half of the runs in a program of their own, the others after a reset.
+TEST_P(Determinism, TenRunsGiveTheSameBits) {
+    const auto one = open(GetParam(), {}, {}), other = open(GetParam(), {}, {});
+    const auto expected = run(*one, GetParam(), 6);
+    for (int i = 1; i < 10; ++i)
+        EXPECT_TRUE(run(i % 2 ? *other : *one, GetParam(), 6) == expected) << "run " << i + 1;
+}
+
+TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
+    const bool hybrid = std::string_view(GetParam()).starts_with("hybrid");
+    const auto expected = run(*open(GetParam(), {}, {}), GetParam(), 4);
+    for (const uint32_t stride : {0u, 5003u, 65521u}) {
+        const std::string params =
+            R"("type": "permute_list", "params": { "stride": )" + std::to_string(stride) + " }";
+        const auto permute = [&](const std::string& node, const std::string& list, const std::string& args) {
+            return "nodes." + node + "={ " + params + R"(, "in": { "tile_list": ")" + list +
+                   R"(", "trace_args": ")" + args + R"(" }, "out": { "permuted_list": ")" + node + R"(" } })";
+        };
+        std::vector<std::string> settings = {permute("other_tiles", "tile_list", "trace_args"),
+                                             "nodes.trace.in.tile_list=other_tiles"};
+        if (hybrid) {
+            settings.push_back(permute("other_facing", "facing", "facing_args"));
+            settings.push_back("nodes.beams.in.candidates=other_facing");
+            settings.push_back(permute("other_candidates", "candidates", "candidate_args"));
+            settings.push_back("nodes.cones.in.candidates=other_candidates");
+        }
+        const auto session = open(GetParam(), settings, {"tile_list", "other_tiles", "trace_args"});
+        EXPECT_TRUE(run(*session, GetParam(), 4) == expected) << "stride " << stride;
+        using Record = std::array<uint32_t, 4>;
+        const auto before = captured<Record>(session->view(), "tile_list"),
+                   after = captured<Record>(session->view(), "other_tiles");
+        const uint32_t count = captured<uint32_t>(session->view(), "trace_args").at(3);
+        ASSERT_GT(count, 0u);
+        if (stride != 0 && stride % count == 1) continue;  // every place is its own
+        size_t elsewhere = 0;
+        for (uint32_t i = 0; i < count; ++i) elsewhere += before[i] != after[i];
+        EXPECT_GT(elsewhere, count * 8 / 10) << "the list was hardly permuted, stride " << stride;
+    }
+}
+
+// Which rays differ between the backends is judged in trace_backend_test, ray by ray; away from them, no
+// later pass knows who traced. 48 px: more than a frame's filters and histories reach.
+class TraceBackends : public GpuTest, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(TraceBackends, ShowWhereTheirRaysDifferAlone) {
+    if (!gpu().caps().ray_query) GTEST_SKIP() << gpu().info().name << " has no VK_KHR_ray_query";
+    const std::string query = "nodes.trace.params.backend=ray_query", tree = "nodes.trace.params.backend=bvh";
+    const auto words_q = open("raw", {query}, {}), words_t = open("raw", {tree}, {});
+    const auto query_run = open(GetParam(), {query}, {}), tree_run = open(GetParam(), {tree}, {});
+    std::vector<glm::ivec2> differing;
+    size_t far_off = 0, shadowed = 0;
+    double squares = 0;
+    for (uint32_t frame = 0; frame < 6; ++frame) {
+        for (Session* session : {words_q.get(), words_t.get(), query_run.get(), tree_run.get()})
+            session->run_frame(frame, frame == 0);
+        const auto v = [](const Session& session) {
+            return captured_planes(session.view(), "visibility")[0];
+        };
+        const std::vector<float> a = v(*words_q), b = v(*words_t), c = v(*query_run), d = v(*tree_run);
+        for (int i = 0; i < int(a.size()); ++i)
+            if (a[size_t(i)] != b[size_t(i)]) differing.emplace_back(i % 160, i / 160);
+        for (int i = 0; i < int(c.size()); ++i) {
+            shadowed += c[size_t(i)] < 1;
+            squares += std::pow(double(c[size_t(i)]) - d[size_t(i)], 2) / (6.0 * double(c.size()));
+            if (c[size_t(i)] == d[size_t(i)]) continue;
+            far_off += std::ranges::none_of(differing, [&](const glm::ivec2& p) {
+                return std::abs(p.x - i % 160) <= 48 && std::abs(p.y - i / 160) <= 48;
+            });
+        }
+    }
+    std::printf("%s: %zu rays differ, %zu pixels far from them, RMSE %.5f\n", GetParam(), differing.size(),
+                far_off, std::sqrt(squares));
+    if (GetParam() == std::string("shadows")) {
+        EXPECT_EQ(far_off, 0u);
+    }
+    EXPECT_LT(std::sqrt(squares), 1.0 / 255);
+    EXPECT_GT(shadowed, 1000u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pipelines, TraceBackends, ::testing::Values("shadows", "sheared"),
+                         [](const auto& test) { return std::string(test.param); });
+
+INSTANTIATE_TEST_SUITE_P(Pipelines, Determinism,
+                         ::testing::Values("raw", "hybrid_raw", "fidelityfx", "shadows", "hybrid_shadows",
+                                           "sheared"),
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace penumbra::test
