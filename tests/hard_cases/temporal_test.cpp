@@ -62,7 +62,8 @@ TEST_F(HardCase, AJumpOfTheSunIsFollowedAtOnce) {
     shot.sun = {{0, {0.4, 0.8, 0.2}}, {11, {0.4, 0.8, 0.2}}, {12, {-0.1, 0.8, 0.3}}};  // 32 degrees
     const Jump found = jump(shot, 12, 20);
     figure("case 36, frames until a jump of the sun is followed", found.k90_naive, found.k90);
-    EXPECT_LE(found.k90, 2u);  // 3 where the noise of the new samples alone has to tell (inputs.sun_prev=null)
+    EXPECT_LE(found.k90,
+              2u);  // 3 where the noise of the new samples alone has to tell (inputs.sun_prev=null)
     EXPECT_GT(found.k90_naive, 2u);
 }
 
