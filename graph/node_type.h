@@ -30,8 +30,8 @@ struct Literal {
 using Condition = std::vector<Literal>;
 
 // The facts a host may promise for a plan's lifetime; all default to true.
-inline constexpr std::array<const char*, 8> fact_names = {"sun_up",        "sun_disc", "casters",   "alpha",
-                                                          "many_cascades", "moves",    "motion_3d", "hdr"};
+inline constexpr std::array<const char*, 9> fact_names = {
+    "sun_up", "sun_disc", "casters", "alpha", "many_cascades", "moves", "sun_moves", "motion_3d", "hdr"};
 using Facts = std::map<std::string, bool>;  // name -> value; a name that is absent is true
 
 std::string to_string(const Condition& condition);

@@ -19,6 +19,13 @@ bool sun_up(const Shot& shot) {
                                [&](const SunKey& key) { return glm::normalize(key.to_sun)[up] > lowest; });
 }
 
+bool sun_moves(const Shot& shot) {
+    const auto other_way = [](const SunKey& a, const SunKey& b) {
+        return glm::normalize(a.to_sun) != glm::normalize(b.to_sun);
+    };
+    return std::ranges::adjacent_find(shot.sun, other_way) != shot.sun.end();
+}
+
 }  // namespace
 
 std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
@@ -28,6 +35,7 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
             {"alpha", has_alpha(scene)},
             {"many_cascades", false},
             {"moves", moves(shot)},
+            {"sun_moves", sun_moves(shot)},
             {"motion_3d", true},
             {"hdr", false}};
 }

@@ -112,6 +112,7 @@ TEST_F(Crop, OfALargerRenderEqualsTheSmallRender) {
             run->set("scene.leaves", std::as_bytes(std::span(bvh.leaves)));
             run->set("scene", bytes_of(frame.scene));
             run->set("sun", bytes_of(frame.sun));
+            run->set("sun_prev", bytes_of(frame.sun_prev));
         }
         whole.frame(frame.description);
         part.frame(crop_of(frame.description));

@@ -130,6 +130,7 @@ struct Row {
     Shadow shadow;
     bool moves;
     bool alpha = false;
+    bool sun_moves = false;
 };
 
 std::vector<Row> table() {
@@ -155,9 +156,18 @@ std::vector<Row> table() {
     row("noon, gate and camera move", yard(), flying(with_gate(still(noon), {50, {1, 0, 0}, {0, 0, 0}})),
         Shadow::soft, true);
     row("noon, 4000 km from the origin", yard(), far_away(still(noon)), Shadow::soft, false);
-    row("the sun crosses the sky, nothing else moves", yard(),
-        still({{0, toward(10)}, {50, toward(80)}, {99, toward(20, 180)}}), Shadow::soft, false);
-    row("the sun sets", yard(), still({{0, toward(30)}, {99, toward(-30)}}), Shadow::soft, false);
+    const auto with_sun = [&](const char* name, Shot shot, Shadow shadow, bool moves) {
+        row(name, yard(), std::move(shot), shadow, moves);
+        rows.back().sun_moves = true;
+    };
+    with_sun("the sun crosses the sky, nothing else moves",
+             still({{0, toward(10)}, {50, toward(80)}, {99, toward(20, 180)}}), Shadow::soft, false);
+    with_sun("the sun crosses the sky, the camera flies", flying(still({{0, toward(10)}, {50, toward(80)}})),
+             Shadow::soft, true);
+    with_sun("the sun sets", still({{0, toward(30)}, {99, toward(-30)}}), Shadow::soft, false);
+    with_sun("a point for a sun crosses the sky", still({{0, toward(10)}, {50, toward(80)}}, 0), Shadow::hard,
+             false);
+    row("two equal sun keys", yard(), still({{0, toward(30)}, {99, toward(30)}}), Shadow::soft, false);
     row("the sun in the zenith", yard(), still({{0, {1e-12, 3, -1e-12}}}), Shadow::soft, false);
     row("the sun's upper rim above the horizon", yard(), still(at(-0.26)), Shadow::soft, false);
     row("a wide sun, half of it above the horizon", yard(), still(at(-30), 45), Shadow::soft, false);
@@ -175,15 +185,15 @@ std::vector<Row> table() {
     row("meshes scaled to nothing", flattened(), still(noon), Shadow::none, false);
     row("midnight", yard(), still(at(-60)), Shadow::all, false);
     row("midnight, the camera flies", yard(), flying(still(at(-60))), Shadow::all, true);
-    row("the sun passes below the horizon from dusk to dawn", yard(),
-        still({{0, toward(-2)}, {99, toward(-2, 179)}}), Shadow::all, false);
+    with_sun("the sun passes below the horizon from dusk to dawn",
+             still({{0, toward(-2)}, {99, toward(-2, 179)}}), Shadow::all, false);
     row("midnight, a point for a sun", yard(), still(at(-60), 0), Shadow::all, false);
     row("midnight, nothing there", {}, still(at(-60)), Shadow::all, false);
     row("the sun in the nadir", yard(), still({{0, {0, -1, 0}}}), Shadow::all, false);
     row("the sun's upper rim below the horizon", yard(), still(at(-0.27)), Shadow::all, false);
     row("a point for a sun, on the horizon", yard(), still(at(0), 0), Shadow::all, false);
-    row("polar night: the sun circles below the horizon", yard(),
-        still({{0, toward(-5, 0)}, {50, toward(-5, 90)}, {99, toward(-5, 180)}}), Shadow::all, false);
+    with_sun("polar night: the sun circles below the horizon",
+             still({{0, toward(-5, 0)}, {50, toward(-5, 90)}, {99, toward(-5, 180)}}), Shadow::all, false);
     const auto with_holes = [&](const char* name, Model model, Shot shot, Shadow shadow, bool moves) {
         row(name, std::move(model), std::move(shot), shadow, moves);
         rows.back().alpha = true;
@@ -208,7 +218,8 @@ struct Needed {
 };
 
 // The required nodes and what they keep, per pipeline.
-Needed needed_by(const std::string& pipeline, Shadow shadow, bool moves, bool alpha) {
+Needed needed_by(const std::string& pipeline, const Row& row) {
+    const auto& [shadow, moves, alpha, sun_moves] = std::tie(row.shadow, row.moves, row.alpha, row.sun_moves);
     Needed needed{"guides shade", "view_depth guide_normal visibility lit", "", "depth normal albedo sun",
                   ""};
     const auto also = [&](const char* nodes, const char* resources, const char* histories, const char* inputs,
@@ -244,6 +255,7 @@ Needed needed_by(const std::string& pipeline, Shadow shadow, bool moves, bool al
              "visibility_words accumulated signal count tile_meta smoothed0 smoothed1", "accumulated count",
              "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");
+        if (sun_moves) also("", "", "", "sun_prev", "");
     }
     return needed;
 }
@@ -302,6 +314,7 @@ TEST(SceneFacts, AreMeasuredOnTheScene) {
         for (const char* name : fact_names) EXPECT_TRUE(facts.contains(name)) << name;
         EXPECT_EQ(facts.at("moves"), row.moves);
         EXPECT_EQ(facts.at("alpha"), row.alpha);
+        EXPECT_EQ(facts.at("sun_moves"), row.sun_moves);
         EXPECT_EQ(facts.at("sun_up"), row.shadow != Shadow::all);
         if (row.shadow == Shadow::all) continue;  // night asks for no more
         EXPECT_EQ(facts.at("casters"), row.shadow != Shadow::none);
@@ -316,7 +329,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     for (const Row& row : rows)
         for (const char* pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
-            const Needed needed = needed_by(pipeline, row.shadow, row.moves, row.alpha);
+            const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
             EXPECT_EQ(words(used.nodes), words(needed.nodes));
             EXPECT_EQ(words(used.resources), words(needed.resources));
