@@ -13,12 +13,10 @@
 #include <random>
 
 #include "app/session.h"
-#include "graph/user_nodes.h"
 #include "host/cascade_maps.h"
 #include "host/glb_writer.h"
 #include "host/image_file.h"
 #include "host/shapes.h"
-#include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -29,17 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path root = PENUMBRA_SOURCE_DIR;
 using Bytes = std::vector<std::byte>;
-
-const NodeSet& nodes() {
-    static const NodeSet set = [] {
-        NodeSet all = shadow_nodes();
-        Diagnostics diagnostics;
-        if (!add_user_nodes(all, root / "tests/nodes", diagnostics, std::make_shared<ShaderCache>("")))
-            throw std::runtime_error(diagnostics.text());
-        return all;
-    }();
-    return set;
-}
 
 // A file that is gone when the process ends.
 class ModelFile {
@@ -127,12 +114,12 @@ Frames run(const char* name, const std::vector<std::string>& settings, const Sho
     std::vector<std::string> warnings;
     const auto pipeline =
         load_pipeline(root / "pipelines" / (std::string(name) + ".json"), settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    const auto checked = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"visibility"};
-    const auto session = Session::open(gpu(), nodes(), *checked, shot, options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     Frames frames;
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
@@ -251,13 +238,13 @@ TEST_F(Cascades, APyramidIsKeptWhileTheMapsAreAndIsTheSame) {
             Diagnostics diagnostics;
             std::vector<std::string> warnings;
             const auto pipeline = load_pipeline(root / "pipelines/hybrid_cascades_raw.json", {}, diagnostics);
-            const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+            const auto checked = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
             if (!checked) throw std::runtime_error(diagnostics.text());
             SessionOptions options = maps_of(128);
             options.size = shot.size;
             options.optimum = false;
             options.captures = {"cascade_pyramid", "visibility"};
-            return Session::open(gpu(), nodes(), *checked, shot, options, diagnostics, warnings);
+            return Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);
         };
         const auto session = open();
         std::vector<uint32_t> revisions;

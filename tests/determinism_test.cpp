@@ -8,8 +8,6 @@
 #include <glm/glm.hpp>
 
 #include "app/session.h"
-#include "graph/user_nodes.h"
-#include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -19,22 +17,11 @@ namespace {
 
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 
-const NodeSet& nodes() {
-    static const NodeSet set = [] {
-        NodeSet all = shadow_nodes();
-        Diagnostics diagnostics;
-        if (!add_user_nodes(all, root / "tests/nodes", diagnostics, std::make_shared<ShaderCache>("")))
-            throw std::runtime_error(diagnostics.text());
-        return all;
-    }();
-    return set;
-}
-
 std::unique_ptr<Session> open(const std::string& name, const std::vector<std::string>& settings,
                               const std::vector<std::string>& captures) {
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    const auto checked = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     const Shot shot = plaza_shot({160, 90}, 8);
     SessionOptions options;
@@ -43,7 +30,7 @@ std::unique_ptr<Session> open(const std::string& name, const std::vector<std::st
     options.captures = captures;
     options.captures.insert(options.captures.end(), checked->outputs.begin(), checked->outputs.end());
     std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), nodes(), *checked, shot, options, diagnostics, warnings);
+    auto session = Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
 }

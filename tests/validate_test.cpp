@@ -17,9 +17,7 @@
 
 #include "app/session.h"
 #include "app/validation.h"
-#include "graph/user_nodes.h"
 #include "host/gpu.h"
-#include "nodes/nodes.h"
 #include "tests/golden_text.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
@@ -31,19 +29,8 @@ namespace {
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 using Counts = std::array<uint64_t, 4>;  // checked, NaN, infinite, out of range
 
-const NodeSet& nodes() {
-    static const NodeSet set = [] {
-        NodeSet all = shadow_nodes();
-        Diagnostics diagnostics;
-        if (!add_user_nodes(all, root / "tests/nodes", diagnostics, std::make_shared<ShaderCache>("")))
-            throw std::runtime_error(diagnostics.text());
-        return all;
-    }();
-    return set;
-}
-
 CheckedPipeline checked(const std::optional<Pipeline>& pipeline, Diagnostics& diagnostics) {
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }
@@ -60,7 +47,7 @@ CheckedPipeline shipped(const std::string& name) {
 
 CheckedPipeline validating(const CheckedPipeline& pipeline) {
     Diagnostics diagnostics;
-    auto result = with_validation(pipeline, nodes(), diagnostics);
+    auto result = with_validation(pipeline, test_nodes(), diagnostics);
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }
@@ -77,7 +64,7 @@ std::unique_ptr<View> open_view(const CheckedPipeline& pipeline, const Target& t
     CompileOptions options;
     options.poison = true;
     Diagnostics diagnostics;
-    auto plan = compile(pipeline, nodes(), target, options, diagnostics);
+    auto plan = compile(pipeline, test_nodes(), target, options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::make_unique<View>(
         std::make_shared<Program>(handles_of(gpu()), std::make_shared<Plan>(std::move(*plan))),
@@ -252,8 +239,8 @@ TEST_P(ValidatePlan, RunsTheSameNodesOnTheSameResources) {
         target.device = reference_device();
         for (uint32_t i = 0; i < 4; ++i) target.facts[names[i]] = (bits >> i & 1) != 0;
         Diagnostics diagnostics;
-        const auto a = compile(plain, nodes(), target, {}, diagnostics);
-        const auto b = compile(watched, nodes(), target, {}, diagnostics);
+        const auto a = compile(plain, test_nodes(), target, {}, diagnostics);
+        const auto b = compile(watched, test_nodes(), target, {}, diagnostics);
         ASSERT_TRUE(a && b) << diagnostics.text();
         const auto described = [](const Plan& plan) {
             std::set<std::string> lines;
@@ -301,7 +288,7 @@ TEST(ValidateNode, KeepsNothingAlive) {
     target.extent = {8, 8};
     target.device = reference_device();
     Diagnostics diagnostics;
-    const auto plan = compile(pipeline, nodes(), target, {}, diagnostics);
+    const auto plan = compile(pipeline, test_nodes(), target, {}, diagnostics);
     ASSERT_TRUE(plan) << diagnostics.text();
     std::vector<std::string> ran, culled;
     for (const PlanPass& pass : plan->passes) ran.push_back(pass.node);
@@ -319,7 +306,7 @@ TEST(ValidateNode, WrongUseIsExplained) {
             "receivers": { "type": "receivers" }, "look": )" +
                                                  look + "} }",
                                              "bad.json", {}, diagnostics);
-        if (pipeline) check(*pipeline, nodes(), diagnostics);
+        if (pipeline) check(*pipeline, test_nodes(), diagnostics);
         return diagnostics.text();
     };
     EXPECT_EQ(errors(R"({ "type": "validate", "in": { "image": "view_depth" } })"), "");
@@ -365,7 +352,7 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session =
-        Session::open(gpu(), nodes(), checked_pipeline, shot, options, diagnostics, warnings);
+        Session::open(gpu(), test_nodes(), checked_pipeline, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     Frames result;
     result.findings = no_findings(session->plan());

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "app/session.h"
+#include "graph/user_nodes.h"
 #include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 
@@ -59,6 +60,18 @@ const PlanResource& resource_named(const Plan& plan, const std::string& name) {
 }
 
 }  // namespace
+
+const NodeSet& test_nodes() {
+    static const NodeSet set = [] {
+        NodeSet all = shadow_nodes();
+        Diagnostics diagnostics;
+        if (!add_user_nodes(all, std::filesystem::path(PENUMBRA_SOURCE_DIR) / "tests/nodes", diagnostics,
+                            std::make_shared<ShaderCache>("")))
+            throw std::runtime_error(diagnostics.text());
+        return all;
+    }();
+    return set;
+}
 
 CheckedPipeline shadow_pipeline(std::string_view text) {
     Diagnostics diagnostics;

@@ -23,6 +23,9 @@ namespace penumbra::test {
 CheckedPipeline shadow_pipeline(std::string_view text);
 CheckedPipeline shadow_pipeline_file(const std::string& name);
 
+// The shipped node types and those in tests/nodes.
+const NodeSet& test_nodes();
+
 struct ViewRunOptions {
     bool cpu = true;  // which device class's workgroup shapes
     bool alias = true;
