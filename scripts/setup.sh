@@ -17,6 +17,7 @@ packages=(
     spirv-tools               # libraries, CMake package and spirv-val in one
     libglm-dev nlohmann-json3-dev libfmt-dev libcli11-dev
     libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
+    python3                   # the scripts that compare classifiers
     libembree-dev librapidcheck-dev libgtest-dev libvalijson-dev # the tests
 )
 [[ ${1:-} == --test || ${1:-} == --dev ]] && packages+=(chromium)
