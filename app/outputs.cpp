@@ -90,10 +90,10 @@ Texels host_texels(Device& device, const Session& session, const std::string& na
                             : name == "normal" ? images.normal
                             : name == "motion" ? images.motion
                                                : images.albedo;
-    const Format format = name == "depth"                                 ? Format::d32
-                          : name == "albedo"                              ? Format::rgba8
-                          : image.format == VK_FORMAT_R32G32B32A32_SFLOAT ? Format::rgba32f
-                                                                          : Format::rgba16f;
+    const Format format = name == "depth"    ? Format::d32
+                          : name == "normal" ? Format::rgba32f
+                          : name == "motion" ? Format::rgba16f
+                                             : Format::rgba8;
     const std::vector<std::byte> bytes =
         read_image(device, image.get(), image.format, image.extent, GBuffer::final_layout);
     Texels texels{

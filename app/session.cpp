@@ -54,7 +54,7 @@ Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size
     target.facts = facts;
     target.device = device;
     target.inputs = {{"depth", {Format::d32, target.extent}},
-                     {"normal", {Format::rgba16f, target.extent}},
+                     {"normal", {Format::rgba32f, target.extent}},
                      {"motion", {Format::rgba16f, target.extent}},
                      {"albedo", {Format::rgba8, target.extent}},
                      {"cascade_maps", {Format::d32, cascade_extent, cascades}},
@@ -84,7 +84,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 
     // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in
     // between.
-    StandaloneOptions host_options{options.size, 1, false, options.cascade_size, options.exact_normals};
+    StandaloneOptions host_options{options.size, 1, false, options.cascade_size};
     CompileOptions compile_options;
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
@@ -98,7 +98,6 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     Target target =
         standalone_target(table, options.size, facts, {options.cascade_size, options.cascade_size},
                           session->host_->cascade_layers());
-    if (options.exact_normals) target.inputs.at("normal").format = Format::rgba32f;
     for (const HostInput& input : pipeline.inputs)
         if (input.optional &&
             std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())

@@ -25,7 +25,6 @@ struct SessionOptions {
     std::optional<uint32_t> seed;
     bool alias = true;
     bool jitter = true;
-    bool exact_normals = false;  // the host brings rgba32f
     bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;             // instead of what the scene says

@@ -63,7 +63,6 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
     options.size = shot.size;
     options.captures = {"counts"};
     options.jitter = false;
-    options.exact_normals = true;
     options.optimum = false;
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }

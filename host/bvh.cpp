@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/bvh_internal.h"
+#include "host/twofold.h"
 
 namespace penumbra {
 
@@ -147,7 +148,7 @@ namespace {
 
 // What does not change along the ray. See bvh.glsl, which this follows operation by operation.
 struct RaySetup {
-    float origin[3], inverse[3];
+    float origin[3], direction[3], inverse[3];
     int kx, ky, kz;  // kz: the longest component
     float shear_x, shear_y, scale_z;
     float t_min, t_max;
@@ -158,6 +159,7 @@ struct RaySetup {
             origin[a] = ray.origin[a];
             d[a] = ray.direction[a];
             if (!(std::abs(d[a]) >= 0x1p-80f)) d[a] = d[a] < 0 ? -0x1p-80f : 0x1p-80f;
+            direction[a] = d[a];
             inverse[a] = 1.0f / d[a];
         }
         const float x = std::abs(d[0]), y = std::abs(d[1]), z = std::abs(d[2]);
@@ -170,18 +172,21 @@ struct RaySetup {
     }
 };
 
-constexpr float hit_roundings = 4 * 0x1p-24f;
+constexpr float hit_roundings = 4 * 0x1p-24f, vertex_roundings = 2 * 0x1p-24f;
 
 struct Sheared {
     float x, y, z;
 };
 
+glm::vec3 vertex_of(const Texel* leaf, int vertex) {
+    glm::vec3 p;
+    for (int a = 0; a < 3; ++a) p[a] = std::bit_cast<float>(leaf[(vertex * 3 + a) / 4][(vertex * 3 + a) % 4]);
+    return p;
+}
+
 Sheared shear(const RaySetup& ray, const Texel* leaf, int vertex) {
-    float p[3];
-    for (int a = 0; a < 3; ++a) {
-        const int word = vertex * 3 + a;
-        p[a] = std::bit_cast<float>(leaf[word / 4][word % 4]) - ray.origin[a];
-    }
+    glm::vec3 p = vertex_of(leaf, vertex);
+    for (int a = 0; a < 3; ++a) p[a] -= ray.origin[a];
     return {p[ray.kx] - ray.shear_x * p[ray.kz], p[ray.ky] - ray.shear_y * p[ray.kz], p[ray.kz]};
 }
 
@@ -203,15 +208,34 @@ float hit_rounding(const RaySetup& ray, const Sheared& a, const Sheared& b, cons
     return hit_roundings * range * edges;
 }
 
-// u, v, w: the edge functions opposite to a, b, c.
+// Whether the triangle's plane lies ahead of the ray's start by more than its corners' rounding; see bvh.glsl.
+bool plane_ahead(const RaySetup& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    const glm::vec3 origin(ray.origin[0], ray.origin[1], ray.origin[2]),
+        direction(ray.direction[0], ray.direction[1], ray.direction[2]);
+    const Twofold to_a = twofold_difference(a, origin);
+    const Twofold n = cross_product(twofold_difference(b, a), twofold_difference(c, a));
+    const float height = dot_product(n, to_a), slope = dot_product(n, {direction, glm::vec3(0)});
+    const glm::vec3 reach =
+        glm::max(glm::max(glm::abs(to_a.hi), glm::abs(b - origin)), glm::abs(c - origin));
+    const float extent = std::max(std::max(reach.x, reach.y), reach.z);
+    const glm::vec3 area = glm::abs(n.hi), size = glm::abs(direction);
+    const float displaced = vertex_roundings * extent * ((area.x + area.y) + area.z);
+    const float turned = vertex_roundings * extent * extent * ((size.x + size.y) + size.z);
+    const float beyond = (slope < 0 ? -height : height) - ray.t_min * std::abs(slope);
+    return std::abs(slope) > turned && beyond > displaced;
+}
+
+// u, v, w: the edge functions opposite to a, b, c, the leaf's vertices ka, kb, kc.
 bool inside(const RaySetup& ray, float u, float v, float w, const Sheared& a, const Sheared& b,
-            const Sheared& c) {
+            const Sheared& c, const Texel* leaf, int ka, int kb, int kc) {
     const bool miss = std::min(std::min(u, v), w) < 0 && std::max(std::max(u, v), w) > 0;
     const float det = u + v + w;
     const float t = (u * a.z + v * b.z + w * c.z) * ray.scale_z;
     const float signed_t = det < 0 ? -t : t, size = std::abs(det);
-    return !miss && size > 0 && signed_t > ray.t_min * size + hit_rounding(ray, a, b, c) &&
-           signed_t < ray.t_max * size;
+    const float rounding = hit_rounding(ray, a, b, c), near = ray.t_min * size;
+    if (miss || !(size > 0 && signed_t > near - rounding && signed_t < ray.t_max * size)) return false;
+    return signed_t > near + rounding ||
+           plane_ahead(ray, vertex_of(leaf, ka), vertex_of(leaf, kb), vertex_of(leaf, kc));
 }
 
 bool hits_leaf(const RaySetup& ray, const Bvh& bvh, uint32_t index, const AlphaTest& alpha) {
@@ -219,8 +243,8 @@ bool hits_leaf(const RaySetup& ray, const Bvh& bvh, uint32_t index, const AlphaT
     const Sheared a = shear(ray, leaf, 0), b = shear(ray, leaf, 1), c = shear(ray, leaf, 2),
                   d = shear(ray, leaf, 3);
     const float ab = edge(a, b), bc = edge(b, c), ca = edge(c, a), bd = edge(b, d), dc = edge(d, c);
-    return (inside(ray, bc, ca, ab, a, b, c) && (!alpha || alpha(index, 0, {bc, ca, ab}))) ||
-           (inside(ray, bd, dc, -bc, c, b, d) && (!alpha || alpha(index, 1, {bd, dc, -bc})));
+    return (inside(ray, bc, ca, ab, a, b, c, leaf, 0, 1, 2) && (!alpha || alpha(index, 0, {bc, ca, ab}))) ||
+           (inside(ray, bd, dc, -bc, c, b, d, leaf, 2, 1, 3) && (!alpha || alpha(index, 1, {bd, dc, -bc})));
 }
 
 uint32_t hit_children(const RaySetup& ray, const Texel* node) {

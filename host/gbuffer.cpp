@@ -110,8 +110,7 @@ VkRenderingAttachmentInfo cleared_attachment(const GpuImage& image) {
 
 }  // namespace
 
-GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight,
-                 bool exact_normals)
+GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight)
     : device_(device), scene_(scene), textures_(device, scene.model().textures) {
     const RasterGeometry geometry = make_raster_geometry(scene.model());
     vertices_ = upload_buffer(device, std::as_bytes(std::span(geometry.vertices)),
@@ -130,18 +129,17 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
             items_.push_back({instance, &parts[i], geometry.meshes[mesh][i], least_alpha});
         }
     }
-    create_images(extent, exact_normals);
+    create_images(extent);
     create_draw_records(frames_in_flight);
     create_pipeline();
 }
 
-void GBuffer::create_images(VkExtent2D extent, bool exact_normals) {
+void GBuffer::create_images(VkExtent2D extent) {
     constexpr VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     constexpr VkImageUsageFlags color = read | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     images_.depth = make_image(device_, gbuffer_depth_format, extent, 1,
                                read | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, "depth");
-    const VkFormat normals = exact_normals ? VK_FORMAT_R32G32B32A32_SFLOAT : gbuffer_color_formats[0];
-    images_.normal = make_image(device_, normals, extent, 1, color, "normal");
+    images_.normal = make_image(device_, gbuffer_color_formats[0], extent, 1, color, "normal");
     images_.motion = make_image(device_, gbuffer_color_formats[1], extent, 1, color, "motion");
     images_.albedo = make_image(device_, gbuffer_color_formats[2], extent, 1, color, "albedo");
 }
@@ -203,9 +201,9 @@ void GBuffer::create_pipeline() {
     check(vkCreatePipelineLayout(device_.get(), &layout, nullptr, &handle), "vkCreatePipelineLayout",
           "G-buffer");
     pipeline_layout_ = {device_.get(), handle};
-    opaque_ = make_gbuffer_pipeline(device_, handle, false, images_.normal.format);
+    opaque_ = make_gbuffer_pipeline(device_, handle, false);
     if (std::ranges::any_of(items_, [](const DrawItem& item) { return item.least_alpha > 0; }))
-        alpha_tested_ = make_gbuffer_pipeline(device_, handle, true, images_.normal.format);
+        alpha_tested_ = make_gbuffer_pipeline(device_, handle, true);
 }
 
 void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,

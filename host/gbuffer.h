@@ -19,7 +19,7 @@ namespace penumbra {
 
 struct GBufferImages {
     GpuImage depth;   // d32: near / view depth, 0 = sky
-    GpuImage normal;  // rgba16f, or rgba32f where asked for
+    GpuImage normal;  // rgba32f: a receiver's horizon is as exact as its normal
     GpuImage motion;  // rgba16f
     GpuImage albedo;  // rgba8
 };
@@ -27,9 +27,7 @@ struct GBufferImages {
 class GBuffer {
   public:
     // `scene` must outlive the G-buffer. `frames_in_flight`: how many recorded frames may be pending at once.
-    // `exact_normals`: in 32 bits per component.
-    GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight,
-            bool exact_normals = false);
+    GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight);
 
     // Records the frame into slot frame.index % frames_in_flight. `world` and `prev_world` are
     // Scene::transforms() of this frame and the previous one; `origin` is the shot's. Afterwards the images
@@ -41,7 +39,7 @@ class GBuffer {
     static constexpr VkImageLayout final_layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
 
   private:
-    void create_images(VkExtent2D extent, bool exact_normals);
+    void create_images(VkExtent2D extent);
     void create_draw_records(uint32_t frames_in_flight);
     void create_pipeline();
     void write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,

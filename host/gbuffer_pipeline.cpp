@@ -11,8 +11,7 @@
 
 namespace penumbra {
 
-Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested,
-                                        VkFormat normal_format) {
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested) {
     const Owned<VkShaderModule> vertex = make_shader_module(device, gbuffer_vert, "gbuffer.vert");
     const Owned<VkShaderModule> fragment = make_shader_module(device, gbuffer_frag, "gbuffer.frag");
     VkPipelineShaderStageCreateInfo stages[] = {shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex.get()),
@@ -57,11 +56,9 @@ Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout l
     VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
     dynamic.dynamicStateCount = 2;
     dynamic.pDynamicStates = dynamic_states;
-    std::array<VkFormat, 3> formats = gbuffer_color_formats;
-    formats[0] = normal_format;
     VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
     rendering.colorAttachmentCount = 3;
-    rendering.pColorAttachmentFormats = formats.data();
+    rendering.pColorAttachmentFormats = gbuffer_color_formats.data();
     rendering.depthAttachmentFormat = gbuffer_depth_format;
 
     VkGraphicsPipelineCreateInfo info{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO, &rendering};

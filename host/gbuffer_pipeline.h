@@ -12,7 +12,7 @@ namespace penumbra {
 
 inline constexpr VkFormat gbuffer_depth_format = VK_FORMAT_D32_SFLOAT;
 inline constexpr std::array<VkFormat, 3> gbuffer_color_formats{
-    VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM};
+    VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM};
 
 // `Draw` of shaders/gbuffer.glsl, std430.
 struct DrawRecord {
@@ -36,7 +36,6 @@ inline constexpr VkShaderStageFlags draw_constant_stages =
 // Reverse Z, no culling, dynamic viewport and scissor. `alpha_tested`: texels below
 // DrawConstants::least_alpha are discarded, which costs the depth test before the shader; other materials do
 // without.
-Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested,
-                                        VkFormat normal_format);
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested);
 
 }  // namespace penumbra

@@ -56,6 +56,13 @@ struct Frame {
     std::vector<glm::vec4> normal, motion;
 };
 
+template <class T>
+std::vector<T> values(const std::vector<std::byte>& bytes) {
+    std::vector<T> out(bytes.size() / sizeof(T));
+    std::memcpy(out.data(), bytes.data(), bytes.size());
+    return out;
+}
+
 std::vector<glm::vec4> halves(const std::vector<std::byte>& bytes) {
     std::vector<glm::vec4> out(bytes.size() / 8);
     for (size_t i = 0; i < out.size(); ++i) {
@@ -73,15 +80,8 @@ Frame render(Device& device, StandaloneHost& host, uint32_t index) {
     const auto read = [&](const GpuImage& image) {
         return read_image(device, image.get(), image.format, image.extent, GBuffer::final_layout);
     };
-    Frame frame{images.depth.extent.width,
-                images.depth.extent.height,
-                {},
-                halves(read(images.normal)),
-                halves(read(images.motion))};
-    const std::vector<std::byte> depth = read(images.depth);
-    frame.depth.resize(depth.size() / 4);
-    std::memcpy(frame.depth.data(), depth.data(), depth.size());
-    return frame;
+    return {images.depth.extent.width, images.depth.extent.height, values<float>(read(images.depth)),
+            values<glm::vec4>(read(images.normal)), halves(read(images.motion))};
 }
 
 // Whether the previous frame saw the point: inside its image, and one of the four texels around it at the

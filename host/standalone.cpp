@@ -41,8 +41,7 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
-      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
-               options.exact_normals) {
+      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {
     for (uint32_t index = 0; index < shot_.frames; ++index)
         cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
 }

@@ -22,7 +22,6 @@ struct StandaloneOptions {
     uint32_t frames_in_flight = 2;
     bool jitter = true;            // whether frames are jittered where the pipeline wants it
     uint32_t cascade_size = 1024;  // texels along a side of a shadow map
-    bool exact_normals = false;    // rgba32f instead of rgba16f
 };
 
 // One frame's data, a pure function of its index.

@@ -4,7 +4,7 @@
 #define APPENDS_TILES
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
 #include "common/tile_list.glsl"

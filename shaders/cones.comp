@@ -7,7 +7,7 @@
 #define LISTED_ARGS candidate_args
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
 #include "common/tile_list.glsl"

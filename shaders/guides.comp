@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Depth and normal of the host in the two small formats that every later pass reads: linear view depth (0 = sky) and a
-// 10-bit normal that is zero where nothing receives a shadow. Bad input ends here: a NaN depth becomes sky, a normal
+// Depth and normal of the host in the small formats that later passes read: linear view depth (0 = sky), a 10-bit normal
+// that is zero where nothing receives a shadow, and the exact one for rays. Bad input ends here: a NaN depth becomes sky, a normal
 // without a direction faces the camera. A host that has no geometric normals leaves the port unbound and gets those of
 // the surface that the depth buffer shows.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#if HAS_RECEIVER_NORMAL
+#include "common/receiver_normal.glsl"
+#endif
 
 float depth_at(ivec2 p) { return inside_frame(p) ? linear_depth(texelFetch(depth, p, 0).x) : 0.0; }
 
 #if HAS_NORMAL
-vec3 receiver_normal(ivec2 p, float z) {
+vec3 surface_normal(ivec2 p, float z) {
     vec3 n = texelFetch(normal, p, 0).xyz;
     if (NORMAL_ENCODING == NORMAL_ENCODING_UNORM) n = 2.0 * n - 1.0;
     const float length2 = dot(n, n);
@@ -26,7 +29,7 @@ vec3 tangent(ivec2 p, ivec2 axis, float z) {
     return before > 0.0 ? position(p, z) - position(p - axis, before) : vec3(0.0);
 }
 
-vec3 receiver_normal(ivec2 p, float z) {
+vec3 surface_normal(ivec2 p, float z) {
     const vec3 viewer = to_viewer(p);
     const vec3 n = cross(tangent(p, ivec2(1, 0), z), tangent(p, ivec2(0, 1), z));
     const float length2 = dot(n, n);
@@ -38,7 +41,12 @@ vec3 receiver_normal(ivec2 p, float z) {
 void for_pixel(ivec2 p) {
     const float z = depth_at(p);
     imageStore(view_depth, p, vec4(z));
-    imageStore(guide_normal, p, z > 0.0 ? encode_normal(receiver_normal(p, z)) : vec4(0.0));
+    const bool receiver = z > 0.0;
+    const vec3 n = receiver ? surface_normal(p, z) : vec3(0.0, 0.0, 1.0);
+    imageStore(guide_normal, p, receiver ? encode_normal(n) : vec4(0.0));
+#if HAS_RECEIVER_NORMAL
+    imageStore(receiver_normal, p, vec4(encode_receiver_normal(n), 0.0, 0.0));
+#endif
 }
 
 void main() { for_each_pixel(); }

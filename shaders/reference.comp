@@ -7,10 +7,10 @@
 //   stage 2: go on.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
 #include "common/hash.glsl"
 #include "common/pixels.glsl"
 #include "common/ray_offset.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/sun_sample.glsl"
 #if BACKEND == BACKEND_RAY_QUERY
 #include "common/ray_query.glsl"
@@ -47,13 +47,13 @@ vec2 stratified(ivec2 p, uint index) {
 
 uint count_lit_rays(ivec2 p, float z, uint first, uint count) {
     const vec3 relative = position(p, z);
-    const vec3 n = unit_or_zero(texelFetch(normal, p, 0).xyz);
+    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
     const vec3 in_scene = relative + scene.camera_from_origin;
     const vec3 origin = in_scene + n * robust_offset_m(p, z, n, relative, in_scene);
     uint lit = 0u;
     for (uint i = 0u; i < count; ++i) {
         const vec3 direction = sun_direction(sun.to_sun, sun.angular_radius, stratified(p, first + i));
-        if (dot(n, direction) > 0.0) lit += uint(!occluded(origin, direction, 0.0, WHOLE_RAY_M));
+        if (!points_into_surface(n, direction)) lit += uint(!occluded(origin, direction, 0.0, WHOLE_RAY_M));
     }
     return lit;
 }

@@ -5,7 +5,7 @@
 // that is a point takes no noise.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
 #if HAS_BLUE_NOISE
 #include "common/sun_point.glsl"
@@ -65,7 +65,7 @@ bool hits_reversed(vec3 origin, vec3 n, vec3 direction, float t_min, float t_max
 bool hits_something(ivec2 p, uint k, float t_min, float t_max, inout float t_hit) {
     const float z = imageLoad(view_depth, p).x;
     const vec3 relative = position(p, z);
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
     const vec3 in_scene = relative + scene.camera_from_origin;
     const vec3 origin = in_scene + n * offset_m(p, z, n, relative, in_scene);
     const vec3 direction = ray_direction(p, k);

@@ -42,7 +42,7 @@ Verdicts judge(Shot shot, double angle_deg, const std::vector<std::string>& sett
     options.size = shot.size;
     options.optimum = false;
     options.jitter = false;
-    options.captures = {"view_depth",      "guide_normal",   "receiver_words",
+    options.captures = {"view_depth",      "receiver_normal", "receiver_words",
                         "candidate_words", "preloaded_hits", "undecided_words"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
@@ -58,8 +58,8 @@ Verdicts judge(Shot shot, double angle_deg, const std::vector<std::string>& sett
     const StandaloneFrame standalone = session->host().frame(0, true);
     const RayMaker maker(*session, nodes(), standalone);
     const auto depth = captured<float>(*session, "view_depth");
-    const auto normal = captured<uint32_t>(*session, "guide_normal"),
-               receivers = captured<uint32_t>(*session, "receiver_words"),
+    const auto normal = captured<NormalTexel>(*session, "receiver_normal");
+    const auto receivers = captured<uint32_t>(*session, "receiver_words"),
                candidates = captured<uint32_t>(*session, "candidate_words"),
                hits = captured<uint32_t>(*session, "preloaded_hits"),
                undecided = captured<uint32_t>(*session, "undecided_words");
@@ -86,7 +86,7 @@ Verdicts judge(Shot shot, double angle_deg, const std::vector<std::string>& sett
                              (i / side + (h >> 16) / 65536.0) / side);
                 if (i % 8 == 0) u.x = i % 16 ? 0 : 1 - 0x1p-20;
                 const Ray ray = maker.ray(x, y, depth[pixel], normal[pixel], u);
-                blocked += RayMaker::slope(ray, normal[pixel]) <= -1.0 / 512 || embree.occluded(ray);
+                blocked += RayMaker::slope(ray, normal[pixel]) <= 0 || embree.occluded(ray);
             }
             const bool in_penumbra = blocked != 0 && blocked != side * side;
             sum.penumbra += in_penumbra;

@@ -86,7 +86,7 @@ TEST_F(Crop, OfALargerRenderEqualsTheSmallRender) {
     ViewRunOptions options;
     options.facts = host.facts();
     options.formats = {{"depth", Format::r32f},
-                       {"normal", Format::rgba16f},
+                       {"normal", Format::rgba32f},
                        {"motion", Format::rgba16f},
                        {"albedo", Format::rgba8}};
     const CheckedPipeline pipeline = shadow_pipeline_file("shadows");

@@ -29,6 +29,14 @@ std::vector<std::array<float, 4>> read_half4(const GpuImage& image) {
     return texels;
 }
 
+std::vector<std::array<float, 4>> read_float4(const GpuImage& image) {
+    const auto bytes =
+        read_image(gpu(), image.get(), image.format, image.extent, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    std::vector<std::array<float, 4>> texels(bytes.size() / sizeof(std::array<float, 4>));
+    std::memcpy(texels.data(), bytes.data(), bytes.size());
+    return texels;
+}
+
 class DenoiserGpu : public GpuTest {
   protected:
     // A threshold is a line in the image at most; a comparison that leaves more to rounding compares nothing.
@@ -71,7 +79,7 @@ TEST_P(ShippedDenoiser, ComputesWhatTheModelSays) {
                                       GBuffer::final_layout);
         host.depth.resize(depth.size() / 4);
         std::memcpy(host.depth.data(), depth.data(), depth.size());
-        host.normal = read_half4(images.normal);
+        host.normal = read_float4(images.normal);
         host.motion = read_half4(images.motion);
         host.hits = captured<uint32_t>(session->view(), "hits");
         check.frame(session->view(), host, frame.description);

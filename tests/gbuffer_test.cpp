@@ -89,7 +89,7 @@ Rendered render(Device& device, const Shot& shot, Model model, uint32_t index, b
     out.frame = host.frame(index, reset);
     device.run([&](VkCommandBuffer commands) { host.record(commands, out.frame); });
     out.depth = texels<float>(device, host.images().depth);
-    out.normal = from_half(texels<uint64_t>(device, host.images().normal));
+    out.normal = texels<glm::vec4>(device, host.images().normal);
     out.motion = from_half(texels<uint64_t>(device, host.images().motion));
     out.albedo = texels<glm::u8vec4>(device, host.images().albedo);
     return out;
@@ -230,7 +230,7 @@ TEST_F(GBufferTest, MatchesDoublePrecision) {
     EXPECT_GT(sky, 3000u);
     EXPECT_GT(moved, 2);
     EXPECT_LT(depth_error, 2e-6);
-    EXPECT_LT(normal_error, 1e-3);
+    EXPECT_LT(normal_error, 1e-6);
     EXPECT_LT(motion_error_px, 5e-4);
     EXPECT_LT(change_error, 1e-6);
     for (const auto& [name, value] : {std::pair("depth_error_1e9", depth_error),

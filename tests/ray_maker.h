@@ -22,6 +22,8 @@ std::vector<T> captured(const Session& session, const char* name) {
     return values;
 }
 
+using NormalTexel = std::array<float, 2>;  // of receiver_normal
+
 inline uint32_t hash(uint32_t v) {  // PCG, as blue_noise.glsl names its source
     const uint32_t state = v * 747796405u + 2891336453u;
     const uint32_t word = ((state >> ((state >> 28) + 4)) ^ state) * 277803737u;
@@ -35,12 +37,12 @@ class RayMaker {
         std::memcpy(noise_.data(), nodes.find("trace")->tables[0].texels.data(), noise_.size() * 4);
     }
 
-    Ray ray(uint32_t x, uint32_t y, float depth, uint32_t normal_texel) const {
+    Ray ray(uint32_t x, uint32_t y, float depth, NormalTexel normal_texel) const {
         return ray(x, y, depth, normal_texel, sample(x, y));
     }
 
     // Towards the point of the sun's disc that `u` of the unit square stands for.
-    Ray ray(uint32_t x, uint32_t y, float depth, uint32_t normal_texel, const glm::dvec2& u) const {
+    Ray ray(uint32_t x, uint32_t y, float depth, NormalTexel normal_texel, const glm::dvec2& u) const {
         const Camera& camera = frame_.description.camera;
         const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
         const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
@@ -63,16 +65,19 @@ class RayMaker {
         return ray;
     }
 
-    // Cosine between a ray and its surface's normal: at most -GUIDE_NORMAL_ERROR points into the surface.
-    static double slope(const Ray& ray, uint32_t normal_texel) {
+    // Cosine between a ray and its surface's normal: one that is not positive points into the surface.
+    static double slope(const Ray& ray, NormalTexel normal_texel) {
         return glm::dot(normal(normal_texel),
                         glm::dvec3(ray.direction[0], ray.direction[1], ray.direction[2]));
     }
 
   private:
-    static glm::dvec3 normal(uint32_t texel) {
-        glm::dvec3 n;
-        for (int c = 0; c < 3; ++c) n[c] = 2 * static_cast<double>(texel >> (10 * c) & 1023) / 1023 - 1;
+    // The faces of an octahedron, the lower four folded out over the square's corners.
+    static glm::dvec3 normal(NormalTexel texel) {
+        glm::dvec3 n(texel[0], texel[1], 1 - std::abs(double(texel[0])) - std::abs(double(texel[1])));
+        const double fold = std::max(-n.z, 0.0);
+        n.x -= std::copysign(fold, n.x);
+        n.y -= std::copysign(fold, n.y);
         return glm::normalize(n);
     }
     static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }

@@ -157,7 +157,7 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
-    options.captures = {"view_depth", "guide_normal", "tile_list", "trace_args", "hits", "hits_q"};
+    options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits", "hits_q"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session =
@@ -171,7 +171,7 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
         const std::vector<Triangle> triangles = session->host().scene().triangles(frame);
         const AlphaOracle alpha(session->host().scene());
         const auto depth = captured<float>(*session, "view_depth");
-        const auto normal = captured<uint32_t>(*session, "guide_normal");
+        const auto normal = captured<NormalTexel>(*session, "receiver_normal");
         const auto tree = captured<uint32_t>(*session, "hits"),
                    query = captured<uint32_t>(*session, "hits_q");
         const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
@@ -227,7 +227,7 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
-    options.captures = {"view_depth", "guide_normal", "tile_list", "trace_args", "hits"};
+    options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session =
@@ -239,8 +239,8 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
     const std::vector<Triangle> now = session->host().scene().triangles(16),
                                 at_first = session->host().scene().triangles(0);
     const auto depth = captured<float>(*session, "view_depth");
-    const auto normal = captured<uint32_t>(*session, "guide_normal"),
-               hits = captured<uint32_t>(*session, "hits");
+    const auto normal = captured<NormalTexel>(*session, "receiver_normal");
+    const auto hits = captured<uint32_t>(*session, "hits");
     const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
     const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3];
     size_t wrong = 0, wrong_at_first = 0;

@@ -7,13 +7,14 @@
 //
 // Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves; with SCENE_ALPHA what common/bvh_alpha.glsl needs.
 #include "common/bvh_alpha.glsl"
+#include "common/twofold.glsl"
 
 const uint bvh_stack_size = 32u;  // = max_bvh_depth: a path holds at most one pending group per level
 
 // What does not change along the ray. Woop, Benthin, Wald 2013: vertices are sheared so that the ray becomes the z axis;
 // the rounding happens per vertex, so neighbours see the same rounded vertex and no gap opens between them.
 struct BvhRay {
-    vec3 origin, inverse;
+    vec3 origin, direction, inverse;
     float t_min, t_max;
     bool x_longest, z_longest;
     vec3 shear;  // x, y: slopes; z: 1 / longest component
@@ -28,6 +29,7 @@ BvhRay bvh_ray(vec3 origin, vec3 direction, float t_min, float t_max) {
     const float tiny = 8.271806125530277e-25;  // 2^-80
     vec3 d = mix(mix(vec3(tiny), vec3(-tiny), lessThan(direction, vec3(0))), direction,
                  greaterThanEqual(abs(direction), vec3(tiny)));
+    ray.direction = d;
     ray.inverse = 1.0 / d;
     vec3 a = abs(d);
     ray.x_longest = a.x > a.y && a.x > a.z;
@@ -55,14 +57,13 @@ float bvh_edge(vec3 a, vec3 b) {
     return e;
 }
 
-// How far rounding can move a triangle's hit along the ray, times the triangle's sheared area: what a hit distance must
-// exceed. Without it a large receiver shades itself, since its vertices, and with them the rounding, are far from the
-// point whose origin offset knows nothing of them. From Woop et al., each coordinate x = p_x - s_x p_z is off by
+// How far rounding can move a triangle's hit along the ray, times the triangle's sheared area: within it, on which side of
+// the ray's start the triangle lies is not known. From Woop et al., each coordinate x = p_x - s_x p_z is off by
 // u (2 |x| + 3 |s_x p_z|), u = 2^-24, an edge function a_x b_y - a_y b_x by u (10 X Y + 6 Z (|s_x| Y + |s_y| X)) with
 // X, Y, Z the largest |x|, |y|, |z|, and t * area = sum of edge * z by its own rounding and by that times |z|. Where all
 // corners are ahead, so is the hit. Else Z is at most the range of t, and the sum at most 40 u range (X Y + ..); errors
-// do not all add up: with 2 u, 1 of 10 000 rays is still wrong, with 4 u none of 12 million
-// (tests/bvh_large_planes_test.cpp). More would cost slivers their contact shadows.
+// do not all add up: taken for the truth, with 2 u 1 of 10 000 rays is still wrong, with 4 u none of 12 million
+// (tests/bvh_large_planes_test.cpp).
 const float bvh_hit_roundings = 4.0 * 5.9604644775390625e-8;
 
 float bvh_hit_rounding(BvhRay ray, vec3 a, vec3 b, vec3 c) {
@@ -76,18 +77,46 @@ float bvh_hit_rounding(BvhRay ray, vec3 a, vec3 b, vec3 c) {
     return first > 0.0 ? 0.0 : rounding;
 }
 
+// What no arithmetic can undo: the corners themselves were rounded to the scene's frame, each by u of its coordinates, and
+// their plane lies beside that of what was rasterised by as much. The ray's start keeps off the surface by what grows with
+// its own coordinates; what grows with the distance of the corners it knows nothing of, and large receivers would shade
+// themselves (the same test: 5000 rays of 12 million without, 0 with half of u). 1 u is the bound, the other the raster's.
+const float bvh_vertex_roundings = 2.0 * 5.9604644775390625e-8;
+
+// Whether the triangle's plane lies ahead of the ray's start by more than its corners' rounding; `t` is where. For a ray
+// that is known to pass inside the triangle. t = n.(a - o) / n.d with 47 bits in n and in both products.
+bool bvh_plane_ahead(BvhRay ray, vec3 a, vec3 b, vec3 c, out float t) {
+    const Twofold to_a = twofold_difference(a, ray.origin);
+    const Twofold n = cross_product(twofold_difference(b, a), twofold_difference(c, a));
+    const float height = dot_product(n, to_a), slope = dot_product(n, Twofold(ray.direction, vec3(0.0)));
+    precise vec3 reach = max(max(abs(to_a.hi), abs(b - ray.origin)), abs(c - ray.origin));
+    float extent = max(max(reach.x, reach.y), reach.z);
+    vec3 area = abs(n.hi), size = abs(ray.direction);
+    precise float displaced = bvh_vertex_roundings * extent * ((area.x + area.y) + area.z);
+    precise float turned = bvh_vertex_roundings * extent * extent * ((size.x + size.y) + size.z);
+    precise float beyond = (slope < 0.0 ? -height : height) - ray.t_min * abs(slope);
+    t = height / slope;
+    return abs(slope) > turned && beyond > displaced;
+}
+
 // uvw: the edge functions opposite to a, b, c. One of exactly 0 counts for both triangles at the edge. A triangle seen
-// edge-on, or degenerate, has all three at 0 and no area to hit. `t_hit` is changed by a hit alone.
-bool bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c, inout float t_hit) {
+// edge-on, or degenerate, has all three at 0 and no area to hit. `corner`: the same three as the scene has them. `t_hit` is
+// changed by a hit alone.
+bool bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c, vec3 corner_a, vec3 corner_b, vec3 corner_c, inout float t_hit) {
     bool miss = min(min(uvw.x, uvw.y), uvw.z) < 0.0 && max(max(uvw.x, uvw.y), uvw.z) > 0.0;
     precise float det = uvw.x + uvw.y + uvw.z;
     precise float t = (uvw.x * a.z + uvw.y * b.z + uvw.z * c.z) * ray.shear.z;
     precise float size = abs(det);
-    precise float near = ray.t_min * size + bvh_hit_rounding(ray, a, b, c);
+    float rounding = bvh_hit_rounding(ray, a, b, c);
+    precise float near = ray.t_min * size;
+    precise float surely = near + rounding;
+    precise float at_all = near - rounding;
     precise float far = ray.t_max * size;
     float signed_t = det < 0.0 ? -t : t;
-    const bool hit = !miss && size > 0.0 && signed_t > near && signed_t < far;
-    if (hit) t_hit = signed_t / size;
+    bool hit = !miss && size > 0.0 && signed_t > at_all && signed_t < far;
+    float t_here = signed_t / size;
+    if (hit && signed_t <= surely) hit = bvh_plane_ahead(ray, corner_a, corner_b, corner_c, t_here);
+    if (hit) t_hit = t_here;
     return hit;
 }
 
@@ -96,22 +125,21 @@ bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit) {
     vec4 q0 = uintBitsToFloat(texelFetch(scene_leaves, texel));
     vec4 q1 = uintBitsToFloat(texelFetch(scene_leaves, texel + 1));
     vec4 q2 = uintBitsToFloat(texelFetch(scene_leaves, texel + 2));
-    vec3 a = bvh_shear(ray, q0.xyz);
-    vec3 b = bvh_shear(ray, vec3(q0.w, q1.xy));
-    vec3 c = bvh_shear(ray, vec3(q1.zw, q2.x));
-    vec3 d = bvh_shear(ray, q2.yzw);
+    vec3 va = q0.xyz, vb = vec3(q0.w, q1.xy), vc = vec3(q1.zw, q2.x), vd = q2.yzw;
+    vec3 a = bvh_shear(ray, va), b = bvh_shear(ray, vb), c = bvh_shear(ray, vc), d = bvh_shear(ray, vd);
     float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
 #ifdef SCENE_ALPHA
     float t_first = t_hit, t_second = t_hit;
-    bool first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_first),
-         second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_second);
+    bool first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, va, vb, vc, t_first),
+         second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, vc, vb, vd, t_second);
     if (first) first = bvh_alpha_blocks(leaf, 0u, vec3(bc, ca, ab));
     if (second) second = bvh_alpha_blocks(leaf, 1u, vec3(bd, dc, -bc));
     if (first) t_hit = t_first;
     if (second) t_hit = t_second;
     return first || second;
 #else
-    return bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_hit) || bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_hit);
+    return bvh_inside(ray, vec3(bc, ca, ab), a, b, c, va, vb, vc, t_hit) ||
+           bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, vc, vb, vd, t_hit);
 #endif
 }
 

@@ -12,17 +12,6 @@ vec3 decode_normal(vec4 texel) { return (2.0 * texel.xyz - 1.0) * texel.w; }
 // Normalised; zero stays zero.
 vec3 unit_or_zero(vec3 n) { return n * inversesqrt(max(dot(n, n), 1e-12)); }
 
-// Whether a ray from the surface points into it for certain: it meets the surface, also where its origin, offset above the
-// surface, would let it slip past an edge. n is a unit normal.
-bool points_into_surface(vec3 n, vec3 direction) { return dot(n, direction) <= -GUIDE_NORMAL_ERROR; }
-
-// Whether no ray of the sun's cap points into the surface. The least cosine is that of the rim's far end.
-bool cap_leaves_surface(vec3 n, vec3 to_sun, float angular_radius) {
-    const float cosine = dot(n, to_sun);
-    const float least = cosine * cos(angular_radius) - sqrt(max(1.0 - cosine * cosine, 0.0)) * sin(angular_radius);
-    return least > -GUIDE_NORMAL_ERROR + 1e-5;  // beyond rounding of the directions
-}
-
 // saturate(a.b)^32 of the normalised vectors, from their lengths' squares: no square root per tap.
 float normal_weight(vec3 a, float a2, vec3 b) {
     const float cosine = max(dot(a, b), 0.0);

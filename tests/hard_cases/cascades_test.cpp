@@ -133,14 +133,14 @@ size_t differing(const Frames& a, const Frames& b) {
 // Pixels that differ from the rays', though double precision finds their ray beyond rounding of every edge.
 size_t wrong_beyond_rounding(const Shot& shot, const Frames& whole, const Frames& other) {
     static const NodeSet nodes = shadow_nodes();
-    SceneRun run("raw", shot, {.captures = {"view_depth", "guide_normal"}});
+    SceneRun run("raw", shot, {.captures = {"view_depth", "receiver_normal"}});
     size_t wrong = 0;
     for (uint32_t f = 0; f < whole.size(); ++f) {
         run.frame(f, f == 0);
         const RayMaker maker(run.session(), nodes, run.session().host().frame(f, f == 0));
         const std::vector<Triangle> triangles = run.session().host().scene().triangles(f);
         const auto depth = captured<float>(run.session(), "view_depth");
-        const auto normal = captured<uint32_t>(run.session(), "guide_normal");
+        const auto normal = captured<NormalTexel>(run.session(), "receiver_normal");
         for (uint32_t i = 0; i < whole[f].size(); ++i) {
             if (whole[f][i] == other[f][i]) continue;
             const Ray ray = maker.ray(i % shot.size[0], i / shot.size[0], depth[i], normal[i]);

@@ -252,7 +252,7 @@ TEST(HardRays, NeedlesOfAHundredThousandToOneAreMet) {
     EXPECT_GT(ahead.certain, 1'000u);
     EXPECT_EQ(ahead.ours, 0u);
     EXPECT_GT(ahead.naive, ahead.certain / 2);
-    for (const float aspect : {1e2f, 1e3f, 1e4f, 1e5f}) {
+    for (const float aspect : {1e2f, 1e3f, 1e4f, 1e5f, 1e6f}) {
         const Needles beside = needles(0.1f, aspect, 0.001f);
         figure(("case 20, the same beside the ray's start, aspect " + std::to_string(int(aspect))).c_str(),
                share(beside.naive, beside.certain), share(beside.ours, beside.certain));
