@@ -96,6 +96,28 @@ TEST_F(BvhGpu, LargePlanesAnswerLikeTheReference) {
         }
 }
 
+// Needles of 10^5 : 1, each a millimetre ahead of a ray's start: one float cannot say on which side.
+TEST_F(BvhGpu, NeedlesAtTheStartAnswerLikeTheReference) {
+    Random random(26);
+    std::vector<Triangle> needles;
+    std::vector<Ray> rays;
+    const auto vec = [](const glm::vec3& p) { return Vec{p.x, p.y, p.z}; };
+    for (int i = 0; i < 8000; ++i) {
+        const glm::vec3 place = 0.5f * glm::vec3(i % 20, i / 20 % 20, i / 400);  // out of each other's way
+        const auto direction = [&] {
+            const Vec d = random_direction(random);
+            return glm::vec3(d.x, d.y, d.z);
+        };
+        const glm::vec3 along = direction(), across = glm::normalize(glm::cross(along, direction()));
+        const glm::vec3 a = place - 5e-7f * across, b = place + 5e-7f * across, c = place + 0.1f * along;
+        needles.push_back(triangle(vec(a), vec(b), vec(c)));
+        const glm::vec3 target = 0.45f * (a + b) + 0.1f * c, d = 1e-3f * glm::cross(along, across),
+                        o = target - d;
+        rays.push_back({{o.x, o.y, o.z}, {d.x, d.y, d.z}, 0, 2});
+    }
+    expect_equal("needles", needles, rays);
+}
+
 TEST_F(BvhGpu, EmptySceneBlocksNothing) {
     const std::vector<Triangle> one{triangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0})};
     for (uint32_t a : answers(compute, build_bvh({}), shadow_rays(one, 1000, 22))) ASSERT_EQ(a, 0u);

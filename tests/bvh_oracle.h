@@ -68,13 +68,18 @@ inline Truth against(const Triangle& triangle, const Ray& ray, double tolerance)
     // Rounding across the ray moves the hit along it, more so at grazing angles.
     const double slope = (z1 - z0) / std::max({inside, near});
     const double along = near * (1 + slope);
-    // A triangle on both sides of the origin counts once it is ahead by its own rounding (bvh.glsl,
-    // bvh_hit_rounding(); coordinates here are across the ray, there across its longest axis, which stretches
-    // them by up to sqrt(3)).
-    const double reach = std::max({std::hypot(x[0], y[0]), std::hypot(x[1], y[1]), std::hypot(x[2], y[2])});
-    const double range = z1 - z0;
-    const double ahead =
-        z0 < 0 ? 9 * 0x1p-24 * range * (reach * reach + 2 * range * reach) / std::abs(area) : 0;
+    // A triangle on both sides of the origin counts once its plane is ahead by its corners' rounding, and its
+    // area, as the ray sees it, is beyond that too (bvh.glsl, bvh_plane_ahead(), with a little more than its 2).
+    const double rounding = 2.1 * 0x1p-24 * scale;
+    double areas = 0;
+    for (int k = 0; k < 3; ++k) {
+        const auto side = [&](int corner, int axis) {
+            return double(triangle.v[corner][axis % 3]) - triangle.v[0][axis % 3];
+        };
+        areas += std::abs(side(1, k + 1) * side(2, k + 2) - side(1, k + 2) * side(2, k + 1));
+    }
+    if (z0 < 0 && std::abs(area) < std::sqrt(3.0) * rounding * scale) return Truth::either;
+    const double ahead = z0 < 0 ? rounding * areas / std::abs(area) : 0;
     if (t < ray.t_min * length - along || t > double(ray.t_max) * length + along) return Truth::clear;
     if (t < ray.t_min * length + std::max(along, ahead) || t > double(ray.t_max) * length - along)
         return Truth::either;

@@ -99,10 +99,11 @@ bool bvh_plane_ahead(BvhRay ray, vec3 a, vec3 b, vec3 c, out float t) {
     return abs(slope) > turned && beyond > displaced;
 }
 
+const uint BVH_MISS = 0u, BVH_HIT = 1u, BVH_UNSURE = 2u;
+
 // uvw: the edge functions opposite to a, b, c. One of exactly 0 counts for both triangles at the edge. A triangle seen
-// edge-on, or degenerate, has all three at 0 and no area to hit. `corner`: the same three as the scene has them. `t_hit` is
-// changed by a hit alone.
-bool bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c, vec3 corner_a, vec3 corner_b, vec3 corner_c, inout float t_hit) {
+// edge-on, or degenerate, has all three at 0 and no area to hit. `t_hit` is changed by a hit alone.
+uint bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c, inout float t_hit) {
     bool miss = min(min(uvw.x, uvw.y), uvw.z) < 0.0 && max(max(uvw.x, uvw.y), uvw.z) > 0.0;
     precise float det = uvw.x + uvw.y + uvw.z;
     precise float t = (uvw.x * a.z + uvw.y * b.z + uvw.z * c.z) * ray.shear.z;
@@ -113,34 +114,57 @@ bool bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c, vec3 corner_a, vec
     precise float at_all = near - rounding;
     precise float far = ray.t_max * size;
     float signed_t = det < 0.0 ? -t : t;
-    bool hit = !miss && size > 0.0 && signed_t > at_all && signed_t < far;
-    float t_here = signed_t / size;
-    if (hit && signed_t <= surely) hit = bvh_plane_ahead(ray, corner_a, corner_b, corner_c, t_here);
-    if (hit) t_hit = t_here;
-    return hit;
+    const bool met = !miss && size > 0.0 && signed_t > at_all && signed_t < far, sure = met && signed_t > surely;
+    if (sure) t_hit = signed_t / size;
+    return sure ? BVH_HIT : met ? BVH_UNSURE : BVH_MISS;
 }
 
-bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit) {
+struct BvhLeaf {
+    vec3 a, b, c, d;  // triangles a, b, c and c, b, d
+};
+
+BvhLeaf bvh_leaf(uint leaf) {
     int texel = int(leaf * 3u);
     vec4 q0 = uintBitsToFloat(texelFetch(scene_leaves, texel));
     vec4 q1 = uintBitsToFloat(texelFetch(scene_leaves, texel + 1));
     vec4 q2 = uintBitsToFloat(texelFetch(scene_leaves, texel + 2));
-    vec3 va = q0.xyz, vb = vec3(q0.w, q1.xy), vc = vec3(q1.zw, q2.x), vd = q2.yzw;
-    vec3 a = bvh_shear(ray, va), b = bvh_shear(ray, vb), c = bvh_shear(ray, vc), d = bvh_shear(ray, vd);
+    return BvhLeaf(q0.xyz, vec3(q0.w, q1.xy), vec3(q1.zw, q2.x), q2.yzw);
+}
+
+// `unsure`: bit 0 and 1, the triangles of which bvh_plane_ahead() has to say whether they are hit, if none is for sure.
+bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit, out uint unsure) {
+    BvhLeaf corners = bvh_leaf(leaf);
+    vec3 a = bvh_shear(ray, corners.a), b = bvh_shear(ray, corners.b), c = bvh_shear(ray, corners.c), d = bvh_shear(ray, corners.d);
     float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
 #ifdef SCENE_ALPHA
     float t_first = t_hit, t_second = t_hit;
-    bool first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, va, vb, vc, t_first),
-         second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, vc, vb, vd, t_second);
-    if (first) first = bvh_alpha_blocks(leaf, 0u, vec3(bc, ca, ab));
-    if (second) second = bvh_alpha_blocks(leaf, 1u, vec3(bd, dc, -bc));
-    if (first) t_hit = t_first;
-    if (second) t_hit = t_second;
-    return first || second;
+    uint first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_first),
+         second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_second);
+    if (first != BVH_MISS && !bvh_alpha_blocks(leaf, 0u, vec3(bc, ca, ab))) first = BVH_MISS;
+    if (second != BVH_MISS && !bvh_alpha_blocks(leaf, 1u, vec3(bd, dc, -bc))) second = BVH_MISS;
+    if (first == BVH_HIT) t_hit = t_first;
+    if (second == BVH_HIT) t_hit = t_second;
 #else
-    return bvh_inside(ray, vec3(bc, ca, ab), a, b, c, va, vb, vc, t_hit) ||
-           bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, vc, vb, vd, t_hit);
+    uint first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_hit), second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_hit);
 #endif
+    unsure = first >> 1 | second & 2u;
+    return first == BVH_HIT || second == BVH_HIT;
+}
+
+// Decides what bvh_hits_leaf() could not: of up to four leaves, each as index << 2 | its triangles in question.
+bool bvh_hits_unsure(BvhRay ray, uvec4 leaves, inout float t_hit) {
+    bool found = false;
+    while (leaves.x != 0u) {
+        BvhLeaf corners = bvh_leaf(leaves.x >> 2);
+        bool first = (leaves.x & 1u) != 0u;
+        float t;
+        bool hit = bvh_plane_ahead(ray, first ? corners.a : corners.c, corners.b, first ? corners.c : corners.d, t);
+        if (hit) found = true;
+        if (hit) t_hit = t;
+        leaves.x &= ~(first ? 1u : 2u);
+        if ((leaves.x & 3u) == 0u) leaves = uvec4(leaves.yzw, 0u);
+    }
+    return found;
 }
 
 vec4 bvh_planes(uint word, float step, float base) {
@@ -185,10 +209,15 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
     uint stack[bvh_stack_size];
     uint depth = 0u;
     bool found = false;
+    // The last leaves that are hit or not for digits that are not there. Decided after the loop, since a device without
+    // branches would decide in every step of every ray; a fifth such leaf takes the place of the first.
+    uvec4 unsure_leaves = uvec4(0u);
     while (true) {
         uint leaf_bit = leaf_mask & (~leaf_mask + 1u);
         if (leaf_bit != 0u) {
-            if (bvh_hits_leaf(ray, leaf_first + bvh_bit_index(leaf_bit), t_hit)) found = true;
+            uint leaf = leaf_first + bvh_bit_index(leaf_bit), unsure;
+            if (bvh_hits_leaf(ray, leaf, t_hit, unsure)) found = true;
+            if (unsure != 0u) unsure_leaves = uvec4(leaf << 2 | unsure, unsure_leaves.xyz);
             leaf_mask ^= leaf_bit;
         }
         // A new node may bring new leaves, so it waits until this step's leaf was the last at hand.
@@ -220,6 +249,7 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
         if ((group & 15u) == 0u && depth > 0u) group = stack[--depth];
         if (found || ((group & 15u) | leaf_mask) == 0u) break;
     }
+    if (!found && unsure_leaves.x != 0u) found = bvh_hits_unsure(ray, unsure_leaves, t_hit);
     return found;
 }
 
