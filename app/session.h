@@ -25,7 +25,7 @@ struct SessionOptions {
     std::optional<uint32_t> seed;
     bool alias = true;
     bool jitter = true;
-    bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
+    bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;             // instead of what the scene says
     bool optimum = true;     // search for the smallest possible heap, for the report

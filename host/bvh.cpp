@@ -208,15 +208,15 @@ float hit_rounding(const RaySetup& ray, const Sheared& a, const Sheared& b, cons
     return hit_roundings * range * edges;
 }
 
-// Whether the triangle's plane lies ahead of the ray's start by more than its corners' rounding; see bvh.glsl.
+// Whether the triangle's plane lies ahead of the ray's start by more than its corners' rounding; see
+// bvh.glsl.
 bool plane_ahead(const RaySetup& ray, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
     const glm::vec3 origin(ray.origin[0], ray.origin[1], ray.origin[2]),
         direction(ray.direction[0], ray.direction[1], ray.direction[2]);
     const Twofold to_a = twofold_difference(a, origin);
     const Twofold n = cross_product(twofold_difference(b, a), twofold_difference(c, a));
     const float height = dot_product(n, to_a), slope = dot_product(n, {direction, glm::vec3(0)});
-    const glm::vec3 reach =
-        glm::max(glm::max(glm::abs(to_a.hi), glm::abs(b - origin)), glm::abs(c - origin));
+    const glm::vec3 reach = glm::max(glm::max(glm::abs(to_a.hi), glm::abs(b - origin)), glm::abs(c - origin));
     const float extent = std::max(std::max(reach.x, reach.y), reach.z);
     const glm::vec3 area = glm::abs(n.hi), size = glm::abs(direction);
     const float displaced = vertex_roundings * extent * ((area.x + area.y) + area.z);

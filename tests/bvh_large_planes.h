@@ -32,8 +32,8 @@ inline LargePlane large_plane(double half, double elevation_deg, const glm::dvec
     const auto at = [&](double a, double b) { return a * u + b * w; };
     const auto vec = [](const glm::dvec3& p) { return Vec{float(p.x), float(p.y), float(p.z)}; };
     LargePlane out;
-    // Corners on both sides of the frame's origin round to opposite numbers, so that the diagonal passes through it
-    // as exactly as it should; one that passes it by does not.
+    // Corners on both sides of the frame's origin round to opposite numbers, so that the diagonal passes
+    // through it as exactly as it should; one that passes it by does not.
     const double aside = points == PointsOn::plane ? 0.2 * half : 0;
     const auto corner = [&](double a, double b) { return vec(at(a + aside, b - aside)); };
     add_quad(out.quad, corner(-half, -half), corner(-half, half), corner(half, half), corner(half, -half));

@@ -23,8 +23,8 @@ TEST(BvhLargePlanes, NeverShadeThemselves) {
             }
 }
 
-// The same where the corners' rounding has put the triangles beside the plane that the rays start from: 1200 of
-// these rays hit their own receiver where a distance is believed beyond its own rounding alone.
+// The same where the corners' rounding has put the triangles beside the plane that the rays start from: 1200
+// of these rays hit their own receiver where a distance is believed beyond its own rounding alone.
 TEST(BvhLargePlanes, NeverShadeThemselvesForTheirCornersRounding) {
     for (const double half : {1000.0, 10000.0})
         for (const double elevation : {1.0, 10.0})

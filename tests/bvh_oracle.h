@@ -69,7 +69,8 @@ inline Truth against(const Triangle& triangle, const Ray& ray, double tolerance)
     const double slope = (z1 - z0) / std::max({inside, near});
     const double along = near * (1 + slope);
     // A triangle on both sides of the origin counts once its plane is ahead by its corners' rounding, and its
-    // area, as the ray sees it, is beyond that too (bvh.glsl, bvh_plane_ahead(), with a little more than its 2).
+    // area, as the ray sees it, is beyond that too (bvh.glsl, bvh_plane_ahead(), with a little more than its
+    // 2).
     const double rounding = 2.1 * 0x1p-24 * scale;
     double areas = 0;
     for (int k = 0; k < 3; ++k) {

@@ -43,7 +43,7 @@ Verdicts judge(Shot shot, double angle_deg, const std::vector<std::string>& sett
     options.optimum = false;
     options.jitter = false;
     options.captures = {"view_depth",      "receiver_normal", "receiver_words",
-                        "candidate_words", "preloaded_hits", "undecided_words"};
+                        "candidate_words", "preloaded_hits",  "undecided_words"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     std::vector<std::string> all = {"nodes.classify.out.undecided_words=candidate_words"};

@@ -87,8 +87,10 @@ class RayMaker {
         const glm::dvec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
         const double pixel_angle = 2.0 / (size_[1] * std::abs(frame_.description.camera.clip_from_view[5]));
         const double facing = std::abs(glm::dot(n, -glm::normalize(relative)));
+        const glm::dmat3 axes = glm::make_mat3(frame_.description.camera.world_from_view.data());
+        const double across = std::abs(glm::dot(n, axes[0])) + std::abs(glm::dot(n, axes[1]));
         return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing +
-               pixel_angle * z / 256;
+               pixel_angle * z * across / 512;
     }
 
     glm::dvec2 sample(uint32_t x, uint32_t y) const {

@@ -232,8 +232,8 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     };
     const bool traced = shadow == Shadow::soft || shadow == Shadow::hard;
     if (traced)
-        also("classify trace", "tile_list trace_args receiver_words", "", "scene scene.nodes scene.leaves",
-             "");
+        also("classify trace", "receiver_normal tile_list trace_args receiver_words", "",
+             "scene scene.nodes scene.leaves", "");
     if (traced && alpha) also("", "", "", "scene.alpha_uv scene.alpha_map", "");
     if (shadow == Shadow::soft) also("", "", "", "", "blue_noise");
     if (shadow == Shadow::none) also("open", "", "", "", "");
