@@ -44,8 +44,8 @@ Shape band(const glm::dvec2& m, double from, double to, double reach) {
 // What the facets are off by must fall towards the contact likewise: their sagitta, by the square of their
 // size, so circles as far apart as the root of their angle, at the squares of equal steps.
 Shape ball(double radius, bool at_rest) {
-    // Off the sphere by at most radius / 6600; at rest by 2e-4 x.
-    const uint32_t rings = at_rest ? 192 : 128, segments = at_rest ? 384 : 256;
+    // Off the sphere by at most radius / 6600; at rest by 1e-4 x.
+    const uint32_t rings = at_rest ? 272 : 128, segments = at_rest ? 544 : 256;
     Shape shape;
     for (uint32_t ring = 0; ring <= rings; ++ring) {
         const double step = static_cast<double>(ring) / rings;
