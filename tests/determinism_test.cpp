@@ -136,8 +136,8 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, TraceBackends, ::testing::Values("shadows", 
                          [](const auto& test) { return std::string(test.param); });
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, Determinism,
-                         ::testing::Values("raw", "hybrid_raw", "fidelityfx", "shadows", "hybrid_shadows",
-                                           "sheared"),
+                         ::testing::Values("raw", "hybrid_raw", "hybrid_cones_raw", "fidelityfx", "shadows",
+                                           "hybrid_shadows", "sheared"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

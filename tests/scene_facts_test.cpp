@@ -240,7 +240,11 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     if (shadow == Shadow::all) also("night", "", "", "", "");
     // One buffer of hits, named by who fills it first.
     if (traced && pipeline.starts_with("hybrid_"))
-        also("beams cones", "facing facing_args facing_hits candidates candidate_args", "", "neighbours", "");
+        also("", "facing facing_args facing_hits proved", "proved", "neighbours", "");
+    if (traced && pipeline == "hybrid_cones_raw")
+        also("beams cones", "candidates candidate_args", "", "", "");
+    else if (traced && pipeline.starts_with("hybrid_"))
+        also("beams_alone", "", "", "", "");
     else if (traced)
         also("", "preloaded_hits", "", "", "");
     if (pipeline.ends_with("raw")) {
@@ -327,7 +331,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_shadows"}) {
+        for (const char* pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -357,7 +361,8 @@ std::string without_culled(const Plan& plan) {
 TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
-        for (const std::string pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_shadows"}) {
+        for (const std::string pipeline :
+             {"raw", "shadows", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
