@@ -347,6 +347,34 @@ bool runs(const Plan& plan, const std::string& node) {
     return std::ranges::any_of(plan.passes, [&](const PlanPass& pass) { return pass.node == node; });
 }
 
+// Which proofs run is a matter of how many rays they can spare, of casters with holes, which close no cone
+// off, and of a sun that is a point, which takes one ray whatever was asked for (docs/classification.md).
+TEST(SceneFacts, ProofsRunWhereTheyPay) {
+    struct Choice {
+        uint32_t rays;
+        Facts facts;
+        bool cones;
+    };
+    const std::vector<Choice> choices = {{1, {}, false},
+                                         {7, {{"alpha", false}}, false},
+                                         {8, {{"alpha", false}}, true},
+                                         {8, {{"alpha", true}}, false},
+                                         {15, {{"alpha", true}}, false},
+                                         {16, {{"alpha", true}}, true},
+                                         {64, {{"alpha", false}}, true},
+                                         {64, {{"alpha", false}, {"sun_disc", false}}, false}};
+    for (const char* pipeline : {"hybrid_raw", "hybrid_shadows"})
+        for (const Choice& c : choices) {
+            SCOPED_TRACE(testing::Message() << pipeline << " with " << c.rays << " rays");
+            const std::string patch =
+                R"("nodes": { "trace": { "params": { "rays_per_pixel": )" + std::to_string(c.rays) + " } } }";
+            const Plan plan = plan_of(pipeline, c.facts, patch);
+            EXPECT_EQ(runs(plan, "cones"), c.cones);
+            EXPECT_EQ(runs(plan, "beams"), c.cones);
+            EXPECT_EQ(runs(plan, "beams_alone"), !c.cones);
+        }
+}
+
 // The plan as text, but for the list of what was left out.
 std::string without_culled(const Plan& plan) {
     std::istringstream lines(to_text(plan));
