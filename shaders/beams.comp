@@ -59,22 +59,27 @@ uint bit_of(ivec2 tile) { return 1u << uint(tile.x & 31); }
 
 #if HAS_PROVED_BEFORE
 // Frames between two beams of a tile that was not decided: beside one that was, where what is proved grows, and elsewhere.
-const uint NEAR_TURN = 4u, FAR_TURN = 32u;
+const uint NEAR_TURN = 8u, FAR_TURN = 64u;
+const uint COMPANY = 4u;  // a walk is worth its while where one lane in so many has a tile that was decided
 
 bool was_proved(ivec2 tile) {
     return all(greaterThanEqual(tile, ivec2(0))) && all(lessThan(tile, tile_grid())) &&
            (proved_before[word_of(tile)] & bit_of(tile)) != 0u;
 }
 
-// Tiles of a row take their turns by eights: they are the lanes of a subgroup, which waits for the slowest of them.
-bool worth_a_beam(ivec2 tile) {
+// Tiles of a row take their turns by eights: they are the lanes of a subgroup, which waits for the slowest of them. For that
+// reason too one tile that was decided among many that were not is no good reason for a walk. Called by every lane.
+bool worth_a_beam(ivec2 tile, bool listed) {
+    const bool again = listed && was_proved(tile);
+    const bool in_company = subgroupAdd(again ? 1u : 0u) * COMPANY >= gl_SubgroupSize;
     const uint turn = uint(tile.x >> 3) + uint(tile.y) * 5u + frame.frame_index;
-    if ((frame.flags & FRAME_RESET) != 0u || turn % FAR_TURN == 0u || was_proved(tile)) return true;
-    return turn % NEAR_TURN == 0u && (was_proved(tile + ivec2(-1, 0)) || was_proved(tile + ivec2(1, 0)) ||
-                                      was_proved(tile + ivec2(0, -1)) || was_proved(tile + ivec2(0, 1)));
+    if ((frame.flags & FRAME_RESET) != 0u || turn % FAR_TURN == 0u || (again && in_company)) return listed;
+    return listed && turn % NEAR_TURN == 0u &&
+           (was_proved(tile + ivec2(-1, 0)) || was_proved(tile + ivec2(1, 0)) || was_proved(tile + ivec2(0, -1)) ||
+            was_proved(tile + ivec2(0, 1)));
 }
 #else
-bool worth_a_beam(ivec2 tile) { return true; }
+bool worth_a_beam(ivec2 tile, bool listed) { return listed; }
 #endif
 
 void main() {
@@ -86,7 +91,7 @@ void main() {
     const uint mask = record.y;
 
     bool lit = false, shadowed = false;
-    const bool tried = mask != 0u && worth_a_beam(tile);
+    const bool tried = worth_a_beam(tile, mask != 0u);
     if (tried) {
         Walk walk;
         bool open_surface;
