@@ -43,12 +43,17 @@ Schema described(Schema schema, const std::string& description) {
     return schema;
 }
 
-// Facts joined by "&".
+// As graph/formula.h has it; which parameters exist is beyond a pattern.
 Schema condition() {
     std::vector<std::string> facts(fact_names.begin(), fact_names.end());
-    const std::string literal = "[ \\t]*!?[ \\t]*(" + joined(facts, "|") + ")[ \\t]*";
-    return described(text(("^" + literal + "(&" + literal + ")*$").c_str()),
-                     "facts joined by &, each may have a ! before it");
+    const std::string blank = "[ \\t]*", id = "[a-z][a-z0-9_]{0,63}";
+    const std::string compared = "(" + blank + "(=|!=|<=?|>=?)" + blank + "[^&|<>=! \\t]([^&|<>=!]*))?";
+    const std::string literal =
+        blank + "!?" + blank + "(" + joined(facts, "|") + "|" + id + "\\." + id + compared + ")" + blank;
+    return described(text(("^" + literal + "([&|]" + literal + ")*$").c_str()),
+                     "facts, and constant parameters of nodes (NODE.PARAM, or compared with a value by = != "
+                     "< <= > >=); each may "
+                     "have a ! before it, & joins, | stands between alternatives");
 }
 
 // What is whole in a pipeline and may be null in a patch.

@@ -30,6 +30,7 @@ class Checker {
         result_.resources = pipeline_.resources;
         for (const OutputName& output : pipeline_.outputs) result_.outputs.push_back(output.name);
         for (const PipelineNode& node : pipeline_.nodes) find_type(node);
+        settle_conditions();
         bind_outputs();
         bind_inputs();
         for (const auto& [name, use] : flow_.resources)
@@ -59,7 +60,7 @@ class Checker {
             return;
         }
         BoundNode bound{
-            .id = node.id, .type = &entry->type, .condition = node.condition, .place = node.place};
+            .id = node.id, .type = &entry->type, .condition = to_string(node.condition), .place = node.place};
         bind_params(node, bound);
         check_ports(node, entry->type, node.in, false);
         check_ports(node, entry->type, node.out, true);
@@ -90,6 +91,41 @@ class Checker {
         }
     }
 
+    // A node that runs under no facts stays: its names and wires are checked as any other's, and it gets in
+    // nobody's way.
+    void settle_conditions() {
+        const auto find = [&](const std::string& id, const std::string& param) {
+            return find_param(id, param);
+        };
+        for (size_t i = 0; i < result_.nodes.size(); ++i)
+            if (const auto cases =
+                    settle(sources_[i]->condition, find, "nodes." + sources_[i]->id + ".if", diagnostics_))
+                result_.nodes[i].cases = *cases;
+    }
+
+    KnownParam find_param(const std::string& id, const std::string& name) const {
+        const auto written = std::ranges::find(pipeline_.nodes, id, &PipelineNode::id);
+        if (written == pipeline_.nodes.end()) {
+            std::vector<std::string> ids;
+            for (const PipelineNode& node : pipeline_.nodes) ids.push_back(node.id);
+            return {.problem = fmt::format("no node \"{}\"{}", id, did_you_mean(id, ids))};
+        }
+        const auto node = std::ranges::find(result_.nodes, id, &BoundNode::id);
+        if (node == result_.nodes.end()) return {};  // of unknown type, which has been said
+        const Param* param = node->type->param(name);
+        if (!param) {
+            std::vector<std::string> names;
+            for (const Param& p : node->type->params) names.push_back(p.name);
+            return {.problem = fmt::format("node \"{}\" of type \"{}\" has no parameter \"{}\"{}", id,
+                                           node->type->name, name, did_you_mean(name, names))};
+        }
+        const bool by_class = node->type->cpu.params.contains(name) || node->type->gpu.params.contains(name);
+        if (by_class && !node->set_by_user.contains(name))
+            return {.problem = fmt::format(
+                        "\"{}.{}\" depends on the device where the pipeline does not set it", id, name)};
+        return {.param = param, .value = &node->params.at(name)};
+    }
+
     void check_ports(const PipelineNode& node, const NodeType& type, const std::vector<Wire>& wires,
                      bool output) {
         std::vector<std::string> names;
@@ -107,18 +143,14 @@ class Checker {
         }
     }
 
-    // The facts under which a port exists, or nothing where the node's parameters or a contradiction rule it
-    // out.
-    static std::optional<Condition> facts_of(const BoundNode& node, const Port& port) {
-        Condition facts = node.condition;
-        for (const Literal& literal : port.condition) {
-            if (!literal.value)
-                facts.push_back(literal);
-            else if (!holds({literal}, {}, node.params))
-                return std::nullopt;
-        }
-        if (exclusive(facts, facts)) return std::nullopt;
-        return facts;
+    // The facts under which a port exists, or nothing where the node's parameters or facts rule it out of a
+    // node that runs.
+    static std::optional<FactCases> cases_of_port(const BoundNode& node, const Port& port) {
+        for (const Literal& literal : port.condition)
+            if (literal.value && !holds({literal}, {}, node.params)) return std::nullopt;
+        const FactCases cases = node.cases & cases_of(port.condition);
+        if (cases.none() && node.cases.any()) return std::nullopt;
+        return cases;
     }
 
     static const Wire* wire_of(const PipelineNode& node, const Port& port) {
@@ -127,10 +159,10 @@ class Checker {
         return found == wires.end() ? nullptr : &*found;
     }
 
-    PortUse use_of(size_t node, const BoundPort& bound, Condition facts) const {
+    PortUse use_of(size_t node, const BoundPort& bound, const FactCases& cases) const {
         const std::string path = fmt::format("nodes.{}.{}.{}", result_.nodes[node].id,
                                              bound.port->output ? "out" : "in", bound.port->name);
-        return {node, &bound, std::move(facts), bound.place, path};
+        return {node, &bound, cases, bound.place, path};
     }
 
     template <typename Visit>
@@ -138,8 +170,8 @@ class Checker {
         for (size_t i = 0; i < result_.nodes.size(); ++i)
             for (BoundPort& bound : result_.nodes[i].ports)
                 if (bound.port->output == outputs)
-                    if (auto facts = facts_of(result_.nodes[i], *bound.port))
-                        visit(i, bound, wire_of(*sources_[i], *bound.port), std::move(*facts));
+                    if (const auto cases = cases_of_port(result_.nodes[i], *bound.port))
+                        visit(i, bound, wire_of(*sources_[i], *bound.port), *cases);
     }
 
     // The names that inputs and the pipeline's outputs ask for: an optional output exists if its name is
@@ -148,7 +180,7 @@ class Checker {
         std::map<std::string, std::vector<size_t>> wanted;  // name -> asking nodes
         for (const OutputName& output : pipeline_.outputs)
             wanted[output.name].push_back(result_.nodes.size());
-        each_port(false, [&](size_t node, const BoundPort& bound, const Wire* wire, const Condition&) {
+        each_port(false, [&](size_t node, const BoundPort& bound, const Wire* wire, const FactCases&) {
             wanted[wire ? wire->resource : bound.port->name].push_back(node);
         });
         return wanted;
@@ -162,7 +194,7 @@ class Checker {
             return found != wanted.end() &&
                    std::ranges::any_of(found->second, [&](size_t n) { return n != node; });
         };
-        each_port(true, [&](size_t node, BoundPort& bound, const Wire* wire, Condition facts) {
+        each_port(true, [&](size_t node, BoundPort& bound, const Wire* wire, const FactCases& cases) {
             if (wire) bound.place = wire->place;
             if (wire)
                 bound.resource = wire->resource;
@@ -173,12 +205,12 @@ class Checker {
                     error(use_of(node, bound, {}), "only an optional port may be unbound (null)");
                 return;
             }
-            flow_.resources[bound.resource].writers.push_back(use_of(node, bound, std::move(facts)));
+            flow_.resources[bound.resource].writers.push_back(use_of(node, bound, cases));
         });
     }
 
     void bind_inputs() {
-        each_port(false, [&](size_t node, BoundPort& bound, const Wire* wire, Condition facts) {
+        each_port(false, [&](size_t node, BoundPort& bound, const Wire* wire, const FactCases& cases) {
             const Port& port = *bound.port;
             if (wire) {
                 bound.place = wire->place;
@@ -187,7 +219,7 @@ class Checker {
             } else if (!port.previous && (!port.optional || exists_beside(port.name, node))) {
                 bound.resource = port.name;
             }
-            const PortUse use = use_of(node, bound, std::move(facts));
+            const PortUse use = use_of(node, bound, cases);
             const bool unbound = bound.resource.empty() && port.optional;
             if (port.previous && !bound.previous && !unbound)
                 error(use, "must be wired to the previous frame's value of a name, as in \"NAME@-1\"");

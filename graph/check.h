@@ -30,8 +30,9 @@ struct BoundNode {
     std::map<std::string, ParamValue>
         params;  // every parameter, defaults filled in (class overrides are not)
     std::map<std::string, bool>
-        set_by_user;  // parameters the pipeline sets itself: class overrides leave these
-    Condition condition;
+        set_by_user;                // parameters the pipeline sets itself: class overrides leave these
+    FactCases cases = all_cases();  // the facts under which it runs: "if", with its comparisons settled
+    std::string condition;          // "if", as text
     Place place;
     bool added = false;  // by the graph, not by the pipeline's text: not worth a word where it does not run
 };

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The second part of check(): writers, updates and order under every combination of facts.
-// Conditions are conjunctions of few facts, so the questions "is there a writer?" and "is there a cycle?" are
-// answered by trying every combination of the facts that occur (2^8 at most) instead of by reasoning about
-// formulas.
+// A condition is the set of cases in which it holds (condition.h), so that "is there a writer?" is a
+// difference of sets, and "is there a cycle?" is asked once for each set of edges that some case has.
 #include "graph/check_dataflow.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
+#include <numeric>
 #include <set>
+#include <string_view>
 
 #include "graph/condition.h"
 
@@ -17,44 +17,39 @@ namespace penumbra {
 
 namespace {
 
-std::vector<std::string> facts_in(const std::vector<const Condition*>& conditions) {
-    std::set<std::string> names;
-    for (const Condition* condition : conditions)
-        for (const Literal& literal : *condition) names.insert(literal.name);
-    return {names.begin(), names.end()};
+// Facts in the order of their names, in which an error lists them; bit i of a case is fact_names[i].
+std::vector<size_t> facts_by_name() {
+    std::vector<size_t> order(fact_names.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::ranges::sort(order, {}, [](size_t fact) { return std::string_view(fact_names[fact]); });
+    return order;
 }
 
-// Bit i of `bits` is the truth of names[i].
-Facts facts_of(const std::vector<std::string>& names, size_t bits) {
-    Facts facts;
-    for (size_t i = 0; i < names.size(); ++i) facts[names[i]] = (bits >> i & 1) != 0;
-    return facts;
-}
-
-// The shortest condition, dropping facts greedily, under which `bad` holds whatever the other facts are; none
-// if nothing is bad. All facts true is tried first: it is the default and the least surprising
+// The shortest condition, dropping facts greedily, that holds in bad cases only. The example that it starts
+// from has as many facts true as can be, the last names first: true is the default, and the least surprising
 // counterexample.
-std::optional<Condition> find_bad(const std::vector<std::string>& names,
-                                  const std::function<bool(const Facts&)>& bad) {
-    const size_t combinations = size_t{1} << names.size();
-    std::vector<bool> is_bad(combinations);
-    for (size_t bits = 0; bits < combinations; ++bits) is_bad[bits] = bad(facts_of(names, bits));
-    const auto found = std::find(is_bad.rbegin(), is_bad.rend(), true);
-    if (found == is_bad.rend()) return std::nullopt;
-    const size_t example = combinations - 1 - static_cast<size_t>(found - is_bad.rbegin());
-
-    size_t kept = combinations - 1;  // mask of the facts that matter
-    for (size_t i = 0; i < names.size(); ++i) {
-        const size_t fewer = kept & ~(size_t{1} << i);
-        bool always = true;
-        for (size_t bits = 0; bits < combinations; ++bits)
-            if ((bits & fewer) == (example & fewer)) always = always && is_bad[bits];
-        if (always) kept = fewer;
+Condition describe(const FactCases& bad) {
+    const std::vector<size_t> order = facts_by_name();
+    FactCases left = bad;
+    for (auto fact = order.rbegin(); fact != order.rend(); ++fact) {
+        const FactCases with = left & cases_of(fact_names[*fact], false);
+        if (with.any()) left = with;
     }
-    Condition condition;
-    for (size_t i = 0; i < names.size(); ++i)
-        if (kept >> i & 1) condition.push_back({names[i], (example >> i & 1) == 0, std::nullopt});
-    return condition;
+    size_t example = 0;
+    while (!left[example]) ++example;
+
+    std::vector<bool> kept(fact_names.size(), true);
+    const auto condition = [&] {
+        Condition literals;
+        for (const size_t fact : order)
+            if (kept[fact]) literals.push_back({fact_names[fact], (example >> fact & 1) == 0, std::nullopt});
+        return literals;
+    };
+    for (const size_t fact : order) {
+        kept[fact] = false;
+        if ((cases_of(condition()) & ~bad).any()) kept[fact] = true;
+    }
+    return condition();
 }
 
 class DataflowChecker {
@@ -91,7 +86,7 @@ class DataflowChecker {
             if (use.host)
                 error(use.writers[i], fmt::format("\"{}\" is a host input; a node cannot write it", name));
             for (size_t j = 0; j < i; ++j)
-                if (!exclusive(use.writers[i].condition, use.writers[j].condition))
+                if ((use.writers[i].cases & use.writers[j].cases).any())
                     error(
                         use.writers[i],
                         fmt::format(
@@ -101,15 +96,12 @@ class DataflowChecker {
         }
     }
 
-    // Under which facts `needed` holds and nobody writes.
-    std::optional<Condition> missing_writer(const ResourceUse& use, const Condition& needed) const {
-        std::vector<const Condition*> conditions = {&needed};
-        for (const PortUse& writer : use.writers) conditions.push_back(&writer.condition);
-        return find_bad(facts_in(conditions), [&](const Facts& facts) {
-            return holds(needed, facts, {}) && std::ranges::none_of(use.writers, [&](const PortUse& writer) {
-                       return holds(writer.condition, facts, {});
-                   });
-        });
+    // When something is needed and nobody writes it.
+    static std::optional<std::string> missing_writer(const ResourceUse& use, FactCases needed) {
+        for (const PortUse& writer : use.writers) needed &= ~writer.cases;
+        if (needed.none()) return std::nullopt;
+        const Condition facts = describe(needed);
+        return facts.empty() ? "with these parameters" : "where " + to_string(facts);
     }
 
     void check_presence(const std::string& name, const ResourceUse& use) {
@@ -125,9 +117,9 @@ class DataflowChecker {
                 continue;
             }
             if (use.writers.empty()) continue;  // reported where the name was looked up
-            if (const auto facts = missing_writer(use, reader.condition))
-                error(reader, fmt::format("nobody writes \"{}\" where {}, and the port is not optional", name,
-                                          to_string(*facts)));
+            if (const auto when = missing_writer(use, reader.cases))
+                error(reader,
+                      fmt::format("nobody writes \"{}\" {}, and the port is not optional", name, *when));
         }
     }
 
@@ -150,19 +142,19 @@ class DataflowChecker {
                 error(updater,
                       fmt::format("\"{}@-1\" is the previous frame's value, which cannot be updated", name));
             for (size_t j = 0; j < i; ++j)
-                if (!exclusive(updater.condition, updaters[j]->condition))
+                if ((updater.cases & updaters[j]->cases).any())
                     error(updater, fmt::format("\"{}\" is also updated by {}; a name has one updater", name,
                                                updaters[j]->path));
             for (const PortUse& reader : use.readers)
                 if (reader.bound->previous && !updated_input(updater).previous && !use.host &&
-                    !exclusive(reader.condition, updater.condition))
+                    (reader.cases & updater.cases).any())
                     error(reader,
                           fmt::format("\"{}\" does not last to the next frame: {} updates it to \"{}\"; read "
                                       "\"{}@-1\"",
                                       name, updater.path, updater.bound->resource,
                                       last_of_chain(updater.bound->resource)));
             const auto output = std::ranges::find(dataflow_.outputs, name, &OutputName::name);
-            if (output != dataflow_.outputs.end() && !updated_input(updater).previous)
+            if (output != dataflow_.outputs.end() && !updated_input(updater).previous && updater.cases.any())
                 diagnostics_.add(
                     output->place, output_path(*output),
                     fmt::format("\"{}\" does not last to the end of the frame: {} updates it to \"{}\"", name,
@@ -191,17 +183,16 @@ class DataflowChecker {
             const auto found = dataflow_.resources.find(output.name);
             if (found == dataflow_.resources.end() || found->second.host || found->second.writers.empty())
                 continue;  // reported where the name was looked up
-            if (const auto facts = missing_writer(found->second, {}))
-                diagnostics_.add(
-                    output.place, output_path(output),
-                    fmt::format("nobody writes \"{}\" where {}", output.name, to_string(*facts)));
+            if (const auto when = missing_writer(found->second, all_cases()))
+                diagnostics_.add(output.place, output_path(output),
+                                 fmt::format("nobody writes \"{}\" {}", output.name, *when));
         }
     }
 
     struct Edge {
         size_t from, to;
-        Condition condition;  // both ends exist
-        const PortUse* why;   // the port that asks for this order
+        FactCases cases;     // both ends exist
+        const PortUse* why;  // the port that asks for this order
     };
 
     bool updates(size_t node, const std::string& name) const {
@@ -218,10 +209,8 @@ class DataflowChecker {
     std::vector<Edge> edges() const {
         std::vector<Edge> edges;
         const auto add = [&](const PortUse& first, const PortUse& second, const PortUse& why) {
-            if (exclusive(first.condition, second.condition)) return;
-            Condition both = first.condition;
-            both.insert(both.end(), second.condition.begin(), second.condition.end());
-            edges.push_back({first.node, second.node, std::move(both), &why});
+            const FactCases both = first.cases & second.cases;
+            if (both.any()) edges.push_back({first.node, second.node, both, &why});
         };
         for (const auto& [name, use] : dataflow_.resources) {
             for (const PortUse& reader : use.readers) {
@@ -239,15 +228,15 @@ class DataflowChecker {
 
     void check_cycles() {
         const std::vector<Edge> all = edges();
-        std::vector<const Condition*> conditions;
-        for (const Edge& edge : all) conditions.push_back(&edge.condition);
-        const std::vector<std::string> names = facts_in(conditions);
+        std::set<std::vector<bool>> seen;        // which edges exist together
         std::set<std::vector<size_t>> reported;  // each cycle's nodes, sorted
-        for (size_t bits = size_t{1} << names.size(); bits-- > 0;) {
-            const Facts facts = facts_of(names, bits);
+        for (size_t c = all_cases().size(); c-- > 0;) {
+            std::vector<bool> exists;
+            for (const Edge& edge : all) exists.push_back(edge.cases[c]);
+            if (!seen.insert(exists).second) continue;
             std::vector<std::vector<const Edge*>> next(nodes_.size());
-            for (const Edge& edge : all)
-                if (holds(edge.condition, facts, {})) next[edge.from].push_back(&edge);
+            for (size_t i = 0; i < all.size(); ++i)
+                if (exists[i]) next[all[i].from].push_back(&all[i]);
             std::vector<bool> done = in_no_cycle(next);
             for (size_t start = 0; start < nodes_.size(); ++start) {
                 if (done[start]) continue;

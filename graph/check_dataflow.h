@@ -11,11 +11,11 @@
 
 namespace penumbra {
 
-// One port's use of a resource. `condition` holds the facts under which node and port exist.
+// One port's use of a resource. `cases` are the facts under which node and port exist.
 struct PortUse {
     size_t node = 0;  // index into CheckedPipeline::nodes
     const BoundPort* bound = nullptr;
-    Condition condition;
+    FactCases cases;
     Place place;
     std::string path;  // "nodes.filter0.in.signal"
 };

@@ -11,13 +11,13 @@
 
 namespace penumbra {
 
-namespace {
-
 std::string_view trimmed(std::string_view text) {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
     while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
     return text;
 }
+
+namespace {
 
 struct ParamText {
     std::string operator()(bool value) const { return value ? "true" : "false"; }
@@ -36,7 +36,8 @@ std::string text_of(const ParamValue& value) {
     return std::visit(ParamText{}, value);
 }
 
-// The text after PARAM= as the JSON that the parameter's type asks for.
+}  // namespace
+
 Json value_json(const Param& param, std::string_view text, const Place& place) {
     Diagnostics unused;
     std::optional<Json> json;
@@ -50,7 +51,11 @@ Json value_json(const Param& param, std::string_view text, const Place& place) {
     return *json;
 }
 
-}  // namespace
+std::optional<std::string> fact_problem(const std::string& name) {
+    const std::vector<std::string> facts(fact_names.begin(), fact_names.end());
+    if (std::ranges::find(facts, name) != facts.end()) return std::nullopt;
+    return fmt::format("no fact \"{}\" (facts: {}){}", name, join(facts), did_you_mean(name, facts));
+}
 
 std::string to_string(const Condition& condition) {
     std::string text;
@@ -85,15 +90,13 @@ std::optional<Condition> parse_condition(const Json& json, std::span<const Param
             continue;
         }
         if (equals == std::string_view::npos) {
-            const std::vector<std::string> facts(fact_names.begin(), fact_names.end());
-            if (std::ranges::find(facts, literal.name) == facts.end()) {
-                error(fmt::format("no fact \"{}\" (facts: {}){}", literal.name, join(facts),
-                                  did_you_mean(literal.name, facts)));
+            if (auto problem = fact_problem(literal.name)) {
+                error(std::move(*problem));
                 continue;
             }
         } else {
             if (params.empty()) {
-                error(fmt::format("\"{}\": only facts may stand here", part));
+                error(fmt::format("\"{}\": the node has no parameters to compare", part));
                 continue;
             }
             const auto param = std::ranges::find(params, literal.name, &Param::name);
@@ -139,10 +142,32 @@ bool contradict(const Literal& a, const Literal& b) {
     return a.value && !a.negated && *a.value != *b.value;
 }
 
-bool exclusive(const Condition& a, const Condition& b) {
-    return std::ranges::any_of(a, [&](const Literal& left) {
-        return std::ranges::any_of(b, [&](const Literal& right) { return contradict(left, right); });
-    });
+FactCases all_cases() {
+    return FactCases().set();
+}
+
+FactCases cases_of(const std::string& fact, bool negated) {
+    const auto found = std::ranges::find(fact_names, fact);
+    const auto bit = static_cast<size_t>(found - fact_names.begin());
+    FactCases cases;
+    for (size_t c = 0; c < cases.size(); ++c) cases[c] = ((c >> bit & 1) != 0) != negated;
+    return cases;
+}
+
+FactCases cases_of(const Condition& condition) {
+    FactCases cases = all_cases();
+    for (const Literal& literal : condition)
+        if (!literal.value) cases &= cases_of(literal.name, literal.negated);
+    return cases;
+}
+
+bool contains(const FactCases& cases, const Facts& facts) {
+    size_t c = 0;
+    for (size_t i = 0; i < fact_names.size(); ++i) {
+        const auto fact = facts.find(fact_names[i]);
+        if (fact == facts.end() || fact->second) c |= size_t{1} << i;
+    }
+    return cases[c];
 }
 
 }  // namespace penumbra

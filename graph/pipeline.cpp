@@ -201,8 +201,7 @@ class PipelineReader {
             if (expect(*params, Json::Kind::object, reader.path("params"), diagnostics_))
                 node.params = params->members;
         if (const Json* condition = reader.find("if"))
-            node.condition =
-                parse_condition(*condition, {}, reader.path("if"), diagnostics_).value_or(Condition{});
+            node.condition = parse_formula(*condition, reader.path("if"), diagnostics_).value_or(Formula{});
         node.doc = reader.one_line("doc");
         pipeline_.nodes.push_back(std::move(node));
     }

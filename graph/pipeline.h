@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/node_type.h"
+#include "graph/formula.h"
 
 namespace penumbra {
 
@@ -41,7 +41,7 @@ struct PipelineNode {
     std::string type;
     std::vector<Wire> in, out;
     std::vector<JsonMember> params;
-    Condition condition;
+    Formula condition;
     std::string doc;
     Place place, type_place;
 };

@@ -41,8 +41,8 @@ class Selector {
     }
 
     void consider(const BoundNode& node) {
-        if (!holds(node.condition, facts_, node.params)) {
-            if (!node.added) selection_.culled.push_back({node.id, "if", to_string(node.condition)});
+        if (!contains(node.cases, facts_)) {
+            if (!node.added) selection_.culled.push_back({node.id, "if", node.condition});
             return;
         }
         add(node, false);

@@ -78,14 +78,10 @@ class Validator {
         if (!origin->port->formats.empty()) formats = {format_of(*origin)};
         const Port* port = port_for(*origin->port, formats);
         if (!port) return std::nullopt;
-        Condition condition = node.condition;
-        for (const Literal& literal : bound.port->condition) {
-            if (!literal.value)
-                condition.push_back(literal);
-            else if (!holds({literal}, {}, node.params))
-                return std::nullopt;
-        }
-        BoundNode made = watcher(bound.resource, *port, std::move(condition), node.place);
+        for (const Literal& literal : bound.port->condition)
+            if (literal.value && !holds({literal}, {}, node.params)) return std::nullopt;
+        const FactCases cases = node.cases & cases_of(bound.port->condition);
+        BoundNode made = watcher(bound.resource, *port, cases, node.place);
         const uint32_t channels = !formats.empty()          ? info(formats.front()).channels
                                   : port->element == "vec4" ? 4
                                                             : 1;
@@ -117,11 +113,11 @@ class Validator {
         return output.port->formats.front();
     }
 
-    BoundNode watcher(const std::string& resource, const Port& port, Condition condition,
+    BoundNode watcher(const std::string& resource, const Port& port, const FactCases& cases,
                       const Place& place) const {
         BoundNode node{.id = resource + "@" + type_name,  // no id of a pipeline's has an @
                        .type = &type_,
-                       .condition = std::move(condition),
+                       .cases = cases,
                        .place = place,
                        .added = true};
         for (const Param& param : type_.params) node.params[param.name] = param.default_value;

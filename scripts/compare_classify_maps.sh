@@ -16,7 +16,7 @@ run() { "$program" "$@" > "$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }; 
 
 echo "| shot | sun | classifier | rays, % of receivers | penumbra with rays | MR(.05) | false lit | eta | answers changed by intervals | frames equal to the rays' | CPU ms classifiers + rays | with pyramid, kept | made anew | with maps, kept | drawn |"
 echo "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|"
-for shot in ${SHOTS:-colonnade engine fan heightfield lamp trees}; do
+for shot in ${SHOTS:-cards colonnade engine fan heightfield lamp trees}; do
     for radius in ${RADII:-0.25 0.5 1 2}; do
         python3 - "$shot" "$radius" "$variant" "$still" << 'PYTHON'
 import json, sys
@@ -29,7 +29,7 @@ for keyed in [it.get("camera", {}), it["sun"], *it.get("objects", {}).values()]:
 json.dump(it, open(still, "w"))
 PYTHON
         run reference --shot "$variant" --out "$work/truth" --size "$size" --frames "$last..$last" --rays "${RAYS:-256}"
-        for pipeline in ${PIPELINES:-raw hybrid_cascades_raw hybrid_raw hybrid_published_raw}; do
+        for pipeline in ${PIPELINES:-raw hybrid_cascades_raw hybrid_cones_raw hybrid_published_raw}; do
             rm -rf "${work:?}/$pipeline" "${work:?}/whole" "${work:?}/still_$pipeline"
             settings=(--size "$size" --frames "0..$last" --cascade-size "$cascade" --no-jitter)
             compared=()
@@ -61,7 +61,7 @@ def plus(*parts): return None if None in parts else sum(parts)
 
 raw = report("raw")
 base = raw["counts"]["receivers"]
-for name, said in (("raw", "none"), ("hybrid_cascades_raw", "cascades"), ("hybrid_raw", "cones"), ("hybrid_published_raw", "published")):
+for name, said in (("raw", "none"), ("hybrid_cascades_raw", "cascades"), ("hybrid_cones_raw", "cones"), ("hybrid_published_raw", "published")):
     r, still = report(name), report("still_" + name)
     if not r: continue
     m = json.load(open(f"{work}/{name}/compare.json"))["misclassified"]

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Speed at equal error: per shot and number of rays per pixel the root mean square error over all receivers, and CPU
-# milliseconds from classify to trace of raw.json / hybrid_raw.json, one after the other. Both must give the same image, or
-# the script stops. A Markdown table.
+# milliseconds from classify to trace of raw.json / hybrid_raw.json, one after the other: no proofs, and those that pay at
+# this number. Both must give the same image, or the script stops. A Markdown table.
 #   scripts/compare_rays.sh
 # SHOTS, COUNTS (1 2 4 8 16), FRAME (4), SIZE (640x360), RAYS (256, of the reference) and PENUMBRA may be set; ARGS goes to
-# the hybrid, such as ARGS="--set nodes.cones.params.budget=24".
+# the hybrid, such as ARGS="--set nodes.cones.params.budget=24"; HYBRID (hybrid_raw) is its name, hybrid_cones_raw for all proofs.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 penumbra=${PENUMBRA:-build/release/app/penumbra}
-frame=${FRAME:-4} size=${SIZE:-640x360}
+frame=${FRAME:-4} size=${SIZE:-640x360} hybrid=${HYBRID:-hybrid_raw}
 read -ra shots <<<"${SHOTS:-cards colonnade engine fan heightfield lamp trees}"
 read -ra counts <<<"${COUNTS:-1 2 4 8 16}"
 read -ra more <<<"${ARGS:-}"
@@ -28,12 +28,12 @@ for name in "${shots[@]}"; do
     printf '| %s |' "$name"
     for rays in "${counts[@]}"; do
         render raw "$rays"
-        render hybrid_raw "$rays" ${more[@]+"${more[@]}"}
+        render "$hybrid" "$rays" ${more[@]+"${more[@]}"}
         "$penumbra" compare "$work/raw" "$work/truth" --frames "$frame" --json >"$work/compare.json"
-        python3 - "$work" <<'PYTHON'
+        python3 - "$work" "$hybrid" <<'PYTHON'
 import json, sys
-work = sys.argv[1]
-reports = [json.load(open(f"{work}/{name}/report.json")) for name in ("raw", "hybrid_raw")]
+work, hybrid = sys.argv[1:]
+reports = [json.load(open(f"{work}/{name}/report.json")) for name in ("raw", hybrid)]
 images = [[o["hash"] for o in r["outputs"]] for r in reports]
 assert images[0] == images[1], "the pipelines' images differ"
 ms = [sum(p["cpu_ms"]["median"] for p in r["passes"] if p["type"] in ("classify", "beams", "cones", "trace")) for r in reports]

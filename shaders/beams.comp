@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Whole tiles at once: one lane follows the beam of all shadow rays of an 8x4 tile through the tree, once for up to 32
-// pixels. Most tiles of a frame are lit or shadowed as a whole and done then; the others go on in a shorter list.
+// pixels. Many tiles of a frame are lit or shadowed as a whole and done then; the others go on in a shorter list.
+// A proof that fails costs as much as one that holds, and a tile's next frame is much as its last: where `proved_before` is
+// bound, a tile gets a beam if it was decided then, and else in its turn. As a proof changes no ray's answer, the image does
+// not know.
 #define APPENDS_TILES
 #include "node.glsl"
 #include "common/camera.glsl"
@@ -49,6 +52,36 @@ void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts, out bool
     starts = Starts(axes * (0.5 * (box_lo + box_hi)) - base, axes[0] * half_box.x, axes[1] * half_box.y, axes[2] * half_box.z);
 }
 
+#if HAS_PROVED || HAS_PROVED_BEFORE
+uint word_of(ivec2 tile) { return uint(tile.y * (tile_grid().x + 31 >> 5) + (tile.x >> 5)); }
+uint bit_of(ivec2 tile) { return 1u << uint(tile.x & 31); }
+#endif
+
+#if HAS_PROVED_BEFORE
+// Frames between two beams of a tile that was not decided: beside one that was, where what is proved grows, and elsewhere.
+const uint NEAR_TURN = 8u, FAR_TURN = 64u;
+const uint COMPANY = 4u;  // a walk is worth its while where one lane in so many has a tile that was decided
+
+bool was_proved(ivec2 tile) {
+    return all(greaterThanEqual(tile, ivec2(0))) && all(lessThan(tile, tile_grid())) &&
+           (proved_before[word_of(tile)] & bit_of(tile)) != 0u;
+}
+
+// Tiles of a row take their turns by eights: they are the lanes of a subgroup, which waits for the slowest of them. For that
+// reason too one tile that was decided among many that were not is no good reason for a walk. Called by every lane.
+bool worth_a_beam(ivec2 tile, bool listed) {
+    const bool again = listed && was_proved(tile);
+    const bool in_company = subgroupAdd(again ? 1u : 0u) * COMPANY >= gl_SubgroupSize;
+    const uint turn = uint(tile.x >> 3) + uint(tile.y) * 5u + frame.frame_index;
+    if ((frame.flags & FRAME_RESET) != 0u || turn % FAR_TURN == 0u || (again && in_company)) return listed;
+    return listed && turn % NEAR_TURN == 0u &&
+           (was_proved(tile + ivec2(-1, 0)) || was_proved(tile + ivec2(1, 0)) || was_proved(tile + ivec2(0, -1)) ||
+            was_proved(tile + ivec2(0, 1)));
+}
+#else
+bool worth_a_beam(ivec2 tile, bool listed) { return listed; }
+#endif
+
 void main() {
     const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
     const bool listed = index < candidate_args[3];
@@ -58,7 +91,8 @@ void main() {
     const uint mask = record.y;
 
     bool lit = false, shadowed = false;
-    if (mask != 0u) {
+    const bool tried = worth_a_beam(tile, mask != 0u);
+    if (tried) {
         Walk walk;
         bool open_surface;
         make_beam(tile, mask, walk.cone, walk.starts, open_surface);
@@ -71,10 +105,14 @@ void main() {
         lit = finished && walk.clean && !walk.covered && open_surface;
         if (shadowed) preloaded_hits[tile_index(tile)] |= mask;
     }
+#if HAS_PROVED
+    if (lit || shadowed) atomicOr(proved[word_of(tile)], bit_of(tile));
+#endif
     const bool open = mask != 0u && !lit && !shadowed;
     append_tile(open, record);
     count_lit(lit ? uint(bitCount(mask)) : 0u);
     count_shadowed(shadowed ? uint(bitCount(mask)) : 0u);
     count_unknown(open ? uint(bitCount(mask)) : 0u);
+    count_tiles_tried(tried ? 1u : 0u);
     count_tiles_listed(open ? 1u : 0u);
 }

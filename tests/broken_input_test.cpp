@@ -89,7 +89,7 @@ void survive_declaration(const std::string& text, const std::string& name) {
 // noise does.
 std::string altered(std::string text, std::mt19937& random) {
     const auto below = [&](size_t n) { return static_cast<size_t>(random() % n); };
-    const std::string bytes = std::string("{}[]\",:0-19.eE\\@ \n&!=_azAZ\x80\xff") + '\0';
+    const std::string bytes = std::string("{}[]\",:0-19.eE\\@ \n&|!=<>_azAZ\x80\xff") + '\0';
     for (size_t edits = 1 + below(3); edits > 0 && !text.empty(); --edits) {
         const size_t at = below(text.size());
         switch (below(5)) {

@@ -299,5 +299,86 @@ TEST_F(Check, AHostInputOfAnyExtentKeepsThat) {
     EXPECT_EQ(checked->inputs[0].extent, HostInput::Extent::any);
 }
 
+// A filter behind two fills, one of which runs by the filter's step.
+std::string chosen_by(const std::string& first, const std::string& second, const std::string& params = "") {
+    return pipeline("", R"("filtered")",
+                    R"("a": {"type": "fill", "out": {"value": "v"}, "if": ")" + first +
+                        R"("}, "b": {"type": "fill", "out": {"value": "v"}, "if": ")" + second +
+                        R"("}, "f": {"type": "filter", "in": {"signal": "v"})" + params + "}");
+}
+
+TEST_F(Check, AComparisonAsksForTheValueThatThePipelineEndsUpWith) {
+    const auto runs = [&](const std::string& text, const std::vector<std::string>& settings) {
+        const auto checked = run(text, settings);
+        EXPECT_TRUE(checked) << diagnostics_.text();
+        std::string ids;
+        for (const BoundNode& node : checked ? checked->nodes : std::vector<BoundNode>()) {
+            EXPECT_TRUE(node.cases.all() || node.cases.none()) << node.id;
+            if (node.cases.all()) ids += node.id;
+        }
+        return ids;
+    };
+    const std::string two = chosen_by("f.step<4", "f.step>=4");  // f stands further down
+    EXPECT_EQ(runs(two, {}), "af") << "the default, 1";
+    EXPECT_EQ(runs(two, {"nodes.f.params.step=4"}), "bf");
+    EXPECT_EQ(runs(chosen_by("f.step<4", "f.step>=4", R"(, "params": {"step": 8})"), {}), "bf");
+    EXPECT_EQ(
+        runs(chosen_by("f.step<4", "f.step>=4", R"(, "params": {"step": 8})"), {"nodes.f.params.step=3"}),
+        "af");
+    EXPECT_EQ(runs(two, {"nodes.f.if=!f.step=1 | f.step=1"}), "af");
+    EXPECT_EQ(error(chosen_by("f.step<4", "f.step>4"), {"nodes.f.params.step=4"}),
+              "nodes.f.in.signal: nobody writes \"v\" with these parameters, and the port is not optional");
+    EXPECT_EQ(error(chosen_by("f.step<=4", "f.step>=4"), {"nodes.f.params.step=4"}),
+              "nodes.b.out.value: \"v\" is also written by nodes.a.out.value; two writers of one name need "
+              "conditions "
+              "(\"if\") that exclude each other");
+}
+
+TEST_F(Check, ComparisonsAndFactsMix) {
+    // In how many of the 512 cases of facts the node runs: each fact that decides halves them.
+    const auto cases = [&](const std::string& condition) {
+        const std::string nodes =
+            R"("n": {"type": "fill", "out": {"value": "maybe"}, "if": ")" + condition + R"("},
+            "f": {"type": "fill", "params": {"weight": 0.1, "flat": true}},
+            "s": {"type": "filter", "in": {"signal": "value"}, "params": {"step": 4}},
+            "g": {"type": "guides"}, "c": {"type": "classify"})";
+        const auto checked = run(pipeline(R"("sun": {}, "depth": {}, "normal": {})", R"("filtered")", nodes));
+        return checked ? static_cast<int>(checked->nodes[0].cases.count()) : -1;
+    };
+    EXPECT_EQ(cases("s.step=4"), 512);
+    EXPECT_EQ(cases(" s.step >= 4 & sun_up "), 256);
+    EXPECT_EQ(cases("s.step>4 & sun_up"), 0);
+    EXPECT_EQ(cases("s.step>4 | sun_up"), 256);
+    EXPECT_EQ(cases("s.step<=4 | sun_up"), 512);
+    EXPECT_EQ(cases("sun_up & !alpha | s.step!=4 & hdr | !sun_up"), 384) << "& binds before |";
+    EXPECT_EQ(cases("sun_up | !sun_up"), 512);
+    EXPECT_EQ(cases("! s.step<4 & !s.step=3 & s.step < 16"), 512);
+    EXPECT_EQ(cases("f.flat & !s.step!=4"), 512);
+    EXPECT_EQ(cases("!f.flat"), 0);
+    EXPECT_EQ(cases("f.flat=true & f.flat!=false"), 512);
+    EXPECT_EQ(cases("n.flat"), 0) << "a node may ask for its own";
+    EXPECT_EQ(cases("f.weight=0.1 & f.weight>=0.1 & f.weight<=1e-1"), 512)
+        << "0.1 is the same float on both sides";
+    EXPECT_EQ(cases("f.weight<0.1 | f.weight>0.1"), 0);
+    EXPECT_EQ(cases("c.mode=normals & !c.mode=cascades & c.mode!=cascades"), 512);
+}
+
+TEST_F(Check, WhatRunsUnderNoFactsIsCheckedAndInNobodysWay) {
+    const auto with = [](const std::string& wire, const std::string& more = "") {
+        return pipeline(
+            "", R"("s2")",
+            std::string(sum_nodes) + R"(, "r": {"type": "accumulate", "if": "f.flat", )" + wire + "}" + more);
+    };
+    expect_valid(with(R"("in": {"sum": "s0"}, "out": {"total": "s1"})"));  // s1 has two writers, s0 two
+                                                                           // updaters, once it runs
+    EXPECT_FALSE(run(with(R"("in": {"sum": "s0"}, "out": {"total": "s1"})"), {"nodes.f.params.flat=true"}));
+    expect_valid(
+        with(R"("in": {"sum": "s2"}, "out": {"total": "s3"})"));  // s2 would not last to the end of the frame
+    EXPECT_FALSE(run(with(R"("in": {"sum": "s2"}, "out": {"total": "s3"})"), {"nodes.f.params.flat=true"}));
+    EXPECT_EQ(error(with(R"("in": {"sum": "s9"}, "out": {"total": "s3"})")),
+              "nodes.r.in.sum: no resource named \"s9\"; did you mean \"s0\"?");
+    EXPECT_NE(error(with(R"("in": {"sun": "s0"}, "out": {"total": "s3"})")), "");
+}
+
 }  // namespace
 }  // namespace penumbra

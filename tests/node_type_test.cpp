@@ -164,21 +164,6 @@ TEST(Condition, HoldsUnderFactsAndConstantParameters) {
         EXPECT_FALSE(condition(text, type)) << text;
 }
 
-TEST(Condition, ExclusiveMeansALiteralAndItsNegation) {
-    const Condition up = {{"sun_up", false, {}}, {"alpha", false, {}}}, down = {{"sun_up", true, {}}},
-                    other = {{"casters", true, {}}};
-    EXPECT_TRUE(exclusive(up, down));
-    EXPECT_FALSE(exclusive(up, other));
-    EXPECT_FALSE(exclusive(up, up));
-    EXPECT_FALSE(exclusive({}, down));
-    const Condition one = {{"rays", false, "1"}}, two = {{"rays", false, "2"}},
-                    not_one = {{"rays", true, "1"}}, not_two = {{"rays", true, "2"}};
-    EXPECT_TRUE(exclusive(one, two));
-    EXPECT_TRUE(exclusive(one, not_one));
-    EXPECT_FALSE(exclusive(two, not_one));
-    EXPECT_FALSE(exclusive(not_one, not_two));
-}
-
 TEST(NodeSet, ReplacesATypeInPlace) {
     NodeSet set = test::toy_nodes();
     const NodeEntry* entry = set.find("filter");

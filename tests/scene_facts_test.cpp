@@ -240,7 +240,11 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     if (shadow == Shadow::all) also("night", "", "", "", "");
     // One buffer of hits, named by who fills it first.
     if (traced && pipeline.starts_with("hybrid_"))
-        also("beams cones", "facing facing_args facing_hits candidates candidate_args", "", "neighbours", "");
+        also("", "facing facing_args facing_hits proved", "proved", "neighbours", "");
+    if (traced && pipeline == "hybrid_cones_raw")
+        also("beams cones", "candidates candidate_args", "", "", "");
+    else if (traced && pipeline.starts_with("hybrid_"))
+        also("beams_alone", "", "", "", "");
     else if (traced)
         also("", "preloaded_hits", "", "", "");
     if (pipeline.ends_with("raw")) {
@@ -327,7 +331,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_shadows"}) {
+        for (const char* pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -341,6 +345,34 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
 
 bool runs(const Plan& plan, const std::string& node) {
     return std::ranges::any_of(plan.passes, [&](const PlanPass& pass) { return pass.node == node; });
+}
+
+// Which proofs run is a matter of how many rays they can spare, of casters with holes, which close no cone
+// off, and of a sun that is a point, which takes one ray whatever was asked for (docs/classification.md).
+TEST(SceneFacts, ProofsRunWhereTheyPay) {
+    struct Choice {
+        uint32_t rays;
+        Facts facts;
+        bool cones;
+    };
+    const std::vector<Choice> choices = {{1, {}, false},
+                                         {7, {{"alpha", false}}, false},
+                                         {8, {{"alpha", false}}, true},
+                                         {8, {{"alpha", true}}, false},
+                                         {15, {{"alpha", true}}, false},
+                                         {16, {{"alpha", true}}, true},
+                                         {64, {{"alpha", false}}, true},
+                                         {64, {{"alpha", false}, {"sun_disc", false}}, false}};
+    for (const char* pipeline : {"hybrid_raw", "hybrid_shadows"})
+        for (const Choice& c : choices) {
+            SCOPED_TRACE(testing::Message() << pipeline << " with " << c.rays << " rays");
+            const std::string patch =
+                R"("nodes": { "trace": { "params": { "rays_per_pixel": )" + std::to_string(c.rays) + " } } }";
+            const Plan plan = plan_of(pipeline, c.facts, patch);
+            EXPECT_EQ(runs(plan, "cones"), c.cones);
+            EXPECT_EQ(runs(plan, "beams"), c.cones);
+            EXPECT_EQ(runs(plan, "beams_alone"), !c.cones);
+        }
 }
 
 // The plan as text, but for the list of what was left out.
@@ -357,7 +389,8 @@ std::string without_culled(const Plan& plan) {
 TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
-        for (const std::string pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_shadows"}) {
+        for (const std::string pipeline :
+             {"raw", "shadows", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);

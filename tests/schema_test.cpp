@@ -203,8 +203,9 @@ const std::set<std::string> beyond_schemas = {
     "two_writers.json",
     "unknown_names.json",
     "updated_twice.json",
-    // literals of one condition that exclude each other
+    // literals of one condition that exclude each other, and which parameters it may ask for
     "contradictory_condition.json",
+    "bad_comparisons.json",
     // the file is good; what it extends is not, or does not fit it
     "extends_bad_values.json",
     "extends_broken_base.json",

@@ -176,8 +176,8 @@ TEST_F(ShadowsSky, IsLit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
-                         ::testing::Values("raw", "hybrid_raw", "many_rays", "fidelityfx", "shadows",
-                                           "hybrid_shadows", "sheared"),
+                         ::testing::Values("raw", "hybrid_raw", "hybrid_cones_raw", "many_rays", "fidelityfx",
+                                           "shadows", "hybrid_shadows", "sheared"),
                          [](const auto& test) { return std::string(test.param); });
 INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline,
                          ::testing::Values("raw", "fidelityfx", "shadows", "sheared"),

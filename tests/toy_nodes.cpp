@@ -122,7 +122,11 @@ const std::map<std::string, std::string>& declarations() {
         {"fill", R"({
   "node": "fill", "doc": "A constant image.", "shader": "fill.comp",
   "outputs": { "value": { "kind": "image", "format": ["r16f", "r8"] } },
-  "params": { "level": { "type": "float", "default": 1, "doc": "what it holds" } },
+  "params": {
+    "level": { "type": "float", "default": 1, "doc": "what it holds" },
+    "weight": { "type": "float", "default": 0.5, "range": [0, 1], "constant": true, "doc": "of what it holds" },
+    "flat": { "type": "bool", "default": false, "constant": true, "doc": "the same everywhere" }
+  },
   "dispatch": { "over": "value", "group": [8, 8] }
 })"},
         {"stats", R"({

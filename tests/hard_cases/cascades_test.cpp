@@ -185,7 +185,7 @@ TEST_F(HardCase, AWireThinnerThanATexelGetsItsRays) {
         const std::vector<float> truth = truth_of(shot, 0, 64).visibility;
         const Loss naive = loss_of(words_of(published_pipeline, shot, maps_of(size)), truth),
                    ours = loss_of(words_of(ours_pipeline, shot, maps_of(size)), truth),
-                   cones = loss_of(words_of("hybrid_raw", shot, {}), truth);
+                   cones = loss_of(words_of("hybrid_cones_raw", shot, {}), truth);
         const std::string at =
             " of wires, maps of " + std::to_string(size) + ", sun's radius " + std::to_string(radius_deg);
         figure(("case 30, recall" + at).c_str(), naive.recall, ours.recall);
@@ -318,7 +318,7 @@ TEST_F(HardCase, TexelsStayInPlaceUnderAMovingCamera) {
 TEST_F(HardCase, TilesWithFewRaysKeepThem) {
     const Shot shot = wires();
     const std::vector<float> truth = truth_of(shot, 0, 64).visibility;
-    for (const char* pipeline : {ours_pipeline, "hybrid_raw"}) {
+    for (const char* pipeline : {ours_pipeline, "hybrid_cones_raw"}) {
         SceneRun run(pipeline, shot, maps_of(512));
         run.frame(0, true);
         const uint32_t rays = counters_of(run.session().view(), "trace").at("rays");

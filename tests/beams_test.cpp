@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// What beams remember from frame to frame: where nothing changes they prove what they proved, with fewer
+// attempts; what becomes provable is found within a round of turns; a reset forgets. That rays' answers do
+// not change is cones_test's part.
+#include <gtest/gtest.h>
+
+#include "app/session.h"
+#include "nodes/nodes.h"
+#include "tests/gpu_test.h"
+#include "tests/test_scene.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+constexpr uint32_t round_of_turns = 64;  // FAR_TURN in shaders/beams.comp
+
+class Beams : public GpuTest {
+  protected:
+    struct Frame {
+        uint32_t listed, tried, decided;  // tiles, tiles, pixels
+    };
+
+    void open(const Shot& shot) {
+        Diagnostics diagnostics;
+        std::vector<std::string> warnings;
+        const auto pipeline = load_pipeline(
+            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/hybrid_raw.json", {}, diagnostics);
+        const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
+        ASSERT_TRUE(checked) << diagnostics.text();
+        SessionOptions options;
+        options.size = shot.size;
+        options.optimum = false;
+        options.jitter = false;
+        session_ = Session::open(gpu(), nodes_, *checked, shot, options, diagnostics, warnings);
+        ASSERT_TRUE(session_) << diagnostics.text();
+    }
+
+    Frame run(uint32_t frame, bool reset) {
+        session_->run_frame(frame, reset);
+        const auto classified = counters_of(session_->view(), "classify");
+        const auto counted = counters_of(session_->view(), "beams_alone");
+        return {classified.at("tiles_listed"), counted.at("tiles_tried"),
+                counted.at("lit") + counted.at("shadowed")};
+    }
+
+    const NodeSet nodes_ = shadow_nodes();
+    std::unique_ptr<Session> session_;
+};
+
+// A plaza under a narrow sun, from which its block is taken away after frame `until`.
+Shot plaza_with_block(double until) {
+    Shot shot = plaza_shot({200, 120}, 3 * round_of_turns);
+    shot.sun_angular_radius_deg = 0.25;
+    shot.camera.resize(1);
+    shot.sun.resize(1);
+    shot.objects["block"].keys = {{until, {0, 0, 0}, {0, 0, 0}}, {until + 1, {0, -50, 0}, {0, 0, 0}}};
+    return shot;
+}
+
+TEST_F(Beams, ProveAgainWhatTheyProvedWithFewerAttempts) {
+    open(plaza_with_block(1000));
+    const Frame first = run(0, true);
+    EXPECT_EQ(first.tried, first.listed) << "nothing is known yet";
+    EXPECT_GT(first.decided, 1000u);
+    uint32_t attempts = 0;
+    for (uint32_t frame = 1; frame <= round_of_turns; ++frame) {
+        const Frame now = run(frame, false);
+        EXPECT_LE(now.decided, first.decided) << frame;
+        EXPECT_GE(now.decided, first.decided / 10 * 9)
+            << frame << ": tiles alone among open ones may wait for their turn";
+        attempts += now.tried;
+    }
+    EXPECT_LT(attempts, first.listed * round_of_turns / 10 * 9);
+    const Frame again = run(round_of_turns + 1, true);
+    EXPECT_EQ(again.tried, again.listed) << "a reset forgets";
+}
+
+// The naive form tries where it proved and nowhere else: what the block hid would be traced for ever.
+TEST_F(Beams, FindWhatBecomesProvable) {
+    open(plaza_with_block(2));
+    run(0, true);
+    run(1, false);
+    run(2, false);
+    const uint32_t at_once = run(3, false).decided;
+    Frame last{};
+    for (uint32_t frame = 4; frame <= 3 + round_of_turns; ++frame) last = run(frame, false);
+    const Frame all = run(4 + round_of_turns, true);
+    EXPECT_LT(at_once, all.decided) << "there is something to find";
+    EXPECT_GE(last.decided, (at_once + all.decided) / 2);
+}
+
+}  // namespace
+}  // namespace penumbra::test
