@@ -16,10 +16,6 @@
 #include "common/tiles.glsl"
 #include "common/bit_window.glsl"
 
-// The variance of the own rays' mean falls as this power of their number; of low-discrepancy samples, fitted on straight edges.
-const float OWN_CONVERGENCE = 1.5;
-const float NOISE_SHARE = 3.0;  // of that noise, taken for no bias: with 1.5, 8 frames of a 32 px edge lose a quarter
-const float UNDOUBTED = 8.0;    // frames of a past from which on the own rays are asked, all of them at twice as many
 const float SIDE = 0.75;             // kernel: .75, 1, .75 per axis
 const float NEIGHBOURS = 0.9;        // weight of the neighbours on the first frame,
 const float FADING = 0.3;            // and how fast it falls with the count
@@ -109,38 +105,11 @@ uvec2 bits_of(Bits bits, int column, int row) {
     return nine;
 }
 
-// Of the own rays' mean; the prior is so that a handful of equal bits is not certainty.
-float own_variance(OwnRays o) {
-    const float v = (o.count * o.visibility + 0.5) / (o.count + 1.0);
-    return v * (1.0 - v) * pow(o.count, -OWN_CONVERGENCE);
-}
-
-// 0 to 1.
-float trust(ShadowState s, OwnRays o) {
-    return s.count > 0.0 && o.count > 1.0 ? clamp(s.count / UNDOUBTED - 1.0, 0.0, 1.0) : 0.0;
-}
-
-// Variance of what the state is wrong by, beyond the noise of the pixels' own rays: over the cell, because one pixel's
-// difference proves little. Estimated as James and Stein 1961 do.
-float bias_of(ivec2 first) {
-    float differences = 0.0, noise = 0.0, n = 0.0;
-    for (int i = 0; i < CELL * CELL; ++i) {
-        const ivec2 p = first + ivec2(i & 3, i >> 2);
-        const ShadowState s = unpack_state(imageLoad(state, p).x);
-        const OwnRays o = unpack_own(imageLoad(own_rays, p).x);
-        const float w = trust(s, o), d = o.visibility - s.visibility;
-        differences += w * d * d;
-        noise += w * own_variance(o);
-        n += w;
-    }
-    return n > 0.0 ? max(differences - NOISE_SHARE * noise, 0.0) / n : 0.0;
-}
-
 void main() {
     const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(cell, cell_grid()))) return;
     const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
-    const ivec2 first = cell * CELL, steps = ivec2(unpackHalf2x16(floatBitsToUint(size.y)));
+    const ivec2 first = cell * CELL, steps = steps_of(floatBitsToUint(size.y));
     const bool narrow = size.x >= 0.0 && size.x < WIDEST;
     Bits bits;
     bool asks = false;  // where all bits agree, so do the patterns
@@ -148,8 +117,7 @@ void main() {
         bits = bits_around(cell);
         asks = unlike(bits, 7 + (first.x & 7));
     }
-    float bias = 0.0;
-    for (int i = 0; i < (size.x >= 0.0 ? 1 : 0); ++i) bias = bias_of(first);
+    const float bias = bias_of(floatBitsToUint(size.y));
     const bool works = (steps.x | steps.y) != 0 || asks || bias > 0.0;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 p = first + ivec2(i & 3, i >> 2);
@@ -164,8 +132,10 @@ void main() {
         float v = own.visibility;
         const bool softens = own.count > 0.0 && (steps.x | steps.y) != 0;
         for (int k = 0; k < (softens ? 1 : 0); ++k) v = softened(p, steps, own, rays);
-        const OwnRays o = unpack_own(imageLoad(own_rays, p).x);
-        v += trust(own, o) * bias / (bias + own_variance(o) + 1e-9) * (o.visibility - own.visibility);
+        for (int k = 0; k < (bias > 0.0 ? 1 : 0); ++k) {
+            const OwnRays o = unpack_own(imageLoad(own_rays, p).x);
+            v += trust(own.count) * bias / (bias + mean_variance(o) + 1e-9) * (o.visibility - own.visibility);
+        }
         float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples) : 0.0;
         if (share <= LEAST_SHARE) share = 0.0;
         const uvec2 nine = bits_of(bits, 8 + (first.x & 7) + offset.x, offset.y);

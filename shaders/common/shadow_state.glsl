@@ -44,5 +44,10 @@ Gathered unpack_gathered(uvec2 words) {
                     float(words.y >> 16 & 0xffu) / 510.0, (words.y >> 24 & 1u) != 0u);
 }
 
+// Of a cell, for soften: how far apart its taps are, and what the own rays say that the state is wrong by, squared.
+uint pack_softening(ivec2 steps, float bias) { return uint(steps.x) | uint(steps.y) << 8 | packHalf2x16(vec2(0.0, bias)); }
+ivec2 steps_of(uint word) { return ivec2(word & 0xffu, word >> 8 & 0xffu); }
+float bias_of(uint word) { return unpackHalf2x16(word).y; }
+
 ivec2 cell_grid() { return (ivec2(frame.size) + CELL - 1) / CELL; }
 uint cell_index(ivec2 cell) { return uint(cell.y * cell_grid().x + cell.x); }
