@@ -13,6 +13,7 @@
 #include "common/pixels.glsl"
 #include "common/previous_surface.glsl"
 #include "common/shadow_state.glsl"
+#include "common/own_rays.glsl"
 #if HAS_SUN_PREV
 #include "common/sun_change.glsl"
 #endif
@@ -39,6 +40,10 @@ const float PAIRS_PER_PX = 1.2732;  // of an edge, mean over its angles: 4 / pi
 const float CELLS_POOLED = 16.0;    // weight of drift's window in cells, so that it has all of FEWEST_FLIPS; see there
 const float NARROW_PX = 0.75;      // radius below which a young past is judged by the edge beside it
 const float OWN_RAY_PX = 1.25;      // radius up to which a handful of neighbours' rays would do the own one's average harm
+const float DOUBTED = 2.0;        // frames: a past that drift leaves fewer is one that it does not believe
+const float OWN_SPREAD = 0.02;    // v (1 - v) to hold against what resampling does to the own rays' mean
+// Of the noise of the own rays' mean, taken for no bias: with 1.5 instead, 8 frames of a 32 px edge lose a quarter.
+const float NOISE_SHARE = 3.0;
 const float NEW_RESIDUAL = 0.2;   // weight of a frame in the running mean of the residual
 
 // Rows of 24 pixels around the cell, bit 0 is 8 pixels left of the tile's first; the first row lies R above the cell.
@@ -85,9 +90,11 @@ Penumbra penumbra_at(ivec2 cell) {
 struct Past {
     float visibility, count, residual;
     float variance;  // between the texels that it is resampled from; 0: it is one of them
+    OwnRays own;
 };
-const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0);
+const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS);
 
+#if HAS_MOTION
 bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
     const float z = imageLoad(view_depth_prev, q).x;
@@ -115,6 +122,7 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
     const ivec2 corner = ivec2(floor(at + 1e-3));
     const vec2 t = clamp(at - vec2(corner), 0.0, 1.0);
     float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0;
+    ivec2 nearest_texel = corner;
     Past past = NO_PAST;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = corner + ivec2(i & 1, i >> 1);
@@ -129,6 +137,7 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
                 high = max(high, s.visibility);
                 if (weight > nearest) {
                     nearest = weight;
+                    nearest_texel = q;
                     past.count = s.count;
                     past.residual = s.residual;
                 }
@@ -137,15 +146,27 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
     }
     if (weights <= 0.0) return NO_PAST;
     past.visibility /= weights;
+    past.own = unpack_own(imageLoad(own_rays_prev, nearest_texel).x);  // how far that is off, limits its count
     past.variance = max(past.variance / weights - past.visibility * past.visibility, 0.0);
     if (weights > 0.99 && high > low) past.visibility = clamp(sharper(corner, t), low, high);
     return past;
 }
 
+#else
+// Nothing moves: the pixel's past is its own.
+Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
+    const ShadowState s = unpack_state(imageLoad(history, p).x);
+    if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
+    return Past(s.visibility, s.count, s.residual, 0.0, unpack_own(imageLoad(own_rays_prev, p).x));
+}
+#endif
+
 // A past that saw another sun.
 Past under_this_sun(Past past) {
 #if HAS_SUN_PREV
-    past.count = samples_left(past.count, sun_share(sun, sun_prev));
+    const float share = sun_share(sun, sun_prev);
+    past.count = samples_left(past.count, share);
+    past.own.count = floor(samples_left(past.own.count, share));
     if (past.count <= 0.0) return NO_PAST;
 #endif
     return past;
@@ -179,15 +200,22 @@ Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penu
         dark |= tested & ~l;
         tests += bitCount(tested);
     }
-    // All rays of the box agree, and so may those beyond.
-    const float n_rays = max(EQUAL_SHARE * float(tests), 1.0);
-    Estimate e = Estimate(bit, n_rays, max(0.4, min(1.0, 3.0 / n_rays)));
     const bool mixed = lit != 0u && dark != 0u;
+    const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
+    const vec3 here = rays.o + z * rays.r;
+    // All rays of the box agree, and so may those beyond: worth as many rays, if they are of this surface.
+    bool flat_box = true;
+    const ivec2 last = ivec2(frame.size) - 1;
+    for (int i = 0; i < (mixed ? 0 : 4); ++i) {
+        const ivec2 q = clamp(p + box * (2 * ivec2(i & 1, i >> 1) - 1), ivec2(0), last);
+        const vec3 there = seen_at(rays, vec2(q - p), imageLoad(view_depth, q).x);
+        flat_box = flat_box && abs(dot(n, there - here)) <= tolerance_m;
+    }
+    const float n_rays = flat_box ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
+    Estimate e = Estimate(bit, n_rays, max(0.4, min(1.0, 3.0 / n_rays)));
     if (mixed) e = Estimate(bit, 1.0, 1.0);
 
     const Window window = window_of(penumbra, limit, sqrt(b1 * s.s1 * b2 * s.s2));
-    const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
-    const vec3 here = rays.o + z * rays.r;
     const Horizon horizon = horizon_of(n, penumbra.tangent);
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     // Own ray only: a penumbra so narrow that no neighbour's can help.
@@ -231,14 +259,51 @@ float null_variance(Estimate now, Past past, float radius_px) {
     const float share = clamp(SHARE_PER_RADIUS * radius_px, LEAST_SHARE, 1.0);
     const float v = (now.rays * now.visibility + past.count * past.visibility) / (now.rays + past.count);
     const float known = min(past.count / KNOWN, 1.0);
-    const float p = max(share * v * (1.0 - v), known * past.visibility * (1.0 - past.visibility));
+    const float p = max(max(share * v * (1.0 - v), known * past.visibility * (1.0 - past.visibility)), flipping(past.own));
     return p * now.gain / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
+}
+
+// Have the rays of some pixel of a cell, all of which say `lit` now, said something else? Then there is a thin or faint
+// penumbra, and one frame's agreement is no reason to forget it. One motion serves the whole cell: under a camera that moves
+// hardly anything stays faint for long.
+bool past_disagrees(ivec2 first, bool lit) {
+    if ((frame.flags & FRAME_RESET) != 0u) return false;
+    ivec2 moved_px = ivec2(0);
+#if HAS_MOTION
+    const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
+    const Reprojection there = reproject(middle, texelFetch(motion, middle, 0).xy);
+    if (!there.on_screen) return false;
+    moved_px = ivec2(floor(there.uv * vec2(frame.prev_size))) - middle;
+#endif
+    const ivec2 last = ivec2(frame.prev_size) - 1;
+    bool differs = false;
+    for (int i = 0; i < CELL * CELL; ++i) {
+        const ivec2 q = clamp(first + moved_px + ivec2(i & 3, i >> 2), ivec2(0), last);
+        differs = differs || disagrees(imageLoad(own_rays_prev, q).x, lit);
+    }
+    return differs;
 }
 
 // What drift reads of a cell: sums over its pixels.
 struct Sums {
     float d, e, v, d2, e2, c;
 };
+
+// What the past is wrong by, squared: its differences from what the pixels' own rays have said, beyond the noise of these.
+// Over a cell, because one pixel's difference proves little. What is shrunk by it (soften) is at no place much worse than
+// either of the two: James and Stein 1961, "Estimation with Quadratic Loss", with the noise taken to be larger than it is.
+struct Bias {
+    float differences, noise, n;
+};
+
+void add_pixel(inout Bias b, Past past) {
+    const float w = trust(past.count), d = past.own.visibility - past.visibility;
+    b.differences += w * d * d;
+    b.noise += w * mean_variance(past.own);
+    b.n += w;
+}
+
+float bias_of(Bias b) { return max(b.differences - NOISE_SHARE * b.noise, 0.0) / max(b.n, 1.0); }
 
 void main() {
     const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
@@ -253,7 +318,9 @@ void main() {
         any_lit |= lit_rows[i] & in_reach;
         any_dark |= test_rows[i] & ~lit_rows[i] & in_reach;
     }
-    const bool works = any_lit != 0u && any_dark != 0u;
+    const bool mixed = any_lit != 0u && any_dark != 0u;
+    bool works = mixed;
+    for (int i = 0; i < (!mixed && (any_lit | any_dark) != 0u ? 1 : 0); ++i) works = past_disagrees(first, any_lit != 0u);
 
     const uint receivers = receiver_words[tile_index(first / TILE)], visible = visibility_words[tile_index(first / TILE)];
     const uint lit_or_sky = visible | ~receivers;
@@ -263,6 +330,7 @@ void main() {
         const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         const bool tests = (test_rows[R + offset.y] >> uint(column + offset.x) & 1u) != 0u;
         imageStore(gathered, p, uvec4(pack_gathered(Gathered(bit, bit, IDLE_COUNT, 0.0, 0.0, tests)), 0u, 0u));
+        imageStore(own_rays, p, uvec4(pack_own(tests ? OwnRays(bit, IDLE_COUNT, 0.0, bit > 0.5) : NO_RAYS), 0u, 0u, 0u));
     }
     const mat3 light = transpose(sun_frame(sun.to_sun));
     const ViewRays corner = view_rays(first, light);
@@ -271,6 +339,7 @@ void main() {
     const float rho = radius_m(penumbra);
 
     Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    Bias bias = Bias(0.0, 0.0, 0.0);
     vec2 steps = vec2(1e9);  // light-space pixel sizes
     float largest = 0.0;
     int pairs = 0, pasts = 0;
@@ -279,6 +348,7 @@ void main() {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false);
+        OwnRays own = NO_RAYS;
         const ivec2 in_rows = ivec2(column + offset.x, R + offset.y);
         if ((test_rows[in_rows.y] >> uint(in_rows.x) & 1u) != 0u) {
             const float z = imageLoad(view_depth, p).x;
@@ -290,7 +360,12 @@ void main() {
             Past past = under_this_sun(past_of(p, z, n, tolerance_m));
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
+            // Drift's doubts, which came after the rays had been counted, and resampling as above.
+            past.own.count = past.count < DOUBTED ? 0.0 : min(past.own.count, floor(past.count + 0.5));
+            add_pixel(bias, past);
             past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
+            past.own.count = min(past.own.count, floor(OWN_SPREAD / max(resampling, 1e-6)));
+            own = with_ray(past.own, bit > 0.5);
             steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
             largest = max(largest, foot.s.s1);
             pairs += differs(in_rows, ivec2(1, 0), p, n_light, rays, z, tolerance_m) +
@@ -314,6 +389,7 @@ void main() {
             }
         }
         imageStore(gathered, p, uvec4(pack_gathered(g), 0u, 0u));
+        imageStore(own_rays, p, uvec4(pack_own(own), 0u, 0u, 0u));
     }
     const float by_pasts = 1.0 / float(max(pasts, 1));
     if (pasts > 0 && radii * by_pasts < NARROW_PX) {
@@ -323,7 +399,10 @@ void main() {
     }
     const vec2 reach = rho > 0.0 && works ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
     const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
+#if !HAS_MOTION && !HAS_SUN_PREV
+    sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
+#endif
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
     cells[2u * cell_index(cell) + 1u] =
-        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(packHalf2x16(floor(reach))));
+        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(pack_softening(ivec2(reach), bias_of(bias))));
 }

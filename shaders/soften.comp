@@ -10,6 +10,7 @@
 #include "common/previous_surface.glsl"
 #include "common/edge_pattern.glsl"
 #include "common/shadow_state.glsl"
+#include "common/own_rays.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
 #include "common/tiles.glsl"
@@ -108,7 +109,7 @@ void main() {
     const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(cell, cell_grid()))) return;
     const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
-    const ivec2 first = cell * CELL, steps = ivec2(unpackHalf2x16(floatBitsToUint(size.y)));
+    const ivec2 first = cell * CELL, steps = steps_of(floatBitsToUint(size.y));
     const bool narrow = size.x >= 0.0 && size.x < WIDEST;
     Bits bits;
     bool asks = false;  // where all bits agree, so do the patterns
@@ -116,7 +117,8 @@ void main() {
         bits = bits_around(cell);
         asks = unlike(bits, 7 + (first.x & 7));
     }
-    const bool works = (steps.x | steps.y) != 0 || asks;
+    const float bias = bias_of(floatBitsToUint(size.y));
+    const bool works = (steps.x | steps.y) != 0 || asks || bias > 0.0;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 p = first + ivec2(i & 3, i >> 2);
         imageStore(visibility, p, vec4(unpack_state(imageLoad(state, p).x).visibility));
@@ -130,6 +132,10 @@ void main() {
         float v = own.visibility;
         const bool softens = own.count > 0.0 && (steps.x | steps.y) != 0;
         for (int k = 0; k < (softens ? 1 : 0); ++k) v = softened(p, steps, own, rays);
+        for (int k = 0; k < (bias > 0.0 ? 1 : 0); ++k) {
+            const OwnRays o = unpack_own(imageLoad(own_rays, p).x);
+            v += trust(own.count) * bias / (bias + mean_variance(o) + 1e-9) * (o.visibility - own.visibility);
+        }
         float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples) : 0.0;
         if (share <= LEAST_SHARE) share = 0.0;
         const uvec2 nine = bits_of(bits, 8 + (first.x & 7) + offset.x, offset.y);

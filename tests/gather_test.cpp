@@ -30,7 +30,8 @@ constexpr const char* gather_alone = R"({
   "nodes": {
     "guides": { "type": "guides" },
     "gather": { "type": "gather", "params": { "radius": RADIUS },
-                "in": { "history": "state@-1", "view_depth_prev": "view_depth@-1", "guide_normal_prev": "guide_normal@-1" } },
+                "in": { "history": "state@-1", "own_rays_prev": "own_rays@-1", "view_depth_prev": "view_depth@-1",
+                        "guide_normal_prev": "guide_normal@-1" } },
     "drift": { "type": "drift" }
   }
 })";

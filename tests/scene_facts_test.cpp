@@ -255,9 +255,14 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     if (moves) also("", "", "view_depth", "motion", "");
     if (shadow == Shadow::hard) also("hard", "", "", "", "");
     if (shadow == Shadow::soft) {
-        also("prepare accumulate smooth0 smooth1 smooth2",
-             "visibility_words accumulated signal count tile_meta smoothed0 smoothed1", "accumulated count",
-             "", "edge_patterns");
+        if (pipeline == "shadows")
+            also("prepare accumulate smooth0 smooth1 smooth2",
+                 "visibility_words accumulated signal count tile_meta smoothed0 smoothed1",
+                 "accumulated count", "", "edge_patterns");
+        else
+            also("prepare sun_points gather drift soften",
+                 "visibility_words sunward_words sun_points blockers gathered cells own_rays state",
+                 "own_rays state", "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");
         if (sun_moves) also("", "", "", "sun_prev", "");
     }
@@ -331,7 +336,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
+        for (const char* pipeline : {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -390,7 +395,7 @@ TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
         for (const std::string pipeline :
-             {"raw", "shadows", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
+             {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);

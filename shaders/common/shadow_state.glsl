@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the sheared denoiser keeps of a pixel from frame to frame, in 4 bytes, and what its passes hand on.
 
-const float COUNT_CAP = 31.875;   // frames; in steps of 1/8
+const float COUNT_CAP = 63.75;   // frames; in steps of 1/4
 const int CELL = 4;               // pixels whose residuals are summed, per axis
 
 struct ShadowState {
@@ -12,13 +12,13 @@ struct ShadowState {
 
 uint pack_state(ShadowState s) {
     const uint v = uint(clamp(s.visibility, 0.0, 1.0) * 65535.0 + 0.5);
-    const uint k = uint(clamp(s.count, 0.0, COUNT_CAP) * 8.0 + 0.5);
+    const uint k = uint(clamp(s.count, 0.0, COUNT_CAP) * 4.0 + 0.5);
     const uint e = uint(clamp(s.residual, -0.5, 0.5) * 254.0 + 127.5);  // 0 is kept exactly
     return v | k << 16 | e << 24;
 }
 
 ShadowState unpack_state(uint word) {
-    return ShadowState(float(word & 0xffffu) / 65535.0, float(word >> 16 & 0xffu) / 8.0,
+    return ShadowState(float(word & 0xffffu) / 65535.0, float(word >> 16 & 0xffu) / 4.0,
                        (float(word >> 24) - 127.0) / 254.0);
 }
 
@@ -32,7 +32,7 @@ struct Gathered {
 };
 
 uvec2 pack_gathered(Gathered g) {
-    const uint k = uint(clamp(g.count, 0.0, COUNT_CAP) * 8.0 + 0.5);
+    const uint k = uint(clamp(g.count, 0.0, COUNT_CAP) * 4.0 + 0.5);
     const uint e = uint(clamp(g.residual, -0.5, 0.5) * 254.0 + 127.5);
     const uint se = uint(clamp(g.error, 0.0, 0.5) * 510.0 + 0.5);
     return uvec2(packUnorm2x16(vec2(g.now, g.past)), k | e << 8 | se << 16 | (g.counts ? 1u << 24 : 0u));
@@ -40,9 +40,14 @@ uvec2 pack_gathered(Gathered g) {
 
 Gathered unpack_gathered(uvec2 words) {
     const vec2 v = unpackUnorm2x16(words.x);
-    return Gathered(v.x, v.y, float(words.y & 0xffu) / 8.0, (float(words.y >> 8 & 0xffu) - 127.0) / 254.0,
+    return Gathered(v.x, v.y, float(words.y & 0xffu) / 4.0, (float(words.y >> 8 & 0xffu) - 127.0) / 254.0,
                     float(words.y >> 16 & 0xffu) / 510.0, (words.y >> 24 & 1u) != 0u);
 }
+
+// Of a cell, for soften: how far apart its taps are, and what the own rays say that the state is wrong by, squared.
+uint pack_softening(ivec2 steps, float bias) { return uint(steps.x) | uint(steps.y) << 8 | packHalf2x16(vec2(0.0, bias)); }
+ivec2 steps_of(uint word) { return ivec2(word & 0xffu, word >> 8 & 0xffu); }
+float bias_of(uint word) { return unpackHalf2x16(word).y; }
 
 ivec2 cell_grid() { return (ivec2(frame.size) + CELL - 1) / CELL; }
 uint cell_index(ivec2 cell) { return uint(cell.y * cell_grid().x + cell.x); }
