@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // One run: every contender through the same frames under every seed, in turns. Keeps the masks of judged
-// frames and the cost of every frame that is warm.
+// frames and the cost of every frame that is warm. What no figure depends on is not run: a pipeline without
+// history skips frames that are not judged, but where shadow maps are kept, whose cost is of interest, it
+// runs them all under the first seed.
 #pragma once
 
 #include <functional>
@@ -14,13 +16,18 @@ namespace penumbra::report {
 struct TurnsOptions {
     uint32_t frames = 1, seeds = 1, warm_up = 0;
     std::set<uint32_t> judged;
+    bool costs = false;  // of interest
+    // Nothing moves: frames of a pipeline without history are alike but for their noise, and the last two are
+    // enough of them.
+    bool still = false;
 };
 
 // Figures of one contender, by pass, over frames and seeds.
 struct Costs {
     std::vector<PassName> passes;
     std::vector<std::vector<PassCost>> frames;
-    std::vector<double> rays;  // per frame
+    std::vector<double> rays;         // per frame
+    std::vector<double> maps_cpu_ms;  // per frame in which shadow maps are read
 
     // Of the sum over some passes; nothing where a pass was not timed.
     std::optional<Estimate> sum(std::optional<double> PassCost::*figure, bool mask_only) const;
@@ -31,15 +38,20 @@ class Turns {
   public:
     using Masks = std::vector<std::vector<float>>;  // one per seed
 
-    Turns(const std::vector<std::unique_ptr<Runner>>& runners, size_t contenders, const TurnsOptions& options,
+    // `step` is called after each frame of all.
+    Turns(const std::vector<std::unique_ptr<Runner>>& runners, const TurnsOptions& options,
           const std::function<void()>& step);
 
-    const Masks& masks(size_t contender, uint32_t frame) const { return masks_.at({contender, frame}); }
+    // Of a judged frame; or of the last one, where they are alike.
+    const Masks& masks(size_t contender, uint32_t frame) const;
+    // Per contender: the first whose masks are the same to the bit, which may be itself.
+    std::vector<size_t> originals() const;
     const Costs& costs(size_t contender) const { return costs_[contender]; }
 
   private:
-    void keep(Sample sample, const Runner& runner, uint32_t frame, const TurnsOptions& options);
+    void keep(size_t contender, Sample sample, const Runner& runner, uint32_t frame);
 
+    TurnsOptions options_;
     std::map<std::pair<size_t, uint32_t>, Masks> masks_;
     std::vector<Costs> costs_;
 };
