@@ -108,15 +108,14 @@ class Measuring {
         std::vector<Part> parts;
         for (const ReportShot& shot : job_.shots)
             parts.push_back({parts_.name("shot." + shot.name, {shot.moving, shot.still}),
-                             work_of_shot(job_.results.study),
-                             [&](const Bench& bench, Results& part) {
+                             work_of_shot(job_.results.study), [&](const Bench& bench, Results& part) {
                                  return measure_shot(bench, shot, part, diagnostics_, warnings_);
                              }});
         for (const EdgeShot& edge : job_.edges)
-            parts.push_back({edge_name(edge), work_of_edge(job_.results.study),
-                             [&](const Bench& bench, Results& part) {
-                                 return measure_edge(bench, edge, part, diagnostics_, warnings_);
-                             }});
+            parts.push_back(
+                {edge_name(edge), work_of_edge(job_.results.study), [&](const Bench& bench, Results& part) {
+                     return measure_edge(bench, edge, part, diagnostics_, warnings_);
+                 }});
         uint64_t work = 0;
         for (const Part& part : parts)
             if (!kept(part)) work += part.work;

@@ -32,8 +32,9 @@ std::optional<CheckedPipeline> checked(const std::optional<Pipeline>& pipeline, 
 void add_brute_force(Contenders& contenders, const NodeSet& nodes, Diagnostics& diagnostics) {
     for (const uint32_t rays : brute_force_rays) {
         const std::vector<std::string> settings{fmt::format("nodes.trace.params.rays_per_pixel={}", rays)};
-        auto pipeline = checked(
-            parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics), nodes, diagnostics);
+        auto pipeline =
+            checked(parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics), nodes,
+                    diagnostics);
         if (pipeline)
             contenders.list.push_back(
                 {fmt::format("rays_{}", rays), "",

@@ -97,10 +97,10 @@ std::string edge(const Results& results) {
             const EdgePoint *worst = results.worst_edge(c, width), *rest = nullptr;
             for (const EdgePoint& point : results.edge)
                 if (point.contender == c && point.width_px == width && point.speed_px == 0) rest = &point;
-            cells.push_back(short_number(rest ? rest->metrics.n_eff : std::nullopt) + " / " +
-                            (worst ? fmt::format("{} ({:+g})", short_number(worst->metrics.n_eff),
-                                                 worst->speed_px)
-                                   : "-"));
+            cells.push_back(
+                short_number(rest ? rest->metrics.n_eff : std::nullopt) + " / " +
+                (worst ? fmt::format("{} ({:+g})", short_number(worst->metrics.n_eff), worst->speed_px)
+                       : "-"));
         }
         out += line(cells);
     }
@@ -115,7 +115,8 @@ std::string markdown_tables(const Results& results) {
         "    {}\n\n"
         "{} x {} pixels, {} seeds, {}, penumbra {}. Contenders in one row have the same masks to the bit.\n\n"
         "Each shot standing still:\n\n{}\n"
-        "Each shot as it moves, frames {} to {}; cost of the mask per frame (+ of drawing the shadow maps that it "
+        "Each shot as it moves, frames {} to {}; cost of the mask per frame (+ of drawing the shadow maps "
+        "that it "
         "reads):\n\n{}\n"
         "Behind a straight edge, {} frames after the start, by the width of its penumbra:\n\n{}",
         results.command, study.size[0], study.size[1], study.seeds, results.device.driver, PENUMBRA_VERSION,

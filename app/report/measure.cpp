@@ -22,6 +22,8 @@ using Size = std::array<uint32_t, 2>;
 // Finding the truth of a frame and judging all masks by it takes about as long as so many frames of all
 // contenders.
 constexpr uint64_t judging_work = 2;
+// Behind edges, where most contenders run in one frame only or not at all.
+constexpr uint64_t edge_share = 2;
 
 std::string now_utc() {
     return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
@@ -51,11 +53,7 @@ void judge_stillness(const Study& study, const TruthSource::Frame& truth, const 
     // Nothing moves: a point stays where it is, and so does the truth.
     const std::vector<float> nowhere(truth.counted.size(), 0.0f), everywhere(truth.counted.size(), 1.0f);
     for (Row& row : rows) {
-        if (!is_original(originals, row)) {
-            row.after_cut = rows[originals[row.contender]].after_cut;
-            row.flicker = rows[originals[row.contender]].flicker;
-            continue;
-        }
+        if (!is_original(originals, row)) continue;
         for (const uint32_t after : study.after_cut) {
             const MetricSums sums =
                 measure(compared(study.size, truth, turns.masks(row.contender, after - 1)));
@@ -67,6 +65,10 @@ void judge_stillness(const Study& study, const TruthSource::Frame& truth, const 
         FlickerSums sums;
         add_flicker({now, before, nowhere, nowhere, nowhere, everywhere, everywhere}, sums);
         row.flicker = sums.rms();
+    }
+    for (Row& row : rows) {
+        row.after_cut = rows[originals[row.contender]].after_cut;
+        row.flicker = rows[originals[row.contender]].flicker;
     }
 }
 
@@ -136,13 +138,12 @@ void judge_motion(const Bench& bench, const Study& study, TruthSource& source, c
         write_images(bench, facts, truth, turns, frame, contenders, rows);
     }
     for (size_t r = 0; r < rows.size(); ++r) {
-        Row& row = rows[r];
-        if (is_original(originals, row)) {
-            row.moving = metrics_of(pooled[r]);
-            row.ssim = ssim[r].mean();
-            continue;
-        }
+        rows[r].moving = metrics_of(pooled[r]);
+        rows[r].ssim = ssim[r].mean();
+    }
+    for (Row& row : rows) {
         const Row& original = rows[originals[row.contender]];
+        if (&original == &row) continue;
         row.moving = original.moving;
         row.ssim = original.ssim;
         row.bias_9x9 = original.bias_9x9;
@@ -182,8 +183,8 @@ bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, 
     const auto ran = [&] { bench.step(study.size[0] * study.size[1]); };
     std::vector<size_t> originals_still;
     {
-        const auto runners = open_runners(bench.device, bench.nodes, contenders, shot.still, study.size, false,
-                                          diagnostics, warnings);
+        const auto runners = open_runners(bench.device, bench.nodes, contenders, shot.still, study.size,
+                                          false, diagnostics, warnings);
         TruthSource source(bench.device, shot.still, study.size, study.rays, study.analytic_border_px,
                            diagnostics, warnings);
         if (runners.empty() || !source.ready()) return false;
@@ -230,12 +231,12 @@ bool measure_edge(const Bench& bench, const EdgeShot& edge, Results& results, Di
     std::vector<Contender> originals;
     std::vector<size_t> place(results.contenders.size());  // among the originals
     for (size_t c = 0; c < place.size(); ++c) {
-        const size_t original = results.original(c);
-        place[c] = original == c ? originals.size() : place[original];
-        if (original == c) originals.push_back(results.contenders[c]);
+        if (results.original(c) != c) continue;
+        place[c] = originals.size();
+        originals.push_back(results.contenders[c]);
     }
-    const auto runners = open_runners(bench.device, bench.nodes, originals, edge.shot,
-                                      study.edge_size, false, diagnostics, warnings);
+    const auto runners = open_runners(bench.device, bench.nodes, originals, edge.shot, study.edge_size, false,
+                                      diagnostics, warnings);
     if (runners.empty()) return false;
     TruthSource source(bench.device, edge.shot, study.edge_size, study.rays, study.analytic_border_px,
                        diagnostics, warnings);
@@ -245,7 +246,8 @@ bool measure_edge(const Bench& bench, const EdgeShot& edge, Results& results, Di
     options.frames = frame + 1;
     options.seeds = study.seeds;
     options.judged = {frame};
-    const Turns turns(runners, options, [&] { bench.step(study.edge_size[0] * study.edge_size[1]); });
+    const Turns turns(runners, options,
+                      [&] { bench.step(uint64_t{study.edge_size[0]} * study.edge_size[1] / edge_share); });
     const TruthSource::Frame truth = source.at(frame), before = source.at(frame - 1);
     std::vector<EdgePoint> points;
     for (size_t c = 0; c < originals.size(); ++c) {
@@ -254,7 +256,7 @@ bool measure_edge(const Bench& bench, const EdgeShot& edge, Results& results, Di
                           lag_px(one, before.truth.visibility)});
     }
     for (size_t c = 0; c < place.size(); ++c) {
-        results.edge.push_back(points[place[c]]);
+        results.edge.push_back(points[place[results.original(c)]]);
         results.edge.back().contender = c;
     }
     return true;
@@ -267,7 +269,8 @@ uint64_t work_of_shot(const Study& study) {
 }
 
 uint64_t work_of_edge(const Study& study) {
-    return uint64_t{study.edge_size[0]} * study.edge_size[1] * study.seeds * (study.edge_frame + 1);
+    const uint64_t frame = uint64_t{study.edge_size[0]} * study.edge_size[1] / edge_share;
+    return frame * study.seeds * (study.edge_frame + 1);
 }
 
 }  // namespace penumbra::report

@@ -119,6 +119,7 @@ std::string shot_table(const Results& results, size_t shot) {
     std::vector<Table::Column> columns{{"mask by", false},
                                        {cpu ? "mask, CPU ms" : "mask, GPU ms"},
                                        {cpu ? "frame, CPU ms" : "frame, GPU ms"},
+                                       {"maps, CPU ms"},
                                        {"rays / px"},
                                        {"RMSE"},
                                        {"in penumbra"},
@@ -130,14 +131,21 @@ std::string shot_table(const Results& results, size_t shot) {
                                        {"flicker"},
                                        {"leak"},
                                        {"acne"}};
-    Table table("The moving shot, pooled over its judged frames. Medians with 95 % intervals.", columns);
+    Table table(
+        "The moving shot, pooled over its judged frames. Medians with 95 % intervals. Maps: drawing the "
+        "shadow "
+        "maps that a pipeline reads, in no other figure.",
+        columns);
     for (const Row& row : results.rows) {
         if (row.shot != shot) continue;
         const MaskMetrics& m = row.moving;
-        table.row({contender_cell(results, row.contender), estimate_cell(row.mask_cost(cpu)),
-                   estimate_cell(cpu ? row.frame_cpu_ms : row.frame_ms), number_or_dash(row.rays_per_pixel),
-                   number_or_dash(m.rmse_all), number_or_dash(m.rmse_penumbra), n_eff_cell(m),
-                   number_or_dash(m.n_variance), number_or_dash(m.n_bias), number_or_dash(row.ssim),
+        const std::string same =
+            row.same_as ? " = " + escape(label(results.contenders[*row.same_as])) : std::string();
+        table.row({contender_cell(results, row.contender) + same, estimate_cell(row.mask_cost(cpu)),
+                   estimate_cell(cpu ? row.frame_cpu_ms : row.frame_ms), estimate_cell(row.maps_cpu_ms),
+                   number_or_dash(row.rays_per_pixel), number_or_dash(m.rmse_all),
+                   number_or_dash(m.rmse_penumbra), n_eff_cell(m), number_or_dash(m.n_variance),
+                   number_or_dash(m.n_bias), number_or_dash(row.ssim),
                    number_or_dash(row.flip ? std::optional(row.flip->mean) : std::nullopt),
                    number_or_dash(row.flicker), number_or_dash(m.leak), number_or_dash(m.acne)});
     }

@@ -22,7 +22,8 @@ class Parts {
     // contenders or the nodes cannot be read.
     Parts(std::filesystem::path folder, const Results& results, const std::vector<std::string>& node_folders);
 
-    // "shot.fan", "edge.16px_+0.25"; a key of all that the part depends on, with the shots as they are on disk.
+    // "shot.fan", "edge.16px_+0.25"; a key of all that the part depends on, with the shots as they are on
+    // disk.
     struct Name {
         std::string name, key;
     };

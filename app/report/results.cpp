@@ -193,8 +193,10 @@ std::string csv_field(const std::string& text) {
 
 std::string to_csv(const Results& results) {
     std::string out =
-        "shot,contender,brute_force_rays,same_masks_as,mask_ms,mask_ms_low,mask_ms_high,mask_cpu_ms,mask_cpu_ms_low,"
-        "mask_cpu_ms_high,frame_ms,frame_cpu_ms,maps_cpu_ms,rays_per_pixel,rmse_all,rmse_penumbra,n_eff,n_eff_low,"
+        "shot,contender,brute_force_rays,same_masks_as,mask_ms,mask_ms_low,mask_ms_high,mask_cpu_ms,mask_cpu_"
+        "ms_low,"
+        "mask_cpu_ms_high,frame_ms,frame_cpu_ms,maps_cpu_ms,rays_per_pixel,rmse_all,rmse_penumbra,n_eff,n_"
+        "eff_low,"
         "n_eff_high,ssim,flip_mean,relmse,flicker_rms,n_eff_at_1,n_eff_at_8,n_eff_at_64\r\n";
     for (const Row& row : results.rows) {
         const Contender& contender = results.contenders[row.contender];
@@ -214,8 +216,8 @@ std::string to_csv(const Results& results) {
             csv_field(results.shots[row.shot].name), csv_field(contender.id),
             contender.brute_force ? fmt::to_string(*contender.brute_force) : "",
             csv_field(row.same_as ? results.contenders[*row.same_as].id : ""), estimate(row.mask_ms),
-            estimate(row.mask_cpu_ms), median(row.frame_ms), median(row.frame_cpu_ms), median(row.maps_cpu_ms),
-            csv_number(row.rays_per_pixel), csv_number(row.moving.rmse_all),
+            estimate(row.mask_cpu_ms), median(row.frame_ms), median(row.frame_cpu_ms),
+            median(row.maps_cpu_ms), csv_number(row.rays_per_pixel), csv_number(row.moving.rmse_all),
             csv_number(row.moving.rmse_penumbra), csv_number(row.moving.n_eff),
             csv_number(interval ? std::optional((*interval)[0]) : std::nullopt),
             csv_number(interval ? std::optional((*interval)[1]) : std::nullopt), csv_number(row.ssim),

@@ -29,7 +29,8 @@ struct PassFigure {
 // One contender on one shot: a row of the tables, a point of the plots.
 struct Row {
     size_t shot = 0, contender = 0;
-    // The first contender whose masks are this one's to the bit, in all frames and under all seeds of both runs.
+    // The contender with fewer passes, or an earlier one, whose masks are this one's to the bit in all judged
+    // frames of both runs under the first seed; the figures of the masks are then its.
     std::optional<size_t> same_as;
     // Of the passes that the mask depends on, and of all passes, in the moving shot; `cost` is process CPU
     // time on a CPU device, else GPU time: the figure to trust.
@@ -90,8 +91,8 @@ struct Results {
 
 // Unknown values are null, never absent.
 nlohmann::ordered_json to_json(const Results& results);
-// Adds the shots, rows and edges of what to_json() has made of results with the same contenders. Infinities have
-// become unknown. Throws nlohmann::json::exception, and adds nothing, where the JSON is anything else.
+// Adds the shots, rows and edges of what to_json() has made of results with the same contenders. Infinities
+// have become unknown. Throws nlohmann::json::exception, and adds nothing, where the JSON is anything else.
 void append(const nlohmann::ordered_json& json, Results& results);
 std::string to_csv(const Results& results);
 // As one field of a CSV file (RFC 4180).

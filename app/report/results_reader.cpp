@@ -96,8 +96,8 @@ Row row(const Results& results, const Json& json) {
     out.bias_9x9 = known(json.at("bias_max_9x9"));
     const Json& flip = json.at("flip");
     if (const auto mean = known(flip.at("mean")))
-        out.flip = FlipPool{*mean, known(flip.at("weighted_median")).value_or(0),
-                            known(flip.at("p95")).value_or(0)};
+        out.flip =
+            FlipPool{*mean, known(flip.at("weighted_median")).value_or(0), known(flip.at("p95")).value_or(0)};
     out.relmse = known(json.at("relmse"));
     out.flicker = known(json.at("flicker_rms"));
     out.after_cut = judged(json.at("after_cut"));

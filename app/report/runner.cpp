@@ -45,8 +45,8 @@ uint64_t counted_rays(const Plan& plan, const FrameCost& cost) {
     return rays;
 }
 
-// What is kept carries over too; but cascade_pyramid keeps what it has made of the shadow maps, which it would
-// make anew with the same outcome.
+// What is kept carries over too; but cascade_pyramid keeps what it has made of the shadow maps, which it
+// would make anew with the same outcome.
 bool has_history(const Plan& plan) {
     const auto carries = [&](const PlanResource& resource) {
         if (!resource.kept) return resource.history;
@@ -71,8 +71,7 @@ std::unique_ptr<Runner> Runner::open(Device& device, const NodeSet& nodes, const
     options.optimum = false;
     options.pass_costs = costs;
     auto runner = std::unique_ptr<Runner>(new Runner);
-    runner->session_ =
-        Session::open(device, nodes, contender.pipeline, shot, options, diagnostics, warnings);
+    runner->session_ = Session::open(device, nodes, contender.pipeline, shot, options, diagnostics, warnings);
     if (!runner->session_) return nullptr;
     const Plan& plan = runner->session_->plan();
     runner->has_history_ = report::has_history(plan);
@@ -111,8 +110,7 @@ std::vector<std::unique_ptr<Runner>> open_runners(Device& device, const NodeSet&
                                                   std::vector<std::string>& warnings) {
     std::vector<std::unique_ptr<Runner>> runners;
     for (const Contender& contender : list) {
-        runners.push_back(
-            Runner::open(device, nodes, contender, shot, size, costs, diagnostics, warnings));
+        runners.push_back(Runner::open(device, nodes, contender, shot, size, costs, diagnostics, warnings));
         if (!runners.back()) return {};
     }
     return runners;

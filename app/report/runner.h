@@ -17,8 +17,8 @@ struct PassCost {
 
 // One frame.
 struct Sample {
-    std::vector<float> visibility;  // rows from the top; empty where it was not asked for
-    std::vector<PassCost> passes;   // parallel to Runner::passes()
+    std::vector<float> visibility;      // rows from the top; empty where it was not asked for
+    std::vector<PassCost> passes;       // parallel to Runner::passes()
     std::optional<double> maps_cpu_ms;  // of drawing shadow maps, where it reads any
     uint64_t rays = 0;
     // Whether the costs are those of a run frame by frame. What is kept from frame to frame (shadow maps and
@@ -62,6 +62,7 @@ class Runner {
 std::vector<std::unique_ptr<Runner>> open_runners(Device& device, const NodeSet& nodes,
                                                   const std::vector<Contender>& list, const Shot& shot,
                                                   std::array<uint32_t, 2> size, bool costs,
-                                                  Diagnostics& diagnostics, std::vector<std::string>& warnings);
+                                                  Diagnostics& diagnostics,
+                                                  std::vector<std::string>& warnings);
 
 }  // namespace penumbra::report

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/report/turns.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace penumbra::report {
@@ -34,18 +35,20 @@ Turns::Turns(const std::vector<std::unique_ptr<Runner>>& runners, const TurnsOpt
         if (options.still) return frame + 2 >= options.frames;
         return options.judged.contains(frame) || (options.costs && runner.keeps() && seed == 1);
     };
+    for (size_t contender = 0; contender < runners.size(); ++contender) originals_.push_back(contender);
     for (uint32_t seed = 1; seed <= options.seeds; ++seed) {
         for (const auto& runner : runners) runner->set_seed(seed);
         for (uint32_t frame = 0; frame < options.frames; ++frame) {
             for (size_t turn = 0; turn < runners.size(); ++turn) {
                 const size_t contender = (turn + frame) % runners.size();
                 Runner& runner = *runners[contender];
-                if (needed(runner, frame, seed))
+                if (originals_[contender] == contender && needed(runner, frame, seed))
                     keep(contender, runner.run(frame, frame == 0, options.judged.contains(frame)), runner,
                          frame);
             }
             step();
         }
+        if (seed == 1) find_originals(runners);
     }
 }
 
@@ -61,25 +64,28 @@ void Turns::keep(size_t contender, Sample sample, const Runner& runner, uint32_t
 }
 
 const Turns::Masks& Turns::masks(size_t contender, uint32_t frame) const {
-    const auto found = masks_.find({contender, frame});
+    const auto found = masks_.find({originals_[contender], frame});
     if (found != masks_.end()) return found->second;
     if (!options_.still) throw std::logic_error("a mask that was not judged");
-    return masks_.at({contender, options_.frames - 1});
+    return masks_.at({originals_[contender], options_.frames - 1});
 }
 
-std::vector<size_t> Turns::originals() const {
+void Turns::find_originals(const std::vector<std::unique_ptr<Runner>>& runners) {
     const auto same = [&](size_t a, size_t b) {
-        for (const uint32_t frame : options_.judged)
-            if (masks(a, frame) != masks(b, frame)) return false;
-        return true;
+        return std::ranges::all_of(options_.judged,
+                                   [&](uint32_t frame) { return masks(a, frame) == masks(b, frame); });
     };
-    std::vector<size_t> out;
-    for (size_t contender = 0; contender < costs_.size(); ++contender) {
-        size_t first = 0;
-        while (first < contender && !same(first, contender)) ++first;
-        out.push_back(first);
+    std::vector<size_t> by_passes = originals_, found;
+    std::ranges::stable_sort(by_passes, {}, [&](size_t c) { return runners[c]->passes().size(); });
+    std::vector<size_t> originals = originals_;
+    for (const size_t contender : by_passes) {
+        const auto original = std::ranges::find_if(found, [&](size_t f) { return same(f, contender); });
+        if (original != found.end())
+            originals[contender] = *original;
+        else
+            found.push_back(contender);
     }
-    return out;
+    originals_ = std::move(originals);
 }
 
 }  // namespace penumbra::report

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // One run: every contender through the same frames under every seed, in turns. Keeps the masks of judged
 // frames and the cost of every frame that is warm. What no figure depends on is not run: a pipeline without
-// history skips frames that are not judged, but where shadow maps are kept, whose cost is of interest, it
-// runs them all under the first seed.
+// history skips frames that are not judged (but where shadow maps are kept it runs them all under the first
+// seed, for their cost), and contenders whose masks are the same to the bit in all judged frames under the
+// first seed are taken to be the same under the others: of these only one goes on, the one with the fewest
+// passes.
 #pragma once
 
 #include <functional>
@@ -44,14 +46,16 @@ class Turns {
 
     // Of a judged frame; or of the last one, where they are alike.
     const Masks& masks(size_t contender, uint32_t frame) const;
-    // Per contender: the first whose masks are the same to the bit, which may be itself.
-    std::vector<size_t> originals() const;
+    // Per contender: the one that stands for it, mostly itself.
+    const std::vector<size_t>& originals() const { return originals_; }
     const Costs& costs(size_t contender) const { return costs_[contender]; }
 
   private:
     void keep(size_t contender, Sample sample, const Runner& runner, uint32_t frame);
+    void find_originals(const std::vector<std::unique_ptr<Runner>>& runners);
 
     TurnsOptions options_;
+    std::vector<size_t> originals_;
     std::map<std::pair<size_t, uint32_t>, Masks> masks_;
     std::vector<Costs> costs_;
 };
