@@ -232,8 +232,8 @@ TEST(ReportResults, TheSameMasksShareARowOfTheTables) {
     results.rows.back().shot = 1;
     results.rows.back().same_as.reset();
     EXPECT_EQ(results.original(1), 1u);
-    for (const std::string& name : {"4 rays", "16 rays", "64 rays"})
-        EXPECT_EQ(count(markdown_tables(results), "\n| " + name + " |"), 3u) << name;
+    for (const char* name : {"4 rays", "16 rays", "64 rays"})
+        EXPECT_EQ(count(markdown_tables(results), std::string("\n| ") + name + " |"), 3u) << name;
 }
 
 TEST(ReportProgress, ForetellsTheTimeThatIsLeft) {

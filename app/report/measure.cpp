@@ -131,7 +131,7 @@ void judge_motion(const Bench& bench, const Study& study, TruthSource& source, c
         }
         bench.step(study.size[0] * study.size[1] * judging_work);
         if (frame != *judged.rbegin()) continue;
-        const MaskMetrics& last = rows.front().over_time.back().metrics;
+        const MaskMetrics& last = rows[originals.front()].over_time.back().metrics;  // all have the same truth
         facts.receivers = last.receivers;
         facts.penumbra = last.penumbra;
         judge_picture(study, source, truth, frame, turns, originals, rows);
