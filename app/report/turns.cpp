@@ -33,7 +33,8 @@ Turns::Turns(const std::vector<std::unique_ptr<Runner>>& runners, const TurnsOpt
     const auto needed = [&](const Runner& runner, uint32_t frame, uint32_t seed) {
         if (runner.has_history()) return true;
         if (options.still) return frame + 2 >= options.frames;
-        return options.judged.contains(frame) || (options.costs && runner.keeps() && seed == 1);
+        return options.judged.contains(frame) ||
+               (options.costs && runner.keeps() && seed == 1 && options.judged.contains(frame + 1));
     };
     for (size_t contender = 0; contender < runners.size(); ++contender) originals_.push_back(contender);
     for (uint32_t seed = 1; seed <= options.seeds; ++seed) {
