@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -182,6 +183,38 @@ TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
     ASSERT_EQ(results_.edge.size(), results_.contenders.size());
     EXPECT_EQ(results_.edge[contender("copy")].metrics.n_eff, results_.edge[contender("raw")].metrics.n_eff);
     EXPECT_NE(results_.edge[contender("other")].metrics.n_eff, results_.edge[contender("raw")].metrics.n_eff);
+}
+
+TEST_F(ReportMeasure, AnInterruptedRunGoesOnWhereItWas) {
+    Diagnostics diagnostics;
+    ReportArguments arguments;
+    arguments.out = (folder_ / "out").string();
+    arguments.quick = true;
+    arguments.size = "64x48";
+    arguments.seeds = 1;
+    arguments.pipelines = {pipeline("raw")};
+    arguments.shots = {make_edge_shot(8, 0.5, 6, folder_ / "shots", diagnostics).shot.file.string()};
+    const auto run = [&] {
+        testing::internal::CaptureStdout();
+        testing::internal::CaptureStderr();
+        EXPECT_EQ(run_report(arguments), exit_good);
+        testing::internal::GetCapturedStdout();
+        std::ifstream stream(folder_ / "out/results.json");
+        const std::string results((std::istreambuf_iterator<char>(stream)), {});
+        return std::pair(results, testing::internal::GetCapturedStderr());
+    };
+    const auto [first, measured_first] = run();
+    EXPECT_NE(measured_first.find("shot.edge_8px_+0.5: 1 of 8 parts"), std::string::npos) << measured_first;
+    // What is whole is not measured again, or the times would differ; what is not gives the same masks.
+    fs::remove(folder_ / "out/parts/edge.16px_-1.json");
+    fs::remove(folder_ / "out/index.html");
+    const auto [second, measured_second] = run();
+    EXPECT_EQ(second, first);
+    EXPECT_EQ(measured_second.find("shot."), std::string::npos) << measured_second;
+    EXPECT_NE(measured_second.find("edge.16px_-1: 3 of 8 parts"), std::string::npos) << measured_second;
+    EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
+    arguments.again = true;
+    EXPECT_NE(run().second.find("shot.edge_8px_+0.5: 1 of 8 parts"), std::string::npos);
 }
 
 TEST_F(ReportMeasure, MistakesAreFoundFirstAndLeaveNoPage) {

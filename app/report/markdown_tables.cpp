@@ -97,10 +97,10 @@ std::string edge(const Results& results) {
             const EdgePoint *worst = results.worst_edge(c, width), *rest = nullptr;
             for (const EdgePoint& point : results.edge)
                 if (point.contender == c && point.width_px == width && point.speed_px == 0) rest = &point;
-            cells.push_back(
-                short_number(rest ? rest->metrics.n_eff : std::nullopt) + " / " +
-                (worst ? fmt::format("{} ({:+g})", short_number(worst->metrics.n_eff), worst->speed_px)
-                       : "-"));
+            const std::string at_rest = short_number(rest ? rest->metrics.n_eff : std::nullopt);
+            cells.push_back(worst ? fmt::format("{} / {} ({})", at_rest, short_number(worst->metrics.n_eff),
+                                                results.speed_of(*worst))
+                                  : at_rest);
         }
         out += line(cells);
     }

@@ -21,7 +21,7 @@ using Size = std::array<uint32_t, 2>;
 
 // Finding the truth of a frame and judging all masks by it takes about as long as so many frames of all
 // contenders.
-constexpr uint64_t judging_work = 2;
+constexpr uint64_t judging_work = 12;
 // Behind edges, where most contenders run in one frame only or not at all.
 constexpr uint64_t edge_share = 2;
 
@@ -131,7 +131,8 @@ void judge_motion(const Bench& bench, const Study& study, TruthSource& source, c
         }
         bench.step(study.size[0] * study.size[1] * judging_work);
         if (frame != *judged.rbegin()) continue;
-        const MaskMetrics& last = rows[originals.front()].over_time.back().metrics;  // all have the same truth
+        const MaskMetrics& last =
+            rows[originals.front()].over_time.back().metrics;  // all have the same truth
         facts.receivers = last.receivers;
         facts.penumbra = last.penumbra;
         judge_picture(study, source, truth, frame, turns, originals, rows);

@@ -41,15 +41,6 @@ double best_after(const Results& results, size_t shot, uint32_t frames) {
     return best;
 }
 
-// Where a contender is worst; "any" for those without memory, which do not care.
-std::string speed_cell(const Results& results, const EdgePoint& worst) {
-    for (const EdgePoint& point : results.edge)
-        if (point.contender == worst.contender && point.width_px == worst.width_px && point.speed_px != 0 &&
-            point.metrics.n_eff != worst.metrics.n_eff)
-            return fmt::format("{:+g}", worst.speed_px);
-    return "any";
-}
-
 constexpr uint32_t headline_frames[] = {1, 8, 64};
 
 std::string words(const std::vector<std::string>& list) {
@@ -106,7 +97,7 @@ std::string headline_table(const Results& results) {
             }
             const EdgePoint* worst = results.worst_edge(row.contender, headline_width_px(results));
             cells.push_back(worst ? n_eff_cell(worst->metrics) : "–");
-            cells.push_back(worst ? speed_cell(results, *worst) : "–");
+            cells.push_back(worst ? results.speed_of(*worst) : "–");
             table.row(cells, first ? "first" : "");
             first = false;
         }
@@ -164,7 +155,7 @@ std::string edge_table(const Results& results) {
             const bool first = width == results.study.edge_widths_px.front();
             table.row({first ? contender_cell(results, c) : "", fmt::format("{:g}", width),
                        rest ? n_eff_cell(rest->metrics) : "–", worst ? n_eff_cell(worst->metrics) : "–",
-                       worst ? speed_cell(results, *worst) : "–",
+                       worst ? results.speed_of(*worst) : "–",
                        number_or_dash(worst ? worst->lag_px : std::nullopt)},
                       first ? "first" : "");
         }

@@ -138,6 +138,14 @@ const EdgePoint* Results::worst_edge(size_t contender, double width_px) const {
     return worst;
 }
 
+std::string Results::speed_of(const EdgePoint& worst) const {
+    for (const EdgePoint& point : edge)
+        if (point.contender == worst.contender && point.width_px == worst.width_px && point.speed_px != 0 &&
+            point.metrics.n_eff != worst.metrics.n_eff)
+            return fmt::format("{:+g}", worst.speed_px);
+    return "any";
+}
+
 OrderedJson to_json(const Results& results) {
     OrderedJson contenders = OrderedJson::array(), left_out = OrderedJson::array(),
                 shots = OrderedJson::array(), rows = OrderedJson::array(), edge = OrderedJson::array();
