@@ -226,6 +226,9 @@ TEST(ReportResults, TheSameMasksShareARowOfTheTables) {
     const std::string tables = markdown_tables(results);
     EXPECT_EQ(count(tables, "| raw, smooth |"), 2u);  // after a cut, and the edge
     EXPECT_EQ(count(tables, "\n| smooth |"), 1u);     // its cost is its own
+    EXPECT_EQ(count(after_cut_plot(results, 0), "<circle"),
+              (results.contenders.size() - 1) * results.study.after_cut.size());
+    EXPECT_EQ(count(pareto_plot(results, 0, Quality::n_eff), "<circle"), results.contenders.size());
     // Another shot says otherwise.
     results.shots.push_back(results.shots.front());
     results.rows.push_back(results.rows[1]);
