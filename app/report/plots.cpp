@@ -34,7 +34,8 @@ bool overlap(const Box& a, const Box& b) {
     return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
 
-// Labels beside points, each at the first of eight places where it covers nothing that is there already.
+// Labels beside points, each at the first of eight places where it covers nothing that is there already;
+// where there is none, the point's title and the legend must do.
 class Labels {
   public:
     explicit Labels(const Frame& frame)
@@ -49,15 +50,13 @@ class Labels {
                               {gap, gap + height - 3},  {-gap - width, 4},
                               {-width / 2, -gap},       {-width / 2, gap + height},
                               {-gap - width, -gap + 3}, {-gap - width, gap + height - 3}};
-        Box best = box(point, offsets[0], width, height);
         for (const Xy& offset : offsets) {
             const Box candidate = box(point, offset, width, height);
             if (!inside(candidate) || covers(candidate)) continue;
-            best = candidate;
-            break;
+            taken_.push_back(candidate);
+            svg.text({candidate.low.x, candidate.high.y - 2}, text, "mark " + style);
+            return;
         }
-        taken_.push_back(best);
-        svg.text({best.low.x, best.high.y - 2}, text, "mark " + style);
     }
 
   private:
