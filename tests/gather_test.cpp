@@ -90,7 +90,7 @@ ViewRun run_with(int radius) {
     text.replace(text.find("RADIUS"), 6, std::to_string(radius));
     ViewRunOptions options;
     options.captures = {"gathered"};
-    options.formats = {{"depth", Format::r32f}};
+    options.formats = {{"depth", Format::r32f}, {"sun_points", Format::r32ui}};
     return ViewRun(shadow_pipeline(text), extent, options);
 }
 
@@ -104,7 +104,7 @@ Result gather(ViewRun& run, const Setting& setting) {
     std::mt19937 random(setting.seed);
     std::uniform_real_distribution<double> uniform(-1, 1);
     std::vector<uint32_t> points, given;
-    while (points.size() < 128 * 128) {
+    while (points.size() < size_t{extent.width} * extent.height) {
         const glm::vec2 p(uniform(random), uniform(random));
         if (glm::dot(p, p) > 1) continue;
         points.push_back(glm::packSnorm2x16(p));
@@ -128,7 +128,7 @@ Result gather(ViewRun& run, const Setting& setting) {
             const double z = (n.z * -middle_m + step) / glm::dot(n, way);
             depth[i] = static_cast<float>(camera.near / z);
             const glm::dvec3 at = glm::transpose(axes) * (z * way) - centre;
-            const glm::dvec2 point = glm::unpackSnorm2x16(points[y % 128 * 128 + x % 128]);
+            const glm::dvec2 point = glm::unpackSnorm2x16(points[i]);
             bool hit = false;
             double hit_m = 0;
             result.truth[i] = 1;
