@@ -103,8 +103,7 @@ class RayMaker {
         const glm::dvec3 s = vector(frame_.sun.to_sun.v);
         const double angle = 2 * M_PI * (u.x - 0.5);
         const glm::dvec2 disc = std::sqrt(u.y) * glm::dvec2(std::cos(angle), std::sin(angle));
-        const double one_minus_cos =
-            (1 - std::cos(static_cast<double>(frame_.sun.angular_radius))) * u.y;
+        const double one_minus_cos = (1 - std::cos(static_cast<double>(frame_.sun.angular_radius))) * u.y;
         const double sine = std::sqrt(one_minus_cos * (2 - one_minus_cos));
         const double length = std::sqrt(u.y);
         const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;

@@ -10,13 +10,14 @@
 
 const int blue_noise_size = 128;
 
-// Steps per frame: .58491 and .30647, the pair that is the best of some thousands for the sun's disc (docs/noise.md).
+// Steps per frame: .58491 and .30647, the best of some thousand pairs for means over the sun's disc (docs/noise.md).
 const uvec2 NOISE_STEP = uvec2(2512169321u, 1316278627u);
 
-// The waves, per channel: triangles over x, periods of 271.94 and 293.741 px, and over y, 279.825 and 53.673 px, that rise by 2, 2, 2 and .5
-// in half a period, and a slope. So chosen that 128, 256 ... px apart, values differ by anything alike (docs/noise.md).
+// The waves, per channel: triangles over x, periods of 271.94 and 293.741 px, and over y, of 279.825 and 53.673 px, that
+// rise by 2, 2, 2 and .5 in half a period; and a slope. Found by a search: 128, 256 ... px apart their values differ by whole
+// turns and all between, and nowhere do they change by more than 1/50 per pixel and axis (docs/noise.md).
 const uvec2 NOISE_WAVE_X = uvec2(15793805u, 14621613u), NOISE_WAVE_Y = uvec2(15348762u, 80021003u);
-const uvec2 NOISE_RISE_X = uvec2(4u, 4u), NOISE_RISE_Y = uvec2(4u, 1u);  // halves
+const uvec2 NOISE_RISE_X = uvec2(4u, 4u), NOISE_RISE_Y = uvec2(4u, 1u);  // in halves
 const uvec2 NOISE_SLOPE_X = uvec2(2717909u, 4294306274u), NOISE_SLOPE_Y = uvec2(4291279664u, 4294571354u);
 
 uvec2 noise_tile(ivec2 pixel, uint seed) {

@@ -172,7 +172,7 @@ TEST_F(HardCase, NoDirectionOfAnEdgeIsWorseThanOthers) {
     };
     const double naive = spread({.settings = {"nodes.trace.params.sampling=published"}}), ours = spread({});
     figure("case 43, best over worst direction of an edge, N_eff of 32 frames", naive, ours);
-    EXPECT_LT(ours, 2);
+    EXPECT_LT(ours, 1.3);
     EXPECT_GT(naive, 4);
 }
 
@@ -242,14 +242,15 @@ TEST_F(HardCase, TheNoiseTileDoesNotRepeat) {
                     for (size_t i = 0; i < n.size(); ++i) n[i] = image[i] - n[i];
                     if (pipeline == std::string_view("shadows") && c.along[1] == 0) {
                         EXPECT_LT(rms(image, truth), frame == 0 ? 1.0 / 32 : 1.0 / 128);
+                        figure("case 44, error of shadows after frame", frame, rms(image, truth));
                     }
                 }
             }
             std::array<Repetition, 2> found;
             for (const int last : {0, 1}) {
                 found[last] = repetition(noise[last], shot, c.along);
-                figure(("case 44, " + std::string(options.settings.empty() ? pipeline : "tile as it is") + ", " +
-                        c.name + ", frames: " + (last ? "16" : "1") +
+                figure(("case 44, " + std::string(options.settings.empty() ? pipeline : "tile as it is") +
+                        ", " + c.name + ", frames: " + (last ? "16" : "1") +
                         ": correlation at other distances (naive), 128 px apart (ours)")
                            .c_str(),
                        found[last].elsewhere, found[last].at_tile);
