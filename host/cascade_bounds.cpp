@@ -78,15 +78,19 @@ CascadeBounds::CascadeBounds(Device& device, const GpuImage& slopes)
         binding(1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, fragment),
         binding(2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, fragment),
         binding(3, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, vertex)};
-    set_ = make_cascade_set(device, bindings);
-    layout_ = make_cascade_layout(device, set_.layout.get(), all_stages);
+    bound_ = make_descriptor_sets(device, bindings, 1, "cascades");
+    const VkDescriptorSetLayout sets[] = {bound_.layout.get()};
+    layout_ = make_pipeline_layout(device, sets, all_stages, sizeof(CascadeConstants), "cascades");
     sort_ = make_sort(device, layout_.get());
-    CascadePipeline pipeline{cascade_gather_vert, cascade_gather_frag, layout_.get(), size_, format};
-    gather_ = make_cascade_pipeline(device, pipeline);
+    RasterPipeline pipeline = cascade_pipeline(device, layout_.get(), size_);
+    pipeline.vertex = cascade_gather_vert;
+    pipeline.fragment = cascade_gather_frag;
+    pipeline.colors = {&format, 1};
+    gather_ = make_raster_pipeline(device, pipeline, "cascades");
     pipeline.vertex = cascade_bounds_vert;
     pipeline.fragment = cascade_bounds_frag;
     pipeline.minimum = true;
-    draw_ = make_cascade_pipeline(device, pipeline);
+    draw_ = make_raster_pipeline(device, pipeline, "cascades");
 }
 
 void CascadeBounds::set_triangles(const GpuBuffer& triangles, uint32_t count) {
@@ -98,26 +102,10 @@ void CascadeBounds::set_triangles(const GpuBuffer& triangles, uint32_t count) {
                                     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                                         VK_BUFFER_USAGE_TRANSFER_DST_BIT,
                                     "large triangles");
-    const VkDescriptorBufferInfo buffers[] = {{triangles.get(), 0, VK_WHOLE_SIZE},
-                                              {small_.get(), 0, VK_WHOLE_SIZE},
-                                              {large_.get(), 0, VK_WHOLE_SIZE}};
-    const VkDescriptorImageInfo image{sampler_.get(), slopes_.view.get(),
-                                      VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-    std::vector<VkWriteDescriptorSet> writes;
-    for (const uint32_t at : {0u, 2u, 3u}) {
-        VkWriteDescriptorSet& write = writes.emplace_back();
-        write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
-        write.dstSet = set_.set;
-        write.dstBinding = at;
-        write.descriptorCount = 1;
-        write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        write.pBufferInfo = &buffers[at == 0 ? 0 : at - 1];
-    }
-    writes.push_back(writes.back());
-    writes.back().dstBinding = 1;
-    writes.back().descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    writes.back().pImageInfo = &image;
-    vkUpdateDescriptorSets(device_.get(), static_cast<uint32_t>(writes.size()), writes.data(), 0, nullptr);
+    write_buffer(device_, bound_.sets[0], 0, triangles);
+    write_image(device_, bound_.sets[0], 1, sampler_.get(), slopes_.view.get());
+    write_buffer(device_, bound_.sets[0], 2, small_);
+    write_buffer(device_, bound_.sets[0], 3, large_);
 }
 
 // The buffers are one cascade's at a time.
@@ -131,8 +119,8 @@ void CascadeBounds::sort(VkCommandBuffer commands, const CascadeConstants& const
                    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                    VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, sort_.get());
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, &set_.set, 0,
-                            nullptr);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout_.get(), 0, 1, bound_.sets.data(),
+                            0, nullptr);
     vkCmdPushConstants(commands, layout_.get(), all_stages, 0, sizeof constants, &constants);
     const uint32_t groups = (triangle_count_ + group - 1) / group;
     vkCmdDispatch(commands, std::min(groups, groups_per_row), (groups + groups_per_row - 1) / groups_per_row,
@@ -155,8 +143,8 @@ void CascadeBounds::record(VkCommandBuffer commands, const CascadeConstants* con
     rendering.pColorAttachments = &color;
     vkCmdBeginRendering(commands, &rendering);
     if (any) {
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_.set, 0,
-                                nullptr);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1,
+                                bound_.sets.data(), 0, nullptr);
         vkCmdPushConstants(commands, layout_.get(), all_stages, 0, sizeof *constants, constants);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, gather_.get());
         vkCmdDraw(commands, 3, 1, 0, 0);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "host/cascade_draw.h"
+#include "host/descriptor_sets.h"
 #include "host/gpu.h"
 
 namespace penumbra {
@@ -32,7 +33,7 @@ class CascadeBounds {
     GpuBuffer small_;  // two ordered integers per texel of one layer
     GpuBuffer large_;  // arguments of a draw, then the numbers of triangles
     Owned<VkSampler> sampler_;
-    CascadeSet set_;
+    DescriptorSets bound_;
     Owned<VkPipelineLayout> layout_;
     Owned<VkPipeline> sort_, gather_, draw_;
 };

@@ -3,10 +3,8 @@
 // draws triangles onto one layer.
 #pragma once
 
-#include <span>
-
 #include "host/cascade_fit.h"
-#include "host/device.h"
+#include "host/raster_pipeline.h"
 
 namespace penumbra {
 
@@ -23,26 +21,9 @@ struct CascadeConstants {
 CascadeConstants cascade_constants(const Device& device, const CascadeFit& fit, uint32_t layer,
                                    const glm::dvec3& origin, uint32_t triangle_count);
 
-struct CascadePipeline {
-    std::span<const uint32_t> vertex, fragment;  // SPIR-V; no fragment stage: none is needed
-    VkPipelineLayout layout = VK_NULL_HANDLE;
-    uint32_t size = 0;                     // texels along a side
-    VkFormat color = VK_FORMAT_UNDEFINED;  // undefined: none
-    VkFormat depth = VK_FORMAT_UNDEFINED;  // undefined: no depth test
-    bool minimum = false;                  // blends by it
-};
-Owned<VkPipeline> make_cascade_pipeline(const Device& device, const CascadePipeline& description);
-
-Owned<VkPipelineLayout> make_cascade_layout(const Device& device, VkDescriptorSetLayout set,
-                                            VkShaderStageFlags stages);
-
-// A set's layout, its pool and itself.
-struct CascadeSet {
-    Owned<VkDescriptorSetLayout> layout;
-    Owned<VkDescriptorPool> pool;
-    VkDescriptorSet set = VK_NULL_HANDLE;
-};
-CascadeSet make_cascade_set(const Device& device, std::span<const VkDescriptorSetLayoutBinding> bindings);
+// Onto a whole layer; shaders and formats are the caller's. Depth is clamped where the device can, since the
+// depth range holds the whole scene only up to rounding.
+RasterPipeline cascade_pipeline(const Device& device, VkPipelineLayout layout, uint32_t size);
 
 // An attachment that is cleared, or, without a value, written all over.
 VkRenderingAttachmentInfo cascade_attachment(VkImageView view, const VkClearValue* clear);

@@ -91,16 +91,18 @@ CascadeMaps::CascadeMaps(Device& device, const Scene& scene, uint32_t size, uint
     }
     const VkDescriptorSetLayoutBinding triangles{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
                                                  VK_SHADER_STAGE_VERTEX_BIT, nullptr};
-    set_ = make_cascade_set(device, {&triangles, 1});
-    layout_ = make_cascade_layout(device, set_.layout.get(), both_stages);
+    bound_ = make_descriptor_sets(device, {&triangles, 1}, 1, "cascades");
+    const VkDescriptorSetLayout sets[] = {bound_.layout.get()};
+    layout_ = make_pipeline_layout(device, sets, both_stages, sizeof(CascadeConstants), "cascades");
     // Without a fragment stage where nobody asks for slopes.
-    CascadePipeline pipeline{cascade_map_vert, {}, layout_.get(), size};
+    RasterPipeline pipeline = cascade_pipeline(device, layout_.get(), size);
+    pipeline.vertex = cascade_map_vert;
     pipeline.depth = maps_format;
     if (with_bounds) {
         pipeline.fragment = cascade_map_frag;
-        pipeline.color = slopes_format;
+        pipeline.colors = {&slopes_format, 1};
     }
-    pipeline_ = make_cascade_pipeline(device, pipeline);
+    pipeline_ = make_raster_pipeline(device, pipeline, "cascades");
     update(0);
 }
 
@@ -113,13 +115,7 @@ void CascadeMaps::update(double frame) {
                                       triangles.size(), device_.info().name));
     triangles_ = upload_buffer(device_, std::as_bytes(std::span(triangles)),
                                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "cascade triangles");
-    const VkDescriptorBufferInfo buffer{triangles_.get(), 0, VK_WHOLE_SIZE};
-    VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-    write.dstSet = set_.set;
-    write.descriptorCount = 1;
-    write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-    write.pBufferInfo = &buffer;
-    vkUpdateDescriptorSets(device_.get(), 1, &write, 0, nullptr);
+    write_buffer(device_, bound_.sets[0], 0, triangles_);
     if (bounds_drawing_) bounds_drawing_->set_triangles(triangles_, triangle_count_);
     for (Layer& layer : layers_) layer.drawn.reset();
 }
@@ -142,8 +138,8 @@ void CascadeMaps::draw(VkCommandBuffer commands, const CascadeFit& fit, uint32_t
         const CascadeConstants constants =
             cascade_constants(device_, fit, layer, scene_.bvh_origin(), triangle_count_);
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_.get());
-        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set_.set, 0,
-                                nullptr);
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1,
+                                bound_.sets.data(), 0, nullptr);
         vkCmdPushConstants(commands, layout_.get(), both_stages, 0, sizeof constants, &constants);
         vkCmdDraw(commands, 3 * triangle_count_, 1, 0, 0);
     }

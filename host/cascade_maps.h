@@ -57,7 +57,7 @@ class CascadeMaps {
     uint32_t triangle_count_ = 0;
     GpuImage maps_, slopes_, bounds_;
     std::vector<Layer> layers_;
-    CascadeSet set_;
+    DescriptorSets bound_;
     Owned<VkPipelineLayout> layout_;
     Owned<VkPipeline> pipeline_;
     std::optional<CascadeBounds> bounds_drawing_;

@@ -151,61 +151,26 @@ void GBuffer::create_draw_records(uint32_t frames_in_flight) {
     binding.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     binding.descriptorCount = 1;
     binding.stageFlags = VK_SHADER_STAGE_VERTEX_BIT;
-    VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    layout.bindingCount = 1;
-    layout.pBindings = &binding;
-    VkDescriptorSetLayout layout_handle = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device_.get(), &layout, nullptr, &layout_handle),
-          "vkCreateDescriptorSetLayout", "draw records");
-    record_layout_ = {device_.get(), layout_handle};
-
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, frames_in_flight};
-    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    pool.maxSets = frames_in_flight;
-    pool.poolSizeCount = 1;
-    pool.pPoolSizes = &size;
-    VkDescriptorPool pool_handle = VK_NULL_HANDLE;
-    check(vkCreateDescriptorPool(device_.get(), &pool, nullptr, &pool_handle), "vkCreateDescriptorPool",
-          "draw records");
-    pool_ = {device_.get(), pool_handle};
-
-    const std::vector<VkDescriptorSetLayout> layouts(frames_in_flight, layout_handle);
-    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-    allocate.descriptorPool = pool_handle;
-    allocate.descriptorSetCount = frames_in_flight;
-    allocate.pSetLayouts = layouts.data();
-    record_sets_.resize(frames_in_flight);
-    check(vkAllocateDescriptorSets(device_.get(), &allocate, record_sets_.data()), "vkAllocateDescriptorSets",
-          "draw records");
+    draws_ = make_descriptor_sets(device_, {&binding, 1}, frames_in_flight, "draw records");
     const VkDeviceSize bytes = std::max<size_t>(items_.size(), 1) * sizeof(DrawRecord);
     for (uint32_t slot = 0; slot < frames_in_flight; ++slot) {
         records_.push_back(
             make_host_buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "draw records"));
-        const VkDescriptorBufferInfo info{records_.back().get(), 0, VK_WHOLE_SIZE};
-        VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        write.dstSet = record_sets_[slot];
-        write.descriptorCount = 1;
-        write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        write.pBufferInfo = &info;
-        vkUpdateDescriptorSets(device_.get(), 1, &write, 0, nullptr);
+        write_buffer(device_, draws_.sets[slot], 0, records_.back());
     }
 }
 
 void GBuffer::create_pipeline() {
-    const VkDescriptorSetLayout sets[] = {record_layout_.get(), textures_.layout()};
-    const VkPushConstantRange constants{draw_constant_stages, 0, sizeof(DrawConstants)};
-    VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-    layout.setLayoutCount = 2;
-    layout.pSetLayouts = sets;
-    layout.pushConstantRangeCount = 1;
-    layout.pPushConstantRanges = &constants;
-    VkPipelineLayout handle = VK_NULL_HANDLE;
-    check(vkCreatePipelineLayout(device_.get(), &layout, nullptr, &handle), "vkCreatePipelineLayout",
-          "G-buffer");
-    pipeline_layout_ = {device_.get(), handle};
-    opaque_ = make_gbuffer_pipeline(device_, handle, false, images_.normal.format);
+    const VkDescriptorSetLayout sets[] = {draws_.layout.get(), textures_.layout()};
+    pipeline_layout_ =
+        make_pipeline_layout(device_, sets, draw_constant_stages, sizeof(DrawConstants), "G-buffer");
+    const auto made = [&](bool alpha_tested) {
+        return make_gbuffer_pipeline(device_, pipeline_layout_.get(), images_.depth.extent, alpha_tested,
+                                     images_.normal.format);
+    };
+    opaque_ = made(false);
     if (std::ranges::any_of(items_, [](const DrawItem& item) { return item.least_alpha > 0; }))
-        alpha_tested_ = make_gbuffer_pipeline(device_, handle, true, images_.normal.format);
+        alpha_tested_ = made(true);
 }
 
 void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
@@ -267,17 +232,12 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
 
 void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const {
     const VkExtent2D extent = images_.depth.extent;
-    const VkViewport viewport{0, 0, static_cast<float>(extent.width), static_cast<float>(extent.height),
-                              0, 1};
-    const VkRect2D scissor{{0, 0}, extent};
-    vkCmdSetViewport(commands, 0, 1, &viewport);
-    vkCmdSetScissor(commands, 0, 1, &scissor);
     const VkBuffer vertices = vertices_.get();
     const VkDeviceSize zero = 0;
     vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &zero);
     vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 0, 1,
-                            &record_sets_[slot], 0, nullptr);
+                            &draws_.sets[slot], 0, nullptr);
     VkDescriptorSet bound = VK_NULL_HANDLE;
     VkPipeline drawn_with = VK_NULL_HANDLE;
     DrawConstants constants{glm::vec2(2 * frame.jitter[0], 2 * frame.jitter[1]),

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "graph/frame_block.h"
+#include "host/descriptor_sets.h"
 #include "host/geometry.h"
 #include "host/gpu.h"
 #include "host/scene.h"
@@ -63,9 +64,7 @@ class GBuffer {
     TextureSets textures_;
     std::vector<DrawItem> items_;
     std::vector<GpuBuffer> records_;  // per frame in flight
-    std::vector<VkDescriptorSet> record_sets_;
-    Owned<VkDescriptorPool> pool_;
-    Owned<VkDescriptorSetLayout> record_layout_;
+    DescriptorSets draws_;            // of these
     Owned<VkPipelineLayout> pipeline_layout_;
     Owned<VkPipeline> opaque_, alpha_tested_;  // the second where the scene needs it
 };

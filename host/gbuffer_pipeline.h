@@ -33,10 +33,10 @@ struct DrawConstants {
 inline constexpr VkShaderStageFlags draw_constant_stages =
     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-// Reverse Z, no culling, dynamic viewport and scissor. `alpha_tested`: texels below
+// Reverse Z. `alpha_tested`: texels below
 // DrawConstants::least_alpha are discarded, which costs the depth test before the shader; other materials do
 // without.
-Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, bool alpha_tested,
-                                        VkFormat normal_format);
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, VkExtent2D area,
+                                        bool alpha_tested, VkFormat normal_format);
 
 }  // namespace penumbra

@@ -85,43 +85,9 @@ TextureSets::TextureSets(Device& device, std::span<const Texture> textures) {
     binding.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     binding.descriptorCount = 1;
     binding.stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT;
-    VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-    layout.bindingCount = 1;
-    layout.pBindings = &binding;
-    VkDescriptorSetLayout layout_handle = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device.get(), &layout, nullptr, &layout_handle),
-          "vkCreateDescriptorSetLayout", "base colour");
-    layout_ = {device.get(), layout_handle};
-
-    const uint32_t count = static_cast<uint32_t>(images_.size());
-    const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, count};
-    VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-    pool.maxSets = count;
-    pool.poolSizeCount = 1;
-    pool.pPoolSizes = &size;
-    VkDescriptorPool pool_handle = VK_NULL_HANDLE;
-    check(vkCreateDescriptorPool(device.get(), &pool, nullptr, &pool_handle), "vkCreateDescriptorPool",
-          "base colour");
-    pool_ = {device.get(), pool_handle};
-
-    const std::vector<VkDescriptorSetLayout> layouts(count, layout_handle);
-    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-    allocate.descriptorPool = pool_handle;
-    allocate.descriptorSetCount = count;
-    allocate.pSetLayouts = layouts.data();
-    sets_.resize(count);
-    check(vkAllocateDescriptorSets(device.get(), &allocate, sets_.data()), "vkAllocateDescriptorSets",
-          "base colour");
-    for (uint32_t i = 0; i < count; ++i) {
-        const VkDescriptorImageInfo info{sampler_handle, images_[i].view.get(),
-                                         VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-        VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        write.dstSet = sets_[i];
-        write.descriptorCount = 1;
-        write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-        write.pImageInfo = &info;
-        vkUpdateDescriptorSets(device.get(), 1, &write, 0, nullptr);
-    }
+    sets_ = make_descriptor_sets(device, {&binding, 1}, static_cast<uint32_t>(images_.size()), "base colour");
+    for (size_t i = 0; i < images_.size(); ++i)
+        write_image(device, sets_.sets[i], 0, sampler_.get(), images_[i].view.get());
 }
 
 }  // namespace penumbra

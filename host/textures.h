@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "host/gpu.h"
+#include "host/descriptor_sets.h"
 #include "host/model.h"
 
 namespace penumbra {
@@ -15,18 +15,16 @@ class TextureSets {
   public:
     TextureSets(Device& device, std::span<const Texture> textures);
 
-    VkDescriptorSetLayout layout() const { return layout_.get(); }
+    VkDescriptorSetLayout layout() const { return sets_.layout.get(); }
     // The set of a material's texture; -1 and unreadable textures: white.
     VkDescriptorSet set(int texture) const {
-        return texture < 0 ? sets_[0] : sets_[1 + static_cast<size_t>(texture)];
+        return sets_.sets[texture < 0 ? 0 : 1 + static_cast<size_t>(texture)];
     }
 
   private:
     std::vector<GpuImage> images_;
     Owned<VkSampler> sampler_;
-    Owned<VkDescriptorSetLayout> layout_;
-    Owned<VkDescriptorPool> pool_;
-    std::vector<VkDescriptorSet> sets_;
+    DescriptorSets sets_;
 };
 
 }  // namespace penumbra
