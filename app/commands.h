@@ -78,7 +78,8 @@ struct ReportArguments {
 struct GatesArguments {
     std::vector<std::string> pipelines;  // files, or names of shipped ones
     std::vector<std::string> parts{"still", "moving", "jump", "tilted"};
-    std::optional<uint32_t> seeds;  // else the study's
+    std::optional<uint32_t> seeds;   // else the study's
+    std::optional<double> edge_deg;  // else the study's
     std::vector<std::string> node_folders;
     std::string device;
 };

@@ -156,6 +156,7 @@ int run_gates(const GatesArguments& arguments) {
         study.seeds = *arguments.seeds;
         study.tilted_seeds = std::min(study.tilted_seeds, study.seeds);
     }
+    study.edge_deg = arguments.edge_deg.value_or(study.edge_deg);
     const std::set<std::string> parts(arguments.parts.begin(), arguments.parts.end());
     Diagnostics diagnostics;
     const fs::path root = report::shipped_root();
@@ -170,8 +171,9 @@ int run_gates(const GatesArguments& arguments) {
         Device device({arguments.device, false});
         Progress progress("gates", static_cast<uint32_t>(pipelines.size()) * steps_of(study, parts));
         for (const auto& [name, pipeline] : pipelines) {
-            fmt::print("{}{}, {} seeds, {}x{}\n\n", &name == &pipelines.front().first ? "" : "\n", name,
-                       study.seeds, study.size[0], study.size[1]);
+            fmt::print("{}{}, {} seeds, {}x{}, edge at {:g} degrees\n\n",
+                       &name == &pipelines.front().first ? "" : "\n", name, study.seeds, study.size[0],
+                       study.size[1], study.edge_deg);
             good = good && print_tables({device, *nodes, pipeline, study, [&] { progress.step(); },
                                          diagnostics, warnings},
                                         parts);

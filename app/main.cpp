@@ -107,6 +107,8 @@ void add_gates(CLI::App& app, GatesArguments& a) {
         ->allow_extra_args(false)
         ->check(CLI::IsMember({"still", "moving", "jump", "tilted"}));
     c->add_option("--seeds", a.seeds, "repetitions of every run (default: 16)")->check(CLI::Range(1u, 1024u));
+    c->add_option("--edge-deg", a.edge_deg, "direction of the edge of still, moving and jump (default: 20)")
+        ->check(CLI::Range(-360.0, 360.0));
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
 }

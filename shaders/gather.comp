@@ -224,12 +224,11 @@ Estimate this_frame(ivec2 p, ivec2 in_rows, float z, vec3 n, ViewRays rays, Penu
         const uint tested = test_rows[in_rows.y + dy] >> uint(in_rows.x - R), l = lit_rows[in_rows.y + dy] >> uint(in_rows.x - R);
         const int half_width = min(int(sqrt(float(R * R - dy * dy)) + 1e-3), box.x);
         const vec3 row_o = rays.o - here + float(dy) * rays.oy, row_r = rays.r + float(dy) * rays.ry;
-        const int noise_row = (p.y + dy & 127) * 128;
         for (int dx = -half_width; dx <= half_width; ++dx) {
             const vec3 at = row_o + float(dx) * rays.ox +
                             imageLoad(view_depth, p + ivec2(dx, dy)).x * (row_r + float(dx) * rays.rx);
             const bool usable = (tested >> uint(dx + R) & 1u) != 0u && abs(dot(n, at)) <= tolerance_m;
-            add_ray(m, usable, float(l >> uint(dx + R) & 1u), at, unpackSnorm2x16(sun_points[noise_row + (p.x + dx & 127)]), window,
+            add_ray(m, usable, float(l >> uint(dx + R) & 1u), at, unpackSnorm2x16(imageLoad(sun_points, p + ivec2(dx, dy)).x), window,
                     horizon);
         }
     }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The noise repeats every 128 pixels, so a frame has 16 384 sun samples, however large it is. Who reads its neighbours'
-// samples finds them here instead of mapping the square to the disc again for each.
+// The points of the sun that this frame's rays go to. Who reads its neighbours' points finds them here instead of asking
+// sine and cosine again for each: gather asks for up to 81 of them per pixel.
 #include "node.glsl"
+#include "common/pixels.glsl"
 #include "common/sun_point.glsl"
 
-void main() {
-    const int i = int(gl_GlobalInvocationID.x);
-    const ivec2 pixel = ivec2(i % blue_noise_size, i / blue_noise_size);
-    sun_points[i] = packSnorm2x16(sun_point(pixel, frame.frame_index, params.seed));
+void for_pixel(ivec2 p) {
+    imageStore(sun_points, p, uvec4(packSnorm2x16(sun_point(p, frame.frame_index, params.seed)), 0u, 0u, 0u));
 }
+
+void main() { for_each_pixel(); }

@@ -97,23 +97,22 @@ class RayMaker {
         const uint32_t o = hash(seed_), first = hash(seed_ ^ 0x9E3779B9u), second = hash(first);
         const uint32_t texel = noise_[((y + (o >> 7 & 127)) & 127) * 128 + ((x + (o & 127)) & 127)];
         const uint32_t frame = frame_.description.index;
-        const uint32_t u = (texel << 16) + frame * 3242174889u + first,
-                       v = (texel & 0xFFFF0000u) + frame * 2447445414u + second;
+        const auto wave = [](uint32_t turns) { return turns < 1u << 31 ? turns : 0u - turns; };
+        const uint32_t u = (texel << 16) + 4 * wave(x * 15793805u) + 4 * wave(y * 15348762u) + x * 2717909u +
+                           y * 4291279664u + frame * 2512169321u + first,
+                       v = (texel & 0xFFFF0000u) + 4 * wave(x * 14621613u) + wave(y * 80021003u) +
+                           x * 4294306274u + y * 4294571354u + frame * 1316278627u + second;
         return {(u >> 8) * 0x1p-24, (v >> 8) * 0x1p-24};
     }
 
-    // Uniform over the cap, through the concentric map (sources in sun_sample.glsl).
+    // Uniform over the cap, by polar coordinates of the disc (sources in sun_sample.glsl).
     glm::dvec3 sun_direction(const glm::dvec2& u) const {
         const glm::dvec3 s = vector(frame_.sun.to_sun.v);
-        const glm::dvec2 p = 2.0 * u - 1.0;
-        const bool wide = std::abs(p.x) > std::abs(p.y);
-        const double r = wide ? p.x : p.y, angle = M_PI / 4 * (wide ? p.y : p.x) / (r == 0 ? 1 : r);
-        const glm::dvec2 disc = wide ? glm::dvec2(r * std::cos(angle), r * std::sin(angle))
-                                     : glm::dvec2(r * std::sin(angle), r * std::cos(angle));
-        const double one_minus_cos =
-            (1 - std::cos(static_cast<double>(frame_.sun.angular_radius))) * glm::dot(disc, disc);
+        const double angle = 2 * M_PI * (u.x - 0.5);
+        const glm::dvec2 disc = std::sqrt(u.y) * glm::dvec2(std::cos(angle), std::sin(angle));
+        const double one_minus_cos = (1 - std::cos(static_cast<double>(frame_.sun.angular_radius))) * u.y;
         const double sine = std::sqrt(one_minus_cos * (2 - one_minus_cos));
-        const double length = std::sqrt(glm::dot(disc, disc));
+        const double length = std::sqrt(u.y);
         const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;
         const glm::dvec3 t1(1 + sign * s.x * s.x * a, sign * b, -sign * s.x),
             t2(b, sign + s.y * s.y * a, -s.y);

@@ -7,7 +7,7 @@ struct In {
     vec4 to_sun_and_radius, u;
 };
 struct Out {
-    vec4 exact, published;
+    vec4 exact, polar, published;
 };
 layout(std430, set = 0, binding = 0) readonly buffer Ins { In ins[]; };
 layout(std430, set = 0, binding = 1) writeonly buffer Outs { Out outs[]; };
@@ -21,5 +21,6 @@ void main() {
     vec3 to_sun = ins[i].to_sun_and_radius.xyz;
     float radius = ins[i].to_sun_and_radius.w;
     outs[i].exact = vec4(sun_direction(to_sun, radius, ins[i].u.xy), 0);
+    outs[i].polar = vec4(sun_direction_through(to_sun, radius, polar_disc(ins[i].u.xy)), 0);
     outs[i].published = vec4(sun_direction_published(to_sun, radius, ins[i].u.xy), 0);
 }

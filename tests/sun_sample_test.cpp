@@ -20,7 +20,7 @@ struct In {
     float to_sun[3], radius, u[2], padding[2];
 };
 struct Out {
-    float exact[4], published[4];
+    float exact[4], polar[4], published[4];
 };
 struct Double3 {
     double x, y, z;
@@ -80,32 +80,38 @@ TEST_F(SunSample, IsUniformOverTheCap) {
                                   {(float(x) + random.unit()) / n, (float(y) + random.unit()) / n},
                                   {}});
             const std::vector<Out> out = evaluate(in);
-            // For a uniform cap (1 - cos t) / (1 - cos a) is uniform in [0, 1] and the mean direction is the
-            // axis.
-            std::vector<double> height;
-            double sum[3] = {};
-            for (size_t i = 0; i < out.size(); ++i) {
-                ASSERT_NEAR(Double3(out[i].exact).length(), 1, 5e-7);
-                const double t = angle(out[i].exact, in[i].to_sun);
-                ASSERT_LT(t, radius * (1 + 1e-5) + 2e-7);
-                const double s = std::sin(t / 2) / std::sin(radius / 2);
-                height.push_back(s * s);
-                for (int a = 0; a < 3; ++a)
-                    sum[a] += (out[i].exact[a] - in[i].to_sun[a]) / double(out.size());
+            for (const auto form : {&Out::exact, &Out::polar}) {
+                SCOPED_TRACE(form == &Out::exact ? "concentric" : "polar");
+                // For a uniform cap (1 - cos t) / (1 - cos a) is uniform in [0, 1] and the mean direction is
+                // the axis.
+                std::vector<double> height;
+                double sum[3] = {};
+                for (size_t i = 0; i < out.size(); ++i) {
+                    const float* direction = out[i].*form;
+                    ASSERT_NEAR(Double3(direction).length(), 1, 5e-7);
+                    const double t = angle(direction, in[i].to_sun);
+                    ASSERT_LT(t, radius * (1 + 1e-5) + 2e-7);
+                    const double s = std::sin(t / 2) / std::sin(radius / 2);
+                    height.push_back(s * s);
+                    for (int a = 0; a < 3; ++a)
+                        sum[a] += (direction[a] - in[i].to_sun[a]) / double(out.size());
+                }
+                std::sort(height.begin(), height.end());
+                double furthest = 0;
+                for (size_t i = 0; i < height.size(); ++i)
+                    furthest =
+                        std::max(furthest, std::abs(height[i] - (double(i) + 0.5) / double(height.size())));
+                // 64 x 64 stratified points resolve the cap's area to better than 1 %, or one of 64 rings
+                // where there are rings; the rest is rounding at small radii.
+                EXPECT_LT(furthest, (form == &Out::exact ? 0.01 : 1.0 / n) + 4e-7 / radius)
+                    << "radius " << radius;
+                // What is left across the axis after averaging; along it the mean is (1 - cos a) / 2 below 1.
+                const double along = sum[0] * sun.x + sum[1] * sun.y + sum[2] * sun.z;
+                EXPECT_NEAR(along, -std::pow(std::sin(radius / 2), 2), 2e-3 * radius * radius + 1e-7);
+                const double across[3] = {sum[0] - along * sun.x, sum[1] - along * sun.y,
+                                          sum[2] - along * sun.z};
+                EXPECT_LT(std::hypot(across[0], across[1], across[2]), 1e-3 * radius + 1e-7);
             }
-            std::sort(height.begin(), height.end());
-            double furthest = 0;
-            for (size_t i = 0; i < height.size(); ++i)
-                furthest =
-                    std::max(furthest, std::abs(height[i] - (double(i) + 0.5) / double(height.size())));
-            // 64 x 64 stratified points resolve the cap's area to better than 1 %; the rest is rounding at
-            // small radii.
-            EXPECT_LT(furthest, 0.01 + 4e-7 / radius) << "radius " << radius;
-            // What is left across the axis after averaging; along it the mean is (1 - cos a) / 2 below 1.
-            const double along = sum[0] * sun.x + sum[1] * sun.y + sum[2] * sun.z;
-            EXPECT_NEAR(along, -std::pow(std::sin(radius / 2), 2), 2e-3 * radius * radius + 1e-7);
-            const double across[3] = {sum[0] - along * sun.x, sum[1] - along * sun.y, sum[2] - along * sun.z};
-            EXPECT_LT(std::hypot(across[0], across[1], across[2]), 1e-3 * radius + 1e-7);
         }
     }
 }
@@ -139,6 +145,30 @@ TEST_F(SunSample, MiddleAndZeroRadiusAreTheSunItself) {
             EXPECT_NEAR(out[i].exact[a], in[i].to_sun[a], 1e-7);
             EXPECT_NEAR(out[i].published[a], in[i].to_sun[a], 2e-7);
         }
+}
+
+// Which is why no direction is preferred: what the noise is along one, it is along all.
+TEST_F(SunSample, AShiftOfTheFirstNumberTurnsTheDisc) {
+    constexpr float radius = 0.1f;
+    constexpr double turn = 2 * std::numbers::pi / 8;
+    Random random(31);
+    std::vector<In> in;
+    for (int i = 0; i < 256; ++i) {
+        const float u = 0.875f * random.unit(), v = random.unit();
+        in.push_back({{0, 0, 1}, radius, {u, v}, {}});
+        in.push_back({{0, 0, 1}, radius, {u + 0.125f, v}, {}});
+    }
+    const std::vector<Out> out = evaluate(in);
+    double of_concentric = 0;
+    const auto apart = [&](const float* from, const float* to) {
+        return std::hypot(std::cos(turn) * from[0] - std::sin(turn) * from[1] - to[0],
+                          std::sin(turn) * from[0] + std::cos(turn) * from[1] - to[1]);
+    };
+    for (size_t i = 0; i < out.size(); i += 2) {
+        ASSERT_LT(apart(out[i].polar, out[i + 1].polar), 1e-6 * radius + 1e-7);
+        of_concentric = std::max(of_concentric, apart(out[i].exact, out[i + 1].exact));
+    }
+    EXPECT_GT(of_concentric, 0.1 * radius);
 }
 
 }  // namespace

@@ -14,13 +14,8 @@
 namespace penumbra::test {
 namespace {
 
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
-
 CheckedPipeline checked(const std::optional<Pipeline>& pipeline, Diagnostics& diagnostics) {
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }
@@ -42,7 +37,7 @@ Plan plan_for(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptio
         if (std::find(options.captures.begin(), options.captures.end(), name) == options.captures.end())
             compile_options.captures.push_back(name);
     Diagnostics diagnostics;
-    auto plan = compile(pipeline, nodes(), target, compile_options, diagnostics);
+    auto plan = compile(pipeline, test_nodes(), target, compile_options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::move(*plan);
 }

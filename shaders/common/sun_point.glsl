@@ -6,9 +6,9 @@
 #include "common/blue_noise.glsl"
 #include "common/sun_sample.glsl"
 
-vec2 sun_point(ivec2 pixel, uint frame, uint seed) { return concentric_disc(noise_r2(pixel, frame, seed)); }
+vec2 sun_point(ivec2 pixel, uint frame, uint seed) { return polar_disc(noise_unit(noise_fixed(pixel, frame, seed))); }
 
 // Of n rays the k-th; the first is the one above.
 vec2 sun_point(ivec2 pixel, uint frame, uint seed, uint k, uint n) {
-    return concentric_disc(noise_unit(noise_r2_fixed(pixel, frame, seed) + noise_step(k, n)));
+    return polar_disc(noise_unit(noise_fixed(pixel, frame, seed) + noise_step(k, n)));
 }

@@ -26,6 +26,12 @@ vec2 concentric_disc(vec2 u) {
     return wide ? vec2(along, across) : vec2(across, along);
 }
 
+// The same by polar coordinates: turning the disc is shifting u.x, so that numbers which are uniform prefer no direction.
+vec2 polar_disc(vec2 u) {
+    float angle = 6.283185307179586 * (u.x - 0.5);
+    return sqrt(u.y) * vec2(cos(angle), sin(angle));
+}
+
 // The direction to a point of the sun's disc, which is of radius 1 here. The cap's azimuthal equal-area map takes disc
 // radius r to 1 - cos(t) = 2 r^2 sin^2(a / 2); written in 1 - cos(t), nothing cancels for a small sun:
 // sin(t) = sqrt(v (2 - v)). An angular radius of 0 gives `to_sun` itself, which is a unit vector, as the result is.
@@ -38,7 +44,7 @@ vec3 sun_direction_through(vec3 to_sun, float angular_radius, vec2 disc) {
 }
 
 // Uniform over the cap of `angular_radius` radians around `to_sun`. The disc comes from the concentric map, which keeps
-// neighbouring numbers neighbours, so blue noise stays blue.
+// strata of the square compact.
 vec3 sun_direction(vec3 to_sun, float angular_radius, vec2 u) {
     return sun_direction_through(to_sun, angular_radius, concentric_disc(u));
 }

@@ -2,9 +2,9 @@
 // Metric 12, invariances that need no reference: a scene, its camera and its sun turned together, mirrored,
 // or with their axes renamed are the same scene. The converged picture must not change (RMSE within 1/255).
 // The noise does, since the points of the sun are taken in a frame of their own: of the denoised picture the
-// statistics can agree, N_eff within what the seeds leave open and the 1.2 that lie between the directions of
-// an edge in that frame (case 43). Naive: one phase for both coordinates of the sun's disc, whose error
-// depends on that direction far more. Scale and translation are cases 1, 2 and 9 (coordinates_test.cpp).
+// statistics must agree, N_eff within 2 % beyond what the seeds leave open. Naive: one phase for both
+// coordinates of the sun's disc, whose error depends on the direction of an edge in that frame. Scale and
+// translation are cases 1, 2 and 9 (coordinates_test.cpp).
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -13,7 +13,7 @@
 namespace penumbra::test {
 namespace {
 
-const double between_directions = std::log(1.2);
+const double allowed = std::log(1.02);
 
 struct Turn {
     const char* name;
@@ -118,14 +118,14 @@ TEST_F(HardCase, ATurnedOrMirroredSceneIsTheSameScene) {
         figure((what + ", three deviations of log N_eff (naive), its change (ours)").c_str(), moved.open,
                moved.found);
         EXPECT_LT(apart, 1.0 / 255);
-        EXPECT_LT(std::abs(moved.found) - moved.open, between_directions);
+        EXPECT_LT(std::abs(moved.found) - moved.open, allowed);
         if (turn.name != std::string_view("-z")) continue;
         const Change of_naive = change(naive, error_of(other, there, published));
         naive_beyond = std::abs(of_naive.found) - of_naive.open;
         figure((what + ", the same of one phase: change (naive), three deviations (ours)").c_str(),
                of_naive.found, of_naive.open);
     }
-    EXPECT_GT(naive_beyond, between_directions);
+    EXPECT_GT(naive_beyond, 10 * allowed);
 }
 
 }  // namespace
