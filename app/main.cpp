@@ -92,6 +92,8 @@ void add_report(CLI::App& app, ReportArguments& a) {
     c->add_flag("--quick", a.quick, "small, few frames, two shots: minutes on two cores");
     c->add_option("--size", a.size, "WxH of the shots");
     c->add_option("--seeds", a.seeds, "repetitions of every run")->check(CLI::Range(1u, 64u));
+    c->add_flag("--again", a.again,
+                "measure anew what an earlier run with the same inputs has left in the folder");
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
 }

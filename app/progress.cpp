@@ -4,9 +4,19 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
+
 namespace penumbra {
 
-Progress::Progress(std::string what, uint32_t total)
+std::string time_left(double seconds_so_far, uint64_t done, uint64_t total) {
+    if (done >= total || seconds_so_far < 1 || done * 100 < total) return "";
+    const double left = seconds_so_far * static_cast<double>(total - done) / static_cast<double>(done);
+    if (left < 90) return fmt::format("about {:.0f} s left", std::ceil(left));
+    if (left < 90 * 60) return fmt::format("about {:.0f} min left", left / 60);
+    return fmt::format("about {:.1f} h left", left / 3600);
+}
+
+Progress::Progress(std::string what, uint64_t total)
     : what_(std::move(what)), total_(total), visible_(isatty(STDERR_FILENO) == 1 && total > 0) {
     if (visible_) draw();
 }
@@ -15,15 +25,27 @@ Progress::~Progress() {
     if (visible_) fmt::print(stderr, "\n");
 }
 
-void Progress::step() {
-    ++done_;
+void Progress::step(uint64_t work) {
+    done_ += work;
     if (visible_) draw();
 }
 
+void Progress::note(const std::string& text) const {
+    if (visible_) return;
+    const std::string rest = left();
+    fmt::print(stderr, "{}{}{}\n", text, rest.empty() ? "" : ", ", rest);
+}
+
+std::string Progress::left() const {
+    const std::chrono::duration<double> so_far = std::chrono::steady_clock::now() - start_;
+    return time_left(so_far.count(), done_, total_);
+}
+
 void Progress::draw() const {
-    constexpr uint32_t width = 40;
-    const uint32_t filled = width * done_ / total_;
-    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}", what_, "", filled, "", width - filled, done_, total_);
+    constexpr uint64_t width = 40;
+    const uint64_t filled = width * done_ / total_;
+    fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3} % {:<20}", what_, "", filled, "", width - filled,
+               100 * done_ / total_, left());
 }
 
 }  // namespace penumbra

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A progress bar on standard error, where that is a terminal; silent elsewhere.
+// A progress bar on standard error with the time that is left, where that is a terminal; elsewhere notes
+// alone.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -9,16 +11,24 @@ namespace penumbra {
 
 class Progress {
   public:
-    Progress(std::string what, uint32_t total);
+    // `total` in any unit of work.
+    Progress(std::string what, uint64_t total);
     ~Progress();
-    void step();  // one more of `total` is done
+    void step(uint64_t work = 1);  // so much more of `total` is done
+    // A line of its own where there is no bar, with what is left.
+    void note(const std::string& text) const;
 
   private:
     void draw() const;
+    std::string left() const;
 
     std::string what_;
-    uint32_t total_, done_ = 0;
+    uint64_t total_, done_ = 0;
     bool visible_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+// "about 40 s left"; nothing while less than a hundredth, or a second's work, is done: too little to tell.
+std::string time_left(double seconds_so_far, uint64_t done, uint64_t total);
 
 }  // namespace penumbra

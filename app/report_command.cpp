@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// penumbra report: measures all that compete and writes results.json, results.csv and index.html, in this
-// order and each under its name only when it is whole. An earlier index.html goes first, so that a folder
-// with one is a complete report.
+// penumbra report: measures all that compete and writes results.json, results.csv, tables.md and index.html,
+// in this order and each under its name only when it is whole. An earlier index.html goes first, so that a
+// folder with one is a complete report.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -11,8 +11,10 @@
 #include "app/commands.h"
 #include "app/node_folders.h"
 #include "app/progress.h"
+#include "app/report/markdown_tables.h"
 #include "app/report/measure.h"
 #include "app/report/page.h"
+#include "app/report/parts.h"
 #include "host/image_file.h"
 
 namespace penumbra {
@@ -71,8 +73,7 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     if (!contenders || !diagnostics.empty()) return std::nullopt;
     Job job;
     job.folder = arguments.out;
-    fs::create_directories(job.folder / "images");
-    fs::create_directories(job.folder / "shots");
+    for (const char* inside : {"images", "shots", "parts"}) fs::create_directories(job.folder / inside);
     fs::remove(job.folder / "index.html");
     for (const fs::path& file : files)
         if (auto shot = open_report_shot(file, job.folder / "shots", study->after_cut.back(), diagnostics))
@@ -90,16 +91,91 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     return job;
 }
 
-bool measure(Job& job, Device& device, const NodeSet& nodes, Diagnostics& diagnostics,
-             std::vector<std::string>& warnings) {
-    Progress progress("report", steps_of(job.results.study, job.shots.size(), job.edges.size()));
-    const Bench bench{device, nodes, job.folder, [&] { progress.step(); }};
-    for (const ReportShot& shot : job.shots)
-        if (!measure_shot(bench, shot, job.results, diagnostics, warnings)) return false;
-    for (const EdgeShot& edge : job.edges)
-        if (!measure_edge(bench, edge, job.results, diagnostics, warnings)) return false;
-    return true;
-}
+// Measures what no earlier run has left behind; every part is written as soon as it is whole.
+class Measuring {
+  public:
+    Measuring(Job& job, Device& device, const NodeSet& nodes, const ReportArguments& arguments,
+              Diagnostics& diagnostics, std::vector<std::string>& warnings)
+        : job_(job),
+          device_(device),
+          nodes_(nodes),
+          parts_(job.folder, job.results, arguments.node_folders),
+          again_(arguments.again),
+          diagnostics_(diagnostics),
+          warnings_(warnings) {}
+
+    bool all() {
+        std::vector<Part> parts;
+        for (const ReportShot& shot : job_.shots)
+            parts.push_back({parts_.name("shot." + shot.name, {shot.moving, shot.still}),
+                             work_of_shot(job_.results.study), [&](const Bench& bench, Results& part) {
+                                 return measure_shot(bench, shot, part, diagnostics_, warnings_);
+                             }});
+        for (const EdgeShot& edge : job_.edges)
+            parts.push_back(
+                {edge_name(edge), work_of_edge(job_.results.study), [&](const Bench& bench, Results& part) {
+                     return measure_edge(bench, edge, part, diagnostics_, warnings_);
+                 }});
+        uint64_t work = 0;
+        for (const Part& part : parts)
+            if (!kept(part)) work += part.work;
+        Progress progress("report", work);
+        for (size_t p = 0; p < parts.size(); ++p) {
+            if (auto json = kept(parts[p])) {
+                append(*json, job_.results);
+                continue;
+            }
+            if (!measure(parts[p], progress)) return false;
+            progress.note(fmt::format("{}: {} of {} parts", parts[p].name.name, p + 1, parts.size()));
+        }
+        return true;
+    }
+
+  private:
+    struct Part {
+        Parts::Name name;
+        uint64_t work = 0;
+        std::function<bool(const Bench&, Results&)> measure;
+    };
+
+    std::optional<nlohmann::ordered_json> kept(const Part& part) const {
+        return again_ ? std::nullopt : parts_.find(part.name);
+    }
+
+    // What an edge's contenders share follows from the shots that were looked at.
+    Parts::Name edge_name(const EdgeShot& edge) const {
+        std::vector<Shot> shots{edge.shot};
+        for (const ReportShot& shot : job_.shots) shots.push_back(shot.moving);
+        return parts_.name(fmt::format("edge.{:g}px_{:+g}", edge.width_px, edge.speed_px), shots);
+    }
+
+    // The page is made of what was written, so that it is the same page when the part is used again.
+    bool measure(const Part& part, Progress& progress) {
+        parts_.forget(part.name);
+        Results results = job_.results;
+        const size_t shots = results.shots.size(), rows = results.rows.size(), edge = results.edge.size();
+        const Bench bench{device_, nodes_, job_.folder, [&](uint64_t work) { progress.step(work); }};
+        if (!part.measure(bench, results)) return false;
+        nlohmann::ordered_json json = to_json(results);
+        const auto only_new = [&](const char* list, size_t old) {
+            json[list].erase(json[list].begin(), json[list].begin() + static_cast<std::ptrdiff_t>(old));
+        };
+        only_new("shots", shots);
+        only_new("results", rows);
+        only_new("edge", edge);
+        parts_.keep(part.name, json);
+        append(json, job_.results);
+        return true;
+    }
+
+    Job& job_;
+    Device& device_;
+    const NodeSet& nodes_;
+    Parts parts_;
+    bool again_;
+    Diagnostics& diagnostics_;
+    std::vector<std::string>& warnings_;
+};
 
 // Pipelines as they would run by themselves on the first shot: without captures, with the smallest heap
 // looked for.
@@ -145,7 +221,7 @@ int run_report(const ReportArguments& arguments) {
     job->results.device = device.info();
     Shot first = job->shots.front().moving;
     first.size = job->results.study.size;
-    const bool measured = measure(*job, device, *nodes, diagnostics, warnings);
+    const bool measured = Measuring(*job, device, *nodes, arguments, diagnostics, warnings).all();
     std::set<std::string> said;
     for (const std::string& warning : warnings)
         if (said.insert(warning).second) std::cerr << "warning: " << warning << "\n";
@@ -161,6 +237,7 @@ int run_report(const ReportArguments& arguments) {
     }
     write_text(job->folder / "results.json", to_json(job->results).dump(2) + "\n");
     write_text(job->folder / "results.csv", to_csv(job->results));
+    write_text(job->folder / "tables.md", markdown_tables(job->results));
     write_text(job->folder / "index.html", report_page(job->results, *plans, job->folder));
     fmt::print("{}\n", (job->folder / "index.html").string());
     return exit_good;

@@ -172,9 +172,8 @@ void Session::set_param(std::string_view name, const ParamValue& value) {
         if (pass.entry && pass.entry->type.param(name)) view_->set_param(pass.node, name, value);
 }
 
-FrameCost Session::repeat_frame(std::optional<uint32_t> noise_frame) {
+FrameCost Session::repeat_frame() {
     last_.flags &= ~uint32_t{frame_reset};
-    if (noise_frame) last_.index = *noise_frame;
     return run_passes([](VkCommandBuffer) {}, {});
 }
 

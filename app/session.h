@@ -55,9 +55,8 @@ class Session {
 
     FrameCost run_frame(uint32_t index, bool reset);
 
-    // The last frame's passes once more, on the same inputs and the history that they have just left; with
-    // the noise of another frame where its number is given.
-    FrameCost repeat_frame(std::optional<uint32_t> noise_frame = {});
+    // The last frame's passes once more, on the same inputs and the history that they have just left.
+    FrameCost repeat_frame();
     // A dynamic parameter of every node that has one of this name, from the next frame on.
     void set_param(std::string_view name, const ParamValue& value);
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -55,13 +56,13 @@ class ReportMeasure : public test::GpuTest {
         return 0;
     }
     Bench bench() {
-        return {test::gpu(), nodes_, folder_, [this] { ++steps_; }};
+        return {test::gpu(), nodes_, folder_, [this](uint64_t work) { work_ += work; }};
     }
 
     fs::path folder_;
     NodeSet nodes_ = shadow_nodes();
     Results results_;
-    uint32_t steps_ = 0;
+    uint64_t work_ = 0;
 };
 
 TEST_F(ReportMeasure, BruteForceGainsWithEveryRayAndIsChargedForIt) {
@@ -70,11 +71,11 @@ TEST_F(ReportMeasure, BruteForceGainsWithEveryRayAndIsChargedForIt) {
     const EdgeShot edge = make_edge_shot(16, 1, results_.study.edge_frame, folder_ / "shots", diagnostics);
     ASSERT_TRUE(measure_edge(bench(), edge, results_, diagnostics, warnings)) << diagnostics.text();
     ASSERT_EQ(results_.edge.size(), 5u);
-    EXPECT_EQ(steps_, steps_of(results_.study, 0, 1));
+    EXPECT_EQ(work_, work_of_edge(results_.study));
     const auto n_eff = [&](const char* id) { return *results_.edge[contender(id)].metrics.n_eff; };
     EXPECT_NEAR(n_eff("raw"), 1,
                 0.12);  // one ray is one ray: about 1500 pixels and two seeds say so within 5 %
-    // Consecutive points of the sequence are stratified: N rays are worth more than N.
+    // A pixel's rays are spread evenly: N rays are worth more than N.
     EXPECT_GT(n_eff("rays_4"), 4);
     EXPECT_GT(n_eff("rays_16"), 16);
     EXPECT_GT(n_eff("rays_64"), 64);
@@ -87,7 +88,7 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
     const auto shot = open_report_shot(edge.shot.file, folder_ / "shots", 4, diagnostics);
     ASSERT_TRUE(shot) << diagnostics.text();
     ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
-    EXPECT_EQ(steps_, steps_of(results_.study, 1, 0));
+    EXPECT_EQ(work_, work_of_shot(results_.study));
     ASSERT_EQ(results_.rows.size(), 5u);
     for (const Row& row : results_.rows) {
         EXPECT_EQ(row.after_cut.size(), 2u);
@@ -101,10 +102,13 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
         EXPECT_NEAR(*row.rays_per_pixel, rays.value_or(1), 1e-6);  // all pixels of the plane are undecided
     }
 
-    for (const auto& [file, frames, every, id, still] :
-         {std::tuple(shot->moving.file, "3..7", 4u, "shadows", false),
-          std::tuple(shot->still.file, "3", 1u, "shadows", true),
-          std::tuple(shot->moving.file, "3..7", 4u, "raw", false)}) {
+    for (const auto& [file, frames, every, id, setting, still] :
+         {std::tuple(shot->moving.file, "3..7", 4u, "shadows", "", false),
+          std::tuple(shot->still.file, "3", 1u, "shadows", "", true),
+          std::tuple(shot->still.file, "3", 1u, "raw", "", true),
+          std::tuple(shot->moving.file, "3..7", 4u, "raw", "", false),
+          std::tuple(shot->moving.file, "3..7", 4u, "rays_4", "nodes.trace.params.rays_per_pixel=4",
+                     false)}) {
         testing::internal::CaptureStdout();
         ReferenceArguments reference;
         reference.shot = file.string();
@@ -120,7 +124,8 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
         compare.json = true;
         for (const uint32_t seed : {1u, 2u}) {
             RenderArguments render;
-            render.pipeline = pipeline(id);
+            render.pipeline = pipeline(*setting ? "raw" : id);
+            if (*setting) render.settings = {setting};
             render.shot = reference.shot;
             render.out = (folder_ / std::to_string(seed)).string();
             render.frames = frames;
@@ -142,6 +147,74 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
         EXPECT_DOUBLE_EQ(*metrics.rmse_all, said["rmse"]["all"].get<double>()) << file;
         for (const char* folder : {"truth", "1", "2"}) fs::remove_all(folder_ / folder);
     }
+}
+
+// A pipeline with another name and nothing else runs its own frames under the first seed, for its cost, and
+// has the other's figures; one that differs in its seed alone does not.
+TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
+    const auto variant = [&](const std::string& name, const std::string& rest) {
+        const fs::path file = folder_ / (name + ".json");
+        std::ofstream(file) << R"({"penumbra": 1, "extends": ")" << pipeline("raw") << R"(", "name": ")"
+                            << name << "\"" << rest << "}";
+        return file.string();
+    };
+    Diagnostics diagnostics;
+    auto contenders = open_contenders(
+        {variant("copy", R"(, "nodes": {"again": {"type": "shade", "out": {"lit": "lit2"}}},
+                                              "outputs": ["visibility", "lit", "lit2"])"),
+         pipeline("raw"), variant("other", R"(, "nodes": {"trace": {"params": {"sampling": "published"}}})")},
+        {}, nodes_, diagnostics);
+    ASSERT_TRUE(contenders) << diagnostics.text();
+    results_.contenders = std::move(contenders->list);
+    std::vector<std::string> warnings;
+    const EdgeShot edge = make_edge_shot(8, 0.5, 6, folder_ / "shots", diagnostics);
+    const auto shot = open_report_shot(edge.shot.file, folder_ / "shots", 4, diagnostics);
+    ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
+    const Row &copy = *results_.row(0, contender("copy")), &raw = *results_.row(0, contender("raw")),
+              &other = *results_.row(0, contender("other"));
+    EXPECT_EQ(copy.same_as, contender("raw"));  // the one with fewer passes
+    EXPECT_FALSE(raw.same_as);
+    EXPECT_FALSE(other.same_as);
+    EXPECT_EQ(copy.moving.n_eff, raw.moving.n_eff);
+    EXPECT_EQ(copy.after(4)->n_eff, raw.after(4)->n_eff);
+    EXPECT_NE(other.moving.n_eff, raw.moving.n_eff);
+    EXPECT_EQ(copy.passes.size(), raw.passes.size() + 1);  // its costs are its own
+    ASSERT_TRUE(measure_edge(bench(), edge, results_, diagnostics, warnings)) << diagnostics.text();
+    ASSERT_EQ(results_.edge.size(), results_.contenders.size());
+    EXPECT_EQ(results_.edge[contender("copy")].metrics.n_eff, results_.edge[contender("raw")].metrics.n_eff);
+    EXPECT_NE(results_.edge[contender("other")].metrics.n_eff, results_.edge[contender("raw")].metrics.n_eff);
+}
+
+TEST_F(ReportMeasure, AnInterruptedRunGoesOnWhereItWas) {
+    Diagnostics diagnostics;
+    ReportArguments arguments;
+    arguments.out = (folder_ / "out").string();
+    arguments.quick = true;
+    arguments.size = "64x48";
+    arguments.seeds = 1;
+    arguments.pipelines = {pipeline("raw")};
+    arguments.shots = {make_edge_shot(8, 0.5, 6, folder_ / "shots", diagnostics).shot.file.string()};
+    const auto run = [&] {
+        testing::internal::CaptureStdout();
+        testing::internal::CaptureStderr();
+        EXPECT_EQ(run_report(arguments), exit_good);
+        testing::internal::GetCapturedStdout();
+        std::ifstream stream(folder_ / "out/results.json");
+        const std::string results((std::istreambuf_iterator<char>(stream)), {});
+        return std::pair(results, testing::internal::GetCapturedStderr());
+    };
+    const auto [first, measured_first] = run();
+    EXPECT_NE(measured_first.find("shot.edge_8px_+0.5: 1 of 8 parts"), std::string::npos) << measured_first;
+    // What is whole is not measured again, or the times would differ; what is not gives the same masks.
+    fs::remove(folder_ / "out/parts/edge.16px_-1.json");
+    fs::remove(folder_ / "out/index.html");
+    const auto [second, measured_second] = run();
+    EXPECT_EQ(second, first);
+    EXPECT_EQ(measured_second.find("shot."), std::string::npos) << measured_second;
+    EXPECT_NE(measured_second.find("edge.16px_-1: 3 of 8 parts"), std::string::npos) << measured_second;
+    EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
+    arguments.again = true;
+    EXPECT_NE(run().second.find("shot.edge_8px_+0.5: 1 of 8 parts"), std::string::npos);
 }
 
 TEST_F(ReportMeasure, MistakesAreFoundFirstAndLeaveNoPage) {

@@ -2,14 +2,20 @@
 // Parts of `penumbra report`: medians and their intervals, axes, markup, tables of results, drawings of
 // plans.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "app/progress.h"
 #include "app/report/html.h"
 #include "app/report/images.h"
 #include "app/report/layered_layout.h"
+#include "app/report/markdown_tables.h"
+#include "app/report/parts.h"
 #include "app/report/plots.h"
 #include "app/report/statistics.h"
 #include "app/report/svg.h"
@@ -17,6 +23,8 @@
 
 namespace penumbra::report {
 namespace {
+
+namespace fs = std::filesystem;
 
 TEST(ReportMedian, IsTheMiddleAndHasNoIntervalBelowSixSamples) {
     EXPECT_FALSE(median_of({}));
@@ -179,6 +187,146 @@ TEST(ReportResults, JsonAndCsvHoldTheSameRowsAndNullForTheUnknown) {
     const size_t columns = count(csv.substr(0, csv.find("\r\n")), ",");
     const size_t second = csv.find("\r\n", csv.find("\r\n") + 2) + 2;  // a row without quoted commas
     EXPECT_EQ(count(csv.substr(second, csv.find("\r\n", second) - second), ","), columns);
+}
+
+TEST(ReportResults, AreTheSameAfterBeingWrittenAndRead) {
+    Results results = test::made_up_results();
+    results.shots.push_back(results.shots.front());
+    results.shots[1].name = "yard";
+    results.rows.push_back(results.rows.front());
+    results.rows.back().shot = 1;
+    results.rows.back().same_as = 1;
+    results.rows.back().images = {"a.png", "b.png"};
+    results.rows.back().flip = FlipPool{.1, .2, .3};
+    results.rows.back().maps_cpu_ms = Estimate{4, {}, {}};
+    Results read;
+    read.command = results.command;
+    read.study = results.study;
+    read.device = results.device;
+    read.contenders = results.contenders;
+    append(to_json(results), read);
+    EXPECT_EQ(to_json(read), to_json(results));
+    EXPECT_EQ(to_csv(read), to_csv(results));
+    // A second part goes behind the first.
+    append(to_json(results), read);
+    ASSERT_EQ(read.shots.size(), 4u);
+    EXPECT_EQ(read.rows.back().shot, 3u);
+    // What it does not know adds nothing.
+    auto foreign = to_json(results);
+    foreign["edge"].back()["contender"] = "nobody";
+    EXPECT_THROW(append(foreign, read), nlohmann::json::exception);
+    EXPECT_EQ(read.shots.size(), 4u);
+}
+
+TEST(ReportResults, TheSameMasksShareARowOfTheTables) {
+    Results results = test::made_up_results();
+    EXPECT_EQ(results.original(1), 1u);
+    results.rows[1].same_as = 0;
+    EXPECT_EQ(results.original(1), 0u);
+    const std::string tables = markdown_tables(results);
+    EXPECT_EQ(count(tables, "| raw, smooth |"), 2u);  // after a cut, and the edge
+    EXPECT_EQ(count(tables, "\n| smooth |"), 1u);     // its cost is its own
+    EXPECT_EQ(count(after_cut_plot(results, 0), "<circle"),
+              (results.contenders.size() - 1) * results.study.after_cut.size());
+    EXPECT_EQ(count(pareto_plot(results, 0, Quality::n_eff), "<circle"), results.contenders.size());
+    // Another shot says otherwise.
+    results.shots.push_back(results.shots.front());
+    results.rows.push_back(results.rows[1]);
+    results.rows.back().shot = 1;
+    results.rows.back().same_as.reset();
+    EXPECT_EQ(results.original(1), 1u);
+    for (const char* name : {"4 rays", "16 rays", "64 rays"})
+        EXPECT_EQ(count(markdown_tables(results), std::string("\n| ") + name + " |"), 3u) << name;
+}
+
+TEST(ReportProgress, ForetellsTheTimeThatIsLeft) {
+    EXPECT_EQ(time_left(10, 25, 100), "about 30 s left");
+    EXPECT_EQ(time_left(600, 25, 100), "about 30 min left");
+    EXPECT_EQ(time_left(3600, 25, 100), "about 3.0 h left");
+    EXPECT_EQ(time_left(10, 0, 100), "");  // nothing to tell it from
+    EXPECT_EQ(time_left(10, 100, 100), "");
+}
+
+class ReportPart : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        fs::create_directories(folder_ / "parts");
+        fs::create_directories(folder_ / "images");
+        results_ = test::made_up_results();
+        for (Contender& contender : results_.contenders) contender.file.clear();
+        results_.contenders[0].file = write("derived.json", R"({"extends": "base.json"})");
+        write("base.json", "{}");
+        results_.shots[0].reference_image = "images/reference.png";
+        write("images/reference.png", "a picture");
+        shot_.file = write("hall.shot.json", "{}");
+        shot_.model = write("hall.gltf", R"({"buffers": [{"uri": "hall.bin"}]})");
+        write("hall.bin", "triangles");
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    std::string write(const std::string& name, const std::string& text) const {
+        std::ofstream(folder_ / name) << text;
+        return (folder_ / name).string();
+    }
+    Parts parts(const std::vector<std::string>& nodes = {}) const { return {folder_, results_, nodes}; }
+    Parts::Name name(const Parts& parts) const { return parts.name("shot.hall", {shot_}); }
+    bool found(const std::vector<std::string>& nodes = {}) const {
+        const Parts now = parts(nodes);
+        return now.find(name(now)).has_value();
+    }
+
+    fs::path folder_ = fs::temp_directory_path() / ("penumbra_parts_" + std::to_string(getpid()));
+    Results results_;
+    Shot shot_;
+};
+
+TEST_F(ReportPart, IsUsedAgainWhereAllThatItDependsOnIsTheSame) {
+    EXPECT_FALSE(found());
+    parts().keep(name(parts()), to_json(results_));
+    ASSERT_TRUE(found());
+    EXPECT_EQ(*parts().find(name(parts())), to_json(results_));
+
+    // Each of these is another measurement; what was there comes back into use with what it was measured
+    // from.
+    const auto changed = [&](const char* what, auto&& change, auto&& back) {
+        change();
+        EXPECT_FALSE(found()) << what;
+        back();
+        EXPECT_TRUE(found()) << what;
+    };
+    for (const char* file : {"derived.json", "base.json", "hall.shot.json", "hall.gltf", "hall.bin"}) {
+        std::ifstream stream(folder_ / file);
+        const std::string before((std::istreambuf_iterator<char>(stream)), {});
+        changed(
+            file, [&] { write(file, before + " "); }, [&] { write(file, before); });
+    }
+    const Results before = results_;
+    const auto back = [&] { results_ = before; };
+    changed(
+        "size", [&] { results_.study.size[0] += 1; }, back);
+    changed(
+        "seeds", [&] { results_.study.seeds += 1; }, back);
+    changed(
+        "driver", [&] { results_.device.driver = "another"; }, back);
+    changed(
+        "contenders", [&] { results_.contenders.pop_back(); }, back);
+    fs::create_directories(folder_ / "nodes");
+    write("nodes/mine.json", "{}");
+    EXPECT_FALSE(found({(folder_ / "nodes").string()}));
+}
+
+TEST_F(ReportPart, IsGoneWithItsImagesOrWhereItIsNotWhole) {
+    parts().keep(name(parts()), to_json(results_));
+    fs::remove(folder_ / "images/reference.png");
+    EXPECT_FALSE(found());
+    write("images/reference.png", "a picture");
+    ASSERT_TRUE(found());
+    parts().forget(name(parts()));
+    EXPECT_FALSE(found());
+    write("parts/shot.hall.json", R"({"key": ")");
+    EXPECT_FALSE(found());
+    write("parts/shot.hall.json", R"({"key": ")" + name(parts()).key + "\"}");
+    EXPECT_FALSE(found());
 }
 
 TEST(ReportResults, TheWorstEdgeIsAMovingOne) {

@@ -29,14 +29,18 @@ std::optional<CheckedPipeline> checked(const std::optional<Pipeline>& pipeline, 
     return pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
 }
 
-void add_brute_force(Contenders& contenders, const CheckedPipeline& raw) {
-    for (const uint32_t rays : brute_force_rays)
-        contenders.list.push_back(
-            {fmt::format("rays_{}", rays), "",
-             fmt::format("{} rays per pixel, not denoised: raw.json, frozen, its trace {} "
-                         "times, averaged. The average itself is not charged.",
-                         rays, rays),
-             rays, raw});
+void add_brute_force(Contenders& contenders, const NodeSet& nodes, Diagnostics& diagnostics) {
+    for (const uint32_t rays : brute_force_rays) {
+        const std::vector<std::string> settings{fmt::format("nodes.trace.params.rays_per_pixel={}", rays)};
+        auto pipeline =
+            checked(parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics), nodes,
+                    diagnostics);
+        if (pipeline)
+            contenders.list.push_back(
+                {fmt::format("rays_{}", rays), "",
+                 fmt::format("{} rays per pixel, not denoised: raw.json --set {}.", rays, settings.front()),
+                 rays, std::move(*pipeline)});
+    }
 }
 
 }  // namespace
@@ -108,10 +112,8 @@ std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted
                                 fmt::format("\"{}\" is the name of {} too", pipeline->name, other.file));
         contenders.list.push_back({pipeline->name, file.generic_string(), pipeline->doc, {}, *pipeline});
     }
-    const auto raw =
-        checked(parse_pipeline(raw_pipeline_text, "pipelines/raw.json", {}, diagnostics), nodes, diagnostics);
-    if (!raw || !diagnostics.empty()) return std::nullopt;
-    add_brute_force(contenders, *raw);
+    if (diagnostics.empty()) add_brute_force(contenders, nodes, diagnostics);
+    if (!diagnostics.empty()) return std::nullopt;
     return contenders;
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What competes: pipelines, and brute force as the line that they have to beat. Brute force of N rays is the
-// pipeline `raw` whose trace runs N times on each frame, frozen, with N consecutive points of its own
-// sequence of sun samples (the better case for brute force: they are stratified, not random); the mask is
-// their mean.
+// pipeline `raw` whose trace casts N rays per pixel, towards points that are spread evenly over the sun (the
+// better case for brute force: they are stratified, not random).
 #pragma once
 
 #include <filesystem>
@@ -20,7 +19,7 @@ struct Contender {
     std::string file;  // as a command line would give it; brute force: empty
     std::string doc;
     std::optional<uint32_t> brute_force;  // rays per pixel
-    CheckedPipeline pipeline;             // brute force: raw
+    CheckedPipeline pipeline;
 };
 
 // A shipped pipeline that cannot compete, and why.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "app/report/measure.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <ctime>
 #include <numeric>
 #include <set>
 
@@ -16,6 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 using Size = std::array<uint32_t, 2>;
+
+// Finding the truth of a frame and judging all masks by it takes about as long as so many frames of all
+// contenders.
+constexpr uint64_t judging_work = 12;
+// Behind edges, where most contenders run in one frame only or not at all.
+constexpr uint64_t edge_share = 2;
+
+std::string now_utc() {
+    return fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+}
 
 ComparedFrame compared(Size size, const TruthSource::Frame& truth, const Turns::Masks& masks) {
     ComparedFrame frame{size[0], size[1], truth.truth.visibility, truth.counted, {}};
@@ -31,17 +43,22 @@ std::set<uint32_t> moving_frames_judged(const Study& study) {
     return frames;
 }
 
+// Rows of contenders have their places in `originals`; what is judged is the same for the same masks.
+bool is_original(const std::vector<size_t>& originals, const Row& row) {
+    return originals[row.contender] == row.contender;
+}
+
 void judge_stillness(const Study& study, const TruthSource::Frame& truth, const Turns& turns,
-                     std::span<Row> rows) {
-    for (Row& row : rows)
+                     const std::vector<size_t>& originals, std::span<Row> rows) {
+    // Nothing moves: a point stays where it is, and so does the truth.
+    const std::vector<float> nowhere(truth.counted.size(), 0.0f), everywhere(truth.counted.size(), 1.0f);
+    for (Row& row : rows) {
+        if (!is_original(originals, row)) continue;
         for (const uint32_t after : study.after_cut) {
             const MetricSums sums =
                 measure(compared(study.size, truth, turns.masks(row.contender, after - 1)));
             row.after_cut.push_back({after, metrics_of(sums)});
         }
-    // Nothing moves: a point stays where it is, and so does the truth.
-    const std::vector<float> nowhere(truth.counted.size(), 0.0f), everywhere(truth.counted.size(), 1.0f);
-    for (Row& row : rows) {
         const uint32_t last = study.after_cut.back() - 1;
         const ComparedFrame now = compared(study.size, truth, turns.masks(row.contender, last));
         const ComparedFrame before = compared(study.size, truth, turns.masks(row.contender, last - 1));
@@ -49,14 +66,19 @@ void judge_stillness(const Study& study, const TruthSource::Frame& truth, const 
         add_flicker({now, before, nowhere, nowhere, nowhere, everywhere, everywhere}, sums);
         row.flicker = sums.rms();
     }
+    for (Row& row : rows) {
+        row.after_cut = rows[originals[row.contender]].after_cut;
+        row.flicker = rows[originals[row.contender]].flicker;
+    }
 }
 
 // What the masks make of the lit picture, under the first seed.
 void judge_picture(const Study& study, TruthSource& source, const TruthSource::Frame& truth, uint32_t frame,
-                   const Turns& turns, std::span<Row> rows) {
+                   const Turns& turns, const std::vector<size_t>& originals, std::span<Row> rows) {
     const LitSurfaces lit = source.surfaces(frame);
     const Surfaces surfaces{lit.albedo, lit.normal, lit.to_sun};
     for (Row& row : rows) {
+        if (!is_original(originals, row)) continue;
         const Turns::Masks& masks = turns.masks(row.contender, frame);
         const ComparedFrame one = compared(study.size, truth, {masks.front()});
         const std::vector<glm::vec3> image = shade_surfaces(surfaces, one, masks.front()),
@@ -88,13 +110,15 @@ void write_images(const Bench& bench, ShotFacts& facts, const TruthSource::Frame
 
 // Judges the moving run frame by frame, since one frame's truth is held at a time.
 void judge_motion(const Bench& bench, const Study& study, TruthSource& source, const Turns& turns,
-                  const std::vector<Contender>& contenders, ShotFacts& facts, std::span<Row> rows) {
+                  const std::vector<size_t>& originals, const std::vector<Contender>& contenders,
+                  ShotFacts& facts, std::span<Row> rows) {
     std::vector<MetricSums> pooled(rows.size());
     std::vector<SsimSum> ssim(rows.size());
     const std::set<uint32_t> judged = moving_frames_judged(study);
     for (const uint32_t frame : judged) {
         const TruthSource::Frame truth = source.at(frame);
         for (size_t r = 0; r < rows.size(); ++r) {
+            if (!is_original(originals, rows[r])) continue;
             const ComparedFrame one = compared(study.size, truth, turns.masks(rows[r].contender, frame));
             const MetricSums sums = measure(one);
             if (frame >= study.settling) {
@@ -105,21 +129,33 @@ void judge_motion(const Bench& bench, const Study& study, TruthSource& source, c
             }
             rows[r].over_time.push_back({frame, metrics_of(sums)});
         }
-        bench.step();
+        bench.step(study.size[0] * study.size[1] * judging_work);
         if (frame != *judged.rbegin()) continue;
-        const MaskMetrics& last = rows.front().over_time.back().metrics;
+        const MaskMetrics& last =
+            rows[originals.front()].over_time.back().metrics;  // all have the same truth
         facts.receivers = last.receivers;
         facts.penumbra = last.penumbra;
-        judge_picture(study, source, truth, frame, turns, rows);
+        judge_picture(study, source, truth, frame, turns, originals, rows);
         write_images(bench, facts, truth, turns, frame, contenders, rows);
     }
     for (size_t r = 0; r < rows.size(); ++r) {
         rows[r].moving = metrics_of(pooled[r]);
         rows[r].ssim = ssim[r].mean();
     }
+    for (Row& row : rows) {
+        const Row& original = rows[originals[row.contender]];
+        if (&original == &row) continue;
+        row.moving = original.moving;
+        row.ssim = original.ssim;
+        row.bias_9x9 = original.bias_9x9;
+        row.over_time = original.over_time;
+        row.flip = original.flip;
+        row.relmse = original.relmse;
+    }
 }
 
 void add_costs(const Costs& costs, Size size, Row& row) {
+    row.maps_cpu_ms = median_of(costs.maps_cpu_ms);
     row.mask_ms = costs.sum(&PassCost::ms, true);
     row.frame_ms = costs.sum(&PassCost::ms, false);
     row.mask_cpu_ms = costs.sum(&PassCost::cpu_ms, true);
@@ -144,30 +180,47 @@ bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, 
     }
     ShotFacts facts{shot.name, shot.moving.file.generic_string(), shot.still.file.generic_string()};
     facts.size = study.size;
+    facts.measured = now_utc();
+    const auto ran = [&] { bench.step(study.size[0] * study.size[1]); };
+    std::vector<size_t> originals_still;
     {
         const auto runners = open_runners(bench.device, bench.nodes, contenders, shot.still, study.size,
-                                          diagnostics, warnings);
+                                          false, diagnostics, warnings);
         TruthSource source(bench.device, shot.still, study.size, study.rays, study.analytic_border_px,
                            diagnostics, warnings);
         if (runners.empty() || !source.ready()) return false;
         facts.exact = source.exact();
-        TurnsOptions options{
-            study.after_cut.back(), study.seeds, study.warm_up, {study.after_cut.back() - 2}};
+        TurnsOptions options;
+        options.frames = study.after_cut.back();
+        options.seeds = study.seeds;
+        options.still = true;
+        options.judged = {study.after_cut.back() - 2};  // beside the last one, for flicker
         for (const uint32_t after : study.after_cut) options.judged.insert(after - 1);
-        const Turns turns(runners, contenders.size(), options, bench.step);
-        judge_stillness(study, source.at(0), turns, rows);
-        bench.step();
+        const Turns turns(runners, options, ran);
+        originals_still = turns.originals();
+        judge_stillness(study, source.at(0), turns, originals_still, rows);
+        bench.step(study.size[0] * study.size[1] * judging_work);
     }
-    const auto runners =
-        open_runners(bench.device, bench.nodes, contenders, shot.moving, study.size, diagnostics, warnings);
+    const auto runners = open_runners(bench.device, bench.nodes, contenders, shot.moving, study.size, true,
+                                      diagnostics, warnings);
     TruthSource source(bench.device, shot.moving, study.size, study.rays, study.analytic_border_px,
                        diagnostics, warnings);
     if (runners.empty() || !source.ready()) return false;
-    const Turns turns(runners, contenders.size(),
-                      {study.moving_frames, study.seeds, study.warm_up, moving_frames_judged(study)},
-                      bench.step);
-    judge_motion(bench, study, source, turns, contenders, facts, rows);
-    for (Row& row : rows) add_costs(turns.costs(row.contender), study.size, row);
+    TurnsOptions options;
+    options.frames = study.moving_frames;
+    options.seeds = study.seeds;
+    options.warm_up = study.warm_up;
+    options.judged = moving_frames_judged(study);
+    options.costs = true;
+    const Turns turns(runners, options, ran);
+    const std::vector<size_t> originals = turns.originals();
+    judge_motion(bench, study, source, turns, originals, contenders, facts, rows);
+    for (Row& row : rows) {
+        add_costs(turns.costs(row.contender), study.size, row);
+        if (const size_t original = originals[row.contender];
+            original != row.contender && original == originals_still[row.contender])
+            row.same_as = original;
+    }
     results.shots.push_back(std::move(facts));
     std::move(rows.begin(), rows.end(), std::back_inserter(results.rows));
     return true;
@@ -176,29 +229,49 @@ bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, 
 bool measure_edge(const Bench& bench, const EdgeShot& edge, Results& results, Diagnostics& diagnostics,
                   std::vector<std::string>& warnings) {
     const Study& study = results.study;
-    const auto runners = open_runners(bench.device, bench.nodes, results.contenders, edge.shot,
-                                      study.edge_size, diagnostics, warnings);
+    std::vector<Contender> originals;
+    std::vector<size_t> place(results.contenders.size());  // among the originals
+    for (size_t c = 0; c < place.size(); ++c) {
+        if (results.original(c) != c) continue;
+        place[c] = originals.size();
+        originals.push_back(results.contenders[c]);
+    }
+    const auto runners = open_runners(bench.device, bench.nodes, originals, edge.shot, study.edge_size, false,
+                                      diagnostics, warnings);
     if (runners.empty()) return false;
     TruthSource source(bench.device, edge.shot, study.edge_size, study.rays, study.analytic_border_px,
                        diagnostics, warnings);
     if (!source.ready()) return false;
     const uint32_t frame = study.edge_frame;
-    const Turns turns(runners, results.contenders.size(), {frame + 1, study.seeds, study.warm_up, {frame}},
-                      bench.step);
+    TurnsOptions options;
+    options.frames = frame + 1;
+    options.seeds = study.seeds;
+    options.judged = {frame};
+    const Turns turns(runners, options,
+                      [&] { bench.step(uint64_t{study.edge_size[0]} * study.edge_size[1] / edge_share); });
     const TruthSource::Frame truth = source.at(frame), before = source.at(frame - 1);
-    for (size_t c = 0; c < results.contenders.size(); ++c) {
+    std::vector<EdgePoint> points;
+    for (size_t c = 0; c < originals.size(); ++c) {
         const ComparedFrame one = compared(study.edge_size, truth, turns.masks(c, frame));
-        results.edge.push_back({edge.width_px, edge.speed_px, c, metrics_of(measure(one)),
-                                lag_px(one, before.truth.visibility)});
+        points.push_back({edge.width_px, edge.speed_px, c, metrics_of(measure(one)),
+                          lag_px(one, before.truth.visibility)});
+    }
+    for (size_t c = 0; c < place.size(); ++c) {
+        results.edge.push_back(points[place[results.original(c)]]);
+        results.edge.back().contender = c;
     }
     return true;
 }
 
-uint32_t steps_of(const Study& study, size_t shots, size_t edges) {
-    const size_t still = size_t{study.seeds} * study.after_cut.back() + 1;
-    const size_t moving = size_t{study.seeds} * study.moving_frames + moving_frames_judged(study).size();
-    const size_t edge = size_t{study.seeds} * (study.edge_frame + 1);
-    return static_cast<uint32_t>(shots * (still + moving) + edges * edge);
+uint64_t work_of_shot(const Study& study) {
+    const uint64_t pixels = uint64_t{study.size[0]} * study.size[1];
+    return pixels * (study.seeds * uint64_t{study.after_cut.back() + study.moving_frames} +
+                     judging_work * (1 + moving_frames_judged(study).size()));
+}
+
+uint64_t work_of_edge(const Study& study) {
+    const uint64_t frame = uint64_t{study.edge_size[0]} * study.edge_size[1] / edge_share;
+    return frame * study.seeds * (study.edge_frame + 1);
 }
 
 }  // namespace penumbra::report

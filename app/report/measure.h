@@ -17,18 +17,21 @@ struct Bench {
     Device& device;
     const NodeSet& nodes;
     std::filesystem::path folder;  // of the report: images go to its images/
-    std::function<void()> step;    // called after every unit of work, for a progress bar
+    // Called with the work that has been done since it was called last, for a progress bar.
+    std::function<void(uint64_t)> step;
 };
 
 // Adds the shot and its rows. False, with diagnostics, where the shot or a plan is wrong.
 bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, Diagnostics& diagnostics,
                   std::vector<std::string>& warnings);
 
-// Adds one point per contender.
+// Adds one point per contender. Contenders whose masks were the same to the bit in all shots that the results
+// hold are run once.
 bool measure_edge(const Bench& bench, const EdgeShot& edge, Results& results, Diagnostics& diagnostics,
                   std::vector<std::string>& warnings);
 
-// How often `step` will be called for so many shots and edges.
-uint32_t steps_of(const Study& study, size_t shots, size_t edges);
+// All that `step` will have been told of, in pixels of one run of all contenders.
+uint64_t work_of_shot(const Study& study);
+uint64_t work_of_edge(const Study& study);
 
 }  // namespace penumbra::report

@@ -88,9 +88,10 @@ std::string shot_section(const Results& results, size_t shot, const fs::path& fo
         facts.exact ? "the truth is a closed form"
                     : fmt::format("the truth is {} stratified rays per pixel of the penumbra", study.rays);
     const std::string text = fmt::format(
-        "{} × {} pixels, {} receivers of which {} lie in the penumbra (frame {}); {}; {} seeds; {}",
+        "{} × {} pixels, {} receivers of which {} lie in the penumbra (frame {}); {}; {} seeds; {}; measured "
+        "{}",
         facts.size[0], facts.size[1], facts.receivers, facts.penumbra, facts.image_frame, truth, study.seeds,
-        facts.file);
+        facts.file, facts.measured);
     return fill(assets::shot_html, {{"name", escape(facts.name)},
                                     {"facts", escape(text)},
                                     {"legend", legend(results)},
@@ -152,10 +153,16 @@ std::string method(const Results& results) {
                                "measure the machine's other work too."
                              : "The cost is GPU time between timestamps.");
     out +=
-        "<p>Cost of the mask: the passes that visibility depends on. Brute force of N rays: the pipeline "
-        "raw, "
-        "whose trace runs N times per frame, frozen, with N consecutive points of its own low-discrepancy "
-        "sequence; everything else, the averaging of N masks included, is charged at most once.</p>";
+        "<p>Cost of the mask: the passes that visibility depends on; not the shadow maps or the tree of "
+        "triangles, which the host makes. Brute force of N rays: the pipeline raw with N rays per pixel, "
+        "spread "
+        "evenly over the sun (<code>--set nodes.trace.params.rays_per_pixel=N</code>).</p>"
+        "<p>A pipeline without history is judged where nothing moves in the last two frames alone: all "
+        "frames "
+        "after a cut are alike. One whose masks are to the bit those of another in all judged frames under "
+        "the "
+        "first seed (\"= other\" in a shot's table) is taken to have the other's under the other seeds, and "
+        "behind the moving edges where that held in every shot; its cost is its own.</p>";
     if (!results.left_out.empty()) {
         out += "<p>Left out, since they cannot run by themselves:</p><ul>";
         for (const LeftOut& left : results.left_out)

@@ -41,15 +41,6 @@ double best_after(const Results& results, size_t shot, uint32_t frames) {
     return best;
 }
 
-// Where a contender is worst; "any" for those without memory, which do not care.
-std::string speed_cell(const Results& results, const EdgePoint& worst) {
-    for (const EdgePoint& point : results.edge)
-        if (point.contender == worst.contender && point.width_px == worst.width_px && point.speed_px != 0 &&
-            point.metrics.n_eff != worst.metrics.n_eff)
-            return fmt::format("{:+g}", worst.speed_px);
-    return "any";
-}
-
 constexpr uint32_t headline_frames[] = {1, 8, 64};
 
 std::string words(const std::vector<std::string>& list) {
@@ -106,7 +97,7 @@ std::string headline_table(const Results& results) {
             }
             const EdgePoint* worst = results.worst_edge(row.contender, headline_width_px(results));
             cells.push_back(worst ? n_eff_cell(worst->metrics) : "–");
-            cells.push_back(worst ? speed_cell(results, *worst) : "–");
+            cells.push_back(worst ? results.speed_of(*worst) : "–");
             table.row(cells, first ? "first" : "");
             first = false;
         }
@@ -119,6 +110,7 @@ std::string shot_table(const Results& results, size_t shot) {
     std::vector<Table::Column> columns{{"mask by", false},
                                        {cpu ? "mask, CPU ms" : "mask, GPU ms"},
                                        {cpu ? "frame, CPU ms" : "frame, GPU ms"},
+                                       {"maps, CPU ms"},
                                        {"rays / px"},
                                        {"RMSE"},
                                        {"in penumbra"},
@@ -130,14 +122,21 @@ std::string shot_table(const Results& results, size_t shot) {
                                        {"flicker"},
                                        {"leak"},
                                        {"acne"}};
-    Table table("The moving shot, pooled over its judged frames. Medians with 95 % intervals.", columns);
+    Table table(
+        "The moving shot, pooled over its judged frames. Medians with 95 % intervals. Maps: drawing the "
+        "shadow "
+        "maps that a pipeline reads, in no other figure.",
+        columns);
     for (const Row& row : results.rows) {
         if (row.shot != shot) continue;
         const MaskMetrics& m = row.moving;
-        table.row({contender_cell(results, row.contender), estimate_cell(row.mask_cost(cpu)),
-                   estimate_cell(cpu ? row.frame_cpu_ms : row.frame_ms), number_or_dash(row.rays_per_pixel),
-                   number_or_dash(m.rmse_all), number_or_dash(m.rmse_penumbra), n_eff_cell(m),
-                   number_or_dash(m.n_variance), number_or_dash(m.n_bias), number_or_dash(row.ssim),
+        const std::string same =
+            row.same_as ? " = " + escape(label(results.contenders[*row.same_as])) : std::string();
+        table.row({contender_cell(results, row.contender) + same, estimate_cell(row.mask_cost(cpu)),
+                   estimate_cell(cpu ? row.frame_cpu_ms : row.frame_ms), estimate_cell(row.maps_cpu_ms),
+                   number_or_dash(row.rays_per_pixel), number_or_dash(m.rmse_all),
+                   number_or_dash(m.rmse_penumbra), n_eff_cell(m), number_or_dash(m.n_variance),
+                   number_or_dash(m.n_bias), number_or_dash(row.ssim),
                    number_or_dash(row.flip ? std::optional(row.flip->mean) : std::nullopt),
                    number_or_dash(row.flicker), number_or_dash(m.leak), number_or_dash(m.acne)});
     }
@@ -156,7 +155,7 @@ std::string edge_table(const Results& results) {
             const bool first = width == results.study.edge_widths_px.front();
             table.row({first ? contender_cell(results, c) : "", fmt::format("{:g}", width),
                        rest ? n_eff_cell(rest->metrics) : "–", worst ? n_eff_cell(worst->metrics) : "–",
-                       worst ? speed_cell(results, *worst) : "–",
+                       worst ? results.speed_of(*worst) : "–",
                        number_or_dash(worst ? worst->lag_px : std::nullopt)},
                       first ? "first" : "");
         }

@@ -34,7 +34,8 @@ bool overlap(const Box& a, const Box& b) {
     return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
 
-// Labels beside points, each at the first of eight places where it covers nothing that is there already.
+// Labels beside points, each at the first of eight places where it covers nothing that is there already;
+// where there is none, the point's title and the legend must do.
 class Labels {
   public:
     explicit Labels(const Frame& frame)
@@ -49,15 +50,13 @@ class Labels {
                               {gap, gap + height - 3},  {-gap - width, 4},
                               {-width / 2, -gap},       {-width / 2, gap + height},
                               {-gap - width, -gap + 3}, {-gap - width, gap + height - 3}};
-        Box best = box(point, offsets[0], width, height);
         for (const Xy& offset : offsets) {
             const Box candidate = box(point, offset, width, height);
             if (!inside(candidate) || covers(candidate)) continue;
-            best = candidate;
-            break;
+            taken_.push_back(candidate);
+            svg.text({candidate.low.x, candidate.high.y - 2}, text, "mark " + style);
+            return;
         }
-        taken_.push_back(best);
-        svg.text({best.low.x, best.high.y - 2}, text, "mark " + style);
     }
 
   private:
@@ -133,9 +132,11 @@ std::string series_plot(const Results& results, const std::vector<Series>& serie
     return svg.str();
 }
 
+// One line for those with the same masks.
 std::vector<Series> error_series(const Results& results, size_t shot, std::vector<Judged> Row::*list) {
     std::vector<Series> all;
     for (const Row* row : rows_of(results, shot)) {
+        if (row->same_as) continue;
         Series series{row->contender, {}};
         for (const Judged& judged : row->*list)
             if (judged.metrics.rmse_all && *judged.metrics.rmse_all > 0)
@@ -149,7 +150,7 @@ std::vector<Series> error_series(const Results& results, size_t shot, std::vecto
 
 std::string accent(const Results& results, size_t contender) {
     if (results.contenders[contender].brute_force) return "pb";
-    constexpr size_t colours = 10;  // of the style sheet
+    constexpr size_t colours = 12;  // of the style sheet
     return fmt::format("p{}", contender % colours);
 }
 
@@ -237,15 +238,16 @@ std::string over_time_plot(const Results& results, size_t shot) {
 std::string passes_plot(const Results& results, size_t shot) {
     const auto figure = cost_is_cpu(results) ? &PassFigure::cpu_ms : &PassFigure::ms;
     std::vector<const Row*> rows;
-    double longest = 0;
+    double longest = 0, left = 0;
     for (const Row* row : rows_of(results, shot)) {
         if (results.contenders[row->contender].brute_force) continue;
         rows.push_back(row);
+        left = std::max(left, text_width(results.contenders[row->contender].id) + 20);
         double sum = 0;
         for (const PassFigure& pass : row->passes) sum += pass.*figure ? (pass.*figure)->median : 0;
         longest = std::max(longest, sum);
     }
-    constexpr double bar = 26, gap = 14, left = 118, width = 1080;
+    constexpr double bar = 26, gap = 14, width = 1080;
     const double height = static_cast<double>(rows.size()) * (bar + gap);
     Svg svg(width, height + 66, fmt::format("time per pass, {}", results.shots[shot].name));
     Frame frame{{left, 10}, {width - left - 60, height}, linear_axis({longest}, true), {}};
@@ -288,6 +290,7 @@ std::string edge_plot(const Results& results, double width_px) {
         x.ticks.push_back({static_cast<double>(i), speeds[i] == 0 ? "0" : fmt::format("{:+g}", speeds[i])});
     std::vector<Series> all;
     for (size_t c = 0; c < results.contenders.size(); ++c) {
+        if (results.original(c) != c) continue;
         Series series{c, {}};
         for (const EdgePoint& point : results.edge)
             if (point.contender == c && point.width_px == width_px && point.metrics.n_eff)

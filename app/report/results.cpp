@@ -24,7 +24,9 @@ OrderedJson estimate_json(const std::optional<Estimate>& estimate) {
 }
 
 OrderedJson metrics_json(const MaskMetrics& m) {
-    return {{"rmse",
+    return {{"pixels",
+             {{"receivers", m.receivers}, {"penumbra", m.penumbra}, {"lit", m.lit}, {"umbra", m.umbra}}},
+            {"rmse",
              {{"all", or_null(m.rmse_all)},
               {"penumbra", or_null(m.rmse_penumbra)},
               {"lit", or_null(m.rmse_lit)},
@@ -61,10 +63,12 @@ OrderedJson row_json(const Results& results, const Row& row) {
                           {"cpu_ms", estimate_json(figure.cpu_ms)}});
     return {{"shot", results.shots[row.shot].name},
             {"contender", results.contenders[row.contender].id},
+            {"same_masks_as", row.same_as ? OrderedJson(results.contenders[*row.same_as].id) : OrderedJson()},
             {"mask_ms", estimate_json(row.mask_ms)},
             {"mask_cpu_ms", estimate_json(row.mask_cpu_ms)},
             {"frame_ms", estimate_json(row.frame_ms)},
             {"frame_cpu_ms", estimate_json(row.frame_cpu_ms)},
+            {"maps_cpu_ms", estimate_json(row.maps_cpu_ms)},
             {"rays_per_pixel", or_null(row.rays_per_pixel)},
             {"moving", metrics_json(row.moving)},
             {"ssim", or_null(row.ssim)},
@@ -115,6 +119,16 @@ const Row* Results::row(size_t shot, size_t contender) const {
     return nullptr;
 }
 
+size_t Results::original(size_t contender) const {
+    std::optional<size_t> original;
+    for (const Row& r : rows) {
+        if (r.contender != contender) continue;
+        if (!r.same_as || original.value_or(*r.same_as) != *r.same_as) return contender;
+        original = r.same_as;
+    }
+    return original.value_or(contender);
+}
+
 const EdgePoint* Results::worst_edge(size_t contender, double width_px) const {
     const EdgePoint* worst = nullptr;
     for (const EdgePoint& point : edge)
@@ -122,6 +136,14 @@ const EdgePoint* Results::worst_edge(size_t contender, double width_px) const {
             point.metrics.n_eff && (!worst || *point.metrics.n_eff < *worst->metrics.n_eff))
             worst = &point;
     return worst;
+}
+
+std::string Results::speed_of(const EdgePoint& worst) const {
+    for (const EdgePoint& point : edge)
+        if (point.contender == worst.contender && point.width_px == worst.width_px && point.speed_px != 0 &&
+            point.metrics.n_eff != worst.metrics.n_eff)
+            return fmt::format("{:+g}", worst.speed_px);
+    return "any";
 }
 
 OrderedJson to_json(const Results& results) {
@@ -142,7 +164,8 @@ OrderedJson to_json(const Results& results) {
                          {"receivers", s.receivers},
                          {"penumbra", s.penumbra},
                          {"image_frame", s.image_frame},
-                         {"reference_image", s.reference_image}});
+                         {"reference_image", s.reference_image},
+                         {"measured", s.measured}});
     for (const Row& row : results.rows) rows.push_back(row_json(results, row));
     for (const EdgePoint& point : results.edge) {
         edge.push_back({{"width_px", point.width_px},
@@ -178,8 +201,10 @@ std::string csv_field(const std::string& text) {
 
 std::string to_csv(const Results& results) {
     std::string out =
-        "shot,contender,brute_force_rays,mask_ms,mask_ms_low,mask_ms_high,mask_cpu_ms,mask_cpu_ms_low,"
-        "mask_cpu_ms_high,frame_ms,frame_cpu_ms,rays_per_pixel,rmse_all,rmse_penumbra,n_eff,n_eff_low,"
+        "shot,contender,brute_force_rays,same_masks_as,mask_ms,mask_ms_low,mask_ms_high,mask_cpu_ms,mask_cpu_"
+        "ms_low,"
+        "mask_cpu_ms_high,frame_ms,frame_cpu_ms,maps_cpu_ms,rays_per_pixel,rmse_all,rmse_penumbra,n_eff,n_"
+        "eff_low,"
         "n_eff_high,ssim,flip_mean,relmse,flicker_rms,n_eff_at_1,n_eff_at_8,n_eff_at_64\r\n";
     for (const Row& row : results.rows) {
         const Contender& contender = results.contenders[row.contender];
@@ -195,11 +220,12 @@ std::string to_csv(const Results& results) {
         };
         const auto& interval = row.moving.n_eff_ci95;
         out += fmt::format(
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n",
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n",
             csv_field(results.shots[row.shot].name), csv_field(contender.id),
-            contender.brute_force ? fmt::to_string(*contender.brute_force) : "", estimate(row.mask_ms),
+            contender.brute_force ? fmt::to_string(*contender.brute_force) : "",
+            csv_field(row.same_as ? results.contenders[*row.same_as].id : ""), estimate(row.mask_ms),
             estimate(row.mask_cpu_ms), median(row.frame_ms), median(row.frame_cpu_ms),
-            csv_number(row.rays_per_pixel), csv_number(row.moving.rmse_all),
+            median(row.maps_cpu_ms), csv_number(row.rays_per_pixel), csv_number(row.moving.rmse_all),
             csv_number(row.moving.rmse_penumbra), csv_number(row.moving.n_eff),
             csv_number(interval ? std::optional((*interval)[0]) : std::nullopt),
             csv_number(interval ? std::optional((*interval)[1]) : std::nullopt), csv_number(row.ssim),

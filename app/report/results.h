@@ -29,10 +29,14 @@ struct PassFigure {
 // One contender on one shot: a row of the tables, a point of the plots.
 struct Row {
     size_t shot = 0, contender = 0;
+    // The contender with fewer passes, or an earlier one, whose masks are this one's to the bit in all judged
+    // frames of both runs under the first seed; the figures of the masks are then its.
+    std::optional<size_t> same_as;
     // Of the passes that the mask depends on, and of all passes, in the moving shot; `cost` is process CPU
     // time on a CPU device, else GPU time: the figure to trust.
     std::optional<Estimate> mask_ms, frame_ms, mask_cpu_ms, frame_cpu_ms;
     std::vector<PassFigure> passes;
+    std::optional<Estimate> maps_cpu_ms;   // of drawing shadow maps, where any are read; not in the others
     std::optional<double> rays_per_pixel;  // mean, where passes count rays
     // Of the moving shot, pooled over the judged frames from Study::settling on.
     MaskMetrics moving;
@@ -56,6 +60,7 @@ struct ShotFacts {
     uint64_t receivers = 0, penumbra = 0;  // pixels of the last judged frame
     uint32_t image_frame = 0;              // which the images show
     std::string reference_image;
+    std::string measured;  // when: "2026-01-31 12:00 UTC"
 };
 
 // N_eff behind a straight edge that moves.
@@ -78,12 +83,19 @@ struct Results {
     std::vector<EdgePoint> edge;
 
     const Row* row(size_t shot, size_t contender) const;
+    // The contender whose masks are this one's to the bit in every shot, and this one where there is none.
+    size_t original(size_t contender) const;
     // The worst speed of a contender at a width; the resting edge is no speed.
     const EdgePoint* worst_edge(size_t contender, double width_px) const;
+    // "+0.25", or "any" where all speeds are as bad.
+    std::string speed_of(const EdgePoint& worst) const;
 };
 
 // Unknown values are null, never absent.
 nlohmann::ordered_json to_json(const Results& results);
+// Adds the shots, rows and edges of what to_json() has made of results with the same contenders. Infinities
+// have become unknown. Throws nlohmann::json::exception, and adds nothing, where the JSON is anything else.
+void append(const nlohmann::ordered_json& json, Results& results);
 std::string to_csv(const Results& results);
 // As one field of a CSV file (RFC 4180).
 std::string csv_field(const std::string& text);

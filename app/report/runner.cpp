@@ -45,35 +45,38 @@ uint64_t counted_rays(const Plan& plan, const FrameCost& cost) {
     return rays;
 }
 
-void add(std::optional<double>& sum, const std::optional<double>& value) {
-    if (sum && value) *sum += *value;
+// What is kept carries over too; but cascade_pyramid keeps what it has made of the shadow maps, which it
+// would make anew with the same outcome.
+bool has_history(const Plan& plan) {
+    const auto carries = [&](const PlanResource& resource) {
+        if (!resource.kept) return resource.history;
+        return std::ranges::any_of(plan.passes, [&](const PlanPass& pass) {
+            return std::ranges::find(pass.writes, resource.names.front()) != pass.writes.end() &&
+                   pass.entry && pass.entry->type.name != "cascade_pyramid";
+        });
+    };
+    return std::ranges::any_of(plan.resources, carries) ||
+           std::ranges::any_of(plan.slots, [](const HostSlot& slot) { return slot.name.ends_with("@-1"); });
 }
 
-std::unique_ptr<Session> open_session(Device& device, const NodeSet& nodes, const Contender& contender,
-                                      const Shot& shot, std::array<uint32_t, 2> size,
-                                      Diagnostics& diagnostics, std::vector<std::string>& warnings) {
+}  // namespace
+
+std::unique_ptr<Runner> Runner::open(Device& device, const NodeSet& nodes, const Contender& contender,
+                                     const Shot& shot, std::array<uint32_t, 2> size, bool costs,
+                                     Diagnostics& diagnostics, std::vector<std::string>& warnings) {
     SessionOptions options;
     options.size = size;
     options.captures = {"visibility"};
     options.jitter = false;  // the truth is that of pixel centres
     options.optimum = false;
-    return Session::open(device, nodes, contender.pipeline, shot, options, diagnostics, warnings);
-}
-
-}  // namespace
-
-std::unique_ptr<Runner> Runner::open(Device& device, const NodeSet& nodes, const std::vector<Contender>& list,
-                                     std::vector<size_t> contenders, const Shot& shot,
-                                     std::array<uint32_t, 2> size, Diagnostics& diagnostics,
-                                     std::vector<std::string>& warnings) {
+    options.pass_costs = costs;
     auto runner = std::unique_ptr<Runner>(new Runner);
-    runner->session_ =
-        open_session(device, nodes, list[contenders.front()], shot, size, diagnostics, warnings);
+    runner->session_ = Session::open(device, nodes, contender.pipeline, shot, options, diagnostics, warnings);
     if (!runner->session_) return nullptr;
-    for (const size_t contender : contenders)
-        if (list[contender].brute_force) runner->rays_.push_back(*list[contender].brute_force);
-    runner->contenders_ = std::move(contenders);
     const Plan& plan = runner->session_->plan();
+    runner->has_history_ = report::has_history(plan);
+    runner->keeps_ =
+        runner->session_->cascade_maps() || std::ranges::any_of(plan.resources, &PlanResource::kept);
     const std::vector<bool> mask = passes_of_mask(plan);
     for (size_t p = 0; p < plan.passes.size(); ++p) {
         if (plan.passes[p].kind == PassKind::capture) continue;
@@ -88,64 +91,28 @@ void Runner::set_seed(uint32_t seed) {
     session_->set_param("seed", seed);
 }
 
-Sample Runner::sample(size_t contender, const FrameCost& cost) const {
-    Sample sample{contender, {}, {}, counted_rays(session_->plan(), cost)};
-    for (const size_t p : plan_pass_) sample.passes.push_back({cost.passes[p].ms, cost.pass_cpu_ms[p]});
-    return sample;
-}
-
-std::vector<Sample> Runner::run(uint32_t frame, bool reset, bool judged) {
-    if (!rays_.empty() && !judged) return {};
+Sample Runner::run(uint32_t frame, bool reset, bool judged) {
     const FrameCost cost = session_->run_frame(frame, reset);
-    std::vector<Sample> samples{sample(contenders_.front(), cost)};
-    samples[0].visibility = captured_image(*session_, "visibility").planes.front().values;
-    if (rays_.empty()) return samples;
-
-    // The frame above stands at noise index `frame`: trace again from frame * rays on, where no other judged
-    // frame's rays are.
-    std::vector<double> sum(samples[0].visibility.size());
-    Sample total;
-    samples.clear();
-    const uint32_t most = rays_.back();
-    for (uint32_t ray = 0; ray < most; ++ray) {
-        const Sample one = sample(0, session_->repeat_frame(frame * most + ray));
-        const std::vector<float> mask = captured_image(*session_, "visibility").planes.front().values;
-        for (size_t i = 0; i < sum.size(); ++i) sum[i] += static_cast<double>(mask[i]);
-        if (ray == 0) total = one;
-        total.rays += ray == 0 ? 0 : one.rays;
-        for (size_t p = 0; ray > 0 && p < passes_.size(); ++p) {
-            if (passes_[p].type != "trace") continue;  // the rest is needed once
-            add(total.passes[p].ms, one.passes[p].ms);
-            add(total.passes[p].cpu_ms, one.passes[p].cpu_ms);
-        }
-        const auto found = std::find(rays_.begin(), rays_.end(), ray + 1);
-        if (found == rays_.end()) continue;
-        Sample done = total;
-        done.contender = contenders_[static_cast<size_t>(found - rays_.begin())];
-        for (const double s : sum) done.visibility.push_back(static_cast<float>(s / (ray + 1)));
-        samples.push_back(std::move(done));
-    }
-    return samples;
+    Sample sample;
+    if (judged) sample.visibility = captured_image(*session_, "visibility").planes.front().values;
+    for (const size_t p : plan_pass_) sample.passes.push_back({cost.passes[p].ms, cost.pass_cpu_ms[p]});
+    sample.maps_cpu_ms = cost.cascades_cpu_ms;
+    sample.rays = counted_rays(session_->plan(), cost);
+    sample.true_cost = !keeps_ || (last_ && frame == *last_ + 1);
+    last_ = frame;
+    return sample;
 }
 
 std::vector<std::unique_ptr<Runner>> open_runners(Device& device, const NodeSet& nodes,
                                                   const std::vector<Contender>& list, const Shot& shot,
-                                                  std::array<uint32_t, 2> size, Diagnostics& diagnostics,
+                                                  std::array<uint32_t, 2> size, bool costs,
+                                                  Diagnostics& diagnostics,
                                                   std::vector<std::string>& warnings) {
     std::vector<std::unique_ptr<Runner>> runners;
-    std::vector<size_t> brute_force;
-    const auto open = [&](std::vector<size_t> contenders) {
-        runners.push_back(
-            Runner::open(device, nodes, list, std::move(contenders), shot, size, diagnostics, warnings));
-        return runners.back() != nullptr;
-    };
-    for (size_t c = 0; c < list.size(); ++c) {
-        if (list[c].brute_force)
-            brute_force.push_back(c);
-        else if (!open({c}))
-            return {};
+    for (const Contender& contender : list) {
+        runners.push_back(Runner::open(device, nodes, contender, shot, size, costs, diagnostics, warnings));
+        if (!runners.back()) return {};
     }
-    if (!brute_force.empty() && !open(brute_force)) return {};
     return runners;
 }
 

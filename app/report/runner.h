@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contenders running on one shot. A runner executes one pipeline and yields the mask of each contender that
-// it stands for: one, or all of brute force, since N rays are the first N of more rays.
+// A contender running on a shot: one session, asked for the mask and the cost of the frames that are needed.
 #pragma once
 
 #include <memory>
@@ -16,12 +15,15 @@ struct PassCost {
     std::optional<double> cpu_ms;  // process CPU time; CPU devices only
 };
 
-// One contender's frame.
+// One frame.
 struct Sample {
-    size_t contender = 0;
-    std::vector<float> visibility;  // rows from the top
-    std::vector<PassCost> passes;   // parallel to Runner::passes()
+    std::vector<float> visibility;      // rows from the top; empty where it was not asked for
+    std::vector<PassCost> passes;       // parallel to Runner::passes()
+    std::optional<double> maps_cpu_ms;  // of drawing shadow maps, where it reads any
     uint64_t rays = 0;
+    // Whether the costs are those of a run frame by frame. What is kept from frame to frame (shadow maps and
+    // what is made of them) costs by what has moved since the frame that was run before.
+    bool true_cost = true;
 };
 
 // A pass as the report lists it. `mask`: visibility depends on it.
@@ -32,35 +34,35 @@ struct PassName {
 
 class Runner {
   public:
-    // `contenders` are indices into `list`, which share one pipeline.
-    static std::unique_ptr<Runner> open(Device& device, const NodeSet& nodes,
-                                        const std::vector<Contender>& list, std::vector<size_t> contenders,
-                                        const Shot& shot, std::array<uint32_t, 2> size,
+    // `costs`: whether they are wanted, pass by pass. On a CPU device each pass is then submitted by itself.
+    static std::unique_ptr<Runner> open(Device& device, const NodeSet& nodes, const Contender& contender,
+                                        const Shot& shot, std::array<uint32_t, 2> size, bool costs,
                                         Diagnostics& diagnostics, std::vector<std::string>& warnings);
 
     void set_seed(uint32_t seed);
-    // Executes the frame. Brute force has no past and does nothing where the frame is not `judged`.
-    std::vector<Sample> run(uint32_t frame, bool reset, bool judged);
+    Sample run(uint32_t frame, bool reset, bool judged);
 
+    // Whether a frame's mask depends on frames before it.
+    bool has_history() const { return has_history_; }
+    // Whether a frame's cost depends on the frame that was run before it.
+    bool keeps() const { return keeps_; }
     const std::vector<PassName>& passes() const { return passes_; }
-    const std::vector<size_t>& contenders() const { return contenders_; }
-    const Session& session() const { return *session_; }
 
   private:
     Runner() = default;
-    Sample sample(size_t contender, const FrameCost& cost) const;
 
     std::unique_ptr<Session> session_;
-    std::vector<size_t> contenders_;
-    std::vector<uint32_t> rays_;  // per contender; empty: an ordinary pipeline
+    bool has_history_ = false, keeps_ = false;
+    std::optional<uint32_t> last_;  // the frame that was run before
     std::vector<PassName> passes_;
     std::vector<size_t> plan_pass_;  // of the plan, per entry of passes_: captures are left out
 };
 
-// One runner per pipeline that competes, in the order of the contenders. Empty where any cannot be opened.
+// One per contender, in their order. Empty where any cannot be opened.
 std::vector<std::unique_ptr<Runner>> open_runners(Device& device, const NodeSet& nodes,
                                                   const std::vector<Contender>& list, const Shot& shot,
-                                                  std::array<uint32_t, 2> size, Diagnostics& diagnostics,
+                                                  std::array<uint32_t, 2> size, bool costs,
+                                                  Diagnostics& diagnostics,
                                                   std::vector<std::string>& warnings);
 
 }  // namespace penumbra::report

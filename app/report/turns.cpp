@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "app/report/turns.h"
 
-#include <numeric>
+#include <algorithm>
+#include <stdexcept>
 
 namespace penumbra::report {
 
@@ -26,31 +27,66 @@ std::optional<Estimate> Costs::pass(size_t index, std::optional<double> PassCost
     return median_of(std::move(samples));
 }
 
-Turns::Turns(const std::vector<std::unique_ptr<Runner>>& runners, size_t contenders,
-             const TurnsOptions& options, const std::function<void()>& step)
-    : costs_(contenders) {
+Turns::Turns(const std::vector<std::unique_ptr<Runner>>& runners, const TurnsOptions& options,
+             const std::function<void()>& step)
+    : options_(options), costs_(runners.size()) {
+    const auto needed = [&](const Runner& runner, uint32_t frame, uint32_t seed) {
+        if (runner.has_history()) return true;
+        if (options.still) return frame + 2 >= options.frames;
+        return options.judged.contains(frame) ||
+               (options.costs && runner.keeps() && seed == 1 && options.judged.contains(frame + 1));
+    };
+    for (size_t contender = 0; contender < runners.size(); ++contender) originals_.push_back(contender);
     for (uint32_t seed = 1; seed <= options.seeds; ++seed) {
         for (const auto& runner : runners) runner->set_seed(seed);
         for (uint32_t frame = 0; frame < options.frames; ++frame) {
             for (size_t turn = 0; turn < runners.size(); ++turn) {
-                Runner& runner = *runners[(turn + frame) % runners.size()];
-                for (Sample& sample : runner.run(frame, frame == 0, options.judged.contains(frame)))
-                    keep(std::move(sample), runner, frame, options);
+                const size_t contender = (turn + frame) % runners.size();
+                Runner& runner = *runners[contender];
+                if (originals_[contender] == contender && needed(runner, frame, seed))
+                    keep(contender, runner.run(frame, frame == 0, options.judged.contains(frame)), runner,
+                         frame);
             }
             step();
         }
+        if (seed == 1) find_originals(runners);
     }
 }
 
-void Turns::keep(Sample sample, const Runner& runner, uint32_t frame, const TurnsOptions& options) {
-    if (frame >= options.warm_up) {
-        Costs& costs = costs_[sample.contender];
+void Turns::keep(size_t contender, Sample sample, const Runner& runner, uint32_t frame) {
+    if (frame >= options_.warm_up && sample.true_cost) {
+        Costs& costs = costs_[contender];
         costs.passes = runner.passes();
         costs.frames.push_back(std::move(sample.passes));
         costs.rays.push_back(static_cast<double>(sample.rays));
+        if (sample.maps_cpu_ms) costs.maps_cpu_ms.push_back(*sample.maps_cpu_ms);
     }
-    if (options.judged.contains(frame))
-        masks_[{sample.contender, frame}].push_back(std::move(sample.visibility));
+    if (!sample.visibility.empty()) masks_[{contender, frame}].push_back(std::move(sample.visibility));
+}
+
+const Turns::Masks& Turns::masks(size_t contender, uint32_t frame) const {
+    const auto found = masks_.find({originals_[contender], frame});
+    if (found != masks_.end()) return found->second;
+    if (!options_.still) throw std::logic_error("a mask that was not judged");
+    return masks_.at({originals_[contender], options_.frames - 1});
+}
+
+void Turns::find_originals(const std::vector<std::unique_ptr<Runner>>& runners) {
+    const auto same = [&](size_t a, size_t b) {
+        return std::ranges::all_of(options_.judged,
+                                   [&](uint32_t frame) { return masks(a, frame) == masks(b, frame); });
+    };
+    std::vector<size_t> by_passes = originals_, found;
+    std::ranges::stable_sort(by_passes, {}, [&](size_t c) { return runners[c]->passes().size(); });
+    std::vector<size_t> originals = originals_;
+    for (const size_t contender : by_passes) {
+        const auto original = std::ranges::find_if(found, [&](size_t f) { return same(f, contender); });
+        if (original != found.end())
+            originals[contender] = *original;
+        else
+            found.push_back(contender);
+    }
+    originals_ = std::move(originals);
 }
 
 }  // namespace penumbra::report

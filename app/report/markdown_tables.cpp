@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "app/report/markdown_tables.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/report/html.h"
+#include "app/report/plots.h"
+
+namespace penumbra::report {
+namespace {
+
+// .31 rather than 0.31: columns are many.
+std::string short_number(const std::optional<double>& value) {
+    if (!value) return "-";
+    const std::string text = number(*value);
+    return text.starts_with("0.") ? text.substr(1) : text;
+}
+
+std::string line(const std::vector<std::string>& cells) {
+    std::string out = "|";
+    for (const std::string& cell : cells) out += " " + cell + " |";
+    return out + "\n";
+}
+
+std::string head(const std::vector<std::string>& cells) {
+    std::string out = line(cells) + "|";
+    for (size_t i = 0; i < cells.size(); ++i) out += "---|";
+    return out + "\n";
+}
+
+// "raw, hybrid_raw": whoever has these masks.
+std::string names(const Results& results, size_t original) {
+    std::string out = label(results.contenders[original]);
+    for (size_t c = 0; c < results.contenders.size(); ++c)
+        if (c != original && results.original(c) == original) out += ", " + label(results.contenders[c]);
+    return out;
+}
+
+std::vector<std::string> shot_names(const Results& results, const std::string& corner) {
+    std::vector<std::string> out{corner};
+    for (const ShotFacts& shot : results.shots) out.push_back(shot.name);
+    return out;
+}
+
+std::string after_cut(const Results& results) {
+    std::string out = head(shot_names(results, "N_eff after 1 / 8 / 64 frames"));
+    for (size_t c = 0; c < results.contenders.size(); ++c) {
+        if (results.original(c) != c) continue;
+        std::vector<std::string> cells{names(results, c)};
+        for (size_t s = 0; s < results.shots.size(); ++s) {
+            std::vector<std::string> values;
+            if (const Row* row = results.row(s, c))
+                for (const uint32_t frames : {1u, 8u, 64u})
+                    if (const MaskMetrics* metrics = row->after(frames))
+                        values.push_back(short_number(metrics->n_eff));
+            // Without history a mask is as good after one frame as after many, and is judged once.
+            if (values.size() == 3 && values[0] == values[1] && values[1] == values[2]) values.resize(1);
+            cells.push_back(fmt::format("{}", fmt::join(values, " / ")));
+        }
+        out += line(cells);
+    }
+    return out;
+}
+
+std::string moving(const Results& results) {
+    const bool cpu = cost_is_cpu(results);
+    std::string out = head(shot_names(results, fmt::format("RMSE / N_eff / {} ms", cpu ? "CPU" : "GPU")));
+    for (size_t c = 0; c < results.contenders.size(); ++c) {
+        std::vector<std::string> cells{label(results.contenders[c])};
+        for (size_t s = 0; s < results.shots.size(); ++s) {
+            const Row* row = results.row(s, c);
+            if (!row) {
+                cells.push_back("-");
+                continue;
+            }
+            const auto& cost = row->mask_cost(cpu);
+            std::string cell = fmt::format("{} / {} / {}", short_number(row->moving.rmse_all),
+                                           short_number(row->moving.n_eff),
+                                           short_number(cost ? std::optional(cost->median) : std::nullopt));
+            if (row->maps_cpu_ms) cell += " + " + short_number(row->maps_cpu_ms->median);
+            cells.push_back(cell);
+        }
+        out += line(cells);
+    }
+    return out;
+}
+
+std::string edge(const Results& results) {
+    std::vector<std::string> columns{"N_eff at rest / worst (at px per frame)"};
+    for (const double width : results.study.edge_widths_px) columns.push_back(fmt::format("{:g} px", width));
+    std::string out = head(columns);
+    for (size_t c = 0; c < results.contenders.size(); ++c) {
+        if (results.original(c) != c) continue;
+        std::vector<std::string> cells{names(results, c)};
+        for (const double width : results.study.edge_widths_px) {
+            const EdgePoint *worst = results.worst_edge(c, width), *rest = nullptr;
+            for (const EdgePoint& point : results.edge)
+                if (point.contender == c && point.width_px == width && point.speed_px == 0) rest = &point;
+            const std::string at_rest = short_number(rest ? rest->metrics.n_eff : std::nullopt);
+            cells.push_back(worst ? fmt::format("{} / {} ({})", at_rest, short_number(worst->metrics.n_eff),
+                                                results.speed_of(*worst))
+                                  : at_rest);
+        }
+        out += line(cells);
+    }
+    return out;
+}
+
+}  // namespace
+
+std::string markdown_tables(const Results& results) {
+    const Study& study = results.study;
+    return fmt::format(
+        "    {}\n\n"
+        "{} x {} pixels, {} seeds, {}, penumbra {}. Contenders in one row have the same masks to the bit.\n\n"
+        "Each shot standing still:\n\n{}\n"
+        "Each shot as it moves, frames {} to {}; cost of the mask per frame (+ of drawing the shadow maps "
+        "that it "
+        "reads):\n\n{}\n"
+        "Behind a straight edge, {} frames after the start, by the width of its penumbra:\n\n{}",
+        results.command, study.size[0], study.size[1], study.seeds, results.device.driver, PENUMBRA_VERSION,
+        after_cut(results), study.settling, study.moving_frames - 1, moving(results), study.edge_frame + 1,
+        edge(results));
+}
+
+}  // namespace penumbra::report

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "app/report/parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "host/image_file.h"
+
+namespace penumbra::report {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string text_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::string text((std::istreambuf_iterator<char>(stream)), {});
+    if (!stream) throw FileError(file.string() + ": cannot be read");
+    return text;
+}
+
+// FNV-1a, 64 bits (Fowler, Noll, Vo 1991): tells versions of a file apart, and guards against nothing else.
+std::string digest(std::string_view bytes) {
+    uint64_t hash = 14695981039346656037u;
+    for (const char byte : bytes) hash = (hash ^ static_cast<uint8_t>(byte)) * 1099511628211u;
+    return fmt::format("{:016x}", hash);
+}
+
+// A pipeline with all that it extends.
+std::string pipeline_digest(const fs::path& file) {
+    const std::string text = text_of(file);
+    const Json json = Json::parse(text, nullptr, false);
+    std::string out = digest(text);
+    if (json.is_object() && json.contains("extends") && json["extends"].is_string())
+        out += pipeline_digest(file.parent_path() / json["extends"].get<std::string>());
+    return out;
+}
+
+// Other files that a .gltf is made of.
+void add_uris(const Json& json, const fs::path& folder, std::string& out) {
+    if (!json.is_structured()) return;
+    for (auto item = json.begin(); item != json.end(); ++item) {
+        const bool outside = json.is_object() && item.key() == "uri" && item->is_string() &&
+                             !item->get<std::string>().starts_with("data:");
+        if (outside)
+            if (const fs::path file = folder / item->get<std::string>(); fs::is_regular_file(file))
+                out += digest(text_of(file));
+        add_uris(*item, folder, out);
+    }
+}
+
+std::string shot_digest(const Shot& shot) {
+    std::string out = digest(text_of(shot.file));
+    if (shot.analytic) return out;
+    const std::string model = text_of(shot.model);
+    out += digest(model);
+    if (shot.model.extension() == ".gltf")
+        add_uris(Json::parse(model, nullptr, false), shot.model.parent_path(), out);
+    return out;
+}
+
+// Every file below, by name.
+std::string folder_digest(const fs::path& folder) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+        if (entry.is_regular_file()) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    std::string out;
+    for (const fs::path& file : files) out += file.generic_string() + digest(text_of(file));
+    return out;
+}
+
+}  // namespace
+
+Parts::Parts(fs::path folder, const Results& results, const std::vector<std::string>& node_folders)
+    : folder_(std::move(folder)) {
+    const DeviceInfo& device = results.device;
+    common_ = digest(text_of("/proc/self/exe")) + device.name + device.driver;
+    common_ += to_json(results).at("study").dump();
+    for (const Contender& contender : results.contenders)
+        common_ += contender.id + (contender.file.empty() ? "" : pipeline_digest(contender.file));
+    for (const std::string& nodes : node_folders) common_ += folder_digest(nodes);
+}
+
+Parts::Name Parts::name(std::string name, const std::vector<Shot>& shots) const {
+    std::string key = common_;
+    for (const Shot& shot : shots) key += shot_digest(shot);
+    return {std::move(name), digest(key)};
+}
+
+std::optional<Json> Parts::find(const Name& part) const {
+    if (!fs::is_regular_file(file(part))) return std::nullopt;
+    Json json = Json::parse(text_of(file(part)), nullptr, false);
+    if (!json.is_object() || json.value("key", "") != part.key || !json.contains("part")) return std::nullopt;
+    const Json& whole = json["part"];
+    std::vector<std::string> images;
+    for (const Json& shot : whole.at("shots")) images.push_back(shot.at("reference_image"));
+    for (const Json& row : whole.at("results"))
+        for (const Json& image : row.at("images")) images.push_back(image);
+    for (const std::string& image : images)
+        if (!fs::is_regular_file(folder_ / image)) return std::nullopt;
+    return whole;
+}
+
+void Parts::forget(const Name& part) const {
+    fs::remove(file(part));
+}
+
+void Parts::keep(const Name& part, const Json& json) const {
+    const std::string text = Json{{"key", part.key}, {"part", json}}.dump() + "\n";
+    write_file(file(part), std::as_bytes(std::span(text)));
+}
+
+fs::path Parts::file(const Name& part) const {
+    return folder_ / "parts" / (part.name + ".json");
+}
+
+}  // namespace penumbra::report
