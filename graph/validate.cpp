@@ -65,7 +65,7 @@ class Validator {
                 if (bound.port->output || bound.resource != input.name) continue;
                 const Port* port = port_for(*bound.port, bound.port->formats);
                 if (!port) return std::nullopt;
-                return watcher(input.name, *port, {}, input.place);
+                return watcher(input.name, *port, all_cases(), input.place);
             }
         return std::nullopt;
     }

@@ -164,7 +164,7 @@ TEST_F(Cascades, KeepTheShadowsOfWiresThinnerThanATexel) {
     EXPECT_EQ(differing(rays, hybrid), 0u);
     EXPECT_LT(hybrid.rays, rays.rays * 9 / 10);
     // Ordinary maps of that size do not see them.
-    EXPECT_GT(differing(rays, run("hybrid_published_raw", {}, shot, maps_of(64))), 20u);
+    EXPECT_GT(differing(rays, run("hybrid_published_raw", {}, shot, maps_of(64))), 10u);
 }
 
 TEST_F(Cascades, KeepShadowsAttachedToTheirCasters) {

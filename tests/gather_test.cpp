@@ -92,7 +92,7 @@ ViewRun run_with(int radius) {
     text.replace(text.find("RADIUS"), 6, std::to_string(radius));
     ViewRunOptions options;
     options.captures = {"gathered"};
-    options.formats = {{"depth", Format::r32f}};
+    options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}};
     return ViewRun(shadow_pipeline(text), extent, options);
 }
 

@@ -336,7 +336,8 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
+        for (const char* pipeline :
+             {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
