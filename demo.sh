@@ -12,18 +12,18 @@ render() { # pipeline, shot, frame to write, folder
 main_job() {
     echo "demo: one shadow ray per pixel, not denoised"
     render raw colonnade 15 colonnade_raw
-    echo "demo: denoised and anti-aliased, 16 frames of a moving camera"
-    render shadows colonnade 15 colonnade
-    echo "demo: the published denoiser on the same frames, and on a real model"
+    echo "demo: denoised and anti-aliased, 16 frames of a moving camera, there and before a real model"
+    render hybrid_shadows colonnade 15 colonnade
+    render hybrid_shadows engine 15 engine
+    echo "demo: the published denoiser on the first shot"
     render fidelityfx colonnade 15 colonnade_published
-    render fidelityfx engine 15 engine
     cat <<EOF
 demo: done. Look at
   out/demo/colonnade_raw/visibility.0015.png   noisy mask
   out/demo/colonnade/visibility.0015.png       denoised visibility
   out/demo/colonnade/color.0015.png            lit and anti-aliased frame
-  out/demo/colonnade_published/visibility.0015.png   the published denoiser's
   out/demo/engine/color.0015.png               the engine
+  out/demo/colonnade_published/visibility.0015.png   the published denoiser's
 (.exr beside each in full precision; report.json in each folder)
 EOF
 }
