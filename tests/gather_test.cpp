@@ -229,12 +229,13 @@ TEST_F(Gather, AsksMoreNeighboursWhereItIsToldTo) {
 }
 
 // A sun whose axis is mirrored between tracer and denoiser: every neighbour's ray is taken to test another
-// place than it does (90 degrees is not among these: such an edge does not depend on the mirrored axis).
+// place than it does: 19 to 32 instead of 52 to 61 (90 degrees is not among these: such an edge does not
+// depend on the mirrored axis).
 TEST_F(Gather, FailsThatWithAMirroredSun) {
     for (const double angle : {0.0, 17.0, 45.0, 135.0, 160.0}) {
         SCOPED_TRACE(angle);
         const std::vector<Edge> edge = {{distance_for(8), angle}};
-        EXPECT_LT(n_eff({.edges = edge, .mirrored = true}), 0.8 * n_eff({.edges = edge}));
+        EXPECT_LT(n_eff({.edges = edge, .mirrored = true}), 0.65 * n_eff({.edges = edge}));
     }
 }
 
