@@ -13,7 +13,7 @@ namespace penumbra {
 
 namespace {
 
-constexpr VkFormat slopes_format = VK_FORMAT_R16G16_SFLOAT;
+constexpr VkFormat slopes_format = VK_FORMAT_R32G32_SFLOAT;
 constexpr VkShaderStageFlags both_stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 constexpr uint32_t most_triangles = 1u << 28;  // 15 vertices of each can be counted
 constexpr VkPipelineStageFlags2 depth_stages =

@@ -28,10 +28,12 @@ vec3 metres_in(Cascade c, vec3 relative) {
     return in_cascade(c, relative) * vec3(side_m, side_m, c.depth_m);
 }
 
-// Nodes double, so a map whose side is no power of two has texels that no level covers: rays decide everything.
+// Nodes double, so a map whose side is no power of two has texels that no level covers: rays decide everything. So they
+// do where the host does not say that the bounds hold all casters.
 uint usable_cascades() {
     const ivec3 size = textureSize(cascade_bounds, 0);
-    return size.x == size.y && (size.x & (size.x - 1)) == 0 ? min(cascades.count, uint(size.z)) : 0u;
+    const bool whole = (cascades.flags & BOUNDS_HOLD_ALL) != 0u && size.x == size.y && (size.x & (size.x - 1)) == 0;
+    return whole ? min(cascades.count, uint(size.z)) : 0u;
 }
 
 struct Area {

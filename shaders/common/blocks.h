@@ -28,9 +28,13 @@ struct Cascade {
     uint revision;  // another value whenever what this layer of the maps shows changes; 0: the host does not tell
 };
 
+// The bounds are conservative: every surface in every texel that it touches, however thin. What an ordinary raster finds
+// at texels' centres is not, and proves nothing.
+const uint BOUNDS_HOLD_ALL = 1u;
+
 struct Cascades {
     uint count;  // 0..4, finest first; each layer of the maps is one
-    uint flags;  // 1: the maps' casters are widened by half a texel
+    uint flags;  // BOUNDS_HOLD_ALL, or nothing is promised
     Cascade c[4];
 };
 
