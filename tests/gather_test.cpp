@@ -2,6 +2,7 @@
 // The estimator of node gather alone, on rays that the test casts itself: receivers of any tilt under a sun
 // whose disc is partly covered by straight edges, so that every pixel's visibility is known in closed form.
 // The rays, their hits and the sun's points are handed to the node as a tracer would.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <glm/glm.hpp>
@@ -19,7 +20,7 @@ namespace penumbra::test {
 namespace {
 
 constexpr Extent extent{96, 64};
-constexpr double sun_radius = 0.1 * std::numbers::pi / 180;
+constexpr double small_sun_deg = 0.1;
 constexpr double middle_m = 10;  // view depth of the image's centre
 
 constexpr const char* gather_alone = R"({
@@ -64,7 +65,19 @@ struct Setting {
     int radius = 4;                                        // of the taps
     std::function<double(int x, int y)> step_m = nullptr;  // moves the receiver along its normal
     std::function<bool(int x, int y)> averted = nullptr;   // pixels that look away from the sun
+    double sun_radius_deg = small_sun_deg;
+    double sun_elevation_deg = 45;  // over the receiver
 };
+
+struct Receiver {
+    glm::dvec3 normal, sun;
+};
+
+Receiver receiver_of(const Setting& setting) {
+    const double tilt = glm::radians(setting.tilt_deg), elevation = glm::radians(setting.sun_elevation_deg);
+    const glm::dvec3 n(0, std::sin(tilt), std::cos(tilt));
+    return {n, std::sin(elevation) * n + std::cos(elevation) * glm::dvec3(1, 0, 0)};
+}
 
 double pixel_m(const Camera& camera) {
     return middle_m * 2 / (extent.height * std::abs(camera.clip_from_view[5]));
@@ -78,8 +91,28 @@ Camera narrow_camera() {
 }
 
 // The distance at which the penumbra is `width_px` wide on a receiver seen face on and lit along its normal.
-double distance_for(double width_px) {
-    return 0.5 * width_px * pixel_m(narrow_camera()) / std::tan(sun_radius);
+double distance_for(double width_px, double sun_radius_deg = small_sun_deg) {
+    return 0.5 * width_px * pixel_m(narrow_camera()) / std::tan(glm::radians(sun_radius_deg));
+}
+
+// Whether the ray from `at` (light space, from the image's centre) to a point of the disc passes an edge.
+bool is_lit(const Edge& edge, const glm::dvec3& at, double tangent, const glm::dvec2& point) {
+    const double angle = glm::radians(edge.angle_deg);
+    const glm::dvec2 across = glm::dvec2(at) + (edge.distance_m - at.z) * tangent * point;
+    return glm::dot(across, glm::dvec2(std::cos(angle), std::sin(angle))) < edge.offset_m;
+}
+
+// By a grid of points: where edges and the receiver's own horizon cut the disc together.
+double share_of_disc(const std::function<bool(const glm::dvec2&)>& lit) {
+    constexpr int side = 40;
+    int inside = 0, free = 0;
+    for (int i = 0; i < side * side; ++i) {
+        const glm::dvec2 q = (2.0 * (glm::dvec2(i % side, i / side) + 0.5)) / double(side) - 1.0;
+        if (glm::dot(q, q) > 1) continue;
+        ++inside;
+        free += lit(q);
+    }
+    return double(free) / inside;
 }
 
 struct Result {
@@ -98,8 +131,8 @@ ViewRun run_with(int radius) {
 
 Result gather(ViewRun& run, const Setting& setting) {
     const Camera camera = narrow_camera();
-    const double tilt = glm::radians(setting.tilt_deg);
-    const glm::dvec3 n(0, std::sin(tilt), std::cos(tilt)), sun = glm::normalize(n + glm::dvec3(1, 0, 0));
+    const auto [n, sun] = receiver_of(setting);
+    const double sun_radius = glm::radians(setting.sun_radius_deg), tangent = std::tan(sun_radius);
     const glm::dmat3 axes = light_axes(sun);
     const glm::dvec3 centre = glm::transpose(axes) * glm::dvec3(0, 0, -middle_m);
 
@@ -133,18 +166,28 @@ Result gather(ViewRun& run, const Setting& setting) {
             const glm::dvec2 point = glm::unpackSnorm2x16(points[i]);
             bool hit = false;
             double hit_m = 0;
+            const auto meets_own_plane = [&](const glm::dvec2& q) {
+                return glm::dot(n, axes * glm::dvec3(tangent * q, 1)) <= 0;
+            };
             result.truth[i] = 1;
             for (const Edge& edge : setting.edges) {
                 const double angle = glm::radians(edge.angle_deg), height = edge.distance_m - at.z;
                 const glm::dvec2 normal(std::cos(angle), std::sin(angle));
-                const double rho = height * std::tan(sun_radius),
+                const double rho = height * tangent,
                              inside = edge.offset_m - glm::dot(glm::dvec2(at), normal);
                 // Edges never cover each other's part of the disc in these tests.
                 result.truth[i] += disc_share(inside / rho) - 1;
-                if (inside - rho * glm::dot(point, normal) > 0) continue;
+                if (is_lit(edge, at, tangent, point)) continue;
                 hit = true;
                 hit_m = std::max(hit_m, height);
             }
+            if (setting.sun_elevation_deg < setting.sun_radius_deg)
+                result.truth[i] = share_of_disc([&](const glm::dvec2& q) {
+                    return !meets_own_plane(q) && std::ranges::all_of(setting.edges, [&](const Edge& edge) {
+                        return is_lit(edge, at, tangent, q);
+                    });
+                });
+            hit = hit || meets_own_plane(point);
             const uint32_t bit = 1u << (y % 4 * 8 + x % 8);
             if (setting.averted && setting.averted(int(x), int(y))) {
                 result.counted[i] = false;
@@ -153,7 +196,7 @@ Result gather(ViewRun& run, const Setting& setting) {
             sunward[word] |= bit;
             result.bit[i] = !hit;
             if (!hit) lit[word] |= bit;
-            if (hit) {
+            if (hit_m > 0) {  // the receiver itself is no blocker
                 const auto steps = static_cast<uint32_t>((std::log2(hit_m) + 32) * 64 + 0.5);
                 blockers[3 * word] += 1;
                 blockers[3 * word + 1] += steps;
@@ -330,6 +373,26 @@ TEST_F(Gather, IsAsGoodAtTheBorder) {
         add(inside, r, [&](int x, int y) { return !at_border(x, y); });
     }
     EXPECT_GT(border.n_eff(), 0.3 * inside.n_eff());
+}
+
+// A sun that has half set behind the receiver's own plane, beside an edge: rays to its lower half meet the
+// receiver, whatever the blockers do. They are no samples of the edge, and their share of the disc is known:
+// sheared as if a blocker had stopped them, they leave 67 to 72
+// effective samples instead of 95 to 138.
+TEST_F(Gather, KnowsWhatTheReceiversOwnPlaneHides) {
+    for (const double elevation : {-0.8, 0.0, 0.8}) {
+        SCOPED_TRACE(elevation);
+        Setting setting{.sun_radius_deg = 2, .sun_elevation_deg = elevation};
+        const glm::dmat3 axes = light_axes(receiver_of(setting).sun);
+        const glm::dvec2 sideways(axes[0].y, axes[1].y);  // the image's vertical, across the light
+        setting.edges = {{distance_for(12, 2), glm::degrees(std::atan2(sideways.y, sideways.x))}};
+        // Where blockers are near: on the lit side there is nothing to shear by, and the own ray is all.
+        const auto beside_the_edge = [](int, int y) { return y >= 28 && y < 36; };
+        Share share;
+        for (setting.seed = 1; setting.seed <= 4; ++setting.seed)
+            add(share, gather(setting), beside_the_edge);
+        EXPECT_GT(share.n_eff(), 83);
+    }
 }
 
 // Two edges at distances of 1 : 4 whose penumbrae lie side by side: no single distance is right.
