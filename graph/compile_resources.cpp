@@ -92,6 +92,7 @@ void Compiler::make_resource(const BoundNode& node, const SelectedNode& selected
               fmt::format("{} bytes exceed the device's largest storage buffer, {}", r.buffer_bytes(),
                           target_.device.max_storage_bytes));
     r.kept = port.writes == Writes::kept;
+    r.memo = port.memo;
     if (r.kept || first_of(port, c.resource) == First::clear) clear_on_reset(r);
     if (r.clear_on_activation || options_.poison) {
         r.image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;

@@ -21,9 +21,9 @@ constexpr uint32_t max_variants = 8;
 constexpr size_t max_channels = 4;
 
 const std::vector<std::string> kind_words = {"image", "texels", "buffer", "block", "scene"};
-const std::vector<std::string> port_keys = {"kind",     "format",   "as",       "filter", "layers",  "levels",
-                                            "element",  "extent",   "count",    "writes", "updates", "first",
-                                            "previous", "indirect", "optional", "if",     "range",   "doc"};
+const std::vector<std::string> port_keys = {
+    "kind",    "format", "as",       "filter",   "layers",   "levels", "element", "extent", "count", "writes",
+    "updates", "first",  "previous", "indirect", "optional", "if",     "range",   "memo",   "doc"};
 const std::vector<std::string> elements = {"u32", "uvec2", "uvec4", "f32", "vec4"};
 
 std::vector<std::string> keys_of(PortKind kind, bool output, bool updates) {
@@ -40,7 +40,7 @@ std::vector<std::string> keys_of(PortKind kind, bool output, bool updates) {
     if (kind == PortKind::image) add({"as"});
     if (kind == PortKind::image && !output) add({"filter"});
     if (updates) return keys;  // the rest comes from the port that it updates
-    if (output) add({"writes"});
+    if (output) add({"writes", "memo"});
     if (texels) add({"format"});
     if (texels && output) add({"extent"});
     if (kind == PortKind::image) add({"layers", "levels"});
@@ -241,6 +241,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
         const std::vector<std::string> words = {"all", "tiles", "some", "kept"};
         port.writes = static_cast<Writes>(reader.choice("writes", words).value_or(0));
     }
+    if (applies("memo")) port.memo = reader.flag("memo");
     if (applies("first")) {
         const std::vector<std::string> words = {"any", "clear"};
         port.first = static_cast<First>(reader.choice("first", words).value_or(0));

@@ -99,6 +99,7 @@ struct PlanResource {
     Extent extent;
     bool layered = false;  // a 2D array, be it of one layer
     bool kept = false;     // writes: kept; one memory for all frames, which nobody else shares
+    bool memo = false;     // what it brings from frames before changes nothing that is put out
     uint32_t layers = 1, levels = 1;
     std::string element;
     uint64_t count = 0;  // elements (buffers, texels)

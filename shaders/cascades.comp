@@ -9,7 +9,8 @@
 #include "common/camera.glsl"
 #include "common/cascade_node.glsl"
 #include "common/cascade_place.glsl"
-#include "common/guide_normal.glsl"
+#include "common/ray_offset.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/tile_interval.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
@@ -18,7 +19,6 @@
 // What fp32 rounds away of a depth z: a few ulps, and a bound for small scenes' positions.
 const float ROUNDING_OF_DEPTH = 2e-6;
 const float ROUNDING_M = 1e-5;
-const float HORIZON = 1.02;  // a surface whose horizon cuts the sun's disc, or nearly, shades itself
 const int MOVES = 3;         // to finer cascades, as the search area shrinks
 const float OFFSET_SHARE = 64.0;  // rays start off the surface by less than this part of a pixel, or of a texel
 
@@ -82,9 +82,12 @@ void main() {
     const bool speaks = bit == 1u << uint(findLSB(record.y));  // its normal stands for the tile's
 
     const float view_z = wanted ? imageLoad(view_depth, p).x : 0.0;
-    const vec3 n = wanted ? unit_or_zero(decode_normal(imageLoad(guide_normal, p))) : vec3(0.0);
-    const vec3 relative = wanted ? position(p, view_z) : vec3(0.0);
-    const bool may_be_lit = dot(n, sun.to_sun) > HORIZON * sin(sun.angular_radius) + GUIDE_NORMAL_ERROR;
+    const vec3 n = wanted ? decode_receiver_normal(imageLoad(receiver_normal, p).xy) : vec3(0.0);
+    // The proof is of the rays, which start off the surface by what may be wrong about the point: so the surface itself is
+    // below them, whatever its slope. Where the triangles' frame is farther away, rays start a little higher still.
+    const vec3 seen = wanted ? position(p, view_z) : vec3(0.0);
+    const vec3 relative = seen + n * (wanted ? robust_offset_m(p, view_z, n, seen, seen) : 0.0);
+    const bool may_be_lit = cap_leaves_surface(n, sun.to_sun, sun.angular_radius);  // else it shades itself
 
     // The finest cascade that holds the search area, and the first few nodes there. What they show is often lower than
     // the topmost caster; then a smaller area suffices, which a finer cascade may hold.

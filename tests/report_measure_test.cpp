@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/commands.h"
 #include "app/report/measure.h"
@@ -159,11 +161,12 @@ TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
         return file.string();
     };
     Diagnostics diagnostics;
-    auto contenders = open_contenders(
-        {variant("copy", R"(, "nodes": {"again": {"type": "shade", "out": {"lit": "lit2"}}},
+    auto contenders =
+        open_contenders({variant("copy", R"(, "nodes": {"again": {"type": "shade", "out": {"lit": "lit2"}}},
                                               "outputs": ["visibility", "lit", "lit2"])"),
-         pipeline("raw"), variant("other", R"(, "nodes": {"trace": {"params": {"sampling": "published"}}})")},
-        {}, nodes_, diagnostics);
+                         pipeline("raw"), pipeline("hybrid_raw"),
+                         variant("other", R"(, "nodes": {"trace": {"params": {"sampling": "published"}}})")},
+                        {}, nodes_, diagnostics);
     ASSERT_TRUE(contenders) << diagnostics.text();
     results_.contenders = std::move(contenders->list);
     std::vector<std::string> warnings;
@@ -171,8 +174,10 @@ TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
     const auto shot = open_report_shot(edge.shot.file, folder_ / "shots", 4, diagnostics);
     ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
     const Row &copy = *results_.row(0, contender("copy")), &raw = *results_.row(0, contender("raw")),
-              &other = *results_.row(0, contender("other"));
-    EXPECT_EQ(copy.same_as, contender("raw"));  // the one with fewer passes
+              &other = *results_.row(0, contender("other")),
+              &proofs = *results_.row(0, contender("hybrid_raw"));
+    EXPECT_EQ(copy.same_as, contender("raw"));    // the one with fewer passes
+    EXPECT_EQ(proofs.same_as, contender("raw"));  // though it remembers what it proved
     EXPECT_FALSE(raw.same_as);
     EXPECT_FALSE(other.same_as);
     EXPECT_EQ(copy.moving.n_eff, raw.moving.n_eff);
@@ -183,6 +188,44 @@ TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
     ASSERT_EQ(results_.edge.size(), results_.contenders.size());
     EXPECT_EQ(results_.edge[contender("copy")].metrics.n_eff, results_.edge[contender("raw")].metrics.n_eff);
     EXPECT_NE(results_.edge[contender("other")].metrics.n_eff, results_.edge[contender("raw")].metrics.n_eff);
+}
+
+// What memos promise: without the other kinds of history a frame's mask is the same after others as after a
+// reset, in every shipped pipeline.
+TEST_F(ReportMeasure, AMaskWithoutHistoryDoesNotKnowItsPast) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto contenders = open_contenders({}, PENUMBRA_SOURCE_DIR, nodes_, diagnostics);
+    const auto shot = read_shot(PENUMBRA_SOURCE_DIR "/scenes/fan.shot.json", diagnostics);
+    ASSERT_TRUE(contenders && shot) << diagnostics.text();
+    std::map<CostMemory, std::set<std::string>> without;
+    std::set<std::string> with;
+    for (const Contender& contender : contenders->list) {
+        SCOPED_TRACE(contender.id);
+        const auto open = [&] {
+            return Runner::open(test::gpu(), nodes_, contender, *shot, {64, 36}, false, diagnostics,
+                                warnings);
+        };
+        const auto goes_on = open(), starts = open();
+        ASSERT_TRUE(goes_on && starts) << diagnostics.text();
+        if (contender.brute_force) continue;
+        if (goes_on->has_history()) {
+            with.insert(contender.id);
+            continue;
+        }
+        without[goes_on->cost_memory()].insert(contender.id);
+        for (uint32_t frame = 0; frame < 3; ++frame) {
+            const Sample sample = goes_on->run(frame, frame == 0, true);
+            EXPECT_EQ(sample.visibility, starts->run(frame, true, true).visibility);
+            EXPECT_EQ(sample.true_cost, frame > 0 || goes_on->cost_memory() != CostMemory::frame_before);
+        }
+        EXPECT_EQ(goes_on->run(4, false, true).true_cost, goes_on->cost_memory() == CostMemory::none);
+    }
+    using Names = std::set<std::string>;
+    EXPECT_EQ(with, (Names{"fidelityfx", "hybrid_cascades", "hybrid_shadows", "shadows", "sheared"}));
+    EXPECT_EQ(without[CostMemory::all], (Names{"hybrid_cones_raw", "hybrid_raw", "many_rays"}));
+    EXPECT_EQ(without[CostMemory::frame_before], (Names{"cascades_only", "hybrid_cascades_cones_raw",
+                                                        "hybrid_cascades_raw", "hybrid_published_raw"}));
 }
 
 TEST_F(ReportMeasure, AnInterruptedRunGoesOnWhereItWas) {

@@ -45,18 +45,19 @@ uint64_t counted_rays(const Plan& plan, const FrameCost& cost) {
     return rays;
 }
 
-// What is kept carries over too; but cascade_pyramid keeps what it has made of the shadow maps, which it
-// would make anew with the same outcome.
+// A memo carries over too, but its declaration says that the mask does not depend on it.
 bool has_history(const Plan& plan) {
-    const auto carries = [&](const PlanResource& resource) {
-        if (!resource.kept) return resource.history;
-        return std::ranges::any_of(plan.passes, [&](const PlanPass& pass) {
-            return std::ranges::find(pass.writes, resource.names.front()) != pass.writes.end() &&
-                   pass.entry && pass.entry->type.name != "cascade_pyramid";
-        });
-    };
-    return std::ranges::any_of(plan.resources, carries) ||
+    return std::ranges::any_of(plan.resources,
+                               [](const PlanResource& r) { return (r.history || r.kept) && !r.memo; }) ||
            std::ranges::any_of(plan.slots, [](const HostSlot& slot) { return slot.name.ends_with("@-1"); });
+}
+
+CostMemory cost_memory(const Session& session) {
+    const std::vector<PlanResource>& resources = session.plan().resources;
+    if (std::ranges::any_of(resources, [](const PlanResource& r) { return r.history && r.memo; }))
+        return CostMemory::all;
+    const bool kept = std::ranges::any_of(resources, &PlanResource::kept);
+    return session.cascade_maps() || kept ? CostMemory::frame_before : CostMemory::none;
 }
 
 }  // namespace
@@ -75,8 +76,7 @@ std::unique_ptr<Runner> Runner::open(Device& device, const NodeSet& nodes, const
     if (!runner->session_) return nullptr;
     const Plan& plan = runner->session_->plan();
     runner->has_history_ = report::has_history(plan);
-    runner->keeps_ =
-        runner->session_->cascade_maps() || std::ranges::any_of(plan.resources, &PlanResource::kept);
+    runner->cost_memory_ = report::cost_memory(*runner->session_);
     const std::vector<bool> mask = passes_of_mask(plan);
     for (size_t p = 0; p < plan.passes.size(); ++p) {
         if (plan.passes[p].kind == PassKind::capture) continue;
@@ -98,7 +98,10 @@ Sample Runner::run(uint32_t frame, bool reset, bool judged) {
     for (const size_t p : plan_pass_) sample.passes.push_back({cost.passes[p].ms, cost.pass_cpu_ms[p]});
     sample.maps_cpu_ms = cost.cascades_cpu_ms;
     sample.rays = counted_rays(session_->plan(), cost);
-    sample.true_cost = !keeps_ || (last_ && frame == *last_ + 1);
+    const bool after_last = last_ && frame == *last_ + 1;
+    unbroken_ = reset || (unbroken_ && after_last);
+    sample.true_cost = cost_memory_ == CostMemory::none ||
+                       (cost_memory_ == CostMemory::frame_before ? after_last : unbroken_);
     last_ = frame;
     return sample;
 }

@@ -21,8 +21,7 @@ struct Sample {
     std::vector<PassCost> passes;       // parallel to Runner::passes()
     std::optional<double> maps_cpu_ms;  // of drawing shadow maps, where it reads any
     uint64_t rays = 0;
-    // Whether the costs are those of a run frame by frame. What is kept from frame to frame (shadow maps and
-    // what is made of them) costs by what has moved since the frame that was run before.
+    // Whether the costs are those of a run frame by frame (CostMemory).
     bool true_cost = true;
 };
 
@@ -31,6 +30,11 @@ struct PassName {
     std::string node, type;
     bool mask = false;
 };
+
+// Which frames before it a frame's cost depends on, though its mask does not. Shadow maps, and what is kept
+// of them, cost by what has moved since the frame that was run before; a memo that each frame reads and
+// writes (which proofs paid) by all of them.
+enum class CostMemory : uint8_t { none, frame_before, all };
 
 class Runner {
   public:
@@ -44,16 +48,17 @@ class Runner {
 
     // Whether a frame's mask depends on frames before it.
     bool has_history() const { return has_history_; }
-    // Whether a frame's cost depends on the frame that was run before it.
-    bool keeps() const { return keeps_; }
+    CostMemory cost_memory() const { return cost_memory_; }
     const std::vector<PassName>& passes() const { return passes_; }
 
   private:
     Runner() = default;
 
     std::unique_ptr<Session> session_;
-    bool has_history_ = false, keeps_ = false;
+    bool has_history_ = false;
+    CostMemory cost_memory_ = CostMemory::none;
     std::optional<uint32_t> last_;  // the frame that was run before
+    bool unbroken_ = false;         // all frames since a reset were run
     std::vector<PassName> passes_;
     std::vector<size_t> plan_pass_;  // of the plan, per entry of passes_: captures are left out
 };

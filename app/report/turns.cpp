@@ -33,8 +33,9 @@ Turns::Turns(const std::vector<std::unique_ptr<Runner>>& runners, const TurnsOpt
     const auto needed = [&](const Runner& runner, uint32_t frame, uint32_t seed) {
         if (runner.has_history()) return true;
         if (options.still) return frame + 2 >= options.frames;
-        return options.judged.contains(frame) ||
-               (options.costs && runner.keeps() && seed == 1 && options.judged.contains(frame + 1));
+        if (options.judged.contains(frame)) return true;
+        if (!options.costs || seed != 1 || runner.cost_memory() == CostMemory::none) return false;
+        return runner.cost_memory() == CostMemory::all || options.judged.contains(frame + 1);
     };
     for (size_t contender = 0; contender < runners.size(); ++contender) originals_.push_back(contender);
     for (uint32_t seed = 1; seed <= options.seeds; ++seed) {

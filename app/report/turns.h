@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // One run: every contender through the same frames under every seed, in turns. Keeps the masks of judged
 // frames and the cost of every frame that is warm. What no figure depends on is not run: a pipeline without
-// history skips frames that are not judged (but where shadow maps are kept, under the first seed, it runs the
-// one before too, since its cost follows from what has moved since), and contenders whose masks are the same
-// to the bit in all judged frames under the first seed are taken to be the same under the others: of these
-// only one goes on, the one with the fewest passes.
+// history skips frames that are not judged (but under the first seed it runs those before that its cost
+// depends on), and contenders whose masks are the same to the bit in all judged frames under the first seed
+// are taken to be the same under the others: of these only one goes on, the one with the fewest passes.
 #pragma once
 
 #include <functional>
