@@ -57,6 +57,7 @@ OrderedJson to_json(const CompareArguments& arguments, const Comparison& c) {
                              {"me", or_null(d.rms)},
                              {"recall", or_null(d.recall)},
                              {"eta_ray", or_null(d.eta_ray)},
+                             {"traced_per_penumbra", or_null(d.traced_per_penumbra)},
                              {"interval", or_null(c.interval)}};
     json["flicker"] = {{"rms", or_null(c.flicker_rms)}, {"p99", or_null(c.flicker_p99)}};
     json["lag"] = {

@@ -215,6 +215,7 @@ TEST(Decisions, PerfectOnesAreNeverWrongAndRaysMeetThePenumbraAlone) {
     const DecisionMetrics m = metrics_of(Decided().sums());
     EXPECT_EQ(m.recall, 1);
     EXPECT_EQ(m.eta_ray, 1);
+    EXPECT_EQ(m.traced_per_penumbra, 1);
     EXPECT_EQ(m.beyond_eps, 0);
     EXPECT_LT(m.rms.value(), penumbra_eps);
 }
@@ -238,6 +239,7 @@ TEST(Decisions, WrongOnesAreFoundByKindAndSize) {
     EXPECT_EQ(m.eta_ray, 1);
     d.set(d.undecided, lit);  // a ray that was not needed
     EXPECT_LT(metrics_of(d.sums()).eta_ray.value(), 1);
+    EXPECT_EQ(metrics_of(d.sums()).traced_per_penumbra, double(s.penumbra - 1) / double(s.penumbra));
     d.undecided.pop_back();
     EXPECT_THROW(d.sums(), std::invalid_argument);
 }

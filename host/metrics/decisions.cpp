@@ -106,6 +106,7 @@ DecisionMetrics metrics_of(const DecisionSums& sums) {
     if (sums.pixels) out.rms = std::sqrt(sums.squares / static_cast<double>(sums.pixels));
     out.recall = share(sums.penumbra_traced, sums.penumbra);
     out.eta_ray = share(sums.penumbra_traced, sums.traced);
+    out.traced_per_penumbra = share(sums.traced, sums.penumbra);
     return out;
 }
 

@@ -41,10 +41,11 @@ struct IntervalSums {
 IntervalSums judge_interval(const ComparedFrame& frame, std::span<const uint32_t> undecided,
                             std::span<const uint32_t> hits, std::span<const uint32_t> whole_hits);
 
-// Shares of all measured pixels, but recall = penumbra traced / penumbra and eta_ray = penumbra traced /
-// traced.
+// Shares of all measured pixels, but recall = penumbra traced / penumbra, eta_ray = penumbra traced / traced
+// and traced_per_penumbra = traced / penumbra: rays per pixel that needs them, where a pixel has one.
 struct DecisionMetrics {
-    std::optional<double> beyond_eps, beyond_05, beyond_25, false_lit, false_shadow, rms, recall, eta_ray;
+    std::optional<double> beyond_eps, beyond_05, beyond_25, false_lit, false_shadow, rms, recall, eta_ray,
+        traced_per_penumbra;
 };
 DecisionMetrics metrics_of(const DecisionSums& sums);
 
