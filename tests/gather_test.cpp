@@ -131,7 +131,8 @@ ViewRun run_with(int radius) {
 
 Result gather(ViewRun& run, const Setting& setting) {
     const Camera camera = narrow_camera();
-    const auto [n, sun] = receiver_of(setting);
+    const Receiver receiver = receiver_of(setting);
+    const glm::dvec3 n = receiver.normal, sun = receiver.sun;
     const double sun_radius = glm::radians(setting.sun_radius_deg), tangent = std::tan(sun_radius);
     const glm::dmat3 axes = light_axes(sun);
     const glm::dvec3 centre = glm::transpose(axes) * glm::dvec3(0, 0, -middle_m);
