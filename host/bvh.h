@@ -52,8 +52,10 @@ struct Bvh {
 // Coordinates beyond this are not traced: the products of the triangle test would leave the range of a float.
 inline constexpr float max_coordinate = 1e12f;
 
-// Levels of nodes, the root included, that build_bvh() never exceeds; bvh.glsl's stack relies on it.
-inline constexpr uint32_t max_bvh_depth = 32;
+// Levels of nodes, the root included, that build_bvh() never exceeds. A walk has at most one group of
+// siblings pending for each level between the root and the last; shaders/common/bvh_path.glsl has room
+// for 16.
+inline constexpr uint32_t max_bvh_depth = 16;
 
 // Finite, within max_coordinate, and not degenerate to a line or a point.
 bool usable(const Triangle& triangle);

@@ -17,6 +17,8 @@ using namespace bvh_detail;
 constexpr uint32_t bins = 32;
 constexpr uint32_t sweep_below = 64;  // a full sweep of so few costs less than clearing the bins
 constexpr uint32_t width = 4;
+constexpr uint32_t max_binary_depth =
+    2 * max_bvh_depth;  // grandchildren as children make half of it; see Collapse
 
 struct BinaryNode {
     Box box;
@@ -61,7 +63,7 @@ class BinaryTree {
         const uint32_t count = r.end - r.begin;
         // Halving from here on still ends within the depth limit; anything else might not.
         const uint32_t levels_of_halving = uint32_t(std::bit_width(count - 1));
-        if (r.depth + levels_of_halving + 1 >= max_bvh_depth) return halve(r);
+        if (r.depth + levels_of_halving + 1 >= max_binary_depth) return halve(r);
         return count <= sweep_below ? sweep(r) : binned(r);
     }
 
@@ -180,10 +182,13 @@ class BinaryTree {
 };
 
 // The cheapest way to show a binary subtree to its wide parent as at most n children, n = 1..width. Cost is
-// the sum of the wide nodes' areas: the leaves are the same whatever is chosen.
+// the sum of the wide nodes' areas: the leaves are the same whatever is chosen. The cheapest may be deep;
+// where what is below would end beyond max_bvh_depth, a node takes its four grandchildren, which halves the
+// binary levels.
 class Collapse {
   public:
-    explicit Collapse(const std::vector<BinaryNode>& nodes) : nodes_(nodes), plans_(nodes.size()) {
+    explicit Collapse(const std::vector<BinaryNode>& nodes)
+        : nodes_(nodes), plans_(nodes.size()), heights_(nodes.size()) {
         // Children come after their parent in the array: one pass backwards is bottom-up.
         for (size_t i = nodes.size(); i-- > 0;) {
             const BinaryNode& node = nodes[i];
@@ -192,6 +197,7 @@ class Collapse {
                 best.fill({0, {}});
                 continue;
             }
+            heights_[i] = uint8_t(1 + std::max(heights_[node.left], heights_[node.right]));
             for (uint32_t n = 2; n <= width; ++n) best[n - 1] = cheapest(node, n);
             plans_[i].as_node = best[width - 1].split;
             best[0] = {best[width - 1].cost + node.box.area(), {}};
@@ -200,13 +206,25 @@ class Collapse {
         }
     }
 
-    // Binary nodes that become the children of the wide node made from `node`.
-    std::vector<uint32_t> children(uint32_t node) const {
+    // Binary nodes that become the children of the wide node made from `node` on a level, the root's being 1.
+    std::vector<uint32_t> children(uint32_t node, uint32_t level) const {
         std::vector<uint32_t> out;
-        if (nodes_[node].left == 0)
+        if (nodes_[node].left == 0) {
             out.push_back(node);  // the root of a scene of one leaf
-        else
-            open(node, plans_[node].as_node, out);
+            return out;
+        }
+        open(node, plans_[node].as_node, out);
+        const auto too_deep = [&](uint32_t child) {
+            return level + levels_by_grandchildren(child) > max_bvh_depth;
+        };
+        if (std::any_of(out.begin(), out.end(), too_deep)) {
+            out.clear();
+            for (const uint32_t child : {nodes_[node].left, nodes_[node].right})
+                if (nodes_[child].left == 0)
+                    out.push_back(child);
+                else
+                    out.insert(out.end(), {nodes_[child].left, nodes_[child].right});
+        }
         return out;
     }
 
@@ -246,8 +264,11 @@ class Collapse {
             open(node, split, out);
     }
 
+    uint32_t levels_by_grandchildren(uint32_t node) const { return (heights_[node] + 1u) / 2u; }
+
     const std::vector<BinaryNode>& nodes_;
     std::vector<Plan> plans_;
+    std::vector<uint8_t> heights_;  // of the binary subtree; 0: a leaf
 };
 
 uint32_t widest_axis(const std::vector<BinaryNode>& nodes, std::span<const uint32_t> children) {
@@ -289,13 +310,13 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
     bvh.nodes.resize(3);
     bvh.child_counts.resize(1);
     struct Work {
-        uint32_t binary, wide;
+        uint32_t binary, wide, level;
     };
-    std::vector<Work> work{{0, 0}};
+    std::vector<Work> work{{0, 0, 1}};
     while (!work.empty()) {
         const Work w = work.back();
         work.pop_back();
-        std::vector<uint32_t> children = collapse.children(w.binary);
+        std::vector<uint32_t> children = collapse.children(w.binary, w.level);
         const auto leaf = std::stable_partition(children.begin(), children.end(),
                                                 [&](uint32_t c) { return tree.nodes[c].left != 0; });
         WideNode node;
@@ -315,7 +336,7 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
         for (uint32_t k = 0; k < children.size(); ++k) {
             node.box[k] = tree.nodes[children[k]].box;
             if (k < node.nodes) {
-                work.push_back({children[k], node.first_node + k});
+                work.push_back({children[k], node.first_node + k, w.level + 1});
             } else {
                 const Corners& c = pairs[tree.nodes[children[k]].right];
                 encode_leaf(triangles, c, &bvh.leaves[bvh.corners.size() * 3]);

@@ -5,6 +5,8 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "host/bvh.h"
 #include "tests/bvh_large_planes.h"
 #include "tests/bvh_oracle.h"
@@ -80,6 +82,21 @@ class BvhGpu : public GpuTest {
 TEST_F(BvhGpu, AnswersLikeTheReference) {
     for (const TriangleScene& s : all_scenes())
         expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 1'000'000, 21));
+}
+
+// Rays towards the small end of a tree as deep as they get: what they pass waits until they are down, and a
+// walk that forgot what waits longest would miss it.
+TEST_F(BvhGpu, DeepTreesAnswerLikeTheReference) {
+    for (const int copies : {6, 24}) {
+        Random random(27);
+        std::vector<Ray> rays;
+        for (int i = 0; i < 10'000; ++i) {
+            const float size = std::ldexp(1.0f, int(random.in(-59, 38)));
+            const Vec from{size * random.in(0.5f, 3), size * random.in(0.5f, 3), size * random.in(0.5f, 3)};
+            rays.push_back({{from.x, from.y, from.z}, {-from.x, -from.y, -from.z}, 0, 2});
+        }
+        expect_equal(fmt::format("series of {}", copies), geometric_series(copies), rays);
+    }
 }
 
 TEST_F(BvhGpu, LargePlanesAnswerLikeTheReference) {

@@ -175,6 +175,17 @@ inline std::vector<Triangle> scaled(std::vector<Triangle> triangles, float scale
     return triangles;
 }
 
+// Every split cuts off its largest members only: SAH alone would go 250 levels deep.
+inline std::vector<Triangle> geometric_series(int copies) {
+    std::vector<Triangle> series;
+    for (int i = -60; i < 38; ++i)
+        for (int copy = 0; copy < copies; ++copy) {
+            const float s = std::ldexp(1.0f, i), o = s * (1 + 0.6f * float(copy) / float(copies));
+            series.push_back(triangle({o, o, o}, {o + s, o, o}, {o, o + s, o}));
+        }
+    return series;
+}
+
 struct TriangleScene {
     std::string name;
     std::vector<Triangle> triangles;

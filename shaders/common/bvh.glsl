@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Shadow rays against the hierarchy of host/bvh.h (the texel layout is documented there): any hit ends the ray.
 //
-// One flat loop without inner loops: every step tests one node and one leaf of what is pending, because lanes of a
-// subgroup that sit in different loops wait for each other. A node's hit children stay one word (first child and a mask),
-// so the stack takes at most one push per step. docs/bvh.md has what was measured.
+// The walk itself is common/bvh_path.glsl's. docs/bvh.md has what was measured.
 //
 // Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves; with SCENE_ALPHA what common/bvh_alpha.glsl needs.
 #include "common/bvh_alpha.glsl"
+#include "common/bvh_path.glsl"
 #include "common/twofold.glsl"
-
-const uint bvh_stack_size = 32u;  // = max_bvh_depth: a path holds at most one pending group per level
 
 // What does not change along the ray. Woop, Benthin, Wald 2013: vertices are sheared so that the ray becomes the z axis;
 // the rounding happens per vertex, so neighbours see the same rounded vertex and no gap opens between them.
@@ -189,65 +186,29 @@ uint bvh_hit_children(BvhRay ray, uvec4 n0, uvec4 n1, uvec4 n2) {
     return hit.x | hit.y | hit.z | hit.w;
 }
 
-uint bvh_reverse4(uint mask) {
-    return ((mask < 8u ? 0xE6A2C480u : 0xF7B3D591u) >> ((mask & 7u) * 4u)) & 15u;
-}
-
-// Of a word with one of the four lowest bits set.
-uint bvh_bit_index(uint bit) { return (bit >> 1) - (bit >> 3); }
-
 // Whether anything lies on the ray between t_min and t_max (exclusive, t_min >= 0); both sides of a triangle block.
 // `direction` is finite and of any length but zero, the unit of t; t_max may be infinite. `t_hit` becomes where some such
 // thing lies, not the nearest, and costs nothing where nobody reads it; without one it stays what it was.
 bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
-    BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
-    uint away = uint(direction.x > 0.0) | uint(direction.y > 0.0) << 1 | uint(direction.z > 0.0) << 2;
-
-    // A group of child nodes: first << 6 | order << 4 | mask. Order 3: the mask is reversed, the last child goes first.
-    uint group = 1u;
-    uint leaf_first = 0u, leaf_mask = 0u;
-    uint stack[bvh_stack_size];
-    uint depth = 0u;
+    const BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
+    BvhPath path = bvh_path(direction);
     bool found = false;
     // The last leaves that are hit or not for digits that are not there. Decided after the loop, since a device without
     // branches would decide in every step of every ray; a fifth such leaf takes the place of the first.
     uvec4 unsure_leaves = uvec4(0u);
     while (true) {
-        uint leaf_bit = leaf_mask & (~leaf_mask + 1u);
-        if (leaf_bit != 0u) {
-            uint leaf = leaf_first + bvh_bit_index(leaf_bit), unsure;
+        if (bvh_at_leaf(path)) {
+            uint leaf = bvh_take_leaf(path), unsure;
             if (bvh_hits_leaf(ray, leaf, t_hit, unsure)) found = true;
             if (unsure != 0u) unsure_leaves = uvec4(leaf << 2 | unsure, unsure_leaves.xyz);
-            leaf_mask ^= leaf_bit;
         }
-        // A new node may bring new leaves, so it waits until this step's leaf was the last at hand.
-        bool visit = leaf_mask == 0u && (group & 15u) != 0u;
-        uint hits = 0u, bit = 0u;
-        uvec4 n0, n1, n2;
-        if (visit) {
-            bit = group & (~group + 1u);
-            int texel = int(((group >> 6) + (bvh_bit_index(bit) ^ (group >> 4 & 3u))) * 3u);
-            n0 = texelFetch(scene_nodes, texel);
-            n1 = texelFetch(scene_nodes, texel + 1);
-            n2 = texelFetch(scene_nodes, texel + 2);
-            hits = bvh_hit_children(ray, n0, n1, n2);
+        BvhVisit visit = bvh_visit(path);
+        if (visit.wanted) {
+            bvh_fetch(path, visit);
+            visit.hits = bvh_hit_children(ray, visit.n0, visit.n1, visit.n2);
         }
-        // Always written, kept only if it is needed again: a store under a branch costs a third of the speed on a CPU.
-        group ^= bit;
-        stack[depth] = group;
-        if (visit) {
-            leaf_mask = hits & n0.w >> 28;
-            leaf_first = n1.y;
-            hits &= n0.w >> 24;
-            if (hits != 0u) {
-                depth += uint((group & 15u) != 0u);
-                // The child nearest to the light first: casters are more often found there than near the receiver.
-                bool last_first = (away >> (n1.x & 3u) & 1u) != 0u;
-                group = n1.x >> 2 << 6 | (last_first ? 48u | bvh_reverse4(hits) : hits);
-            }
-        }
-        if ((group & 15u) == 0u && depth > 0u) group = stack[--depth];
-        if (found || ((group & 15u) | leaf_mask) == 0u) break;
+        bvh_go_on(path, visit);
+        if (found || bvh_ended(path)) break;
     }
     if (!found && unsure_leaves.x != 0u) found = bvh_hits_unsure(ray, unsure_leaves, t_hit);
     return found;
