@@ -198,8 +198,9 @@ uint bvh_bit_index(uint bit) { return (bit >> 1) - (bit >> 3); }
 
 // Whether anything lies on the ray between t_min and t_max (exclusive, t_min >= 0); both sides of a triangle block.
 // `direction` is finite and of any length but zero, the unit of t; t_max may be infinite. `t_hit` becomes where some such
-// thing lies, not the nearest, and costs nothing where nobody reads it; without one it stays what it was.
-bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
+// thing lies, not the nearest, and costs nothing where nobody reads it; without one it stays what it was. So does `leaf_hit`,
+// which becomes its leaf, unless only bvh_plane_ahead() knew.
+bool occluded_by(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit, inout uint leaf_hit) {
     BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
     uint away = uint(direction.x > 0.0) | uint(direction.y > 0.0) << 1 | uint(direction.z > 0.0) << 2;
 
@@ -216,7 +217,9 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
         uint leaf_bit = leaf_mask & (~leaf_mask + 1u);
         if (leaf_bit != 0u) {
             uint leaf = leaf_first + bvh_bit_index(leaf_bit), unsure;
-            if (bvh_hits_leaf(ray, leaf, t_hit, unsure)) found = true;
+            const bool hit = bvh_hits_leaf(ray, leaf, t_hit, unsure);
+            if (hit) found = true;
+            if (hit) leaf_hit = leaf;
             if (unsure != 0u) unsure_leaves = uvec4(leaf << 2 | unsure, unsure_leaves.xyz);
             leaf_mask ^= leaf_bit;
         }
@@ -251,6 +254,11 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
     }
     if (!found && unsure_leaves.x != 0u) found = bvh_hits_unsure(ray, unsure_leaves, t_hit);
     return found;
+}
+
+bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
+    uint unread = 0u;
+    return occluded_by(origin, direction, t_min, t_max, t_hit, unread);
 }
 
 bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
