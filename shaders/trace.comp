@@ -115,7 +115,7 @@ void main() {
 
     uint ended = 0u;  // pixels whose first ray hits
 #if HAS_BLOCKERS
-    BlockerSums sums = BlockerSums(0u, 0u, 0u);
+    BlockerSums sums = BlockerSums(0u, 0u, 0u), early = sums;  // of rays that walked, and of those that did not
 #endif
 #if REMEMBERS
     const uint slots = leaf_slots(share_first, share);
@@ -132,7 +132,7 @@ void main() {
                 if (!hit && blocked_by_known(tile_index(tile), slots, first >> 3, bvh_ray(ray.origin, ray.direction, ray.t_min, ray.t_max), t, useful)) {
                     hit = true;
 #if HAS_BLOCKERS
-                    add_blocker(sums, metres_along(ray, t));
+                    add_blocker(early, metres_along(ray, t));
 #endif
                 }
             }
@@ -189,6 +189,7 @@ void main() {
     }
 #endif
 #if HAS_BLOCKERS
+    if (subgroupMax(sums.n) == 0u) sums = early;  // a walk looks near the light first: its distances are of one kind
     store_blockers(tile_index(tile), sums);
 #endif
     count_rays(subgroupElect() ? uint(bitCount(wanted)) * RAYS : 0u);
