@@ -8,9 +8,9 @@
 const uint LEAVES_PER_TILE = 4u;
 const uint NO_LEAF = ~0u;
 
-// Trying them takes about as long as the walks of a few rays; where fewer than these end at them, a tile forgets them, and
-// it remembers none for fewer that are blocked. docs/classification.md has what other numbers gave.
-const uint RAYS_WORTH_A_LEAF = 4u;
+// Trying them takes as long as the walks of a few rays; where fewer than two per leaf end at them, the leaves are forgotten,
+// and none are remembered for fewer that are blocked. docs/classification.md has what other numbers gave.
+const uint RAYS_WORTH_A_LEAF = 2u;
 
 // A subgroup tries and replaces those of its own share of the tile's pixels, eight to a leaf: bits of `slots`. All of them
 // where it has the tile to itself, none where it has fewer pixels.
@@ -45,10 +45,11 @@ bool blocked_by_known(uint tile, uint slots, uint start, BvhRay ray, inout float
 // For the next frame: leaves that ended a ray stay, and two that walks found take the places of others. `newest`: the last
 // one that this lane's walks found, or NO_LEAF. Called by every lane of the subgroup, with the same numbers but for that.
 void remember_leaves(uint tile, uint slots, bool known, uint useful, uint ended_early, uint ended_by_walk, uint newest) {
-    if (!known && ended_by_walk < RAYS_WORTH_A_LEAF) return;
-    if (ended_early < RAYS_WORTH_A_LEAF) useful = 0u;
+    const uint worth_it = RAYS_WORTH_A_LEAF * uint(bitCount(slots));
+    if (!known && ended_by_walk < worth_it) return;
+    if (ended_early < worth_it) useful = 0u;
     uvec2 found = uvec2(0u);
-    if (ended_by_walk != 0u && max(ended_early, ended_by_walk) >= RAYS_WORTH_A_LEAF) {
+    if (ended_by_walk != 0u && max(ended_early, ended_by_walk) >= worth_it) {
         found.x = subgroupMax(newest + 1u);  // NO_LEAF + 1 is 0
         const uint least = subgroupMin(newest) + 1u;
         found.y = least != found.x ? least : 0u;
