@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Shadow rays of undecided pixels: one workgroup per listed tile. One ray: one lane per pixel. Several: the tile's rays are
-// dealt out to the lanes without gaps, so that a tile of few undecided pixels costs no more than their rays.
+// Shadow rays of undecided pixels: one workgroup per listed tile. Its rays are dealt out to the lanes without gaps, so that a
+// tile of few undecided pixels costs no more than their rays. Where a tile remembers what blocked it, rays try that first.
 // Sampling: points of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl. A sun
 // that is a point takes no noise.
 #include "node.glsl"
@@ -103,7 +103,7 @@ const uint RAYS = 1u;
 #endif
 
 // A tile's pixels are numbered as pixel_of_lane() has them. A subgroup takes a share of them, and no other looks at it, so
-// that nothing here waits for a workgroup; on a software device, where waiting costs more than ten rays, a subgroup is one.
+// that nothing here waits for a workgroup; on a software device, where waiting costs as much as several rays, a subgroup is one.
 void main() {
     uvec4 record;
     if (!listed_tile(record)) return;  // the whole workgroup
