@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Shadow rays of undecided pixels: one workgroup per listed tile. One ray: one lane per pixel. Several: the tile's rays are
-// dealt out to the lanes without gaps, so that a tile of few undecided pixels costs no more than their rays.
+// Shadow rays of undecided pixels: one workgroup per listed tile. Its rays are dealt out to the lanes without gaps, so that a
+// tile of few undecided pixels costs no more than their rays. Where a tile remembers what blocked it, rays try that first.
 // Sampling: points of the sun's disc per pixel and frame; see common/sun_sample.glsl and common/blue_noise.glsl. A sun
 // that is a point takes no noise.
 #include "node.glsl"
@@ -52,17 +52,15 @@ vec3 ray_direction(ivec2 p, uint k) {
 // still ends above the surface that it belongs to.
 const float FAR_ULPS = 8.0 * 1.1920929e-7;  // 2^-23
 
-bool hits_reversed(vec3 origin, vec3 n, vec3 direction, float t_min, float t_max, inout float t_hit) {
-    const vec3 far = abs(origin) + t_max * abs(direction);
-    const vec3 start = origin + n * (FAR_ULPS * (far.x + far.y + far.z)) + direction * t_max;
-    float from_start = t_max - t_hit;
-    const bool found = occluded_at(start, -direction, 0.0, t_max - t_min, from_start);
-    t_hit = t_max - from_start;
-    return found;
-}
+struct ShadowRay {
+    vec3 origin, direction;
+    float t_min, t_max;
+    bool reversed;
+    float far;           // of a reversed ray: where it starts, along the ray that it stands for
+    bool into_surface;   // the surface itself hides the sun
+};
 
-// `t_hit` stays where it is the surface itself that hides the sun.
-bool hits_something(ivec2 p, uint k, float t_min, float t_max, inout float t_hit) {
+ShadowRay shadow_ray(ivec2 p, uint k, float t_min, float t_max) {
     const float z = imageLoad(view_depth, p).x;
     const vec3 relative = position(p, z);
     const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
@@ -70,78 +68,129 @@ bool hits_something(ivec2 p, uint k, float t_min, float t_max, inout float t_hit
     const vec3 origin = in_scene + n * offset_m(p, z, n, relative, in_scene);
     const vec3 direction = ray_direction(p, k);
     if (ORIGIN == ORIGIN_PUBLISHED) t_min = max(t_min, PUBLISHED_T_MIN_M);
-    else if (points_into_surface(n, direction)) return true;
-    if (REVERSE && t_max < WHOLE_RAY_M) return hits_reversed(origin, n, direction, t_min, t_max, t_hit);
-    return occluded_at(origin, direction, t_min, t_max, t_hit);
+    const bool into_surface = ORIGIN != ORIGIN_PUBLISHED && points_into_surface(n, direction);
+    if (!REVERSE || t_max >= WHOLE_RAY_M) return ShadowRay(origin, direction, t_min, t_max, false, 0.0, into_surface);
+    const vec3 reach = abs(origin) + t_max * abs(direction);
+    const vec3 start = origin + n * (FAR_ULPS * (reach.x + reach.y + reach.z)) + direction * t_max;
+    return ShadowRay(start, -direction, 0.0, t_max - t_min, true, t_max, into_surface);
 }
+
+float metres_along(ShadowRay ray, float t) { return ray.reversed ? ray.far - t : t; }
+
+// Index of the k-th set bit, from 0.
+uint bit_number(uint word, uint k) {
+    uint at = 0u;
+    for (uint width = 16u; width != 0u; width >>= 1) {
+        const uint below = uint(bitCount(word >> at & ((1u << width) - 1u)));
+        if (k >= below) at += width;
+        if (k >= below) k -= below;
+    }
+    return at;
+}
+
+#if HAS_BLOCKING_LEAVES && BACKEND != BACKEND_RAY_QUERY
+#define REMEMBERS 1
+#include "common/blocking_leaves.glsl"
+#else
+#define REMEMBERS 0
+#endif
 
 #if HAS_FRACTION
-shared uint lane_of[32];     // of the tile's undecided pixels, one after the other
-shared uint reach_sun[32];   // rays of the pixel with this lane
-shared uint first_rays_hit;  // pixels by their bits
-#if HAS_BLOCKERS
-shared float first_ray_t[32];
+const uint RAYS = RAYS_PER_PIXEL;
+shared uint reach_sun[32];  // rays of the pixel with this number
+#else
+const uint RAYS = 1u;
 #endif
 
+// A tile's pixels are numbered as pixel_of_lane() has them. A subgroup takes a share of them, and no other looks at it, so
+// that nothing here waits for a workgroup; on a software device, where waiting costs as much as several rays, a subgroup is one.
 void main() {
     uvec4 record;
     if (!listed_tile(record)) return;  // the whole workgroup
     const ivec2 tile = tile_of(record);
-    const uint lane = gl_LocalInvocationIndex;
-    const uint wanted = lanes_of_pixels(record.y), ray_count = uint(bitCount(wanted)) * RAYS_PER_PIXEL;
-    const bool mine = (wanted >> lane & 1u) != 0u;
-    if (lane == 0u) first_rays_hit = 0u;
-    if (mine) lane_of[bitCount(wanted & ((1u << lane) - 1u))] = lane;
-    reach_sun[lane] = 0u;
+    const float t_min = uintBitsToFloat(record.z), t_max = uintBitsToFloat(record.w);
+    const uint lanes = gl_WorkGroupSize.x / gl_NumSubgroups, lane = gl_SubgroupInvocationID;
+    const uint share = 32u / gl_NumSubgroups, share_first = gl_SubgroupID * share, share_end = share_first + share;
+    const uint wanted = lanes_of_pixels(record.y) & (share == 32u ? ~0u : (1u << share) - 1u << share_first);
+
+    uint ended = 0u;  // pixels whose first ray hits
 #if HAS_BLOCKERS
-    first_ray_t[lane] = 0.0;
+    BlockerSums sums = BlockerSums(0u, 0u, 0u), early = sums;  // of rays that walked, and of those that did not
 #endif
-    barrier();
-    for (uint first = 0u; first < ray_count; first += 32u) {
+#if REMEMBERS
+    const uint slots = leaf_slots(share_first, share);
+    const bool known = leaves_known(tile_index(tile), slots);
+    uint useful = 0u, newest = NO_LEAF;
+    if (known)
+        for (uint first = share_first; first < share_end; first += lanes) {
+            const uint number = first + lane;
+            bool hit = false;
+            float t = 0.0;
+            if ((wanted >> number & 1u) != 0u) {
+                const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), 0u, t_min, t_max);
+                hit = ray.into_surface;
+                if (!hit && blocked_by_known(tile_index(tile), slots, first >> 3, bvh_ray(ray.origin, ray.direction, ray.t_min, ray.t_max), t, useful)) {
+                    hit = true;
+#if HAS_BLOCKERS
+                    add_blocker(early, metres_along(ray, t));
+#endif
+                }
+            }
+            ended |= subgroupBallot(hit).x << first;
+        }
+    useful = subgroupOr(useful);
+    const uint ended_early = uint(bitCount(ended));
+#endif
+#if HAS_FRACTION
+    for (uint number = share_first + lane; number < share_end; number += lanes) reach_sun[number] = 0u;
+    subgroupBarrier();
+#endif
+
+    // The rays that are left, a pixel's side by side, are dealt out to the lanes without gaps: a tile with few of them costs
+    // no more than they do.
+    const uint left = wanted & ~ended, ray_count = uint(bitCount(left)) * RAYS;
+    uint walked = 0u;
+    for (uint first = 0u; first < ray_count; first += lanes) {
         const uint index = first + lane;
         if (index < ray_count) {
-            const uint k = index % RAYS_PER_PIXEL, owner = lane_of[index / RAYS_PER_PIXEL];
-            const ivec2 in_tile = pixel_of_lane(int(owner));
-            float t_hit = 0.0;
-            const bool hit = hits_something(tile * TILE + in_tile, k, uintBitsToFloat(record.z), uintBitsToFloat(record.w), t_hit);
-            if (!hit) atomicAdd(reach_sun[owner], 1u);
-            if (hit && k == 0u) {
-                atomicOr(first_rays_hit, pixel_bit(in_tile));
+            const uint number = bit_number(left, index / RAYS), k = index % RAYS;
+            const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k, t_min, t_max);
+            bool hit = ray.into_surface;
+            if (!hit) {
+                float t = 0.0;
+#if REMEMBERS
+                hit = occluded_by(ray.origin, ray.direction, ray.t_min, ray.t_max, t, newest);
+#else
+                hit = occluded_at(ray.origin, ray.direction, ray.t_min, ray.t_max, t);
+#endif
 #if HAS_BLOCKERS
-                first_ray_t[owner] = t_hit;
+                if (hit && k == 0u) add_blocker(sums, metres_along(ray, t));
 #endif
             }
+            if (hit && k == 0u) walked |= 1u << number;
+#if HAS_FRACTION
+            if (!hit) atomicAdd(reach_sun[number], 1u);
+#endif
         }
     }
-    barrier();
-    if (lane == 0u && first_rays_hit != 0u) atomicOr(hits[tile_index(tile)], first_rays_hit);
-    const uint reached = reach_sun[lane];
-    const bool disagree = mine && reached != 0u && reached != RAYS_PER_PIXEL;
-    if (disagree) imageStore(fraction, tile * TILE + pixel_of_lane(int(lane)), vec4(float(reached) / float(RAYS_PER_PIXEL)));
+    walked = subgroupOr(walked);
+#if REMEMBERS
+    remember_leaves(tile_index(tile), slots, known, useful, ended_early, uint(bitCount(walked)), newest);
+    count_ended_early(subgroupElect() ? ended_early : 0u);
+#endif
+    ended |= walked;
+    if (subgroupElect() && ended != 0u) atomicOr(hits[tile_index(tile)], lanes_of_pixels(ended));
+#if HAS_FRACTION
+    subgroupBarrier();
+    for (uint number = share_first + lane; number < share_end; number += lanes) {
+        const uint reached = reach_sun[number];
+        const bool disagree = (wanted >> number & 1u) != 0u && reached != 0u && reached != RAYS;
+        if (disagree) imageStore(fraction, tile * TILE + pixel_of_lane(int(number)), vec4(float(reached) / float(RAYS)));
+    }
+#endif
 #if HAS_BLOCKERS
-    add_blockers(tile_index(tile), first_ray_t[lane] > 0.0, first_ray_t[lane]);
+    if (subgroupMax(sums.n) == 0u) sums = early;  // a walk looks near the light first: its distances are of one kind
+    store_blockers(tile_index(tile), sums);
 #endif
-    count_rays(lane == 0u ? ray_count : 0u);
+    count_rays(subgroupElect() ? uint(bitCount(wanted)) * RAYS : 0u);
 }
-#else
-void main() {
-    uvec4 record;
-    if (!listed_tile(record)) return;  // the whole workgroup
-    const int lane = int(gl_LocalInvocationIndex);
-    const ivec2 in_tile = pixel_of_lane(lane);
-    const ivec2 tile = tile_of(record);
-    const uint bit = pixel_bit(in_tile);
-    const bool wanted = (record.y & bit) != 0u;
-
-    uint hit = 0u;
-    float t_hit = 0.0;
-    if (wanted && hits_something(tile * TILE + in_tile, 0u, uintBitsToFloat(record.z), uintBitsToFloat(record.w), t_hit))
-        hit = bit;
-    const uint word = subgroupOr(hit);
-    if (subgroupElect() && word != 0u) atomicOr(hits[tile_index(tile)], word);
-#if HAS_BLOCKERS
-    add_blockers(tile_index(tile), hit != 0u && t_hit > 0.0, t_hit);
-#endif
-    count_rays(wanted ? 1u : 0u);
-}
-#endif

@@ -244,7 +244,7 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     if (traced && pipeline == "hybrid_cones_raw")
         also("beams cones", "candidates candidate_args", "", "", "");
     else if (traced && pipeline.starts_with("hybrid_"))
-        also("beams_alone", "", "", "", "");
+        also("beams_alone", "blocking_leaves", "", "", "");
     else if (traced)
         also("", "preloaded_hits", "", "", "");
     if (pipeline.ends_with("raw")) {

@@ -18,11 +18,21 @@ vec3 blockers_of(uint tile) {
     return vec3(n, sum - shift * n, squares - shift * (2.0 * sum - shift * n));
 }
 #else
-// Called by every invocation that is alive; three atomics per subgroup that hits something.
-void add_blockers(uint tile, bool hit, float distance_m) {
+struct BlockerSums {
+    uint n, sum, squares;
+};
+
+void add_blocker(inout BlockerSums sums, float distance_m) {
     const float octaves = log2(clamp(distance_m, exp2(-31.0), exp2(31.0))) + BLOCKER_OCTAVES;
-    const uint steps = hit ? uint(octaves * BLOCKER_STEPS + 0.5) : 0u;
-    const uint n = subgroupAdd(hit ? 1u : 0u), sum = subgroupAdd(steps), squares = subgroupAdd(steps * steps);
+    const uint steps = uint(octaves * BLOCKER_STEPS + 0.5);
+    ++sums.n;
+    sums.sum += steps;
+    sums.squares += steps * steps;
+}
+
+// Called by every invocation that is alive; three atomics per subgroup that hits something.
+void store_blockers(uint tile, BlockerSums sums) {
+    const uint n = subgroupAdd(sums.n), sum = subgroupAdd(sums.sum), squares = subgroupAdd(sums.squares);
     if (subgroupElect() && n != 0u) {
         atomicAdd(blockers[3u * tile], n);
         atomicAdd(blockers[3u * tile + 1u], sum);

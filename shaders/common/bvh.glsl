@@ -188,8 +188,9 @@ uint bvh_hit_children(BvhRay ray, uvec4 n0, uvec4 n1, uvec4 n2) {
 
 // Whether anything lies on the ray between t_min and t_max (exclusive, t_min >= 0); both sides of a triangle block.
 // `direction` is finite and of any length but zero, the unit of t; t_max may be infinite. `t_hit` becomes where some such
-// thing lies, not the nearest, and costs nothing where nobody reads it; without one it stays what it was.
-bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
+// thing lies, not the nearest, and costs nothing where nobody reads it; without one it stays what it was. So does `leaf_hit`,
+// which becomes its leaf, unless only bvh_plane_ahead() knew.
+bool occluded_by(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit, inout uint leaf_hit) {
     const BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
     BvhPath path = bvh_path(direction);
     bool found = false;
@@ -199,7 +200,9 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
     while (true) {
         if (bvh_at_leaf(path)) {
             uint leaf = bvh_take_leaf(path), unsure;
-            if (bvh_hits_leaf(ray, leaf, t_hit, unsure)) found = true;
+            const bool hit = bvh_hits_leaf(ray, leaf, t_hit, unsure);
+            if (hit) found = true;
+            if (hit) leaf_hit = leaf;
             if (unsure != 0u) unsure_leaves = uvec4(leaf << 2 | unsure, unsure_leaves.xyz);
         }
         BvhVisit visit = bvh_visit(path);
@@ -212,6 +215,11 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
     }
     if (!found && unsure_leaves.x != 0u) found = bvh_hits_unsure(ray, unsure_leaves, t_hit);
     return found;
+}
+
+bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
+    uint unread = 0u;
+    return occluded_by(origin, direction, t_min, t_max, t_hit, unread);
 }
 
 bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
