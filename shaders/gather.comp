@@ -340,9 +340,10 @@ void main() {
     Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     Bias bias = Bias(0.0, 0.0, 0.0);
     vec2 steps = vec2(1e9);  // light-space pixel sizes
-    float largest = 0.0;
+    float largest = 0.0, seen_m2 = 0.0;  // by the sun, of the cell's pixels
     int pairs = 0, pasts = 0;
     float radii = 0.0, by_counts = 0.0;  // over these
+    int tested_pixels = 0;
     for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
@@ -367,6 +368,8 @@ void main() {
             own = with_ray(past.own, bit > 0.5);
             steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
             largest = max(largest, foot.s.s1);
+            ++tested_pixels;
+            seen_m2 += foot.s.s1 * foot.s.s2;
             pairs += differs(in_rows, ivec2(1, 0), p, n_light, rays, z, tolerance_m) +
                      differs(in_rows, ivec2(0, 1), p, n_light, rays, z, tolerance_m);
 
@@ -398,10 +401,13 @@ void main() {
     }
     const vec2 reach = rho > 0.0 && works ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
     const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
+    // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
+    float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
 #if !HAS_MOTION && !HAS_SUN_PREV
+    tests = ALWAYS_TESTED;  // the past is the pixel's own
     sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
 #endif
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
     cells[2u * cell_index(cell) + 1u] =
-        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(pack_softening(ivec2(reach), bias_of(bias))));
+        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(pack_softening(ivec2(reach), tests, bias_of(bias))));
 }
