@@ -24,17 +24,17 @@ const float FADING = 0.3;            // and how fast it falls with the count
 const float NARROW = 0.5, WIDEST = 1.0;
 // Rays in the pixel's disc from which on the past is worth as much as the own ray where the edge is hard: where most of the
 // pixels at its sides say the same, and where they do not. Frames that the own rays have gone undoubted for, from which on
-// nothing moves there. All three minimise the shots' error (docs/sheared.md).
-const float TESTS_WORTH_A_RAY = 0.375, TESTS_WORTH_AN_ODD_RAY = 0.0625, UNMOVED = 6.0;
+// nothing moves there, by what the past is (shadow_state.glsl). All of them minimise the shots' error (docs/sheared.md).
+const float TESTS_WORTH_A_RAY = 0.375, TESTS_WORTH_AN_ODD_RAY = 0.0625, UNMOVED[3] = float[3](1.0, 2.0, 6.0);
 const uint SIDES = 0x0aau;
 
 // What the past says of an edge is as good as the number of rays that have tested the pixel's own disc. Where that is much
 // smaller than a pixel hardly any has, and what is there was resampled from pixels on either side of the edge. The own ray
 // has: it is wrong only inside the penumbra, where such a pixel seldom lies, the less so if its sides agree with it.
 // `frames`: that the past stands for; it gains less than they are, because what has been resampled goes on being resampled.
-float trust_of_past(float tests, float frames, float own_frames, uint pattern) {
+float trust_of_past(float tests, float frames, float unmoved, uint pattern) {
     const int lit = bitCount(pattern & SIDES), unlike = (pattern & PATTERN_CENTRE) != 0u ? 4 - lit : lit;
-    const float unmoved = own_frames / UNMOVED, tested = tests * sqrt(frames) * (1.0 + unmoved * unmoved * unmoved * unmoved);
+    const float tested = tests * sqrt(frames) * (1.0 + unmoved * unmoved * unmoved * unmoved);
     return tested / (tested + (unlike < 2 ? TESTS_WORTH_A_RAY : TESTS_WORTH_AN_ODD_RAY));
 }
 
@@ -134,6 +134,7 @@ void main() {
     }
     const float bias = bias_of(floatBitsToUint(size.y));
     const float tests = tests_of(floatBitsToUint(size.y));
+    const float by_unmoved = 1.0 / UNMOVED[past_kind_of(floatBitsToUint(size.y))];
     const bool works = (steps.x | steps.y) != 0 || asks || bias > 0.0;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 p = first + ivec2(i & 3, i >> 2);
@@ -162,9 +163,9 @@ void main() {
         const uint pattern = edge_pattern(nine.x, known);
         if (share > 0.0) v = mix(v, visibility_by_pattern(pattern), share);
         for (int k = 0; k < (doubts ? 1 : 0); ++k) {
-            const float own_frames = unpack_own(imageLoad(own_rays, p).x).count;
+            const float unmoved = unpack_own(imageLoad(own_rays, p).x).count * by_unmoved;
             const float bit = (pattern & PATTERN_CENTRE) != 0u ? 1.0 : 0.0;
-            v += fade * (1.0 - trust_of_past(tests, max(own.count, 1.0), own_frames, pattern)) * (bit - v);
+            v += fade * (1.0 - trust_of_past(tests, max(own.count, 1.0), unmoved, pattern)) * (bit - v);
         }
         imageStore(visibility, p, vec4(v));
     }
