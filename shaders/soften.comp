@@ -25,7 +25,7 @@ const float NARROW = 0.5, WIDEST = 1.0;
 // Rays in the pixel's disc from which on the past is worth as much as the own ray where the edge is hard: where most of the
 // pixels at its sides say the same, and where they do not. Frames that the own rays have gone undoubted for, from which on
 // nothing moves there, by what the past is (shadow_state.glsl). All of them minimise the shots' error (docs/sheared.md).
-const float TESTS_WORTH_A_RAY = 0.375, TESTS_WORTH_AN_ODD_RAY = 0.0625, UNMOVED[3] = float[3](1.0, 2.0, 6.0);
+const float TESTS_WORTH_A_RAY = 0.19, TESTS_WORTH_AN_ODD_RAY = 0.04, UNMOVED[3] = float[3](1.0, 2.0, 6.0);
 const uint SIDES = 0x0aau;
 
 // What the past says of an edge is as good as the number of rays that have tested the pixel's own disc. Where that is much
