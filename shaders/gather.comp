@@ -91,8 +91,9 @@ struct Past {
     float visibility, count, residual;
     float variance;  // between the texels that it is resampled from; 0: it is one of them
     OwnRays own;
+    bool resampled;
 };
-const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS);
+const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS, false);
 
 #if HAS_MOTION
 bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
@@ -145,6 +146,7 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
         }
     }
     if (weights <= 0.0) return NO_PAST;
+    past.resampled = nearest < 0.999;
     past.visibility /= weights;
     past.own = unpack_own(imageLoad(own_rays_prev, nearest_texel).x);  // how far that is off, limits its count
     past.variance = max(past.variance / weights - past.visibility * past.visibility, 0.0);
@@ -157,7 +159,7 @@ Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
 Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
     const ShadowState s = unpack_state(imageLoad(history, p).x);
     if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
-    return Past(s.visibility, s.count, s.residual, 0.0, unpack_own(imageLoad(own_rays_prev, p).x));
+    return Past(s.visibility, s.count, s.residual, 0.0, unpack_own(imageLoad(own_rays_prev, p).x), false);
 }
 #endif
 
@@ -340,9 +342,11 @@ void main() {
     Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
     Bias bias = Bias(0.0, 0.0, 0.0);
     vec2 steps = vec2(1e9);  // light-space pixel sizes
-    float largest = 0.0;
+    float largest = 0.0, seen_m2 = 0.0;  // by the sun, of the cell's pixels
     int pairs = 0, pasts = 0;
     float radii = 0.0, by_counts = 0.0;  // over these
+    int tested_pixels = 0;
+    bool resampled = false;
     for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
@@ -362,11 +366,14 @@ void main() {
             // Drift's doubts, which came after the rays had been counted, and resampling as above.
             past.own.count = past.count < DOUBTED ? 0.0 : min(past.own.count, floor(past.count + 0.5));
             add_pixel(bias, past);
+            resampled = resampled || past.resampled;
             past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
             past.own.count = min(past.own.count, floor(OWN_SPREAD / max(resampling, 1e-6)));
             own = with_ray(past.own, bit > 0.5);
             steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
             largest = max(largest, foot.s.s1);
+            ++tested_pixels;
+            seen_m2 += foot.s.s1 * foot.s.s2;
             pairs += differs(in_rows, ivec2(1, 0), p, n_light, rays, z, tolerance_m) +
                      differs(in_rows, ivec2(0, 1), p, n_light, rays, z, tolerance_m);
 
@@ -398,10 +405,14 @@ void main() {
     }
     const vec2 reach = rho > 0.0 && works ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
     const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
+    // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
+    float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
+    uint past_kind = resampled ? PAST_RESAMPLED : PAST_WHOLE;
 #if !HAS_MOTION && !HAS_SUN_PREV
+    past_kind = PAST_CERTAIN;
     sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
 #endif
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
     cells[2u * cell_index(cell) + 1u] =
-        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(pack_softening(ivec2(reach), bias_of(bias))));
+        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(pack_softening(ivec2(reach), past_kind, tests, bias_of(bias))));
 }

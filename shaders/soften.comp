@@ -22,6 +22,21 @@ const float FADING = 0.3;            // and how fast it falls with the count
 // Radius of a penumbra in pixels: up to NARROW no neighbour's ray tests the pixel's disc, and the bits around say what they
 // say as a pattern; from WIDEST on, gather has asked them better.
 const float NARROW = 0.5, WIDEST = 1.0;
+// Rays in the pixel's disc from which on the past is worth as much as the own ray where the edge is hard: where most of the
+// pixels at its sides say the same, and where they do not. Frames that the own rays have gone undoubted for, from which on
+// nothing moves there, by what the past is (shadow_state.glsl). All of them minimise the shots' error (docs/sheared.md).
+const float TESTS_WORTH_A_RAY = 0.19, TESTS_WORTH_AN_ODD_RAY = 0.04, UNMOVED[3] = float[3](1.0, 2.0, 6.0);
+const uint SIDES = 0x0aau;
+
+// What the past says of an edge is as good as the number of rays that have tested the pixel's own disc. Where that is much
+// smaller than a pixel hardly any has, and what is there was resampled from pixels on either side of the edge. The own ray
+// has: it is wrong only inside the penumbra, where such a pixel seldom lies, the less so if its sides agree with it.
+// `frames`: that the past stands for; it gains less than they are, because what has been resampled goes on being resampled.
+float trust_of_past(float tests, float frames, float unmoved, uint pattern) {
+    const int lit = bitCount(pattern & SIDES), unlike = (pattern & PATTERN_CENTRE) != 0u ? 4 - lit : lit;
+    const float tested = tests * sqrt(frames) * (1.0 + unmoved * unmoved * unmoved * unmoved);
+    return tested / (tested + (unlike < 2 ? TESTS_WORTH_A_RAY : TESTS_WORTH_AN_ODD_RAY));
+}
 
 float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     const float z = imageLoad(view_depth, p).x;
@@ -118,6 +133,8 @@ void main() {
         asks = unlike(bits, 7 + (first.x & 7));
     }
     const float bias = bias_of(floatBitsToUint(size.y));
+    const float tests = tests_of(floatBitsToUint(size.y));
+    const float by_unmoved = 1.0 / UNMOVED[past_kind_of(floatBitsToUint(size.y))];
     const bool works = (steps.x | steps.y) != 0 || asks || bias > 0.0;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 p = first + ivec2(i & 3, i >> 2);
@@ -140,9 +157,16 @@ void main() {
         if (share <= LEAST_SHARE) share = 0.0;
         const uvec2 nine = bits_of(bits, 8 + (first.x & 7) + offset.x, offset.y);
         const bool mixed = (nine.x & nine.y) != 0u && (~nine.x & nine.y) != 0u;  // else the surface does not matter
+        const bool doubts = own.count > 0.0 && fade > 0.0 && tests < ALWAYS_TESTED;
         uint known = nine.y;
-        for (int k = 0; k < (mixed && share > 0.0 ? 1 : 0); ++k) known &= surface_seen(p, rays);
-        if (share > 0.0) v = mix(v, visibility_by_pattern(edge_pattern(nine.x, known)), share);
+        for (int k = 0; k < (mixed && (share > 0.0 || doubts) ? 1 : 0); ++k) known &= surface_seen(p, rays);
+        const uint pattern = edge_pattern(nine.x, known);
+        if (share > 0.0) v = mix(v, visibility_by_pattern(pattern), share);
+        for (int k = 0; k < (doubts ? 1 : 0); ++k) {
+            const float unmoved = unpack_own(imageLoad(own_rays, p).x).count * by_unmoved;
+            const float bit = (pattern & PATTERN_CENTRE) != 0u ? 1.0 : 0.0;
+            v += fade * (1.0 - trust_of_past(tests, max(own.count, 1.0), unmoved, pattern)) * (bit - v);
+        }
         imageStore(visibility, p, vec4(v));
     }
 }

@@ -44,9 +44,23 @@ Gathered unpack_gathered(uvec2 words) {
                     float(words.y >> 16 & 0xffu) / 510.0, (words.y >> 24 & 1u) != 0u);
 }
 
-// Of a cell, for soften: how far apart its taps are, and what the own rays say that the state is wrong by, squared.
-uint pack_softening(ivec2 steps, float bias) { return uint(steps.x) | uint(steps.y) << 8 | packHalf2x16(vec2(0.0, bias)); }
-ivec2 steps_of(uint word) { return ivec2(word & 0xffu, word >> 8 & 0xffu); }
+// Of a cell, for soften: how far apart its taps are (at most 7 px), what its past is, the rays per frame that test a pixel's disc, and what the
+// own rays say that the state is wrong by, squared.
+// Nothing can have moved; it need not have been resampled; it was.
+const uint PAST_CERTAIN = 0u, PAST_WHOLE = 1u, PAST_RESAMPLED = 2u;
+const float TESTS_STEPS = 16.0, TESTS_OCTAVES = 13.0;  // per octave, and below 1
+const float ALWAYS_TESTED = 1e9;
+
+uint pack_softening(ivec2 steps, uint past_kind, float tests, float bias) {
+    const uint t = uint(clamp(TESTS_STEPS * (log2(max(tests, 1e-9)) + TESTS_OCTAVES) + 0.5, 0.0, 255.0));
+    return uint(steps.x) | uint(steps.y) << 3 | past_kind << 6 | t << 8 | packHalf2x16(vec2(0.0, bias));
+}
+ivec2 steps_of(uint word) { return ivec2(word & 7u, word >> 3 & 7u); }
+uint past_kind_of(uint word) { return word >> 6 & 3u; }
+float tests_of(uint word) {
+    const uint t = word >> 8 & 0xffu;
+    return t == 255u ? ALWAYS_TESTED : exp2(float(t) / TESTS_STEPS - TESTS_OCTAVES);
+}
 float bias_of(uint word) { return unpackHalf2x16(word).y; }
 
 ivec2 cell_grid() { return (ivec2(frame.size) + CELL - 1) / CELL; }
