@@ -95,66 +95,72 @@ struct Past {
 const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS);
 
 #if HAS_MOTION
-bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
-    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
-    const float z = imageLoad(view_depth_prev, q).x;
-    const vec3 n_prev = unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)));
-    return z > 0.0 && dot(n, n_prev) > SAME_FACE && lies_on_plane(previous_position(q, z), here, n, tolerance_m);
+// What the previous frame's texels showed, from its first one on, in light space.
+ViewRays previous_rays(mat3 light) {
+    const ivec2 size = ivec2(frame.prev_size);
+    const PreviousRay first = previous_ray(ivec2(0)), right = previous_ray(ivec2(size.x, 0)), below = previous_ray(ivec2(0, size.y));
+    const vec2 by_size = 1.0 / vec2(size);
+    return ViewRays(light * first.o, light * (right.o - first.o) * by_size.x, light * (below.o - first.o) * by_size.y,
+                    light * first.r, light * (right.r - first.r) * by_size.x, light * (below.r - first.r) * by_size.y);
 }
 
-float sharper(ivec2 corner, vec2 t) {
+float sharper(ivec2 corner, vec2 t, int taps) {
     const vec4 wx = cubic_weights(t.x), wy = cubic_weights(t.y);
     const ivec2 last = ivec2(frame.prev_size) - 1;
     float sum = 0.0;
-    for (int y = 0; y < 4; ++y)
-        for (int x = 0; x < 4; ++x) {
-            const ivec2 q = clamp(corner + ivec2(x, y) - 1, ivec2(0), last);
-            sum += wx[x] * wy[y] * unpack_state(imageLoad(history, q).x).visibility;
-        }
+    for (int i = 0; i < taps; ++i) {
+        const ivec2 q = clamp(corner + ivec2(i & 3, i >> 2) - 1, ivec2(0), last);
+        sum += wx[i & 3] * wy[i >> 2] * unpack_state(imageLoad(history, q).x).visibility;
+    }
     return sum;
 }
 
-Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
+// `plane`: the pixel's, among what previous_rays() sees.
+Past past_of(ivec2 p, vec3 n, OffPlane plane, float tolerance_m) {
     const Reprojection there = reproject(p, texelFetch(motion, p, 0).xy);
-    if (!there.on_screen || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
-    const vec3 here = position(p, z);
+    const bool asks = there.on_screen && (frame.flags & FRAME_RESET) == 0u;
     const vec2 at = there.uv * vec2(frame.prev_size) - 0.5;
-    const ivec2 corner = ivec2(floor(at + 1e-3));
+    const ivec2 corner = ivec2(floor(at + 1e-3)), last = ivec2(frame.prev_size) - 1;
     const vec2 t = clamp(at - vec2(corner), 0.0, 1.0);
     float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0;
-    ivec2 nearest_texel = corner;
+    ivec2 nearest_texel = ivec2(0);
     Past past = NO_PAST;
     for (int i = 0; i < 4; ++i) {
-        const ivec2 q = corner + ivec2(i & 1, i >> 1);
-        const float weight = ((i & 1) != 0 ? t.x : 1.0 - t.x) * ((i >> 1) != 0 ? t.y : 1.0 - t.y);
-        if (weight > 1e-3 && shows_plane(q, here, n, tolerance_m)) {
-            const ShadowState s = unpack_state(imageLoad(history, q).x);
-            if (s.count > 0.0) {
-                weights += weight;
-                past.visibility += weight * s.visibility;
-                past.variance += weight * s.visibility * s.visibility;
-                low = min(low, s.visibility);
-                high = max(high, s.visibility);
-                if (weight > nearest) {
-                    nearest = weight;
-                    nearest_texel = q;
-                    past.count = s.count;
-                    past.residual = s.residual;
-                }
+        const float share = ((i & 1) != 0 ? t.x : 1.0 - t.x) * ((i >> 1) != 0 ? t.y : 1.0 - t.y);
+        if (asks && share > 1e-3) {
+            const ivec2 q = corner + ivec2(i & 1, i >> 1), inside = clamp(q, ivec2(0), last);
+            const float z = imageLoad(view_depth_prev, inside).x;
+            const vec3 n_prev = decode_normal(imageLoad(guide_normal_prev, inside));
+            const ShadowState s = unpack_state(imageLoad(history, inside).x);
+            const bool same = q == inside && z > 0.0 && s.count > 0.0 && dot(n, n_prev) > SAME_FACE * length(n_prev) &&
+                              abs(metres_off(plane, vec2(inside), z)) <= tolerance_m;
+            const float weight = same ? share : 0.0;
+            weights += weight;
+            past.visibility += weight * s.visibility;
+            past.variance += weight * s.visibility * s.visibility;
+            low = same ? min(low, s.visibility) : low;
+            high = same ? max(high, s.visibility) : high;
+            if (weight > nearest) {
+                nearest = weight;
+                nearest_texel = inside;
+                past.count = s.count;
+                past.residual = s.residual;
             }
         }
     }
-    if (weights <= 0.0) return NO_PAST;
-    past.visibility /= weights;
+    const float by_weights = 1.0 / max(weights, 1e-3);  // none is less, but where there is none
+    past.visibility *= by_weights;
     past.own = unpack_own(imageLoad(own_rays_prev, nearest_texel).x);  // how far that is off, limits its count
-    past.variance = max(past.variance / weights - past.visibility * past.visibility, 0.0);
-    if (weights > 0.99 && high > low) past.visibility = clamp(sharper(corner, t), low, high);
+    past.variance = max(past.variance * by_weights - past.visibility * past.visibility, 0.0);
+    const float between = sharper(corner, t, weights > 0.99 && high > low ? 16 : 0);
+    if (weights > 0.99 && high > low) past.visibility = clamp(between, low, high);
+    if (weights <= 0.0) past = NO_PAST;
     return past;
 }
 
 #else
 // Nothing moves: the pixel's past is its own.
-Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
+Past past_of(ivec2 p) {
     const ShadowState s = unpack_state(imageLoad(history, p).x);
     if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
     return Past(s.visibility, s.count, s.residual, 0.0, unpack_own(imageLoad(own_rays_prev, p).x));
@@ -333,6 +339,9 @@ void main() {
     }
     const mat3 light = transpose(sun_frame(sun.to_sun));
     const ViewRays corner = view_rays(first, light);
+#if HAS_MOTION
+    const ViewRays before = previous_rays(light);
+#endif
     Penumbra penumbra = Penumbra(0.0, 0.0, 0.0);
     for (int i = 0; i < (works ? 1 : 0); ++i) penumbra = penumbra_at(cell);
     const float rho = radius_m(penumbra);
@@ -356,7 +365,12 @@ void main() {
             const Footprint foot = footprint_of(rays, z, n_light);
             const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
             const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra, foot);
-            Past past = under_this_sun(past_of(p, z, n, tolerance_m));
+#if HAS_MOTION
+            const OffPlane then = off_plane(before, n_light, rays.o + z * rays.r);
+            Past past = under_this_sun(past_of(p, n, then, tolerance_m));
+#else
+            Past past = under_this_sun(past_of(p));
+#endif
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             // Drift's doubts, which came after the rays had been counted, and resampling as above.
