@@ -26,7 +26,6 @@ const int ROWS = CELL + 2 * R;
 const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
 const float SAME_FACE = 0.9;      // cosine: beyond a crease the sun stands differently
 const float EQUAL_SHARE = 0.6;    // of the rays of a box that all say the same: what they count
-const float IDLE_COUNT = 8.0;     // frames that a cell without any doubt counts for
 // Of the variance between the texels that the past is resampled from: what resampling adds to its error. Over the
 // penumbra's radius in pixels; both numbers minimise the shots' error (docs/sheared.md).
 const float RESAMPLING_SHARE = 0.5, LARGEST_SHARE = 3.0;
@@ -330,10 +329,13 @@ void main() {
     const uint receivers = receiver_words[tile_index(first / TILE)], visible = visibility_words[tile_index(first / TILE)];
     const uint lit_or_sky = visible | ~receivers;
     // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    IdleCell idle = IdleCell(0u, 0u);
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         const bool tests = (test_rows[R + offset.y] >> uint(column + offset.x) & 1u) != 0u;
+        idle.lit |= (bit > 0.5 ? 1u : 0u) << uint(i);
+        idle.tests |= (tests ? 1u : 0u) << uint(i);
         imageStore(gathered, p, uvec4(pack_gathered(Gathered(bit, bit, IDLE_COUNT, 0.0, 0.0, tests)), 0u, 0u));
         imageStore(own_rays, p, uvec4(pack_own(tests ? OwnRays(bit, IDLE_COUNT, 0.0, bit > 0.5) : NO_RAYS), 0u, 0u, 0u));
     }
@@ -416,6 +418,6 @@ void main() {
     sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
 #endif
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
-    cells[2u * cell_index(cell) + 1u] =
-        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(pack_softening(ivec2(reach), bias_of(bias))));
+    const vec2 size = vec2(radius_px, uintBitsToFloat(pack_softening(ivec2(reach), bias_of(bias))));
+    cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, works ? size : pack_idle(idle));
 }

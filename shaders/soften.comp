@@ -25,7 +25,8 @@ const float NARROW = 0.5, WIDEST = 1.0;
 
 float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     const float z = imageLoad(view_depth, p).x;
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), here = rays.o + z * rays.r;
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const OffPlane plane = off_plane(rays, n, rays.o + z * rays.r);
     const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
     const float weight = NEIGHBOURS / (1.0 + FADING * max(own.count - 1.0, 0.0));
     const ivec2 last = ivec2(frame.size) - 1;
@@ -37,8 +38,8 @@ float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
             const bool elsewhere = (x == 0 || steps.x > 0) && (y == 0 || steps.y > 0) && (x != 0 || y != 0);
             if (!elsewhere || any(lessThan(q, ivec2(0))) || any(greaterThan(q, last))) continue;
             const ShadowState s = unpack_state(imageLoad(state, q).x);
-            const vec3 there = seen_at(rays, vec2(offset), imageLoad(view_depth, q).x);
-            const bool same = s.count > 0.0 && abs(dot(n, there - here)) <= tolerance_m;
+            const bool same =
+                s.count > 0.0 && abs(metres_off(plane, vec2(offset), imageLoad(view_depth, q).x)) <= tolerance_m;
             const float w = same ? weight * (x == 0 ? 1.0 : SIDE) * (y == 0 ? 1.0 : SIDE) : 0.0;
             sum += w * s.visibility;
             weights += w;
@@ -86,13 +87,12 @@ bool unlike(Bits bits, int column) {
 uint surface_seen(ivec2 p, ViewRays rays) {
     const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
     const float z = imageLoad(view_depth, p).x, tolerance_m = OWN_PLANE_PX * pixel_span_m(z);
-    const vec3 n = decode_normal(imageLoad(guide_normal, p)), here = rays.o + z * rays.r;
+    const OffPlane plane = off_plane(rays, decode_normal(imageLoad(guide_normal, p)), rays.o + z * rays.r);
     const ivec2 last = ivec2(frame.size) - 1;
     uint surface = WHOLE_PATTERN;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = clamp(p + 2 * ivec2(i & 1, i >> 1) - 1, ivec2(0), last);
-        const vec3 there = seen_at(rays, vec2(q - p), imageLoad(view_depth, q).x);
-        if (!(abs(dot(n, there - here)) <= tolerance_m)) surface &= ~CORNERS[i];
+        if (!(abs(metres_off(plane, vec2(q - p), imageLoad(view_depth, q).x)) <= tolerance_m)) surface &= ~CORNERS[i];
     }
     return surface;
 }
@@ -109,19 +109,24 @@ void main() {
     const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(cell, cell_grid()))) return;
     const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
-    const ivec2 first = cell * CELL, steps = steps_of(floatBitsToUint(size.y));
-    const bool narrow = size.x >= 0.0 && size.x < WIDEST;
+    const bool idles = is_idle(size);
+    const IdleCell idle = unpack_idle(size);
+    const uint softening = idles ? 0u : floatBitsToUint(size.y);
+    const ivec2 first = cell * CELL, steps = steps_of(softening);
+    const bool narrow = !idles && size.x < WIDEST;
     Bits bits;
     bool asks = false;  // where all bits agree, so do the patterns
     for (int i = 0; i < (narrow ? 1 : 0); ++i) {
         bits = bits_around(cell);
         asks = unlike(bits, 7 + (first.x & 7));
     }
-    const float bias = bias_of(floatBitsToUint(size.y));
+    const float bias = bias_of(softening);
     const bool works = (steps.x | steps.y) != 0 || asks || bias > 0.0;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 p = first + ivec2(i & 3, i >> 2);
-        imageStore(visibility, p, vec4(unpack_state(imageLoad(state, p).x).visibility));
+        float v = float(idle.lit >> uint(i) & 1u);
+        if (!idles) v = unpack_state(imageLoad(state, p).x).visibility;
+        imageStore(visibility, p, vec4(v));
     }
     const ViewRays corner = view_rays(first, mat3(1.0));
     const float fade = asks ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;

@@ -29,6 +29,15 @@ float offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
     return robust_offset_m(p, z, n, relative, in_scene);
 }
 
+// For whoever counts this pixel's ray as a neighbour's.
+void keep_point(ivec2 p) {
+#if HAS_RAY_POINTS && HAS_BLUE_NOISE
+    imageStore(ray_points, p, uvec4(packSnorm2x16(sun_point(p, frame.frame_index, params.seed)), 0u, 0u, 0u));
+#elif HAS_RAY_POINTS
+    imageStore(ray_points, p, uvec4(0u));  // the middle of a sun that is a point
+#endif
+}
+
 // Of the k-th ray of a pixel. The first is the one that is cast where there is no other: who reads the hit words knows
 // where it went.
 vec3 ray_direction(ivec2 p, uint k) {
@@ -103,6 +112,7 @@ void main() {
             const uint k = index % RAYS_PER_PIXEL, owner = lane_of[index / RAYS_PER_PIXEL];
             const ivec2 in_tile = pixel_of_lane(int(owner));
             float t_hit = 0.0;
+            if (k == 0u) keep_point(tile * TILE + in_tile);
             const bool hit = hits_something(tile * TILE + in_tile, k, uintBitsToFloat(record.z), uintBitsToFloat(record.w), t_hit);
             if (!hit) atomicAdd(reach_sun[owner], 1u);
             if (hit && k == 0u) {
@@ -135,6 +145,7 @@ void main() {
 
     uint hit = 0u;
     float t_hit = 0.0;
+    if (wanted) keep_point(tile * TILE + in_tile);
     if (wanted && hits_something(tile * TILE + in_tile, 0u, uintBitsToFloat(record.z), uintBitsToFloat(record.w), t_hit))
         hit = bit;
     const uint word = subgroupOr(hit);
