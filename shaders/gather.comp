@@ -20,6 +20,7 @@
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
 #include "common/sheared_gather.glsl"
+#include "common/working_cells.glsl"
 
 const int R = RADIUS;
 const int ROWS = CELL + 2 * R;
@@ -309,13 +310,19 @@ void add_pixel(inout Bias b, Past past) {
 
 float bias_of(Bias b) { return max(b.differences - NOISE_SHARE * b.noise, 0.0) / max(b.n, 1.0); }
 
-void main() {
-    const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(cell, cell_grid()))) return;
-    const ivec2 first = cell * CELL;
-    const int tile_x = cell.x >> 1, column = 8 + (first.x & 7);
+// 1 = pixels that are lit, whatever the rays around say: no receivers, or their own rays' word.
+uint lit_or_sky(ivec2 cell) {
+    const uint tile = tile_index(cell * CELL / TILE);
+    return visibility_words[tile] | ~receiver_words[tile];
+}
 
-    load_rows(ivec2(tile_x, cell.y));
+// Column of the cell's first pixel in the rows.
+int column_of(ivec2 cell) { return 8 + (cell.x * CELL & 7); }
+
+bool is_settled(ivec2 cell) {
+    const ivec2 first = cell * CELL;
+    const int column = column_of(cell);
+    load_rows(ivec2(cell.x >> 1, cell.y));
     const uint in_reach = ((1u << uint(CELL + 2 * R)) - 1u) << uint(column - R);
     uint any_lit = 0u, any_dark = 0u;
     for (int i = 0; i < ROWS; ++i) {
@@ -326,26 +333,36 @@ void main() {
     bool works = mixed;
     for (int i = 0; i < (!mixed && (any_lit | any_dark) != 0u ? 1 : 0); ++i) works = past_disagrees(first, any_lit != 0u);
 
-    const uint receivers = receiver_words[tile_index(first / TILE)], visible = visibility_words[tile_index(first / TILE)];
-    const uint lit_or_sky = visible | ~receivers;
+    const uint lit = lit_or_sky(cell);
     // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
     IdleCell idle = IdleCell(0u, 0u);
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
-        const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         const bool tests = (test_rows[R + offset.y] >> uint(column + offset.x) & 1u) != 0u;
         idle.lit |= (bit > 0.5 ? 1u : 0u) << uint(i);
         idle.tests |= (tests ? 1u : 0u) << uint(i);
         imageStore(gathered, p, uvec4(pack_gathered(Gathered(bit, bit, IDLE_COUNT, 0.0, 0.0, tests)), 0u, 0u));
         imageStore(own_rays, p, uvec4(pack_own(tests ? OwnRays(bit, IDLE_COUNT, 0.0, bit > 0.5) : NO_RAYS), 0u, 0u, 0u));
     }
+    if (!works) {
+        cells[2u * cell_index(cell)] = vec4(0.0);
+        cells[2u * cell_index(cell) + 1u] = vec4(0.0, 0.0, pack_idle(idle));
+    }
+    return !works;
+}
+
+void work_on(ivec2 cell) {
+    const ivec2 first = cell * CELL;
+    const int column = column_of(cell);
+    load_rows(ivec2(cell.x >> 1, cell.y));
+    const uint lit = lit_or_sky(cell);
     const mat3 light = transpose(sun_frame(sun.to_sun));
     const ViewRays corner = view_rays(first, light);
 #if HAS_MOTION
     const ViewRays before = previous_rays(light);
 #endif
-    Penumbra penumbra = Penumbra(0.0, 0.0, 0.0);
-    for (int i = 0; i < (works ? 1 : 0); ++i) penumbra = penumbra_at(cell);
+    const Penumbra penumbra = penumbra_at(cell);
     const float rho = radius_m(penumbra);
 
     Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -354,9 +371,9 @@ void main() {
     float largest = 0.0;
     int pairs = 0, pasts = 0;
     float radii = 0.0, by_counts = 0.0;  // over these
-    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
+    for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
-        const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false);
         OwnRays own = NO_RAYS;
         const ivec2 in_rows = ivec2(column + offset.x, R + offset.y);
@@ -412,12 +429,14 @@ void main() {
         sums.c += max(flips - sums.v, 0.0);  // where it counts there is one ray
         sums.v = max(sums.v, flips);
     }
-    const vec2 reach = rho > 0.0 && works ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
+    const vec2 reach = rho > 0.0 ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
     const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
 #if !HAS_MOTION && !HAS_SUN_PREV
     sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
 #endif
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
     const vec2 size = vec2(radius_px, uintBitsToFloat(pack_softening(ivec2(reach), bias_of(bias))));
-    cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, works ? size : pack_idle(idle));
+    cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, size);
 }
+
+void main() { for_each_cell(); }

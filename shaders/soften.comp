@@ -15,6 +15,7 @@
 #include "common/light_space.glsl"
 #include "common/tiles.glsl"
 #include "common/bit_window.glsl"
+#include "common/working_cells.glsl"
 
 const float SIDE = 0.75;             // kernel: .75, 1, .75 per axis
 const float NEIGHBOURS = 0.9;        // weight of the neighbours on the first frame,
@@ -105,32 +106,50 @@ uvec2 bits_of(Bits bits, int column, int row) {
     return nine;
 }
 
-void main() {
-    const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(cell, cell_grid()))) return;
-    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
-    const bool idles = is_idle(size);
-    const IdleCell idle = unpack_idle(size);
-    const uint softening = idles ? 0u : floatBitsToUint(size.y);
-    const ivec2 first = cell * CELL, steps = steps_of(softening);
-    const bool narrow = !idles && size.x < WIDEST;
-    Bits bits;
+// What there is to do in a cell.
+struct Softening {
+    ivec2 steps;
+    float bias;
+    float fade;  // of the patterns, 0: they are not asked
+    Bits bits;   // where they are
+};
+
+Softening softening_of(ivec2 cell, vec2 size) {
+    const uint word = is_idle(size) ? 0u : floatBitsToUint(size.y);
+    const bool narrow = !is_idle(size) && size.x < WIDEST;
+    Softening s;
     bool asks = false;  // where all bits agree, so do the patterns
     for (int i = 0; i < (narrow ? 1 : 0); ++i) {
-        bits = bits_around(cell);
-        asks = unlike(bits, 7 + (first.x & 7));
+        s.bits = bits_around(cell);
+        asks = unlike(s.bits, 7 + (cell.x * CELL & 7));
     }
-    const float bias = bias_of(softening);
-    const bool works = (steps.x | steps.y) != 0 || asks || bias > 0.0;
-    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
-        const ivec2 p = first + ivec2(i & 3, i >> 2);
+    s.steps = steps_of(word);
+    s.bias = bias_of(word);
+    s.fade = asks ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
+    return s;
+}
+
+bool is_settled(ivec2 cell) {
+    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
+    const Softening s = softening_of(cell, size);
+    const bool settled = (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0, idles = is_idle(size);
+    const IdleCell idle = unpack_idle(size);
+    for (int i = 0; i < (settled ? CELL * CELL : 0); ++i) {
+        const ivec2 p = cell * CELL + ivec2(i & 3, i >> 2);
         float v = float(idle.lit >> uint(i) & 1u);
         if (!idles) v = unpack_state(imageLoad(state, p).x).visibility;
         imageStore(visibility, p, vec4(v));
     }
+    return settled;
+}
+
+void work_on(ivec2 cell) {
+    const ivec2 first = cell * CELL;
+    const Softening s = softening_of(cell, cells[2u * cell_index(cell) + 1u].zw);
+    const ivec2 steps = s.steps;
+    const float bias = s.bias, fade = s.fade;
     const ViewRays corner = view_rays(first, mat3(1.0));
-    const float fade = asks ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
-    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
+    for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const ShadowState own = unpack_state(imageLoad(state, p).x);
         const ViewRays rays = moved(corner, vec2(offset));
@@ -143,7 +162,7 @@ void main() {
         }
         float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples) : 0.0;
         if (share <= LEAST_SHARE) share = 0.0;
-        const uvec2 nine = bits_of(bits, 8 + (first.x & 7) + offset.x, offset.y);
+        const uvec2 nine = bits_of(s.bits, 8 + (first.x & 7) + offset.x, offset.y);
         const bool mixed = (nine.x & nine.y) != 0u && (~nine.x & nine.y) != 0u;  // else the surface does not matter
         uint known = nine.y;
         for (int k = 0; k < (mixed && share > 0.0 ? 1 : 0); ++k) known &= surface_seen(p, rays);
@@ -151,3 +170,5 @@ void main() {
         imageStore(visibility, p, vec4(v));
     }
 }
+
+void main() { for_each_cell(); }
