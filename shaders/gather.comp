@@ -95,13 +95,17 @@ struct Past {
 const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS);
 
 #if HAS_MOTION
-// What the previous frame's texels showed, from its first one on, in light space.
+// What the previous frame's texels showed, from its first one on, in light space: previous_position() is linear in a texel's
+// place and depth. Taken over the whole image, differences do not round away.
 ViewRays previous_rays(mat3 light) {
     const ivec2 size = ivec2(frame.prev_size);
-    const PreviousRay first = previous_ray(ivec2(0)), right = previous_ray(ivec2(size.x, 0)), below = previous_ray(ivec2(0, size.y));
+    const ivec2 right = ivec2(size.x, 0), below = ivec2(0, size.y);
+    const vec3 o = light * previous_position(ivec2(0), 0.0), r = light * previous_position(ivec2(0), 1.0) - o;
+    const vec3 right_o = light * previous_position(right, 0.0), right_r = light * previous_position(right, 1.0) - right_o;
+    const vec3 below_o = light * previous_position(below, 0.0), below_r = light * previous_position(below, 1.0) - below_o;
     const vec2 by_size = 1.0 / vec2(size);
-    return ViewRays(light * first.o, light * (right.o - first.o) * by_size.x, light * (below.o - first.o) * by_size.y,
-                    light * first.r, light * (right.r - first.r) * by_size.x, light * (below.r - first.r) * by_size.y);
+    return ViewRays(o, (right_o - o) * by_size.x, (below_o - o) * by_size.y, r, (right_r - r) * by_size.x,
+                    (below_r - r) * by_size.y);
 }
 
 float sharper(ivec2 corner, vec2 t, int taps) {
