@@ -57,7 +57,7 @@ TEST_P(ShearedPoints, NobodyAsksForAnotherThanTheTracers) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Shots, ShearedPoints, ::testing::Values("trees", "engine"),
+INSTANTIATE_TEST_SUITE_P(Shots, ShearedPoints, ::testing::Values("engine", "heightfield"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
