@@ -11,6 +11,7 @@
 #include "common/shadow_state.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
+#include "common/working_cells.glsl"
 
 const float RESIDUAL_VARIANCE = 0.2 / 1.8;  // of a running mean with weight .2, over that of one frame
 const float CLAMP_ERRORS = 5.0;             // insurance only: the test nearly always comes first
@@ -42,16 +43,16 @@ float excess_at(ivec2 cell) {
 // Mean difference between frame and past over 3x3 taps of the same surface, `step` pixels apart; 0: nothing is asked.
 float surrounding_difference(ivec2 p, int step, ViewRays rays) {
     const float z = imageLoad(view_depth, p).x, tolerance_m = params.plane_tolerance * pixel_span_m(z);
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), here = rays.o + z * rays.r;
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const OffPlane plane = off_plane(rays, n, rays.o + z * rays.r);
     const ivec2 last = ivec2(frame.size) - 1;
-    const int reach = step > 0 ? 1 : -1;
     float sum = 0.0, weights = 0.0;
-    for (int y = -reach; y <= reach; ++y)
-        for (int x = -reach; x <= reach; ++x) {
+    for (int y = -1; y <= (step > 0 ? 1 : -2); ++y)
+        for (int x = -1; x <= 1; ++x) {
             const ivec2 q = clamp(p + step * ivec2(x, y), ivec2(0), last);
             const Gathered g = unpack_gathered(imageLoad(gathered, q).xy);
-            const vec3 there = seen_at(rays, vec2(q - p), imageLoad(view_depth, q).x);
-            const bool same = g.counts && g.count > 0.0 && abs(dot(n, there - here)) <= tolerance_m;
+            const float off_m = metres_off(plane, vec2(q - p), imageLoad(view_depth, q).x);
+            const bool same = g.counts && g.count > 0.0 && abs(off_m) <= tolerance_m;
             const float w = same ? 1.0 / (g.error * g.error + 1e-4) : 0.0;
             sum += w * (g.now - g.past);
             weights += w;
@@ -59,24 +60,24 @@ float surrounding_difference(ivec2 p, int step, ViewRays rays) {
     return weights > 0.0 ? sum / weights : 0.0;
 }
 
-void main() {
-    const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(cell, cell_grid()))) return;
+bool is_settled(ivec2 cell) {
+    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
+    const IdleCell idle = unpack_idle(size);
+    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    for (int i = 0; i < (is_idle(size) ? CELL * CELL : 0); ++i) {
+        const float lit = float(idle.lit >> uint(i) & 1u), count = (idle.tests >> uint(i) & 1u) != 0u ? IDLE_COUNT : 0.0;
+        imageStore(state, cell * CELL + ivec2(i & 3, i >> 2), uvec4(pack_state(ShadowState(lit, count, 0.0)), 0u, 0u, 0u));
+    }
+    return is_idle(size);
+}
+
+void work_on(ivec2 cell) {
     const ivec2 first = cell * CELL;
     const float radius_px = cells[2u * cell_index(cell) + 1u].z;
-    const bool works = radius_px >= 0.0;
-    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
-    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
-        const ivec2 p = first + ivec2(i & 3, i >> 2);
-        const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
-        imageStore(state, p, uvec4(pack_state(ShadowState(g.now, g.counts ? g.count : 0.0, 0.0)), 0u, 0u, 0u));
-    }
-
-    float shrink = 1.0;
-    for (int i = 0; i < (works ? 1 : 0); ++i) shrink = 1.0 / (1.0 + 0.5 * excess_at(cell));
+    const float shrink = 1.0 / (1.0 + 0.5 * excess_at(cell));
     const int step = clamp(int(0.5 * min(radius_px, 8.0) + 0.5), 1, 4);
     const ViewRays corner = view_rays(first, mat3(1.0));
-    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
+    for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
         ShadowState s = ShadowState(g.now, g.counts ? 1.0 : 0.0, 0.0);
@@ -92,3 +93,5 @@ void main() {
         imageStore(state, p, uvec4(pack_state(s), 0u, 0u, 0u));
     }
 }
+
+void main() { for_each_cell(); }

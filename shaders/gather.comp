@@ -20,13 +20,13 @@
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
 #include "common/sheared_gather.glsl"
+#include "common/working_cells.glsl"
 
 const int R = RADIUS;
 const int ROWS = CELL + 2 * R;
 const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
 const float SAME_FACE = 0.9;      // cosine: beyond a crease the sun stands differently
 const float EQUAL_SHARE = 0.6;    // of the rays of a box that all say the same: what they count
-const float IDLE_COUNT = 8.0;     // frames that a cell without any doubt counts for
 // Of the variance between the texels that the past is resampled from: what resampling adds to its error. Over the
 // penumbra's radius in pixels; both numbers minimise the shots' error (docs/sheared.md).
 const float RESAMPLING_SHARE = 0.5, LARGEST_SHARE = 3.0;
@@ -96,67 +96,77 @@ struct Past {
 const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS, false);
 
 #if HAS_MOTION
-bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
-    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
-    const float z = imageLoad(view_depth_prev, q).x;
-    const vec3 n_prev = unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)));
-    return z > 0.0 && dot(n, n_prev) > SAME_FACE && lies_on_plane(previous_position(q, z), here, n, tolerance_m);
+// What the previous frame's texels showed, from its first one on, in light space: previous_position() is linear in a texel's
+// place and depth. Taken over the whole image, differences do not round away.
+ViewRays previous_rays(mat3 light) {
+    const ivec2 size = ivec2(frame.prev_size);
+    const ivec2 right = ivec2(size.x, 0), below = ivec2(0, size.y);
+    const vec3 o = light * previous_position(ivec2(0), 0.0), r = light * previous_position(ivec2(0), 1.0) - o;
+    const vec3 right_o = light * previous_position(right, 0.0), right_r = light * previous_position(right, 1.0) - right_o;
+    const vec3 below_o = light * previous_position(below, 0.0), below_r = light * previous_position(below, 1.0) - below_o;
+    const vec2 by_size = 1.0 / vec2(size);
+    return ViewRays(o, (right_o - o) * by_size.x, (below_o - o) * by_size.y, r, (right_r - r) * by_size.x,
+                    (below_r - r) * by_size.y);
 }
 
-float sharper(ivec2 corner, vec2 t) {
+float sharper(ivec2 corner, vec2 t, int taps) {
     const vec4 wx = cubic_weights(t.x), wy = cubic_weights(t.y);
     const ivec2 last = ivec2(frame.prev_size) - 1;
     float sum = 0.0;
-    for (int y = 0; y < 4; ++y)
-        for (int x = 0; x < 4; ++x) {
-            const ivec2 q = clamp(corner + ivec2(x, y) - 1, ivec2(0), last);
-            sum += wx[x] * wy[y] * unpack_state(imageLoad(history, q).x).visibility;
-        }
+    for (int i = 0; i < taps; ++i) {
+        const ivec2 q = clamp(corner + ivec2(i & 3, i >> 2) - 1, ivec2(0), last);
+        sum += wx[i & 3] * wy[i >> 2] * unpack_state(imageLoad(history, q).x).visibility;
+    }
     return sum;
 }
 
-Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
+// `plane`: the pixel's, among what previous_rays() sees.
+Past past_of(ivec2 p, vec3 n, OffPlane plane, float tolerance_m) {
     const Reprojection there = reproject(p, texelFetch(motion, p, 0).xy);
-    if (!there.on_screen || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
-    const vec3 here = position(p, z);
+    const bool asks = there.on_screen && (frame.flags & FRAME_RESET) == 0u;
     const vec2 at = there.uv * vec2(frame.prev_size) - 0.5;
-    const ivec2 corner = ivec2(floor(at + 1e-3));
+    const ivec2 corner = ivec2(floor(at + 1e-3)), last = ivec2(frame.prev_size) - 1;
     const vec2 t = clamp(at - vec2(corner), 0.0, 1.0);
     float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0;
-    ivec2 nearest_texel = corner;
+    ivec2 nearest_texel = ivec2(0);
     Past past = NO_PAST;
     for (int i = 0; i < 4; ++i) {
-        const ivec2 q = corner + ivec2(i & 1, i >> 1);
-        const float weight = ((i & 1) != 0 ? t.x : 1.0 - t.x) * ((i >> 1) != 0 ? t.y : 1.0 - t.y);
-        if (weight > 1e-3 && shows_plane(q, here, n, tolerance_m)) {
-            const ShadowState s = unpack_state(imageLoad(history, q).x);
-            if (s.count > 0.0) {
-                weights += weight;
-                past.visibility += weight * s.visibility;
-                past.variance += weight * s.visibility * s.visibility;
-                low = min(low, s.visibility);
-                high = max(high, s.visibility);
-                if (weight > nearest) {
-                    nearest = weight;
-                    nearest_texel = q;
-                    past.count = s.count;
-                    past.residual = s.residual;
-                }
+        const float share = ((i & 1) != 0 ? t.x : 1.0 - t.x) * ((i >> 1) != 0 ? t.y : 1.0 - t.y);
+        if (asks && share > 1e-3) {
+            const ivec2 q = corner + ivec2(i & 1, i >> 1), inside = clamp(q, ivec2(0), last);
+            const float z = imageLoad(view_depth_prev, inside).x;
+            const vec3 n_prev = decode_normal(imageLoad(guide_normal_prev, inside));
+            const ShadowState s = unpack_state(imageLoad(history, inside).x);
+            const bool same = q == inside && z > 0.0 && s.count > 0.0 && dot(n, n_prev) > SAME_FACE * length(n_prev) &&
+                              abs(metres_off(plane, vec2(inside), z)) <= tolerance_m;
+            const float weight = same ? share : 0.0;
+            weights += weight;
+            past.visibility += weight * s.visibility;
+            past.variance += weight * s.visibility * s.visibility;
+            low = same ? min(low, s.visibility) : low;
+            high = same ? max(high, s.visibility) : high;
+            if (weight > nearest) {
+                nearest = weight;
+                nearest_texel = inside;
+                past.count = s.count;
+                past.residual = s.residual;
             }
         }
     }
-    if (weights <= 0.0) return NO_PAST;
     past.resampled = nearest < 0.999;
-    past.visibility /= weights;
+    const float by_weights = 1.0 / max(weights, 1e-3);  // none is less, but where there is none
+    past.visibility *= by_weights;
     past.own = unpack_own(imageLoad(own_rays_prev, nearest_texel).x);  // how far that is off, limits its count
-    past.variance = max(past.variance / weights - past.visibility * past.visibility, 0.0);
-    if (weights > 0.99 && high > low) past.visibility = clamp(sharper(corner, t), low, high);
+    past.variance = max(past.variance * by_weights - past.visibility * past.visibility, 0.0);
+    const float between = sharper(corner, t, weights > 0.99 && high > low ? 16 : 0);
+    if (weights > 0.99 && high > low) past.visibility = clamp(between, low, high);
+    if (weights <= 0.0) past = NO_PAST;
     return past;
 }
 
 #else
 // Nothing moves: the pixel's past is its own.
-Past past_of(ivec2 p, float z, vec3 n, float tolerance_m) {
+Past past_of(ivec2 p) {
     const ShadowState s = unpack_state(imageLoad(history, p).x);
     if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
     return Past(s.visibility, s.count, s.residual, 0.0, unpack_own(imageLoad(own_rays_prev, p).x), false);
@@ -306,13 +316,19 @@ void add_pixel(inout Bias b, Past past) {
 
 float bias_of(Bias b) { return max(b.differences - NOISE_SHARE * b.noise, 0.0) / max(b.n, 1.0); }
 
-void main() {
-    const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(cell, cell_grid()))) return;
-    const ivec2 first = cell * CELL;
-    const int tile_x = cell.x >> 1, column = 8 + (first.x & 7);
+// 1 = pixels that are lit, whatever the rays around say: no receivers, or their own rays' word.
+uint lit_or_sky(ivec2 cell) {
+    const uint tile = tile_index(cell * CELL / TILE);
+    return visibility_words[tile] | ~receiver_words[tile];
+}
 
-    load_rows(ivec2(tile_x, cell.y));
+// Column of the cell's first pixel in the rows.
+int column_of(ivec2 cell) { return 8 + (cell.x * CELL & 7); }
+
+bool is_settled(ivec2 cell) {
+    const ivec2 first = cell * CELL;
+    const int column = column_of(cell);
+    load_rows(ivec2(cell.x >> 1, cell.y));
     const uint in_reach = ((1u << uint(CELL + 2 * R)) - 1u) << uint(column - R);
     uint any_lit = 0u, any_dark = 0u;
     for (int i = 0; i < ROWS; ++i) {
@@ -323,20 +339,36 @@ void main() {
     bool works = mixed;
     for (int i = 0; i < (!mixed && (any_lit | any_dark) != 0u ? 1 : 0); ++i) works = past_disagrees(first, any_lit != 0u);
 
-    const uint receivers = receiver_words[tile_index(first / TILE)], visible = visibility_words[tile_index(first / TILE)];
-    const uint lit_or_sky = visible | ~receivers;
+    const uint lit = lit_or_sky(cell);
     // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    IdleCell idle = IdleCell(0u, 0u);
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
-        const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         const bool tests = (test_rows[R + offset.y] >> uint(column + offset.x) & 1u) != 0u;
+        idle.lit |= (bit > 0.5 ? 1u : 0u) << uint(i);
+        idle.tests |= (tests ? 1u : 0u) << uint(i);
         imageStore(gathered, p, uvec4(pack_gathered(Gathered(bit, bit, IDLE_COUNT, 0.0, 0.0, tests)), 0u, 0u));
         imageStore(own_rays, p, uvec4(pack_own(tests ? OwnRays(bit, IDLE_COUNT, 0.0, bit > 0.5) : NO_RAYS), 0u, 0u, 0u));
     }
+    if (!works) {
+        cells[2u * cell_index(cell)] = vec4(0.0);
+        cells[2u * cell_index(cell) + 1u] = vec4(0.0, 0.0, pack_idle(idle));
+    }
+    return !works;
+}
+
+void work_on(ivec2 cell) {
+    const ivec2 first = cell * CELL;
+    const int column = column_of(cell);
+    load_rows(ivec2(cell.x >> 1, cell.y));
+    const uint lit = lit_or_sky(cell);
     const mat3 light = transpose(sun_frame(sun.to_sun));
     const ViewRays corner = view_rays(first, light);
-    Penumbra penumbra = Penumbra(0.0, 0.0, 0.0);
-    for (int i = 0; i < (works ? 1 : 0); ++i) penumbra = penumbra_at(cell);
+#if HAS_MOTION
+    const ViewRays before = previous_rays(light);
+#endif
+    const Penumbra penumbra = penumbra_at(cell);
     const float rho = radius_m(penumbra);
 
     Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -347,9 +379,9 @@ void main() {
     float radii = 0.0, by_counts = 0.0;  // over these
     int tested_pixels = 0;
     bool resampled = false;
-    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
+    for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
-        const float bit = (lit_or_sky & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false);
         OwnRays own = NO_RAYS;
         const ivec2 in_rows = ivec2(column + offset.x, R + offset.y);
@@ -360,7 +392,12 @@ void main() {
             const Footprint foot = footprint_of(rays, z, n_light);
             const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
             const Estimate now = this_frame(p, in_rows, z, n_light, rays, penumbra, foot);
-            Past past = under_this_sun(past_of(p, z, n, tolerance_m));
+#if HAS_MOTION
+            const OffPlane then = off_plane(before, n_light, rays.o + z * rays.r);
+            Past past = under_this_sun(past_of(p, n, then, tolerance_m));
+#else
+            Past past = under_this_sun(past_of(p));
+#endif
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             // Drift's doubts, which came after the rays had been counted, and resampling as above.
@@ -403,7 +440,7 @@ void main() {
         sums.c += max(flips - sums.v, 0.0);  // where it counts there is one ray
         sums.v = max(sums.v, flips);
     }
-    const vec2 reach = rho > 0.0 && works ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
+    const vec2 reach = rho > 0.0 ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
     const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
     // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
     float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
@@ -413,6 +450,8 @@ void main() {
     sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
 #endif
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
-    cells[2u * cell_index(cell) + 1u] =
-        vec4(sums.e2, sums.c, works ? radius_px : -1.0, uintBitsToFloat(pack_softening(ivec2(reach), past_kind, tests, bias_of(bias))));
+    const vec2 size = vec2(radius_px, uintBitsToFloat(pack_softening(ivec2(reach), past_kind, tests, bias_of(bias))));
+    cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, size);
 }
+
+void main() { for_each_cell(); }

@@ -15,6 +15,7 @@
 #include "common/light_space.glsl"
 #include "common/tiles.glsl"
 #include "common/bit_window.glsl"
+#include "common/working_cells.glsl"
 
 const float SIDE = 0.75;             // kernel: .75, 1, .75 per axis
 const float NEIGHBOURS = 0.9;        // weight of the neighbours on the first frame,
@@ -40,7 +41,8 @@ float trust_of_past(float tests, float frames, float unmoved, uint pattern) {
 
 float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     const float z = imageLoad(view_depth, p).x;
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p))), here = rays.o + z * rays.r;
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const OffPlane plane = off_plane(rays, n, rays.o + z * rays.r);
     const float tolerance_m = params.plane_tolerance * pixel_span_m(z);
     const float weight = NEIGHBOURS / (1.0 + FADING * max(own.count - 1.0, 0.0));
     const ivec2 last = ivec2(frame.size) - 1;
@@ -52,8 +54,8 @@ float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
             const bool elsewhere = (x == 0 || steps.x > 0) && (y == 0 || steps.y > 0) && (x != 0 || y != 0);
             if (!elsewhere || any(lessThan(q, ivec2(0))) || any(greaterThan(q, last))) continue;
             const ShadowState s = unpack_state(imageLoad(state, q).x);
-            const vec3 there = seen_at(rays, vec2(offset), imageLoad(view_depth, q).x);
-            const bool same = s.count > 0.0 && abs(dot(n, there - here)) <= tolerance_m;
+            const bool same =
+                s.count > 0.0 && abs(metres_off(plane, vec2(offset), imageLoad(view_depth, q).x)) <= tolerance_m;
             const float w = same ? weight * (x == 0 ? 1.0 : SIDE) * (y == 0 ? 1.0 : SIDE) : 0.0;
             sum += w * s.visibility;
             weights += w;
@@ -101,13 +103,12 @@ bool unlike(Bits bits, int column) {
 uint surface_seen(ivec2 p, ViewRays rays) {
     const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
     const float z = imageLoad(view_depth, p).x, tolerance_m = OWN_PLANE_PX * pixel_span_m(z);
-    const vec3 n = decode_normal(imageLoad(guide_normal, p)), here = rays.o + z * rays.r;
+    const OffPlane plane = off_plane(rays, decode_normal(imageLoad(guide_normal, p)), rays.o + z * rays.r);
     const ivec2 last = ivec2(frame.size) - 1;
     uint surface = WHOLE_PATTERN;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = clamp(p + 2 * ivec2(i & 1, i >> 1) - 1, ivec2(0), last);
-        const vec3 there = seen_at(rays, vec2(q - p), imageLoad(view_depth, q).x);
-        if (!(abs(dot(n, there - here)) <= tolerance_m)) surface &= ~CORNERS[i];
+        if (!(abs(metres_off(plane, vec2(q - p), imageLoad(view_depth, q).x)) <= tolerance_m)) surface &= ~CORNERS[i];
     }
     return surface;
 }
@@ -120,29 +121,54 @@ uvec2 bits_of(Bits bits, int column, int row) {
     return nine;
 }
 
-void main() {
-    const ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(cell, cell_grid()))) return;
-    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
-    const ivec2 first = cell * CELL, steps = steps_of(floatBitsToUint(size.y));
-    const bool narrow = size.x >= 0.0 && size.x < WIDEST;
-    Bits bits;
+// What there is to do in a cell.
+struct Softening {
+    ivec2 steps;
+    float bias;
+    float fade;  // of the patterns, 0: they are not asked
+    Bits bits;   // where they are
+    float tests;        // rays per frame in a pixel's disc
+    float by_unmoved;   // per frame that the own rays have gone undoubted
+};
+
+Softening softening_of(ivec2 cell, vec2 size) {
+    const uint word = is_idle(size) ? 0u : floatBitsToUint(size.y);
+    const bool narrow = !is_idle(size) && size.x < WIDEST;
+    Softening s;
     bool asks = false;  // where all bits agree, so do the patterns
     for (int i = 0; i < (narrow ? 1 : 0); ++i) {
-        bits = bits_around(cell);
-        asks = unlike(bits, 7 + (first.x & 7));
+        s.bits = bits_around(cell);
+        asks = unlike(s.bits, 7 + (cell.x * CELL & 7));
     }
-    const float bias = bias_of(floatBitsToUint(size.y));
-    const float tests = tests_of(floatBitsToUint(size.y));
-    const float by_unmoved = 1.0 / UNMOVED[past_kind_of(floatBitsToUint(size.y))];
-    const bool works = (steps.x | steps.y) != 0 || asks || bias > 0.0;
-    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
-        const ivec2 p = first + ivec2(i & 3, i >> 2);
-        imageStore(visibility, p, vec4(unpack_state(imageLoad(state, p).x).visibility));
+    s.steps = steps_of(word);
+    s.bias = bias_of(word);
+    s.tests = tests_of(word);
+    s.by_unmoved = 1.0 / UNMOVED[past_kind_of(word)];
+    s.fade = asks ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
+    return s;
+}
+
+bool is_settled(ivec2 cell) {
+    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
+    const Softening s = softening_of(cell, size);
+    const bool settled = (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0, idles = is_idle(size);
+    const IdleCell idle = unpack_idle(size);
+    for (int i = 0; i < (settled ? CELL * CELL : 0); ++i) {
+        const ivec2 p = cell * CELL + ivec2(i & 3, i >> 2);
+        float v = float(idle.lit >> uint(i) & 1u);
+        if (!idles) v = unpack_state(imageLoad(state, p).x).visibility;
+        imageStore(visibility, p, vec4(v));
     }
+    return settled;
+}
+
+void work_on(ivec2 cell) {
+    const ivec2 first = cell * CELL;
+    const Softening s = softening_of(cell, cells[2u * cell_index(cell) + 1u].zw);
+    const ivec2 steps = s.steps;
+    const float bias = s.bias, fade = s.fade, tests = s.tests;
     const ViewRays corner = view_rays(first, mat3(1.0));
-    const float fade = asks ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
-    for (int i = 0; i < (works ? CELL * CELL : 0); ++i) {
+    for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const ShadowState own = unpack_state(imageLoad(state, p).x);
         const ViewRays rays = moved(corner, vec2(offset));
@@ -155,7 +181,7 @@ void main() {
         }
         float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples) : 0.0;
         if (share <= LEAST_SHARE) share = 0.0;
-        const uvec2 nine = bits_of(bits, 8 + (first.x & 7) + offset.x, offset.y);
+        const uvec2 nine = bits_of(s.bits, 8 + (first.x & 7) + offset.x, offset.y);
         const bool mixed = (nine.x & nine.y) != 0u && (~nine.x & nine.y) != 0u;  // else the surface does not matter
         const bool doubts = own.count > 0.0 && fade > 0.0 && tests < ALWAYS_TESTED;
         uint known = nine.y;
@@ -163,10 +189,12 @@ void main() {
         const uint pattern = edge_pattern(nine.x, known);
         if (share > 0.0) v = mix(v, visibility_by_pattern(pattern), share);
         for (int k = 0; k < (doubts ? 1 : 0); ++k) {
-            const float unmoved = unpack_own(imageLoad(own_rays, p).x).count * by_unmoved;
+            const float unmoved = unpack_own(imageLoad(own_rays, p).x).count * s.by_unmoved;
             const float bit = (pattern & PATTERN_CENTRE) != 0u ? 1.0 : 0.0;
             v += fade * (1.0 - trust_of_past(tests, max(own.count, 1.0), unmoved, pattern)) * (bit - v);
         }
         imageStore(visibility, p, vec4(v));
     }
 }
+
+void main() { for_each_cell(); }

@@ -29,6 +29,18 @@ float offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
     return robust_offset_m(p, z, n, relative, in_scene);
 }
 
+// For whoever counts this pixel's ray as a neighbour's.
+#if HAS_RAY_POINTS
+void keep_point(ivec2 p) {
+#if HAS_BLUE_NOISE
+    const vec2 point = sun_point(p, frame.frame_index, params.seed);
+#else
+    const vec2 point = vec2(0.0);  // the middle of a sun that is a point
+#endif
+    imageStore(ray_points, p, uvec4(packSnorm2x16(point), 0u, 0u, 0u));
+}
+#endif
+
 // Of the k-th ray of a pixel. The first is the one that is cast where there is no other: who reads the hit words knows
 // where it went.
 vec3 ray_direction(ivec2 p, uint k) {
@@ -113,6 +125,10 @@ void main() {
     const uint share = 32u / gl_NumSubgroups, share_first = gl_SubgroupID * share, share_end = share_first + share;
     const uint wanted = lanes_of_pixels(record.y) & (share == 32u ? ~0u : (1u << share) - 1u << share_first);
 
+#if HAS_RAY_POINTS
+    for (uint number = share_first + lane; number < share_end; number += lanes)
+        if ((wanted >> number & 1u) != 0u) keep_point(tile * TILE + pixel_of_lane(int(number)));
+#endif
     uint ended = 0u;  // pixels whose first ray hits
 #if HAS_BLOCKERS
     BlockerSums sums = BlockerSums(0u, 0u, 0u), early = sums;  // of rays that walked, and of those that did not

@@ -120,10 +120,12 @@ struct Result {
     std::vector<bool> bit, counted;
 };
 
-ViewRun run_with(int radius) {
+// `cpu`: with the workgroups of a software device, else of a GPU.
+ViewRun run_with(int radius, bool cpu = true) {
     std::string text = gather_alone;
     text.replace(text.find("RADIUS"), 6, std::to_string(radius));
     ViewRunOptions options;
+    options.cpu = cpu;
     options.captures = {"gathered"};
     options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}};
     return ViewRun(shadow_pipeline(text), extent, options);
@@ -261,6 +263,14 @@ TEST_F(Gather, CountsItsNeighboursRaysAtEveryAngle) {
         EXPECT_GT(n_eff({.edges = {{distance_for(8), angle}}}), 35);
         EXPECT_GT(n_eff({.edges = {{distance_for(16), angle}}}), 60);
     }
+}
+
+// Which invocation works on which cell depends on the workgroup's shape and on the order of its list.
+TEST_F(Gather, SaysTheSameInEveryWorkgroup) {
+    ViewRun narrow = run_with(4), square = run_with(4, false);
+    const Setting setting{.edges = {{distance_for(12), 17}},
+                          .averted = [](int x, int y) { return (x / 5 + y / 3) % 4 == 0; }};
+    EXPECT_EQ(penumbra::test::gather(narrow, setting).now, penumbra::test::gather(square, setting).now);
 }
 
 TEST_F(Gather, AsksMoreNeighboursWhereItIsToldTo) {

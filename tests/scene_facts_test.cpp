@@ -260,7 +260,8 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
                  "visibility_words accumulated signal count tile_meta smoothed0 smoothed1",
                  "accumulated count", "", "edge_patterns");
         else
-            also("prepare sun_points gather drift soften",
+            also(pipeline == "sheared" ? "prepare gather drift soften"
+                                       : "prepare sun_points gather drift soften",
                  "visibility_words sunward_words sun_points blockers gathered cells own_rays state",
                  "own_rays state", "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");

@@ -30,6 +30,20 @@ vec3 seen_at(ViewRays v, vec2 offset_px, float view_depth) {
     return v.o + offset_px.x * v.ox + offset_px.y * v.oy + view_depth * (v.r + offset_px.x * v.rx + offset_px.y * v.ry);
 }
 
+// How far what those pixels see lies off a plane: linear in their offset and in their depth, so that a pixel that asks
+// several neighbours pays for the plane once.
+struct OffPlane {
+    float o, ox, oy, r, rx, ry;
+};
+
+OffPlane off_plane(ViewRays v, vec3 n, vec3 on_plane) {
+    return OffPlane(dot(n, v.o - on_plane), dot(n, v.ox), dot(n, v.oy), dot(n, v.r), dot(n, v.rx), dot(n, v.ry));
+}
+
+float metres_off(OffPlane v, vec2 offset_px, float view_depth) {
+    return v.o + offset_px.x * v.ox + offset_px.y * v.oy + view_depth * (v.r + offset_px.x * v.rx + offset_px.y * v.ry);
+}
+
 // How the seen point moves per pixel along x and y if the surface is the plane with this normal. Seen edge-on, a plane
 // has no such derivative; the limit is that of 1 degree.
 const float EDGE_ON = 0.0175;

@@ -63,5 +63,16 @@ float tests_of(uint word) {
 }
 float bias_of(uint word) { return unpackHalf2x16(word).y; }
 
+// A cell without any doubt is known by 16 bits of each kind, which take the place of its penumbra's radius (as a negative number)
+// and of the word above: whoever copies it needs no load per pixel. Numbers, not bit patterns, because those may be NaNs.
+const float IDLE_COUNT = 8.0;  // frames that it counts for
+struct IdleCell {
+    uint lit, tests;  // pixel (x, y) is bit 4 y + x
+};
+
+vec2 pack_idle(IdleCell c) { return vec2(-1.0 - float(c.lit), float(c.tests)); }
+bool is_idle(vec2 packed) { return packed.x < 0.0; }
+IdleCell unpack_idle(vec2 packed) { return IdleCell(uint(max(-1.0 - packed.x, 0.0)), uint(clamp(packed.y, 0.0, 65535.0))); }
+
 ivec2 cell_grid() { return (ivec2(frame.size) + CELL - 1) / CELL; }
 uint cell_index(ivec2 cell) { return uint(cell.y * cell_grid().x + cell.x); }
