@@ -125,10 +125,10 @@ uvec2 bits_of(Bits bits, int column, int row) {
 struct Softening {
     ivec2 steps;
     float bias;
-    float fade;  // of the patterns, 0: they are not asked
-    Bits bits;   // where they are
-    float tests;        // rays per frame in a pixel's disc
-    float by_unmoved;   // per frame that the own rays have gone undoubted
+    float tests;       // rays per frame in a pixel's disc
+    float by_unmoved;  // per frame that the own rays have gone undoubted
+    float fade;        // of the patterns, 0: they are not asked
+    Bits bits;         // where they are
 };
 
 Softening softening_of(ivec2 cell, vec2 size) {

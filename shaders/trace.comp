@@ -145,7 +145,8 @@ void main() {
             if ((wanted >> number & 1u) != 0u) {
                 const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), 0u, t_min, t_max);
                 hit = ray.into_surface;
-                if (!hit && blocked_by_known(tile_index(tile), slots, first >> 3, bvh_ray(ray.origin, ray.direction, ray.t_min, ray.t_max), t, useful)) {
+                const BvhRay test = bvh_ray(ray.origin, ray.direction, ray.t_min, ray.t_max);
+                if (!hit && blocked_by_known(tile_index(tile), slots, first >> 3, test, t, useful)) {
                     hit = true;
 #if HAS_BLOCKERS
                     add_blocker(early, metres_along(ray, t));

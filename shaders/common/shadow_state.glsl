@@ -44,13 +44,13 @@ Gathered unpack_gathered(uvec2 words) {
                     float(words.y >> 16 & 0xffu) / 510.0, (words.y >> 24 & 1u) != 0u);
 }
 
-// Of a cell, for soften: how far apart its taps are (at most 7 px), what its past is, the rays per frame that test a pixel's disc, and what the
-// own rays say that the state is wrong by, squared.
-// Nothing can have moved; it need not have been resampled; it was.
+// A cell's past: nothing can have moved; it need not have been resampled; it was.
 const uint PAST_CERTAIN = 0u, PAST_WHOLE = 1u, PAST_RESAMPLED = 2u;
 const float TESTS_STEPS = 16.0, TESTS_OCTAVES = 13.0;  // per octave, and below 1
 const float ALWAYS_TESTED = 1e9;
 
+// Of a cell, for soften: how far apart its taps are (at most 7 px), what its past is, the rays per frame that test a pixel's
+// disc, and what the own rays say that the state is wrong by, squared.
 uint pack_softening(ivec2 steps, uint past_kind, float tests, float bias) {
     const uint t = uint(clamp(TESTS_STEPS * (log2(max(tests, 1e-9)) + TESTS_OCTAVES) + 0.5, 0.0, 255.0));
     return uint(steps.x) | uint(steps.y) << 3 | past_kind << 6 | t << 8 | packHalf2x16(vec2(0.0, bias));
