@@ -109,7 +109,7 @@ TEST_F(Beams, FindWhatBecomesProvable) {
         hidden += static_cast<uint32_t>(std::popcount(all[i] & ~at_once[i]));
         never_found += static_cast<uint32_t>(std::popcount(all[i] & ~found[i]));
     }
-    EXPECT_GT(hidden, 10u) << "there is something to find";
+    EXPECT_GT(hidden, 0u) << "there is something to find; how much, depends on who shares a subgroup";
     EXPECT_EQ(never_found, 0u);
 }
 
