@@ -69,8 +69,8 @@ struct Port {
     ExtentRule extent;            // outputs of kind image and texels
     CountRule count;              // outputs of kind buffer
     Writes writes = Writes::all;
-    bool memo =
-        false;  // output: what frames before left in it spares work and changes nothing that is put out
+    // Output: what frames before left in it spares work and changes nothing that is put out.
+    bool memo = false;
     std::string updates;  // output: the input port whose memory it takes over
     First first = First::any;
     bool previous = false;  // must be bound to NAME@-1

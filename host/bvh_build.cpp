@@ -17,8 +17,8 @@ using namespace bvh_detail;
 constexpr uint32_t bins = 32;
 constexpr uint32_t sweep_below = 64;  // a full sweep of so few costs less than clearing the bins
 constexpr uint32_t width = 4;
-constexpr uint32_t max_binary_depth =
-    2 * max_bvh_depth;  // grandchildren as children make half of it; see Collapse
+// Grandchildren as children make half of it; see Collapse.
+constexpr uint32_t max_binary_depth = 2 * max_bvh_depth;
 
 struct BinaryNode {
     Box box;

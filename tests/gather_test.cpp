@@ -388,8 +388,7 @@ TEST_F(Gather, IsAsGoodAtTheBorder) {
 
 // A sun that has half set behind the receiver's own plane, beside an edge: rays to its lower half meet the
 // receiver, whatever the blockers do. They are no samples of the edge, and their share of the disc is known:
-// sheared as if a blocker had stopped them, they leave 67 to 72
-// effective samples instead of 95 to 138.
+// sheared as if a blocker had stopped them, they leave 67 to 72 effective samples instead of 95 to 138.
 TEST_F(Gather, KnowsWhatTheReceiversOwnPlaneHides) {
     for (const double elevation : {-0.8, 0.0, 0.8}) {
         SCOPED_TRACE(elevation);
