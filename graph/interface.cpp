@@ -299,7 +299,8 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "// Generated from the node's declaration.\n"
         "#extension GL_KHR_shader_subgroup_basic : require\n"
         "#extension GL_KHR_shader_subgroup_arithmetic : require\n"
-        "#extension GL_KHR_shader_subgroup_ballot : require\n" +
+        "#extension GL_KHR_shader_subgroup_ballot : require\n"
+        "#extension GL_EXT_control_flow_attributes : require\n" +
         std::string(uses_ray_query(variant) ? "#extension GL_EXT_ray_query : require\n" : "") +
         "#include \"graph/frame_block.glsl\"\n"
         "#include \"common/blocks.h\"\n"

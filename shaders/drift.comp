@@ -8,6 +8,7 @@
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/rounded.glsl"
 #include "common/shadow_state.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
@@ -60,15 +61,16 @@ float surrounding_difference(ivec2 p, int step, ViewRays rays) {
     return weights > 0.0 ? sum / weights : 0.0;
 }
 
-bool is_settled(ivec2 cell) {
-    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
-    const IdleCell idle = unpack_idle(size);
+bool is_settled(ivec2 cell, bool) {
+    const uint idle = idle_cells[cell_index(cell)];
     // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
-    for (int i = 0; i < (is_idle(size) ? CELL * CELL : 0); ++i) {
-        const float lit = float(idle.lit >> uint(i) & 1u), count = (idle.tests >> uint(i) & 1u) != 0u ? IDLE_COUNT : 0.0;
-        imageStore(state, cell * CELL + ivec2(i & 3, i >> 2), uvec4(pack_state(ShadowState(lit, count, 0.0)), 0u, 0u, 0u));
+    for (int i = 0; i < (is_idle(idle) ? CELL * CELL : 0); ++i) {
+        const uint v = (idle >> uint(i) & 1u) != 0u ? pack_state(ShadowState(1.0, 0.0, 0.0))
+                                                    : pack_state(ShadowState(0.0, 0.0, 0.0));
+        const uint count = (idle >> uint(i + 16) & 1u) != 0u ? pack_state(ShadowState(0.0, IDLE_COUNT, 0.0)) : 0u;
+        imageStore(state, cell * CELL + ivec2(i & 3, i >> 2), uvec4(v | count, 0u, 0u, 0u));
     }
-    return is_idle(size);
+    return is_idle(idle);
 }
 
 void work_on(ivec2 cell) {
@@ -94,4 +96,7 @@ void work_on(ivec2 cell) {
     }
 }
 
-void main() { for_each_cell(); }
+void main() {
+    settle_cells();
+    for (uint i = gl_LocalInvocationIndex; i < left_count; i += lanes_in_workgroup()) work_on(cell_of(left_cells[i]));
+}

@@ -9,6 +9,7 @@
 #include "common/pixels.glsl"
 #include "common/previous_surface.glsl"
 #include "common/edge_pattern.glsl"
+#include "common/rounded.glsl"
 #include "common/shadow_state.glsl"
 #include "common/own_rays.glsl"
 #include "common/sun_sample.glsl"
@@ -16,6 +17,9 @@
 #include "common/tiles.glsl"
 #include "common/bit_window.glsl"
 #include "common/working_cells.glsl"
+
+const int R = 1;  // a pattern's
+#include "common/bit_rows.glsl"
 
 const float SIDE = 0.75;             // kernel: .75, 1, .75 per axis
 const float NEIGHBOURS = 0.9;        // weight of the neighbours on the first frame,
@@ -63,42 +67,6 @@ float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     return sum / weights;
 }
 
-// The bits of the cell's pixels and of those around them, six rows; bit 0 is 8 pixels left of the cell's tile.
-struct Bits {
-    uint lit[CELL + 2];
-    uint known[CELL + 2];
-};
-
-Bits bits_around(ivec2 cell) {
-    const ivec2 tile = ivec2(cell.x >> 1, cell.y), grid = tile_grid();
-    Bits bits;
-    uvec3 lit[3], known[3];
-    for (int y = 0; y < 3; ++y)
-        for (int x = 0; x < 3; ++x) {
-            const ivec2 at = tile + ivec2(x, y) - 1;
-            const bool inside = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, grid));
-            known[y][x] = inside ? sunward_words[tile_index(at)] : 0u;
-            lit[y][x] = inside ? visibility_words[tile_index(at)] : 0u;
-        }
-    for (int i = 0; i < CELL + 2; ++i) {
-        const int y = 3 + i;
-        bits.lit[i] = row_of(lit[y >> 2], y & 3);
-        bits.known[i] = row_of(known[y >> 2], y & 3);
-    }
-    return bits;
-}
-
-// Are both lit and dark pixels among the cell's and those around it? `column`: of the first of them.
-bool unlike(Bits bits, int column) {
-    uint lit = 0u, dark = 0u;
-    for (int i = 0; i < CELL + 2; ++i) {
-        lit |= bits.lit[i] & bits.known[i];
-        dark |= ~bits.lit[i] & bits.known[i];
-    }
-    const uint columns = ((1u << (CELL + 2)) - 1u) << column;
-    return (lit & columns) != 0u && (dark & columns) != 0u;
-}
-
 // Which of 3x3 pixels show the pixel's surface, as surface_around() has it, without its five unprojections.
 uint surface_seen(ivec2 p, ViewRays rays) {
     const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
@@ -113,11 +81,10 @@ uint surface_seen(ivec2 p, ViewRays rays) {
     return surface;
 }
 
-// The nine bits of a pixel, and which of them are of receivers. `column`: as the rows count; `row`: of the cell.
-uvec2 bits_of(Bits bits, int column, int row) {
+// The nine bits of a pixel of the cell, and which of them are of receivers.
+uvec2 bits_of(ivec2 offset) {
     uvec2 nine = uvec2(0u);
-    for (int i = 0; i < 3; ++i)
-        nine |= uvec2(bits.lit[row + i] >> (column - 1) & 7u, bits.known[row + i] >> (column - 1) & 7u) << 3 * i;
+    for (int i = 0; i < 3; ++i) nine |= (uvec2(rows[offset.y + i], rows[offset.y + i] >> 16) >> uint(offset.x) & 7u) << 3 * i;
     return nine;
 }
 
@@ -128,35 +95,24 @@ struct Softening {
     float tests;       // rays per frame in a pixel's disc
     float by_unmoved;  // per frame that the own rays have gone undoubted
     float fade;        // of the patterns, 0: they are not asked
-    Bits bits;         // where they are
 };
 
-Softening softening_of(ivec2 cell, vec2 size) {
-    const uint word = is_idle(size) ? 0u : floatBitsToUint(size.y);
-    const bool narrow = !is_idle(size) && size.x < WIDEST;
-    Softening s;
-    bool asks = false;  // where all bits agree, so do the patterns
-    for (int i = 0; i < (narrow ? 1 : 0); ++i) {
-        s.bits = bits_around(cell);
-        asks = unlike(s.bits, 7 + (cell.x * CELL & 7));
-    }
-    s.steps = steps_of(word);
-    s.bias = bias_of(word);
-    s.tests = tests_of(word);
-    s.by_unmoved = 1.0 / UNMOVED[past_kind_of(word)];
-    s.fade = asks ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
-    return s;
+Softening softening_of(ivec2 cell) {
+    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
+    const uint word = floatBitsToUint(size.y);
+    // Where all bits agree, so do the patterns.
+    const float fade = unlike_in(word) ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
+    return Softening(steps_of(word), bias_of(word), tests_of(word), 1.0 / UNMOVED[past_kind_of(word)], fade);
 }
 
-bool is_settled(ivec2 cell) {
-    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
-    const Softening s = softening_of(cell, size);
-    const bool settled = (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0, idles = is_idle(size);
-    const IdleCell idle = unpack_idle(size);
+bool is_settled(ivec2 cell, bool) {
+    const uint idle = idle_cells[cell_index(cell)];
+    const Softening s = softening_of(cell);
+    const bool settled = is_idle(idle) || (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0;
     for (int i = 0; i < (settled ? CELL * CELL : 0); ++i) {
         const ivec2 p = cell * CELL + ivec2(i & 3, i >> 2);
-        float v = float(idle.lit >> uint(i) & 1u);
-        if (!idles) v = unpack_state(imageLoad(state, p).x).visibility;
+        float v = float(idle >> uint(i) & 1u);
+        if (!is_idle(idle)) v = unpack_state(imageLoad(state, p).x).visibility;
         imageStore(visibility, p, vec4(v));
     }
     return settled;
@@ -164,9 +120,10 @@ bool is_settled(ivec2 cell) {
 
 void work_on(ivec2 cell) {
     const ivec2 first = cell * CELL;
-    const Softening s = softening_of(cell, cells[2u * cell_index(cell) + 1u].zw);
+    const Softening s = softening_of(cell);
     const ivec2 steps = s.steps;
     const float bias = s.bias, fade = s.fade, tests = s.tests;
+    for (int i = 0; i < (fade > 0.0 ? 1 : 0); ++i) load_rows(cell);
     const ViewRays corner = view_rays(first, mat3(1.0));
     for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
@@ -181,7 +138,7 @@ void work_on(ivec2 cell) {
         }
         float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples) : 0.0;
         if (share <= LEAST_SHARE) share = 0.0;
-        const uvec2 nine = bits_of(s.bits, 8 + (first.x & 7) + offset.x, offset.y);
+        const uvec2 nine = bits_of(offset);
         const bool mixed = (nine.x & nine.y) != 0u && (~nine.x & nine.y) != 0u;  // else the surface does not matter
         const bool doubts = own.count > 0.0 && fade > 0.0 && tests < ALWAYS_TESTED;
         uint known = nine.y;
@@ -197,4 +154,7 @@ void work_on(ivec2 cell) {
     }
 }
 
-void main() { for_each_cell(); }
+void main() {
+    settle_cells();
+    for (uint i = gl_LocalInvocationIndex; i < left_count; i += lanes_in_workgroup()) work_on(cell_of(left_cells[i]));
+}

@@ -6,7 +6,7 @@
 #include "common/sun_point.glsl"
 
 void for_pixel(ivec2 p) {
-    imageStore(sun_points, p, uvec4(packSnorm2x16(sun_point(p, frame.frame_index, params.seed)), 0u, 0u, 0u));
+    imageStore(sun_points, p, uvec4(pack_point(sun_point(p, frame.frame_index, params.seed)), 0u, 0u, 0u));
 }
 
 void main() { for_each_pixel(); }

@@ -13,6 +13,7 @@
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #if HAS_BLOCKERS
+#include "common/rounded.glsl"
 #include "common/blockers.glsl"
 #endif
 #if BACKEND == BACKEND_RAY_QUERY
@@ -29,32 +30,34 @@ float offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
     return robust_offset_m(p, z, n, relative, in_scene);
 }
 
-// For whoever counts this pixel's ray as a neighbour's.
-#if HAS_RAY_POINTS
-void keep_point(ivec2 p) {
-#if HAS_BLUE_NOISE
-    const vec2 point = sun_point(p, frame.frame_index, params.seed);
+#if HAS_FRACTION
+const uint RAYS = RAYS_PER_PIXEL;
+shared uint reach_sun[32];  // rays of the pixel with this number
 #else
-    const vec2 point = vec2(0.0);  // the middle of a sun that is a point
-#endif
-    imageStore(ray_points, p, uvec4(packSnorm2x16(point), 0u, 0u, 0u));
-}
+const uint RAYS = 1u;
 #endif
 
-// Of the k-th ray of a pixel. The first is the one that is cast where there is no other: who reads the hit words knows
-// where it went.
+// For whoever counts this pixel's ray as a neighbour's.
+void keep_point(ivec2 p, uint point) {
+#if HAS_RAY_POINTS
+    imageStore(ray_points, p, uvec4(point, 0u, 0u, 0u));
+#endif
+}
+
+// Of the k-th ray of a pixel. The first, whose point is kept, is the one that is cast where there is no other: who reads the
+// hit words knows where it went.
 vec3 ray_direction(ivec2 p, uint k) {
-#if HAS_FRACTION
-    if (SAMPLING == SAMPLING_PUBLISHED)
-        return sun_direction_published(sun.to_sun, sun.angular_radius,
-                                       fract(noise_published(p, frame.frame_index, params.seed) + noise_unit(noise_step(k, RAYS_PER_PIXEL))));
-    return sun_direction_through(sun.to_sun, sun.angular_radius, sun_point(p, frame.frame_index, params.seed, k, RAYS_PER_PIXEL));
-#elif HAS_BLUE_NOISE
-    if (SAMPLING == SAMPLING_PUBLISHED)
-        return sun_direction_published(sun.to_sun, sun.angular_radius,
-                                       noise_published(p, frame.frame_index, params.seed));
-    return sun_direction_through(sun.to_sun, sun.angular_radius, sun_point(p, frame.frame_index, params.seed));
+#if HAS_BLUE_NOISE
+    if (SAMPLING == SAMPLING_PUBLISHED) {
+        const vec2 u = fract(noise_published(p, frame.frame_index, params.seed) + noise_unit(noise_step(k, RAYS)));
+        if (k == 0u) keep_point(p, pack_point(concentric_disc(u)));
+        return sun_direction_published(sun.to_sun, sun.angular_radius, u);
+    }
+    const vec2 point = sun_point(p, frame.frame_index, params.seed, k, RAYS);
+    if (k == 0u) keep_point(p, pack_point(point));
+    return sun_direction_through(sun.to_sun, sun.angular_radius, point);
 #else
+    keep_point(p, 0u);  // the middle of a sun that is a point
     return sun.to_sun;
 #endif
 }
@@ -107,13 +110,6 @@ uint bit_number(uint word, uint k) {
 #define REMEMBERS 0
 #endif
 
-#if HAS_FRACTION
-const uint RAYS = RAYS_PER_PIXEL;
-shared uint reach_sun[32];  // rays of the pixel with this number
-#else
-const uint RAYS = 1u;
-#endif
-
 // A tile's pixels are numbered as pixel_of_lane() has them. A subgroup takes a share of them, and no other looks at it, so
 // that nothing here waits for a workgroup; on a software device, where waiting costs as much as several rays, a subgroup is one.
 void main() {
@@ -125,10 +121,6 @@ void main() {
     const uint share = 32u / gl_NumSubgroups, share_first = gl_SubgroupID * share, share_end = share_first + share;
     const uint wanted = lanes_of_pixels(record.y) & (share == 32u ? ~0u : (1u << share) - 1u << share_first);
 
-#if HAS_RAY_POINTS
-    for (uint number = share_first + lane; number < share_end; number += lanes)
-        if ((wanted >> number & 1u) != 0u) keep_point(tile * TILE + pixel_of_lane(int(number)));
-#endif
     uint ended = 0u;  // pixels whose first ray hits
 #if HAS_BLOCKERS
     BlockerSums sums = BlockerSums(0u, 0u, 0u), early = sums;  // of rays that walked, and of those that did not

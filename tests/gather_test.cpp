@@ -11,6 +11,7 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <set>
 
 #include "shaders/common/blocks.h"
 #include "tests/gpu_test.h"
@@ -32,8 +33,8 @@ constexpr const char* gather_alone = R"({
     "guides": { "type": "guides" },
     "points": { "type": "hand_points" },
     "gather": { "type": "gather", "params": { "radius": RADIUS },
-                "in": { "history": "state@-1", "own_rays_prev": "own_rays@-1", "view_depth_prev": "view_depth@-1",
-                        "guide_normal_prev": "guide_normal@-1" } },
+                "in": { "history": "state@-1", "own_rays_prev": "own_rays@-1", "idle_cells_prev": "idle_cells@-1",
+                        "view_depth_prev": "view_depth@-1", "guide_normal_prev": "guide_normal@-1" } },
     "drift": { "type": "drift" }
   }
 })";
@@ -67,6 +68,7 @@ struct Setting {
     std::function<bool(int x, int y)> averted = nullptr;   // pixels that look away from the sun
     double sun_radius_deg = small_sun_deg;
     double sun_elevation_deg = 45;  // over the receiver
+    uint32_t frame = 0;             // others know the one before
 };
 
 struct Receiver {
@@ -116,7 +118,7 @@ double share_of_disc(const std::function<bool(const glm::dvec2&)>& lit) {
 }
 
 struct Result {
-    std::vector<double> now, truth;
+    std::vector<double> now, past, truth;
     std::vector<bool> bit, counted;
 };
 
@@ -152,7 +154,7 @@ Result gather(ViewRun& run, const Setting& setting) {
     const size_t pixels = size_t{extent.width} * extent.height;
     const uint32_t across = extent.width / 8;
     Result result{
-        {}, std::vector<double>(pixels), std::vector<bool>(pixels), std::vector<bool>(pixels, true)};
+        {}, {}, std::vector<double>(pixels), std::vector<bool>(pixels), std::vector<bool>(pixels, true)};
     std::vector<float> depth(pixels);
     std::vector<uint32_t> lit(size_t{across} * (extent.height / 4)), receivers(lit.size(), ~0u),
         sunward(lit.size()), blockers(3 * lit.size());
@@ -216,9 +218,11 @@ Result gather(ViewRun& run, const Setting& setting) {
     run.set("sunward_words", sunward);
     run.set("blockers", blockers);
     run.set("given_points", given);
-    run.frame(frame_between(camera, camera, extent, 0, true));
-    for (const auto& words : captured<std::array<uint32_t, 2>>(run.view(), "gathered"))
+    run.frame(frame_between(camera, camera, extent, setting.frame, setting.frame == 0));
+    for (const auto& words : captured<std::array<uint32_t, 2>>(run.view(), "gathered")) {
         result.now.push_back((words[0] & 0xffff) / 65535.0);
+        result.past.push_back((words[0] >> 16) / 65535.0);
+    }
     return result;
 }
 
@@ -341,6 +345,25 @@ TEST_F(Gather, IsExactBesideThePenumbra) {
             if (wider.truth[i] > 0 && wider.truth[i] < 1) continue;
             ASSERT_EQ(r.now[i], wider.truth[i]) << width << ", " << i;
         }
+    }
+}
+
+// All rays say "lit" of a sudden: where a cell's own rays have said so before, that is all there is, and
+// where they have not, drift has to judge between them. Most of the dark cells had no work in the first
+// frame.
+TEST_F(Gather, KeepsAPastThatItsRaysContradict) {
+    ViewRun run = run_with(4);
+    const Result before = test::gather(run, {.edges = {{distance_for(2), 20}}});
+    const Result after = test::gather(run, {.edges = {}, .frame = 1});
+    const auto cell_of = [](size_t i) { return std::pair(i % extent.width / 4, i / extent.width / 4); };
+    std::set<std::pair<size_t, size_t>> dark_cells;
+    for (size_t i = 0; i < before.bit.size(); ++i)
+        if (!before.bit[i]) dark_cells.insert(cell_of(i));
+    ASSERT_GT(dark_cells.size(), before.bit.size() / 16 / 4);
+    for (size_t i = 0; i < before.bit.size(); ++i) {
+        ASSERT_EQ(after.now[i], 1) << "pixel " << i;
+        if (!dark_cells.contains(cell_of(i))) continue;
+        ASSERT_NEAR(after.past[i], before.now[i], 1e-4) << "pixel " << i;
     }
 }
 

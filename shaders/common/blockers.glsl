@@ -4,7 +4,7 @@
 // their deviation is the relative spread that the reader wants. Fixed point, because integer sums are the same in every
 // order. 64 steps per octave over 2^-32 .. 2^32 m: 32 squares of at most 4095 stay below 2^32.
 //
-// Includer declares: buffer uint blockers[].
+// Includer has rounded.glsl and declares: buffer uint blockers[].
 const float BLOCKER_STEPS = 64.0;   // per octave
 const float BLOCKER_OCTAVES = 32.0; // below and above 1 m
 
@@ -24,7 +24,7 @@ struct BlockerSums {
 
 void add_blocker(inout BlockerSums sums, float distance_m) {
     const float octaves = log2(clamp(distance_m, exp2(-31.0), exp2(31.0))) + BLOCKER_OCTAVES;
-    const uint steps = uint(octaves * BLOCKER_STEPS + 0.5);
+    const uint steps = rounded(octaves * BLOCKER_STEPS);
     ++sums.n;
     sums.sum += steps;
     sums.squares += steps * steps;

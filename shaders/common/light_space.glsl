@@ -10,14 +10,14 @@ struct ViewRays {
     vec3 o, ox, oy, r, rx, ry;
 };
 
+// Taken over the whole image, differences do not round away.
 ViewRays view_rays(ivec2 p, mat3 rotation) {
-    const vec2 uv = pixel_uv(p) - frame.jitter, px = 1.0 / vec2(frame.size);
-    const vec3 o = position_at(uv, 0.0), ox = position_at(uv + vec2(px.x, 0.0), 0.0),
-               oy = position_at(uv + vec2(0.0, px.y), 0.0);
-    const vec3 r = position_at(uv, 1.0) - o, rx = position_at(uv + vec2(px.x, 0.0), 1.0) - ox,
-               ry = position_at(uv + vec2(0.0, px.y), 1.0) - oy;
-    return ViewRays(rotation * o, rotation * (ox - o), rotation * (oy - o), rotation * r, rotation * (rx - r),
-                    rotation * (ry - r));
+    const vec2 uv = pixel_uv(p) - frame.jitter, by_size = 1.0 / vec2(frame.size);
+    const vec3 o = position_at(uv, 0.0), ox = position_at(uv + vec2(1.0, 0.0), 0.0), oy = position_at(uv + vec2(0.0, 1.0), 0.0);
+    const vec3 r = position_at(uv, 1.0) - o, rx = position_at(uv + vec2(1.0, 0.0), 1.0) - ox,
+               ry = position_at(uv + vec2(0.0, 1.0), 1.0) - oy;
+    return ViewRays(rotation * o, rotation * (ox - o) * by_size.x, rotation * (oy - o) * by_size.y, rotation * r,
+                    rotation * (rx - r) * by_size.x, rotation * (ry - r) * by_size.y);
 }
 
 ViewRays moved(ViewRays v, vec2 px) {
@@ -28,6 +28,11 @@ ViewRays moved(ViewRays v, vec2 px) {
 
 vec3 seen_at(ViewRays v, vec2 offset_px, float view_depth) {
     return v.o + offset_px.x * v.ox + offset_px.y * v.oy + view_depth * (v.r + offset_px.x * v.rx + offset_px.y * v.ry);
+}
+
+// In units of 1 / scale metres.
+ViewRays scaled(ViewRays v, float scale) {
+    return ViewRays(scale * v.o, scale * v.ox, scale * v.oy, scale * v.r, scale * v.rx, scale * v.ry);
 }
 
 // How far what those pixels see lies off a plane: linear in their offset and in their depth, so that a pixel that asks

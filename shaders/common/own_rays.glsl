@@ -3,6 +3,8 @@
 // neighbours' rays say together, but it is of this pixel alone: where the two stay apart for longer than noise explains,
 // the neighbours are wrong. And how often the bit flips tells a pixel in a penumbra, which goes on flipping, from one that a
 // shadow's edge has passed, which flips once.
+//
+// Includer has rounded.glsl.
 
 const float OWN_CAP = 63.0;          // frames that the mean is over
 const float FLIP_FRAMES = 16.0;      // that the share of flips is over
@@ -18,8 +20,8 @@ struct OwnRays {
 const OwnRays NO_RAYS = OwnRays(0.0, 0.0, 0.0, false);
 
 uint pack_own(OwnRays o) {
-    const uint v = uint(clamp(o.visibility, 0.0, 1.0) * 65535.0 + 0.5), n = uint(clamp(o.count, 0.0, OWN_CAP));
-    return v | n << 16 | uint(clamp(o.flips, 0.0, 1.0) * 511.0 + 0.5) << 22 | (o.lit ? 1u << 31 : 0u);
+    const uint v = rounded(clamp(o.visibility, 0.0, 1.0) * 65535.0), n = rounded(clamp(o.count, 0.0, OWN_CAP));
+    return v | n << 16 | rounded(clamp(o.flips, 0.0, 1.0) * 511.0) << 22 | (o.lit ? 1u << 31 : 0u);
 }
 
 OwnRays unpack_own(uint word) {

@@ -9,7 +9,7 @@
 #include "common/sun_change.glsl"
 #endif
 
-const float SAME_FACE = 0.9;  // cosine: beyond a crease the sun stands differently
+const float SAME_FACE = 0.9;  // cosine, as near as 10 bits are to a unit vector: beyond a crease the sun stands differently
 
 struct Past {
     float visibility, count, residual;
@@ -33,14 +33,18 @@ ViewRays previous_rays(mat3 light) {
                     (below_r - r) * by_size.y);
 }
 
-// The history between its texels without bilinear's blur; none of it where `taps` is 0 instead of 16.
-float sharper(ivec2 corner, vec2 t, int taps) {
+// The history between its texels without bilinear's blur; none of it where `rows` is 0 instead of 4.
+float sharper(ivec2 corner, vec2 t, int rows) {
     const vec4 wx = cubic_weights(t.x), wy = cubic_weights(t.y);
     const ivec2 last = ivec2(frame.prev_size) - 1;
     float sum = 0.0;
-    for (int i = 0; i < taps; ++i) {
-        const ivec2 q = clamp(corner + ivec2(i & 3, i >> 2) - 1, ivec2(0), last);
-        sum += wx[i & 3] * wy[i >> 2] * unpack_state(imageLoad(history, q).x).visibility;
+    for (int y = 0; y < rows; ++y) {
+        float row = 0.0;
+        [[unroll]] for (int x = 0; x < 4; ++x) {
+            const ivec2 q = clamp(corner + ivec2(x, y) - 1, ivec2(0), last);
+            row += wx[x] * unpack_state(imageLoad(history, q).x).visibility;
+        }
+        sum += wy[y] * row;
     }
     return sum;
 }
@@ -62,7 +66,7 @@ Past past_of(ivec2 p, vec3 n, OffPlane plane, float tolerance_m) {
             const float z = imageLoad(view_depth_prev, inside).x;
             const vec3 n_prev = decode_normal(imageLoad(guide_normal_prev, inside));
             const ShadowState s = unpack_state(imageLoad(history, inside).x);
-            const bool same = q == inside && z > 0.0 && s.count > 0.0 && dot(n, n_prev) > SAME_FACE * length(n_prev) &&
+            const bool same = q == inside && z > 0.0 && s.count > 0.0 && dot(n, n_prev) > SAME_FACE &&
                               abs(metres_off(plane, vec2(inside), z)) <= tolerance_m;
             const float weight = same ? share : 0.0;
             weights += weight;
@@ -83,7 +87,7 @@ Past past_of(ivec2 p, vec3 n, OffPlane plane, float tolerance_m) {
     past.visibility *= by_weights;
     past.own = unpack_own(imageLoad(own_rays_prev, nearest_texel).x);  // how far that is off, limits its count
     past.variance = max(past.variance * by_weights - past.visibility * past.visibility, 0.0);
-    const float between = sharper(corner, t, weights > 0.99 && high > low ? 16 : 0);
+    const float between = sharper(corner, t, weights > 0.99 && high > low ? 4 : 0);
     if (weights > 0.99 && high > low) past.visibility = clamp(between, low, high);
     if (weights <= 0.0) past = NO_PAST;
     return past;

@@ -8,7 +8,7 @@
 // The idea of filtering along the shear that a light field has: Egan et al. 2011, "Frequency Analysis and Sheared
 // Filtering for Shadow Light Fields of Complex Occluders". Here single rays are sheared, and none is filtered.
 //
-// Includer has light_space.glsl.
+// Includer has rounded.glsl.
 
 const float UNEVEN = 0.109;   // see Window
 const float FEWEST = 2.5;     // rays with which a plane through their bits is fitted
@@ -25,6 +25,16 @@ struct Estimate {
     float rays;  // independent ones that it is worth
     float gain;  // of its variance by regression, over v (1 - v) / rays
 };
+
+// In a word: 16 bits of visibility, as many as the state has, 10 of rays (up to 85) and 6 of gain.
+const float RAYS_STEP = 1.0 / 12.0;
+uint pack_estimate(Estimate e) {
+    const uint rays = rounded(min(e.rays / RAYS_STEP, 1023.0)), gain = rounded(clamp(e.gain, 0.0, 1.0) * 63.0);
+    return rounded(clamp(e.visibility, 0.0, 1.0) * 65535.0) | rays << 16 | gain << 26;
+}
+Estimate unpack_estimate(uint word) {
+    return Estimate(float(word & 0xffffu) / 65535.0, float(word >> 16 & 0x3ffu) * RAYS_STEP, float(word >> 26) / 63.0);
+}
 
 float radius_m(Penumbra p) { return p.distance_m * p.tangent; }
 
@@ -58,34 +68,36 @@ Horizon horizon_of(vec3 n, float tangent) {
 bool is_above(Horizon h, vec2 point) { return dot(h.up, point) > -h.height; }
 
 // Which rays are asked. A window that covers a part c of the disc's radius sees rays from eta near 1 less often than from
-// the middle: their pixels lie outside. The inverse of that coverage is a straight line in |eta|, measured for a disc of
-// pixels.
+// the middle: their pixels lie outside. That coverage is flat up to |eta| = 1 - c and falls on a straight line from there on,
+// measured for a disc of pixels.
 struct Window {
-    float tangent, distance_m;
-    float by_radius;            // 1 / the disc's radius
-    float limit2;               // of a neighbour's distance across the light, squared
-    float per_eta, from_eta;    // coverage falls by this from there on
+    float by_radius;          // 1 / the disc's radius, per metre: the unit of what follows
+    float tangent, distance;
+    float limit2;             // of a neighbour's distance across the light, squared
+    float covered;            // c
+    float at_middle, per_eta; // the line, times c
 };
 
 Window window_of(Penumbra p, float limit, float covered_m) {
     const float by_radius = 1.0 / max(radius_m(p), 1e-9), c = clamp(covered_m * by_radius, 1e-3, 1.0);
-    return Window(p.tangent, p.distance_m, by_radius, limit * limit, (0.5 + UNEVEN * c) / c, 1.0 - c);
+    const float by_limit = limit * by_radius, per_eta = 0.5 + UNEVEN * c;
+    return Window(by_radius, p.tangent, p.distance_m * by_radius, by_limit * by_limit, c, c + per_eta * (1.0 - c), per_eta);
 }
 
-// `at`: the neighbour, light space, relative to the pixel; `point`: of the sun, that its ray went to.
-void add_ray(inout Moments m, bool usable, float lit, vec3 at, vec2 point, Window window, Horizon horizon) {
-    const vec2 eta = (at.xy + (window.distance_m - at.z) * window.tangent * point) * window.by_radius;
+// `at`: the neighbour, light space, relative to the pixel, in radii of the disc; `point`: of the sun, that its ray went to.
+void add_ray(inout Moments m, bool usable, bool lit, vec3 at, vec2 point, Window window, Horizon horizon) {
+    const vec2 eta = at.xy + (window.distance - at.z) * window.tangent * point;
     const float e2 = dot(eta, eta);
     const bool asked = usable && e2 < 1.0 && dot(at.xy, at.xy) <= window.limit2;
     const bool hits = asked && is_above(horizon, point) && is_above(horizon, eta);
     m.asked += asked ? 1.0 : 0.0;
-    const float w = hits ? 1.0 / (1.0 - window.per_eta * max(sqrt(e2) - window.from_eta, 0.0)) : 0.0;
+    const float w = hits ? 1.0 / min(window.covered, window.at_middle - window.per_eta * sqrt(e2)) : 0.0;
     const vec2 we = hits ? w * eta : vec2(0.0);
     m.n += w;
     m.n2 += w * w;
-    m.b += w * lit;
+    m.b += lit ? w : 0.0;
     m.e += we;
-    m.be += we * lit;
+    m.be += lit ? we : vec2(0.0);
     m.ee += hits ? vec3(we.x * eta.x, we.x * eta.y, we.y * eta.y) : vec3(0.0);
 }
 

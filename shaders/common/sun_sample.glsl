@@ -54,3 +54,12 @@ vec3 sun_direction(vec3 to_sun, float angular_radius, vec2 u) {
 vec3 sun_direction_published(vec3 to_sun, float angular_radius, vec2 u) {
     return normalize(sun_frame(to_sun) * vec3(concentric_disc(u) * tan(angular_radius), 1.0));
 }
+
+// A point of the disc as an image keeps it: two signed 16-bit fractions. As packSnorm2x16 and unpackSnorm2x16 have it, without
+// conversions of floats, which software devices do lane by lane (rounded.glsl; 1.5 * 2^23 serves both signs), or a quotient.
+const float POINT_STEP = 1.0 / 32767.0;
+uint pack_point(vec2 disc) {
+    const uvec2 fixed_point = floatBitsToUint(disc * 32767.0 + 12582912.0);
+    return fixed_point.x & 0xffffu | fixed_point.y << 16;
+}
+vec2 unpack_point(uint word) { return POINT_STEP * vec2(int(word << 16) >> 16, int(word) >> 16); }

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// The bits of a cell's pixels and of those up to R around, as rows: what this frame's rays say, and of which pixels. Every
+// index is known when this is compiled, where it can be: software devices store to one that is not lane by lane.
+//
+// Includer has tiles.glsl, bit_window.glsl and shadow_state.glsl, defines the constant R and declares the buffers
+// visibility_words and sunward_words.
+
+const int ROWS = CELL + 2 * R;
+const uint ROW_COLUMNS = (1u << uint(ROWS)) - 1u;  // a row is as long as there are rows
+const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
+
+// Lit pixels in the lower 16 bits, and in the upper ones those that look at the sun. Bit 0 is R pixels left of the cell, the
+// first row R above it.
+uint rows[ROWS];
+
+void load_tiles(ivec2 cell, const int first) {
+    const ivec2 tile = ivec2(cell.x >> 1, cell.y), grid = tile_grid();
+    const uint column = uint(8 + (cell.x * CELL & 7) - R);  // from the left tile on
+    [[unroll]] for (int ty = first; ty <= TILES_ABOVE; ++ty) {
+        uvec3 lit, tested;
+        [[unroll]] for (int tx = 0; tx < 3; ++tx) {
+            const ivec2 at = tile + ivec2(tx - 1, ty), inside = clamp(at, ivec2(0), grid - 1);
+            tested[tx] = at == inside ? sunward_words[tile_index(inside)] : 0u;
+            lit[tx] = visibility_words[tile_index(inside)] & tested[tx];
+        }
+        [[unroll]] for (int y = max(0, -R - TILE.y * ty); y < min(TILE.y, ROWS - R - TILE.y * ty); ++y)
+            rows[TILE.y * ty + y + R] = row_of(lit, y) >> column & ROW_COLUMNS |
+                                        (row_of(tested, y) >> column & ROW_COLUMNS) << 16;
+    }
+}
+
+void load_rows(ivec2 cell) { load_tiles(cell, -TILES_ABOVE); }
+
+// The same, where the rows of the cell above have been loaded.
+void load_rows_below(ivec2 cell) {
+    [[unroll]] for (int i = 0; i < ROWS - CELL; ++i) rows[i] = rows[i + CELL];
+    load_tiles(cell, R / TILE.y);  // the first that has a new row, which is R below the cell above
+}
+
+bool is_lit(ivec2 in_rows) { return (rows[in_rows.y] & 1u << uint(in_rows.x)) != 0u; }
+bool is_tested(ivec2 in_rows) { return (rows[in_rows.y] & 0x10000u << uint(in_rows.x)) != 0u; }
+
+// What a row says: its lit pixels in the lower half, its dark ones in the upper half.
+uint said_by(uint row) { return row ^ row << 16; }
+
+bool has_both(uint said) { return (said & 0xffffu) != 0u && said > 0xffffu; }
+
+// By the cell's pixels and those up to `reach` around.
+uint said_within(const int reach) {
+    uint said = 0u;
+    [[unroll]] for (int i = R - reach; i < R + CELL + reach; ++i) said |= said_by(rows[i]);
+    const uint columns = ((1u << uint(CELL + 2 * reach)) - 1u) << uint(R - reach);
+    return said & (columns | columns << 16);
+}
+
+// The cell's pixels with both lit and dark ones up to R away; pixel (x, y) is bit 4 y + x.
+uint pixels_with_both() {
+    uint pixels = 0u;
+    [[unroll]] for (int y = 0; y < CELL; ++y) {
+        uint said = 0u;
+        [[unroll]] for (int i = 0; i <= 2 * R; ++i) said |= said_by(rows[y + i]);
+        [[unroll]] for (int x = 0; x < CELL; ++x) {
+            const uint columns = ((2u << uint(2 * R)) - 1u) << uint(x);
+            if (has_both(said & (columns | columns << 16)) && is_tested(ivec2(x, y) + R)) pixels |= 1u << uint(CELL * y + x);
+        }
+    }
+    return pixels;
+}

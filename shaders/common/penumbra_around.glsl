@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// The penumbra that the blockers around a cell of pixels make: those of 4x4 blocks, weighted by how near they are.
+//
+// Includer has tiles.glsl, shadow_state.glsl, sheared_gather.glsl and blockers.glsl with READS_BLOCKERS, and declares the
+// block sun.
+
+Penumbra penumbra_at(ivec2 cell) {
+    const vec2 centre = (vec2(cell * CELL) + 0.5 * float(CELL)) / vec2(BLOCK);
+    const ivec2 first = ivec2(floor(centre - 0.5)) - 1, grid = tile_grid();
+    vec3 sums = vec3(0.0);  // hits, log2 of the distance, its square
+    for (int y = 0; y < 8; ++y) {
+        const int row = 2 * first.y + y;
+        const float from_y = max(2.0 - abs(float(first.y + (y >> 1)) + 0.5 - centre.y), 0.0);
+        const float by_y = row >= 0 && row < grid.y ? from_y * from_y : 0.0;
+        vec3 sum = vec3(0.0);
+        [[unroll]] for (int x = 0; x < 4; ++x) {
+            const int column = first.x + x;
+            const float from_x = max(2.0 - abs(float(column) + 0.5 - centre.x), 0.0);
+            const float by_x = column >= 0 && column < grid.x ? from_x * from_x : 0.0;
+            sum += by_x * blockers_of(tile_index(clamp(ivec2(column, row), ivec2(0), grid - 1)));
+        }
+        sums += by_y * sum;
+    }
+    if (sums.x <= 0.0) return Penumbra(0.0, 0.0, 0.0);
+    const float octaves = sums.y / sums.x;
+    const float deviation = sqrt(max(sums.z / sums.x - octaves * octaves, 0.0));
+    return Penumbra(exp2(octaves), tan(sun.angular_radius), 0.6931472 * deviation);
+}

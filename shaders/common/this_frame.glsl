@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// What this frame's rays say about a receiver: its own, and its neighbours' that test what its own sun would be hidden by.
+//
+// Includer has camera.glsl, light_space.glsl, sun_sample.glsl, sheared_gather.glsl, bit_rows.glsl and rounded.glsl, and
+// declares the images view_depth and sun_points and params.plane_tolerance.
+
+const float EQUAL_SHARE = 0.6;  // of the rays of a box that all say the same: what they count
+const float OWN_RAY_PX = 1.25;  // radius up to which a handful of neighbours' rays would do the own one's average harm
+
+// A pixel on its receiver's plane, as the sun sees it.
+struct Footprint {
+    mat2x3 tangents;  // light space per pixel along x and y
+    Stretches s;      // of their part across the light
+};
+
+Footprint footprint_of(ViewRays rays, float z, vec3 n) {
+    const mat2x3 t = tangents(rays, z, n);
+    return Footprint(t, stretches_of(mat2(t[0].xy, t[1].xy)));
+}
+
+// A receiver, with what it takes to ask its neighbours.
+struct Receiver {
+    ivec2 p, in_rows;
+    vec3 n;             // light space
+    ViewRays rays;      // around it, from it on
+    OffPlane plane;     // its own
+    float tolerance_m;  // off the plane
+    Footprint foot;
+};
+
+Receiver receiver_at(ivec2 p, ivec2 offset, float z, vec3 n, ViewRays rays) {
+    const vec3 here = rays.o + z * rays.r;
+    const Footprint foot = footprint_of(rays, z, n);
+    rays.o -= here;
+    return Receiver(p, offset + R, n, rays, off_plane(rays, n, vec3(0.0)), params.plane_tolerance * pixel_span_m(z), foot);
+}
+
+// How far a receiver looks.
+struct Reach {
+    float limit_m;  // across the light
+    float b1, b2;   // pixels along the axes of its footprint
+    ivec2 box;      // around that
+};
+
+Reach reach_of(Stretches s, Penumbra penumbra) {
+    const float limit = radius_m(penumbra) * min(1.0, 0.5 / max(penumbra.spread, 1e-3));
+    const float b1 = min(float(R), limit / max(s.s1, 1e-9)), b2 = min(float(R), limit / max(s.s2, 1e-9));
+    const vec2 extent = vec2(length(vec2(b1 * s.first.x, b2 * s.second.x)), length(vec2(b1 * s.first.y, b2 * s.second.y)));
+    const vec2 box = min(ceil(extent - 1e-3), float(R));
+    return Reach(limit, b1, b2, clamp(ivec2(rounded(box.x), rounded(box.y)), 1, R));
+}
+
+// All rays of the box agree, and so may those beyond: worth as many rays, if they are of this surface.
+Estimate agreement(Receiver r, ivec2 box) {
+    const uint columns = ((2u << uint(2 * box.x)) - 1u) << uint(r.in_rows.x - box.x + 16);
+    int tests = 0;
+    for (int dy = -box.y; dy <= box.y; ++dy) tests += bitCount(rows[r.in_rows.y + dy] & columns);
+    bool flat_box = true;
+    const ivec2 last = ivec2(frame.size) - 1;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 q = clamp(r.p + box * (2 * ivec2(i & 1, i >> 1) - 1), ivec2(0), last);
+        flat_box = flat_box && abs(metres_off(r.plane, vec2(q - r.p), imageLoad(view_depth, q).x)) <= r.tolerance_m;
+    }
+    const float n = flat_box ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
+    return Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, n, max(0.4, min(1.0, 3.0 / n)));
+}
+
+// What the rays around say that hit the receiver's disc; `otherwise` where they are too few.
+Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate otherwise) {
+    const Window window = window_of(penumbra, reach.limit_m, sqrt(reach.b1 * r.foot.s.s1 * reach.b2 * r.foot.s.s2));
+    const Horizon horizon = horizon_of(r.n, penumbra.tangent);
+    const ViewRays around = scaled(r.rays, window.by_radius);
+    const float tolerance = r.tolerance_m * window.by_radius;
+    Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
+    for (int dy = -reach.box.y; dy <= reach.box.y; ++dy) {  // a disc of pixels, cut off at the box
+        const uint row = rows[r.in_rows.y + dy] >> uint(r.in_rows.x - R);
+        const int half_width = min(int(rounded(floor(sqrt(float(R * R - dy * dy)) + 1e-3))), reach.box.x);
+        const ViewRays of_row = moved(around, vec2(0.0, float(dy)));
+        for (int dx = -half_width; dx <= half_width; ++dx) {
+            const vec3 at = seen_at(of_row, vec2(float(dx), 0.0), imageLoad(view_depth, r.p + ivec2(dx, dy)).x);
+            const bool usable = (row >> uint(dx + R + 16) & 1u) != 0u && abs(dot(r.n, at)) <= tolerance;
+            const vec2 point = unpack_point(imageLoad(sun_points, r.p + ivec2(dx, dy)).x);
+            add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, at, point, window, horizon);
+        }
+    }
+    return m.n > 0.0 && (m.asked > FEWEST || horizon.above == 1.0) ? estimate_of(m, horizon) : otherwise;
+}
+
+// Of a receiver with unlike rays around, some of them beyond its reach perhaps.
+Estimate this_frame(Receiver r, Penumbra penumbra) {
+    const Reach reach = reach_of(r.foot.s, penumbra);
+    const uint columns = ((2u << uint(2 * reach.box.x)) - 1u) << uint(r.in_rows.x - reach.box.x);
+    uint said = 0u;
+    for (int dy = -reach.box.y; dy <= reach.box.y; ++dy)
+        said |= said_by(rows[r.in_rows.y + dy]) & (columns | columns << 16);
+    const bool mixed = has_both(said);
+    Estimate e = Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, 1.0, 1.0);
+    for (int i = 0; i < (mixed ? 0 : 1); ++i) e = agreement(r, reach.box);
+    // Own ray only: a penumbra so narrow that no neighbour's can help.
+    const bool asks = mixed && min(reach.b1, reach.b2) > 0.0 && max(reach.b1, reach.b2) >= OWN_RAY_PX;
+    for (int i = 0; i < (asks ? 1 : 0); ++i) e = asked_around(r, reach, penumbra, e);
+    return e;
+}
