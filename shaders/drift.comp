@@ -9,6 +9,8 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/rounded.glsl"
+#include "common/dithered.glsl"
+#include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
@@ -65,9 +67,12 @@ bool is_settled(ivec2 cell, bool) {
     const uint idle = idle_cells[cell_index(cell)];
     // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
     for (int i = 0; i < (is_idle(idle) ? CELL * CELL : 0); ++i) {
-        const uint v = (idle >> uint(i) & 1u) != 0u ? pack_state(ShadowState(1.0, 0.0, 0.0))
-                                                    : pack_state(ShadowState(0.0, 0.0, 0.0));
-        const uint count = (idle >> uint(i + 16) & 1u) != 0u ? pack_state(ShadowState(0.0, IDLE_COUNT, 0.0)) : 0u;
+        const uint v = (idle >> uint(i) & 1u) != 0u
+                           ? pack_state(ShadowState(1.0, 0.0, 0.0, OwnRays(1.0, 0.0, 0.0, true)), 0u)
+                           : pack_state(ShadowState(0.0, 0.0, 0.0, NO_RAYS), 0u);
+        const uint count = (idle >> uint(i + 16) & 1u) != 0u
+                               ? pack_state(ShadowState(0.0, IDLE_COUNT, 0.0, OwnRays(0.0, IDLE_COUNT, 0.0, false)), 0u)
+                               : 0u;
         imageStore(state, cell * CELL + ivec2(i & 3, i >> 2), uvec4(v | count, 0u, 0u, 0u));
     }
     return is_idle(idle);
@@ -82,7 +87,7 @@ void work_on(ivec2 cell) {
     for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
-        ShadowState s = ShadowState(g.now, g.counts ? 1.0 : 0.0, 0.0);
+        ShadowState s = ShadowState(g.now, g.counts ? 1.0 : 0.0, 0.0, g.own);
         if (g.counts && g.count > 0.0) {
             const float past = clamp(g.past, g.now - CLAMP_ERRORS * g.error, g.now + CLAMP_ERRORS * g.error);
             s.count = min(g.count * shrink + 1.0, COUNT_CAP);
@@ -92,7 +97,7 @@ void work_on(ivec2 cell) {
             s.visibility = clamp(past + a * (g.now - past) + (a_around - a) * around, 0.0, 1.0);
             s.residual = shrink < 0.5 ? 0.5 * g.residual : g.residual;
         }
-        imageStore(state, p, uvec4(pack_state(s), 0u, 0u, 0u));
+        imageStore(state, p, uvec4(pack_state(s, thresholds_at(p)), 0u, 0u, 0u));
     }
 }
 

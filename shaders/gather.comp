@@ -14,8 +14,9 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/previous_surface.glsl"
-#include "common/shadow_state.glsl"
+#include "common/dithered.glsl"
 #include "common/own_rays.glsl"
+#include "common/shadow_state.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
 #include "common/shadow_past.glsl"
@@ -33,7 +34,7 @@ const int R = RADIUS;
 const float RESAMPLING_SHARE = 0.5, LARGEST_SHARE = 3.0;
 const float NARROW_PX = 0.75;    // radius below which a young past is judged by the edge beside it
 const float DOUBTED = 2.0;       // frames: a past that drift leaves fewer is one that it does not believe
-const float OWN_SPREAD = 0.02;   // v (1 - v) to hold against what resampling does to the own rays' mean
+const float OWN_SPREAD = 0.005;  // v (1 - v) to hold against what resampling does to the own rays' mean
 const float NEW_RESIDUAL = 0.2;  // weight of a frame in the running mean of the residual
 
 // Have the rays of some pixel of a cell, all of which say `lit` now, said something else? Then there is a thin or faint
@@ -57,7 +58,7 @@ bool past_disagrees(ivec2 first, bool lit) {
     bool unlike = false;
     for (int i = 0; i < (idled ? 0 : CELL * CELL); ++i) {
         const ivec2 q = clamp(there + ivec2(i & 3, i >> 2), ivec2(0), last);
-        unlike = unlike || disagrees(imageLoad(own_rays_prev, q).x, lit);
+        unlike = unlike || disagrees(imageLoad(history, q).x, lit);
     }
     return unlike;
 }
@@ -137,11 +138,9 @@ bool is_settled(ivec2 cell, bool below_last) {
         const bool bit = (lit & pixel_bit(p)) != 0u, tests = is_tested(offset + R);
         idle |= ((bit ? 1u : 0u) | (tests ? 0x10000u : 0u)) << uint(i);
         // Packed when this is compiled.
-        const uvec2 g = bit ? pack_gathered(Gathered(1.0, 1.0, IDLE_COUNT, 0.0, 0.0, false))
-                            : pack_gathered(Gathered(0.0, 0.0, IDLE_COUNT, 0.0, 0.0, false));
-        const uint own = bit ? pack_own(OwnRays(1.0, IDLE_COUNT, 0.0, true)) : pack_own(OwnRays(0.0, IDLE_COUNT, 0.0, false));
-        imageStore(gathered, p, uvec4(g | uvec2(0u, tests ? COUNTS : 0u), 0u, 0u));
-        imageStore(own_rays, p, uvec4(tests ? own : pack_own(NO_RAYS), 0u, 0u, 0u));
+        const uvec2 g = bit ? pack_gathered(Gathered(1.0, 1.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 0u)
+                            : pack_gathered(Gathered(0.0, 0.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 0u);
+        imageStore(gathered, p, uvec4(g | uvec2(0u, tests ? TESTED : 0u), 0u, 0u));
     }
     idle_cells[cell_index(cell)] = works ? NOT_IDLE : idle;
     if (!works) {  // nothing to doubt
@@ -173,8 +172,7 @@ void work_on(uint at, ivec2 cell) {
     for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
         const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
-        Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false);
-        OwnRays own = NO_RAYS;
+        Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false, NO_RAYS);
         if (is_tested(offset + R)) {
             const float z = imageLoad(view_depth, p).x;
             const vec3 n = normal_at(p), n_light = light * n;
@@ -193,13 +191,11 @@ void work_on(uint at, ivec2 cell) {
 #endif
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
-            // Drift's doubts, which came after the rays had been counted, and resampling as above.
-            past.own.count = past.count < DOUBTED ? 0.0 : min(past.own.count, floor(past.count + 0.5));
+            if (past.count < DOUBTED) past.own.count = 0.0;
             add_pixel(bias, past);
             resampled = resampled || past.resampled;
             past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
-            past.own.count = min(past.own.count, floor(OWN_SPREAD / max(resampling, 1e-6)));
-            own = with_ray(past.own, bit > 0.5);
+            past.own.count = min(past.own.count, OWN_SPREAD / max(resampling, 1e-6));
             steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
             largest = max(largest, foot.s.s1);
             ++tested_pixels;
@@ -207,7 +203,7 @@ void work_on(uint at, ivec2 cell) {
             pairs += differs(r, ivec2(1, 0)) + differs(r, ivec2(0, 1));
 
             g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
-                         sqrt(squared_error(now)), true);
+                         sqrt(squared_error(now)), true, with_ray(past.own, bit > 0.5));
             if (past.count > 0.0) {
                 const float d = g.now - g.past;
                 g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
@@ -223,8 +219,7 @@ void work_on(uint at, ivec2 cell) {
                 sums.c += variance * (1.0 + 0.5 * (now.rays - 1.0));
             }
         }
-        imageStore(gathered, p, uvec4(pack_gathered(g), 0u, 0u));
-        imageStore(own_rays, p, uvec4(pack_own(own), 0u, 0u, 0u));
+        imageStore(gathered, p, uvec4(pack_gathered(g, thresholds_at(p)), 0u, 0u));
     }
     const float by_pasts = 1.0 / float(max(pasts, 1));
     if (pasts > 0 && radii * by_pasts < NARROW_PX) {

@@ -10,8 +10,9 @@
 #include "common/previous_surface.glsl"
 #include "common/edge_pattern.glsl"
 #include "common/rounded.glsl"
-#include "common/shadow_state.glsl"
+#include "common/dithered.glsl"
 #include "common/own_rays.glsl"
+#include "common/shadow_state.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
 #include "common/tiles.glsl"
@@ -30,7 +31,7 @@ const float NARROW = 0.5, WIDEST = 1.0;
 // Rays in the pixel's disc from which on the past is worth as much as the own ray where the edge is hard: where most of the
 // pixels at its sides say the same, and where they do not. Frames that the own rays have gone undoubted for, from which on
 // nothing moves there, by what the past is (shadow_state.glsl). All of them minimise the shots' error (docs/sheared.md).
-const float TESTS_WORTH_A_RAY = 0.19, TESTS_WORTH_AN_ODD_RAY = 0.04, UNMOVED[3] = float[3](1.0, 2.0, 6.0);
+const float TESTS_WORTH_A_RAY = 0.19, TESTS_WORTH_AN_ODD_RAY = 0.04, UNMOVED[3] = float[3](1.0, 2.0, 9.0);
 const uint SIDES = 0x0aau;
 
 // What the past says of an edge is as good as the number of rays that have tested the pixel's own disc. Where that is much
@@ -57,11 +58,11 @@ float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
             const ivec2 offset = steps * ivec2(x, y), q = p + offset;
             const bool elsewhere = (x == 0 || steps.x > 0) && (y == 0 || steps.y > 0) && (x != 0 || y != 0);
             if (!elsewhere || any(lessThan(q, ivec2(0))) || any(greaterThan(q, last))) continue;
-            const ShadowState s = unpack_state(imageLoad(state, q).x);
+            const uint word = imageLoad(state, q).x;
             const bool same =
-                s.count > 0.0 && abs(metres_off(plane, vec2(offset), imageLoad(view_depth, q).x)) <= tolerance_m;
+                has_count(word) && abs(metres_off(plane, vec2(offset), imageLoad(view_depth, q).x)) <= tolerance_m;
             const float w = same ? weight * (x == 0 ? 1.0 : SIDE) * (y == 0 ? 1.0 : SIDE) : 0.0;
-            sum += w * s.visibility;
+            sum += w * visibility_in(word);
             weights += w;
         }
     return sum / weights;
@@ -112,7 +113,7 @@ bool is_settled(ivec2 cell, bool) {
     for (int i = 0; i < (settled ? CELL * CELL : 0); ++i) {
         const ivec2 p = cell * CELL + ivec2(i & 3, i >> 2);
         float v = float(idle >> uint(i) & 1u);
-        if (!is_idle(idle)) v = unpack_state(imageLoad(state, p).x).visibility;
+        if (!is_idle(idle)) v = visibility_in(imageLoad(state, p).x);
         imageStore(visibility, p, vec4(v));
     }
     return settled;
@@ -132,10 +133,8 @@ void work_on(ivec2 cell) {
         float v = own.visibility;
         const bool softens = own.count > 0.0 && (steps.x | steps.y) != 0;
         for (int k = 0; k < (softens ? 1 : 0); ++k) v = softened(p, steps, own, rays);
-        for (int k = 0; k < (bias > 0.0 ? 1 : 0); ++k) {
-            const OwnRays o = unpack_own(imageLoad(own_rays, p).x);
-            v += trust(own.count) * bias / (bias + mean_variance(o) + 1e-9) * (o.visibility - own.visibility);
-        }
+        for (int k = 0; k < (bias > 0.0 ? 1 : 0); ++k)
+            v += trust(own.count) * bias / (bias + mean_variance(own.own) + 1e-9) * (own.own.visibility - own.visibility);
         float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples) : 0.0;
         if (share <= LEAST_SHARE) share = 0.0;
         const uvec2 nine = bits_of(offset);
@@ -146,7 +145,7 @@ void work_on(ivec2 cell) {
         const uint pattern = edge_pattern(nine.x, known);
         if (share > 0.0) v = mix(v, visibility_by_pattern(pattern), share);
         for (int k = 0; k < (doubts ? 1 : 0); ++k) {
-            const float unmoved = unpack_own(imageLoad(own_rays, p).x).count * s.by_unmoved;
+            const float unmoved = own.own.count * s.by_unmoved;
             const float bit = (pattern & PATTERN_CENTRE) != 0u ? 1.0 : 0.0;
             v += fade * (1.0 - trust_of_past(tests, max(own.count, 1.0), unmoved, pattern)) * (bit - v);
         }

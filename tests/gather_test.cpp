@@ -33,7 +33,7 @@ constexpr const char* gather_alone = R"({
     "guides": { "type": "guides" },
     "points": { "type": "hand_points" },
     "gather": { "type": "gather", "params": { "radius": RADIUS },
-                "in": { "history": "state@-1", "own_rays_prev": "own_rays@-1", "idle_cells_prev": "idle_cells@-1",
+                "in": { "history": "state@-1", "idle_cells_prev": "idle_cells@-1",
                         "view_depth_prev": "view_depth@-1", "guide_normal_prev": "guide_normal@-1" } },
     "drift": { "type": "drift" }
   }
@@ -220,8 +220,8 @@ Result gather(ViewRun& run, const Setting& setting) {
     run.set("given_points", given);
     run.frame(frame_between(camera, camera, extent, setting.frame, setting.frame == 0));
     for (const auto& words : captured<std::array<uint32_t, 2>>(run.view(), "gathered")) {
-        result.now.push_back((words[0] & 0xffff) / 65535.0);
-        result.past.push_back((words[0] >> 16) / 65535.0);
+        result.now.push_back((words[0] & 0x7ff) / 2046.0);
+        result.past.push_back((words[0] >> 11 & 0x7ff) / 2046.0);
     }
     return result;
 }
@@ -363,7 +363,7 @@ TEST_F(Gather, KeepsAPastThatItsRaysContradict) {
     for (size_t i = 0; i < before.bit.size(); ++i) {
         ASSERT_EQ(after.now[i], 1) << "pixel " << i;
         if (!dark_cells.contains(cell_of(i))) continue;
-        ASSERT_NEAR(after.past[i], before.now[i], 1e-4) << "pixel " << i;
+        ASSERT_NEAR(after.past[i], before.now[i], 1.0 / 1023) << "pixel " << i;
     }
 }
 

@@ -260,11 +260,10 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
                  "visibility_words accumulated signal count tile_meta smoothed0 smoothed1",
                  "accumulated count", "", "edge_patterns");
         else
-            also(
-                pipeline == "sheared" ? "prepare gather drift soften"
-                                      : "prepare sun_points gather drift soften",
-                "visibility_words sunward_words sun_points blockers gathered cells idle_cells own_rays state",
-                "own_rays state idle_cells", "", "edge_patterns");
+            also(pipeline == "sheared" ? "prepare gather drift soften"
+                                       : "prepare sun_points gather drift soften",
+                 "visibility_words sunward_words sun_points blockers gathered cells idle_cells state",
+                 "state idle_cells", "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");
         if (sun_moves) also("", "", "", "sun_prev", "");
     }

@@ -1,41 +1,42 @@
 // SPDX-License-Identifier: MIT
-// What a pixel's own rays have said, in 4 bytes beside the sheared denoiser's state. Their mean is noisier than what the
+// What a pixel's own rays have said, a part of the sheared denoiser's state. Their mean is noisier than what the
 // neighbours' rays say together, but it is of this pixel alone: where the two stay apart for longer than noise explains,
 // the neighbours are wrong. And how often the bit flips tells a pixel in a penumbra, which goes on flipping, from one that a
 // shadow's edge has passed, which flips once.
 //
-// Includer has rounded.glsl.
+// Includer has rounded.glsl and dithered.glsl.
 
-const float OWN_CAP = 63.0;          // frames that the mean is over
 const float FLIP_FRAMES = 16.0;      // that the share of flips is over
+const float MOST_FLIPS = 0.6;        // share; random bits have half at most
 const float UNDOUBTED = 8.0;         // frames of a past from which on the own rays are asked; all that they say, at twice as many
 
 struct OwnRays {
     float visibility;  // mean of the bits
-    float count;       // frames, whole; 0: none
+    float count;       // frames; 0: none
     float flips;       // share of frames whose bit differs from the one before
     bool lit;          // the last bit
 };
 
 const OwnRays NO_RAYS = OwnRays(0.0, 0.0, 0.0, false);
 
-uint pack_own(OwnRays o) {
-    const uint v = rounded(clamp(o.visibility, 0.0, 1.0) * 65535.0), n = rounded(clamp(o.count, 0.0, OWN_CAP));
-    return v | n << 16 | rounded(clamp(o.flips, 0.0, 1.0) * 511.0) << 22 | (o.lit ? 1u << 31 : 0u);
+// In 5 bits, and above them the mean in steps of 1 / mean_steps. The count is kept as a share of `frames`, those that the
+// state stands for, of which it is most often all.
+const float SHARE_STEPS = 3.0, FLIP_STEPS = 3.0;
+
+uint pack_own(OwnRays o, float frames, float mean_steps, uint thresholds) {
+    const uint share = dithered_root(clamp(o.count / max(frames, 1e-3), 0.0, 1.0), SHARE_STEPS, threshold(thresholds, 0u));
+    const uint flips = dithered(clamp(o.flips / MOST_FLIPS, 0.0, 1.0) * FLIP_STEPS, threshold(thresholds, 1u));
+    const uint mean = dithered(clamp(o.visibility, 0.0, 1.0) * mean_steps, threshold(thresholds, 3u));
+    return (o.lit ? 1u : 0u) | share << 1 | flips << 3 | mean << 5;
 }
 
-OwnRays unpack_own(uint word) {
-    return OwnRays(float(word & 0xffffu) / 65535.0, float(word >> 16 & 63u), float(word >> 22 & 511u) / 511.0, word >> 31 != 0u);
-}
-
-// Have the rays said something else than `lit`, more often than once in a hundred frames?
-bool disagrees(uint word, bool lit) {
-    const uint v = word & 0xffffu;
-    return (word >> 16 & 63u) != 0u && (lit ? v < 64880u : v > 655u);
+OwnRays unpack_own(uint word, float frames, float mean_steps) {
+    return OwnRays(float(int(word >> 5)) / mean_steps, squared(word >> 1 & 3u, SHARE_STEPS) * frames,
+                   float(int(word >> 3 & 3u)) * (MOST_FLIPS / FLIP_STEPS), (word & 1u) != 0u);
 }
 
 OwnRays with_ray(OwnRays o, bool lit) {
-    const float n = min(o.count + 1.0, OWN_CAP);
+    const float n = o.count + 1.0;
     const float flips = o.flips + ((lit != o.lit ? 1.0 : 0.0) - o.flips) / FLIP_FRAMES;
     return OwnRays(o.visibility + ((lit ? 1.0 : 0.0) - o.visibility) / n, n, flips, lit);
 }

@@ -2,8 +2,8 @@
 // What the previous frame knew about a pixel's surface: the state that drift left there, and what the pixel's own rays had
 // said, taken from the texels that show the same plane and the same face of it.
 //
-// Includer has previous_surface.glsl, shadow_state.glsl, own_rays.glsl and light_space.glsl, and declares the images history,
-// own_rays_prev and, where things move, motion, view_depth_prev and guide_normal_prev.
+// Includer has previous_surface.glsl, shadow_state.glsl and light_space.glsl, and declares the images history
+// and, where things move, motion, view_depth_prev and guide_normal_prev.
 #include "common/cubic.glsl"
 #if HAS_SUN_PREV
 #include "common/sun_change.glsl"
@@ -42,7 +42,7 @@ float sharper(ivec2 corner, vec2 t, int rows) {
         float row = 0.0;
         [[unroll]] for (int x = 0; x < 4; ++x) {
             const ivec2 q = clamp(corner + ivec2(x, y) - 1, ivec2(0), last);
-            row += wx[x] * unpack_state(imageLoad(history, q).x).visibility;
+            row += wx[x] * visibility_in(imageLoad(history, q).x);
         }
         sum += wy[y] * row;
     }
@@ -57,7 +57,7 @@ Past past_of(ivec2 p, vec3 n, OffPlane plane, float tolerance_m) {
     const ivec2 corner = ivec2(floor(at + 1e-3)), last = ivec2(frame.prev_size) - 1;
     const vec2 t = clamp(at - vec2(corner), 0.0, 1.0);
     float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0;
-    ivec2 nearest_texel = ivec2(0);
+    uint nearest_word = 0u;
     Past past = NO_PAST;
     for (int i = 0; i < 4; ++i) {
         const float share = ((i & 1) != 0 ? t.x : 1.0 - t.x) * ((i >> 1) != 0 ? t.y : 1.0 - t.y);
@@ -65,27 +65,29 @@ Past past_of(ivec2 p, vec3 n, OffPlane plane, float tolerance_m) {
             const ivec2 q = corner + ivec2(i & 1, i >> 1), inside = clamp(q, ivec2(0), last);
             const float z = imageLoad(view_depth_prev, inside).x;
             const vec3 n_prev = decode_normal(imageLoad(guide_normal_prev, inside));
-            const ShadowState s = unpack_state(imageLoad(history, inside).x);
-            const bool same = q == inside && z > 0.0 && s.count > 0.0 && dot(n, n_prev) > SAME_FACE &&
+            const uint word = imageLoad(history, inside).x;
+            const float v = visibility_in(word);
+            const bool same = q == inside && z > 0.0 && has_count(word) && dot(n, n_prev) > SAME_FACE &&
                               abs(metres_off(plane, vec2(inside), z)) <= tolerance_m;
             const float weight = same ? share : 0.0;
             weights += weight;
-            past.visibility += weight * s.visibility;
-            past.variance += weight * s.visibility * s.visibility;
-            low = same ? min(low, s.visibility) : low;
-            high = same ? max(high, s.visibility) : high;
+            past.visibility += weight * v;
+            past.variance += weight * v * v;
+            low = same ? min(low, v) : low;
+            high = same ? max(high, v) : high;
             if (weight > nearest) {
                 nearest = weight;
-                nearest_texel = inside;
-                past.count = s.count;
-                past.residual = s.residual;
+                nearest_word = word;
             }
         }
     }
     past.resampled = nearest < 0.999;
     const float by_weights = 1.0 / max(weights, 1e-3);  // none is less, but where there is none
     past.visibility *= by_weights;
-    past.own = unpack_own(imageLoad(own_rays_prev, nearest_texel).x);  // how far that is off, limits its count
+    const ShadowState of_nearest = unpack_state(nearest_word);  // how far that is off, limits counts
+    past.count = of_nearest.count;
+    past.residual = of_nearest.residual;
+    past.own = of_nearest.own;
     past.variance = max(past.variance * by_weights - past.visibility * past.visibility, 0.0);
     const float between = sharper(corner, t, weights > 0.99 && high > low ? 4 : 0);
     if (weights > 0.99 && high > low) past.visibility = clamp(between, low, high);
@@ -98,7 +100,7 @@ Past past_of(ivec2 p, vec3 n, OffPlane plane, float tolerance_m) {
 Past past_of(ivec2 p) {
     const ShadowState s = unpack_state(imageLoad(history, p).x);
     if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
-    return Past(s.visibility, s.count, s.residual, 0.0, unpack_own(imageLoad(own_rays_prev, p).x), false);
+    return Past(s.visibility, s.count, s.residual, 0.0, s.own, false);
 }
 #endif
 
@@ -107,7 +109,7 @@ Past under_this_sun(Past past) {
 #if HAS_SUN_PREV
     const float share = sun_share(sun, sun_prev);
     past.count = samples_left(past.count, share);
-    past.own.count = floor(samples_left(past.own.count, share));
+    past.own.count = samples_left(past.own.count, share);
     if (past.count <= 0.0) return NO_PAST;
 #endif
     return past;

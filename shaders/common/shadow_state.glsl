@@ -1,27 +1,46 @@
 // SPDX-License-Identifier: MIT
 // What the sheared denoiser keeps of a pixel from frame to frame, in 4 bytes, and what its passes hand on.
 //
-// Includer has rounded.glsl.
+// Includer has rounded.glsl, dithered.glsl and own_rays.glsl.
 
-const float COUNT_CAP = 63.75;   // frames; in steps of 1/4
-const int CELL = 4;               // pixels whose residuals are summed, per axis
+const int CELL = 4;  // pixels whose residuals are summed, per axis
 
 struct ShadowState {
     float visibility;
-    float count;     // frames that it stands for; 0: none
+    float count;     // frames that it stands for, 1 to COUNT_CAP; 0: none
     float residual;  // running mean of what new frames said minus this, -.5 .. .5
+    OwnRays own;
 };
 
-uint pack_state(ShadowState s) {
-    const uint v = rounded(clamp(s.visibility, 0.0, 1.0) * 65535.0);
-    const uint k = rounded(clamp(s.count, 0.0, COUNT_CAP) * 4.0);
-    const uint e = rounded(clamp(s.residual, -0.5, 0.5) * 254.0 + 127.0);  // 0 is kept exactly
-    return v | k << 16 | e << 24;
+// From the lowest bit: visibility 10, count 6, residual 4 (its sign is the last), own rays 12. Counts are 1 + c^2 / 63: no step
+// is as much as two frames, so that one more frame is always one step on.
+const float VISIBILITY_STEPS = 1023.0, COUNT_STEPS = 63.0, RESIDUAL_STEPS = 7.0, MEAN_STEPS = 127.0;
+const float COUNT_CAP = 1.0 + (COUNT_STEPS - 1.0) * (COUNT_STEPS - 1.0) / COUNT_STEPS;
+
+uint pack_state(ShadowState s, uint thresholds) {
+    const uint v = dithered(clamp(s.visibility, 0.0, 1.0) * VISIBILITY_STEPS, threshold(thresholds, 0u));
+    const uint k = s.count > 0.0 ? 1u + rounded(sqrt(COUNT_STEPS * clamp(s.count - 1.0, 0.0, COUNT_CAP - 1.0))) : 0u;
+    const uint e = dithered_root(min(2.0 * abs(s.residual), 1.0), RESIDUAL_STEPS, threshold(thresholds, 2u));
+    return v | k << 10 | e << 16 | (s.residual < 0.0 ? 1u << 19 : 0u) | pack_own(s.own, s.count, MEAN_STEPS, thresholds) << 20;
+}
+
+float visibility_in(uint word) { return float(int(word & 0x3ffu)) / VISIBILITY_STEPS; }
+bool has_count(uint word) { return (word & 0xfc00u) != 0u; }
+float count_in(uint word) {
+    const float c = float(int(word >> 10 & 63u)) - 1.0;
+    return c < 0.0 ? 0.0 : 1.0 + c * c / COUNT_STEPS;
 }
 
 ShadowState unpack_state(uint word) {
-    return ShadowState(float(word & 0xffffu) / 65535.0, float(word >> 16 & 0xffu) / 4.0,
-                       (float(word >> 24) - 127.0) / 254.0);
+    const float e = 0.5 * squared(word >> 16 & 7u, RESIDUAL_STEPS), count = count_in(word);
+    return ShadowState(visibility_in(word), count, (word >> 19 & 1u) != 0u ? -e : e,
+                       unpack_own(word >> 20, count, MEAN_STEPS));
+}
+
+// Have the pixel's own rays said something else than `lit`, more often than once in a hundred frames?
+bool disagrees(uint word, bool lit) {
+    const uint mean = word >> 25;
+    return has_count(word) && (lit ? mean < 126u : mean > 1u);
 }
 
 // One frame's answer beside the reprojected past.
@@ -31,22 +50,30 @@ struct Gathered {
     float residual;   // running mean, this frame included
     float error;      // standard error of `now`, at most .5
     bool counts;      // a receiver that looks at the sun
+    OwnRays own;      // this frame included
 };
 
-const uint COUNTS = 1u << 24;
+const uint TESTED = 1u << 15;
+// Multiples, so that a state goes through unchanged: what rounding it added would add up over the frames.
+const float GATHERED_STEPS = 2.0 * VISIBILITY_STEPS, GATHERED_MEAN_STEPS = 16.0 * MEAN_STEPS;
 
-uvec2 pack_gathered(Gathered g) {
-    const uint now = rounded(clamp(g.now, 0.0, 1.0) * 65535.0), past = rounded(clamp(g.past, 0.0, 1.0) * 65535.0);
-    const uint k = rounded(clamp(g.count, 0.0, COUNT_CAP) * 4.0);
-    const uint e = rounded(clamp(g.residual, -0.5, 0.5) * 254.0 + 127.0);
-    const uint se = rounded(clamp(g.error, 0.0, 0.5) * 510.0);
-    return uvec2(now | past << 16, k | e << 8 | se << 16 | (g.counts ? COUNTS : 0u));
+float frames_with(float count) { return min(count + 1.0, COUNT_CAP); }
+
+uvec2 pack_gathered(Gathered g, uint thresholds) {
+    const uint now = rounded(clamp(g.now, 0.0, 1.0) * GATHERED_STEPS), past = rounded(clamp(g.past, 0.0, 1.0) * GATHERED_STEPS);
+    const uint e = rounded(clamp(g.residual, -0.5, 0.5) * 1022.0 + 511.0);  // 0 is kept exactly
+    const uint k = rounded(min(g.count, COUNT_CAP) * 4.0);
+    const uint se = rounded(sqrt(clamp(g.error, 0.0, 0.5) * 2.0) * 127.0);
+    return uvec2(now | past << 11 | e << 22, k | se << 8 | (g.counts ? TESTED : 0u) |
+                                                 pack_own(g.own, frames_with(g.count), GATHERED_MEAN_STEPS, thresholds) << 16);
 }
 
 Gathered unpack_gathered(uvec2 words) {
-    const vec2 v = unpackUnorm2x16(words.x);
-    return Gathered(v.x, v.y, float(words.y & 0xffu) / 4.0, (float(words.y >> 8 & 0xffu) - 127.0) / 254.0,
-                    float(words.y >> 16 & 0xffu) / 510.0, (words.y & COUNTS) != 0u);
+    const ivec2 v = ivec2(words.x & 0x7ffu, words.x >> 11 & 0x7ffu);
+    const float count = float(int(words.y & 0xffu)) / 4.0;
+    return Gathered(float(v.x) / GATHERED_STEPS, float(v.y) / GATHERED_STEPS, count, (float(int(words.x >> 22)) - 511.0) / 1022.0,
+                    0.5 * squared(words.y >> 8 & 0x7fu, 127.0), (words.y & TESTED) != 0u,
+                    unpack_own(words.y >> 16, frames_with(count), GATHERED_MEAN_STEPS));
 }
 
 // A cell's past: nothing can have moved; it need not have been resampled; it was.
