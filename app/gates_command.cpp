@@ -56,7 +56,7 @@ uint32_t steps_of(const Study& study, const std::set<std::string>& parts) {
     if (parts.contains("still")) runs += widths * study.seeds;
     if (parts.contains("moving"))
         runs += widths * study.seeds * static_cast<uint32_t>(study.speeds_px.size());
-    if (parts.contains("jump")) runs += 2 * widths * study.seeds;
+    if (parts.contains("jump")) runs += 4 * widths * study.seeds;
     if (parts.contains("tilted"))
         runs += static_cast<uint32_t>(study.tilts_deg.size() * study.tilted_edges_deg.size() *
                                       study.tilted_widths_px.size()) *
@@ -103,18 +103,20 @@ bool print_moving(const Bench& bench) {
 
 bool print_jump(const Bench& bench) {
     fmt::print(
-        "\n| penumbra, px | the sun moves the shadow by | k90, frames | asked | left after 0, 1, ... frames "
-        "|\n"
-        "|---|---|---|---|---|\n");
+        "\n| penumbra, px | the sun moves the shadow by | k90, frames | asked | N_eff a frame later | left "
+        "after "
+        "0, 1, ... frames |\n"
+        "|---|---|---|---|---|---|\n");
     for (const double width : bench.study.widths_px)
-        for (const double way : {-1.0, 1.0}) {
-            const auto jump = measure_jump(bench, width, way * bench.study.jump_px);
+        for (const auto& [way, told] : {std::pair{-1.0, true}, {1.0, true}, {-1.0, false}, {1.0, false}}) {
+            const auto jump = measure_jump(bench, width, way * bench.study.jump_px, told);
             if (!jump) return false;
             std::string left;
             for (size_t k = 0; k < std::min<size_t>(jump->left.size(), 6); ++k)
                 left += fmt::format("{}{:.3f}", k ? " " : "", jump->left[k]);
-            fmt::print("| {:g} | {:g} | {} | {} | {} |\n", width, way * bench.study.jump_px,
-                       text_of(jump->k90), asked_text(width, &Asked::k90), left);
+            fmt::print("| {:g} | {:g}{} | {} | {} | {} | {} |\n", width, way * bench.study.jump_px,
+                       told ? "" : ", untold", text_of(jump->k90), asked_text(width, &Asked::k90),
+                       text_of(jump->n_eff), left);
             std::fflush(stdout);
         }
     return true;

@@ -51,7 +51,8 @@ struct Judge {
 // Frames from `from` on are shown to `look`, for one seed after the other.
 using Look = std::function<void(uint32_t frame, std::span<const float> image)>;
 
-bool run(const Bench& bench, const Shot& shot, uint32_t seeds, uint32_t from, const Look& look) {
+bool run(const Bench& bench, const Shot& shot, uint32_t seeds, uint32_t from, const Look& look,
+         const Facts& facts = {}) {
     if (const auto problem = analytic_problem(shot, shot.frames - 1)) {
         bench.diagnostics.add({}, problem->key, problem->text);
         return false;
@@ -61,6 +62,7 @@ bool run(const Bench& bench, const Shot& shot, uint32_t seeds, uint32_t from, co
     options.captures = {"visibility"};
     options.jitter = false;  // the truth is that of pixel centres
     options.optimum = false;
+    options.facts = facts;
     const auto session = Session::open(bench.device, bench.nodes, bench.pipeline, shot, options,
                                        bench.diagnostics, bench.warnings);
     if (!session) return false;
@@ -140,7 +142,7 @@ std::optional<std::vector<Moving>> measure_moving(const Bench& bench, double wid
     return out;
 }
 
-std::optional<Jump> measure_jump(const Bench& bench, double width_px, double distance_px) {
+std::optional<Jump> measure_jump(const Bench& bench, double width_px, double distance_px, bool told) {
     const Study& study = bench.study;
     Shot shot = edge_shot(study, width_px, study.jump_frame + study.frames_after_jump);
     shot.analytic->offset_px = -0.5 * distance_px;
@@ -159,16 +161,18 @@ std::optional<Jump> measure_jump(const Bench& bench, double width_px, double dis
         return std::nullopt;
     }
     std::vector<std::vector<double>> left(study.frames_after_jump);
-    std::vector<double> k90, remainders;
+    std::vector<double> k90, n_eff, remainders;
     const auto look = [&](uint32_t frame, std::span<const float> image) {
         remainders.push_back(step_remainder(*step, judge.compare(image)));
         left[frame - study.jump_frame].push_back(remainders.back());
+        if (frame == study.jump_frame + 1) n_eff.push_back(judge.n_eff(image));
         if (frame + 1 < shot.frames) return;
         k90.push_back(step_response(remainders).k90.value_or(study.frames_after_jump));
         remainders.clear();
     };
-    if (!run(bench, shot, study.seeds, study.jump_frame, look)) return std::nullopt;
-    Jump out{estimate(k90), {}};
+    const Facts facts = told ? Facts{} : Facts{{"sun_moves", false}, {"moves", true}};
+    if (!run(bench, shot, study.seeds, study.jump_frame, look, facts)) return std::nullopt;
+    Jump out{estimate(k90), estimate(n_eff), {}};
     for (std::vector<double>& shares : left) out.left.push_back(estimate(std::move(shares)).median);
     return out;
 }

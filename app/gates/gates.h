@@ -57,11 +57,13 @@ struct Moving {
 std::optional<std::vector<Moving>> measure_moving(const Bench& bench, double width_px);
 
 struct Jump {
-    Estimate k90;  // host/metrics/lag.h; a change that never settles counts as all frames looked at
+    Estimate k90;    // host/metrics/lag.h; a change that never settles counts as all frames looked at
+    Estimate n_eff;  // effective samples per pixel, one frame after the jump's
     std::vector<double> left;  // share of the change, from the jump's frame on; medians
 };
-// The sun jumps so that the shadow moves by `distance_px`, positive: it grows.
-std::optional<Jump> measure_jump(const Bench& bench, double width_px, double distance_px);
+// The sun jumps so that the shadow moves by `distance_px`, positive: it grows. `told`: the pipeline knows
+// that suns can move; untold, it is to find out, as of a caster that jumps.
+std::optional<Jump> measure_jump(const Bench& bench, double width_px, double distance_px, bool told);
 
 struct Tilted {
     double mean = 0, worst = 0, worst_edge_deg = 0;  // over edges, of the medians
