@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# What pipelines cost, as a Markdown table: CPU milliseconds of each pass of a type in TYPES on each shot, and their sum.
+# What pipelines cost, as a Markdown table: CPU milliseconds of each pass of a type in TYPES on each shot, their sum, and how
+# many native passes (tests/native_pass.h: a 3x3 filter by hand, in the same minutes) that is, which carries over to other machines.
 #   scripts/compare_cost.sh
 # PIPELINES (sheared hybrid_shadows shadows), SHOTS, TYPES (trace and the denoisers' passes), FRAMES (0..11; each figure is a
 # median of all but the first two), RUNS (3, the pipelines in turn: of each pass the least counts, as other work on the
@@ -10,15 +11,18 @@ penumbra=${PENUMBRA:-build/release/app/penumbra}
 read -ra shots <<<"${SHOTS:-cards colonnade engine fan heightfield lamp trees}"
 read -ra pipelines <<<"${PIPELINES:-sheared hybrid_shadows shadows}"
 types=${TYPES:-trace prepare sun_points gather drift soften accumulate smooth tileclass filter}
+size=${SIZE:-640x360}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-echo "| shot | pipeline | sum | of which |"
-echo "|---|---|---|---|"
+echo "| shot | pipeline | sum | native passes | of which |"
+echo "|---|---|---|---|---|"
 for shot in "${shots[@]}"; do
+    : >"$work/native"
     for ((run = 0; run < ${RUNS:-3}; ++run)); do
+        "$(dirname "$penumbra")/../tests/native_pass_bench" "$size" >>"$work/native"
         for pipeline in "${pipelines[@]}"; do
-            "$penumbra" render "pipelines/$pipeline.json" --shot "scenes/$shot.shot.json" --size "${SIZE:-640x360}" \
+            "$penumbra" render "pipelines/$pipeline.json" --shot "scenes/$shot.shot.json" --size "$size" \
                 --frames "${FRAMES:-0..11}" --every 11 --no-jitter --out "$work/$pipeline.$run" >"$work/log" 2>&1 ||
                 { cat "$work/log" >&2; exit 1; }
         done
@@ -33,7 +37,9 @@ for run in range(int(runs)):
         if p["type"] in types.split():
             least[p["node"]] = min(least.get(p["node"], 1e9), p["cpu_ms"]["median"])
 parts = ", ".join(f"{name} {ms:.1f}" for name, ms in least.items())
-print(f"| {shot} | {pipeline} | {sum(least.values()):.1f} | {parts} |", flush=True)
+native = min(float(line) for line in open(f"{folder.rpartition('/')[0]}/native"))
+total = sum(least.values())
+print(f"| {shot} | {pipeline} | {total:.1f} | {total / native:.1f} | {parts} |", flush=True)
 PYTHON
     done
 done
