@@ -2,8 +2,7 @@
 // Whole tiles at once: one lane follows the beam of all shadow rays of an 8x4 tile through the tree, once for up to 32
 // pixels. Many tiles of a frame are lit or shadowed as a whole and done then; the others go on in a shorter list.
 // A proof that fails costs as much as one that holds, and a tile's next frame is much as its last: where `proved_before` is
-// bound, a tile gets a beam if it was decided then, and else in its turn. As a proof changes no ray's answer, the image does
-// not know.
+// bound, a tile gets a beam if it was decided then, and else in its turn. A proof changes no ray's answer.
 #define APPENDS_TILES
 #include "node.glsl"
 #include "common/camera.glsl"
@@ -60,21 +59,27 @@ uint bit_of(ivec2 tile) { return 1u << uint(tile.x & 31); }
 #if HAS_PROVED_BEFORE
 // Frames between two beams of a tile that was not decided: beside one that was, where what is proved grows, and elsewhere.
 const uint NEAR_TURN = 8u, FAR_TURN = 64u;
-const uint COMPANY = 4u;  // a walk is worth its while where one lane in so many has a tile that was decided
+const uint COMPANY = 4u;  // a walk is worth its while where one of so many tiles side by side was decided
 
 bool was_proved(ivec2 tile) {
     return all(greaterThanEqual(tile, ivec2(0))) && all(lessThan(tile, tile_grid())) &&
            (proved_before[word_of(tile)] & bit_of(tile)) != 0u;
 }
 
-// Tiles of a row take their turns by eights: they are the lanes of a subgroup, which waits for the slowest of them. For that
-// reason too one tile that was decided among many that were not is no good reason for a walk. Called by every lane.
+// Tiles of a row take their turns by eights: most often they are the lanes of a subgroup, which waits for the slowest of them.
+// For that reason too one tile that was decided among many that were not is no good reason for a walk. Who shares a subgroup in
+// fact, which is another matter in every run, must not show: a tile that is proved has no rays whose blockers could be known.
+bool in_company(ivec2 tile) {
+    const uint eight = proved_before[word_of(tile)] >> uint(tile.x & 24) & 0xffu;
+    return uint(bitCount(eight)) * COMPANY >= 8u;
+}
+
 bool worth_a_beam(ivec2 tile, bool listed) {
-    const bool again = listed && was_proved(tile);
-    const bool in_company = subgroupAdd(again ? 1u : 0u) * COMPANY >= gl_SubgroupSize;
+    if (!listed) return false;
+    const bool again = was_proved(tile) && in_company(tile);
     const uint turn = uint(tile.x >> 3) + uint(tile.y) * 5u + frame.frame_index;
-    if ((frame.flags & FRAME_RESET) != 0u || turn % FAR_TURN == 0u || (again && in_company)) return listed;
-    return listed && turn % NEAR_TURN == 0u &&
+    if ((frame.flags & FRAME_RESET) != 0u || turn % FAR_TURN == 0u || again) return true;
+    return turn % NEAR_TURN == 0u &&
            (was_proved(tile + ivec2(-1, 0)) || was_proved(tile + ivec2(1, 0)) || was_proved(tile + ivec2(0, -1)) ||
             was_proved(tile + ivec2(0, 1)));
 }
