@@ -103,9 +103,8 @@ bool print_moving(const Bench& bench) {
 
 bool print_jump(const Bench& bench) {
     fmt::print(
-        "\n| penumbra, px | the sun moves the shadow by | k90, frames | asked | N_eff a frame later | left "
-        "after "
-        "0, 1, ... frames |\n"
+        "\n| penumbra, px | the sun moves the shadow by | k90, frames | asked | N_eff a frame later | "
+        "left after 0, 1, ... frames |\n"
         "|---|---|---|---|---|---|\n");
     for (const double width : bench.study.widths_px)
         for (const auto& [way, told] : {std::pair{-1.0, true}, {1.0, true}, {-1.0, false}, {1.0, false}}) {
