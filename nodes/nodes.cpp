@@ -21,6 +21,7 @@ namespace penumbra {
     X(clear)              \
     X(cones)              \
     X(copy)               \
+    X(cover)              \
     X(drift)              \
     X(filter)             \
     X(gather)             \

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Ray hits to an image, for pipelines without a denoiser: 0 where a receiver is occluded, else 1 (sky included); between
-// where several rays of a pixel disagree.
+// Verdicts and ray hits to an image, for pipelines without a denoiser: 0 where a receiver is occluded, else 1 (sky included); between
+// where a part of the sun is hidden, or several rays of a pixel disagree.
 #include "node.glsl"
 #include "common/pixels.glsl"
 #include "common/tiles.glsl"
@@ -11,6 +11,10 @@ void for_pixel(ivec2 p) {
 #if HAS_FRACTION
     const float between = imageLoad(fraction, p).x;
     if (between != 0.0) lit = between;
+#endif
+#if HAS_COVERAGE
+    const float share = imageLoad(coverage, p).x;
+    if (share != 0.0) lit = share;
 #endif
     imageStore(visibility, p, vec4(lit));
 }

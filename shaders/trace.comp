@@ -92,17 +92,6 @@ ShadowRay shadow_ray(ivec2 p, uint k, float t_min, float t_max) {
 
 float metres_along(ShadowRay ray, float t) { return ray.reversed ? ray.far - t : t; }
 
-// Index of the k-th set bit, from 0.
-uint bit_number(uint word, uint k) {
-    uint at = 0u;
-    for (uint width = 16u; width != 0u; width >>= 1) {
-        const uint below = uint(bitCount(word >> at & ((1u << width) - 1u)));
-        if (k >= below) at += width;
-        if (k >= below) k -= below;
-    }
-    return at;
-}
-
 #if HAS_BLOCKING_LEAVES && BACKEND != BACKEND_RAY_QUERY
 #define REMEMBERS 1
 #include "common/blocking_leaves.glsl"

@@ -25,7 +25,7 @@ struct Walk {
     bool covered;
 };
 #include "common/bvh_walk.glsl"
-#include "common/cover.glsl"
+#include "common/closing_patch.glsl"
 
 const int BEHIND = 2;
 

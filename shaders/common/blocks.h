@@ -38,6 +38,9 @@ struct Cascades {
     Cascade c[4];
 };
 
+// Directions, over half a circle, that the tables of light_mask.glsl know lines of.
+const uint HALF_PLANE_DIRECTIONS = 64u;
+
 #ifdef __cplusplus
 static_assert(sizeof(Cascade) == 64 && sizeof(Cascades) == 272);
 static_assert(sizeof(Sun) == 16 && sizeof(Scene) == 16);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // One question to the hierarchy of host/bvh.h: does a cone of shadow rays meet nothing, is it blocked by a surface that
-// closes it off (common/cover.glsl), or neither? The first two are proofs that no ray of the cone is needed.
+// closes it off (common/closing_patch.glsl), or neither? The first two are proofs that no ray of the cone is needed.
 // A cone that has met something is followed along its axis only: what remains to be found is a cover.
 //
 // Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves, neighbours; const uint PATCH (triangles), BUDGET (steps).
@@ -19,7 +19,7 @@ struct Walk {
     bool covered;
 };
 #include "common/bvh_walk.glsl"
-#include "common/cover.glsl"
+#include "common/closing_patch.glsl"
 
 // All rays start at the apex, so they come from its side. The three corners and the apex must not be in one plane.
 int cover_side(Walk walk, vec3 a, vec3 b, vec3 c) {

@@ -4,13 +4,28 @@
 // Includer declares: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map.
 #include "common/mask_texel.glsl"
 
-// Whether the triangle of this record blocks at the point with these weights of its corners, which sum to 1.
-bool alpha_blocks(uint record, vec3 weights) {
+struct AlphaRecord {
+    vec2 uv0, uv1, uv2;  // of the triangle's corners, as the scene orders them
+    uvec2 size;          // of the mask, in texels
+    uint first;          // word of the mask
+};
+
+AlphaRecord alpha_record(uint record) {
     int texel = int(1u + record * 2u);
     uvec4 r0 = texelFetch(scene_alpha_uv, texel), r1 = texelFetch(scene_alpha_uv, texel + 1);
-    vec2 uv = weights.x * uintBitsToFloat(r0.xy) + weights.y * uintBitsToFloat(r0.zw) + weights.z * uintBitsToFloat(r1.xy);
-    uvec2 size = uvec2(r1.w & 0xffffu, r1.w >> 16) + 1u;
-    uvec2 at = uvec2(mask_texel(uv, size));
-    uint bit = at.y * size.x + at.x;
-    return (texelFetch(scene_alpha_map, int(r1.z + (bit >> 5))).x >> (bit & 31u) & 1u) != 0u;
+    return AlphaRecord(uintBitsToFloat(r0.xy), uintBitsToFloat(r0.zw), uintBitsToFloat(r1.xy),
+                       uvec2(r1.w & 0xffffu, r1.w >> 16) + 1u, r1.z);
+}
+
+// Whether there is something at a texture coordinate.
+bool alpha_there(AlphaRecord r, vec2 uv) {
+    uvec2 at = uvec2(mask_texel(uv, r.size));
+    uint bit = at.y * r.size.x + at.x;
+    return (texelFetch(scene_alpha_map, int(r.first + (bit >> 5))).x >> (bit & 31u) & 1u) != 0u;
+}
+
+// Whether the triangle of this record blocks at the point with these weights of its corners, which sum to 1.
+bool alpha_blocks(uint record, vec3 weights) {
+    AlphaRecord r = alpha_record(record);
+    return alpha_there(r, weights.x * r.uv0 + weights.y * r.uv1 + weights.z * r.uv2);
 }

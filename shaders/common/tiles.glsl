@@ -24,6 +24,17 @@ ivec2 pixel_of_lane(int lane) { return ivec2((lane >> 3 & 1) * 4 + (lane & 3), (
 // A tile's mask with the pixels numbered as lanes: pixel_of_lane() swaps bits 2 and 3 of an index.
 uint lanes_of_pixels(uint mask) { return (mask & 0xF00FF00Fu) | (mask & 0x00F000F0u) << 4 | (mask & 0x0F000F00u) >> 4; }
 
+// Index of the k-th set bit, from 0.
+uint bit_number(uint word, uint k) {
+    uint at = 0u;
+    for (uint width = 16u; width != 0u; width >>= 1) {
+        const uint below = uint(bitCount(word >> at & ((1u << width) - 1u)));
+        if (k >= below) at += width;
+        if (k >= below) k -= below;
+    }
+    return at;
+}
+
 // The bits of a tile that are pixels of the image.
 uint inside_mask(ivec2 tile) {
     if (any(lessThan(tile, ivec2(0)))) return 0u;

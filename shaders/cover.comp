@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// Exact coverage: instead of rays, each pixel that nothing proves lit or shadowed walks the tree once with the cone to its light and
+// unites what the triangles hide of it, as a mask of samples: none hidden is lit, all is shadowed, and between lies the visibility. No
+// noise, so no denoiser and no past. One workgroup per listed tile; its pixels are dealt out to the lanes without gaps, and
+// each lane walks by itself: towards leaves until all lanes have one, since looking at a leaf is the dearest step. docs/coverage.md.
+#include "node.glsl"
+#if HAS_GIVEN_UP
+#define APPENDS_TILES
+#endif
+#define LISTED_TILES candidates
+#define LISTED_ARGS candidate_args
+#include "common/camera.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/ray_origin.glsl"
+#include "common/sun_point.glsl"
+#include "common/tile_list.glsl"
+#include "common/tiles.glsl"
+#include "common/bvh.glsl"
+#include "common/cone_slabs.glsl"
+#include "common/light_mask.glsl"
+#include "common/leaf_cover.glsl"
+
+#if HAS_GIVEN_UP
+shared uint tile_rest;  // pixels left to rays
+
+// A tile most of whose pixels had to be given up goes straight to rays, but in its turn is tried again.
+const uint TURN = 16u;
+uint word_of(ivec2 tile) { return uint(tile.y * (tile_grid().x + 31 >> 5) + (tile.x >> 5)); }
+uint bit_of(ivec2 tile) { return 1u << uint(tile.x & 31); }
+
+bool hopeless(ivec2 tile) {
+    const uint turn = uint(tile.x) + uint(tile.y) * 5u + frame.frame_index;
+    return (frame.flags & FRAME_RESET) == 0u && turn % TURN != 0u && (given_up_before[word_of(tile)] & bit_of(tile)) != 0u;
+}
+#endif
+
+void main() {
+    uvec4 record;
+    if (!listed_tile(record)) return;  // the whole workgroup
+    const ivec2 tile = tile_of(record);
+    uint asked = record.y;
+#if HAS_GIVEN_UP
+    if (gl_LocalInvocationIndex == 0u) tile_rest = 0u;
+    if (hopeless(tile)) asked = 0u;
+    barrier();
+#endif
+    const uint lanes = gl_WorkGroupSize.x / gl_NumSubgroups, lane = gl_SubgroupInvocationID;
+    const uint share = 32u / gl_NumSubgroups, share_first = gl_SubgroupID * share;
+    const uint wanted = lanes_of_pixels(asked) & (share == 32u ? ~0u : (1u << share) - 1u << share_first);
+    const uint pixel_count = uint(bitCount(wanted));
+    const mat3 axes = sun_frame(sun.to_sun);
+    const LightDisc disc = sun_disc(sun.angular_radius);
+    const ConeSlabs slabs = cone_slabs(axes[2], disc.radius, 0.0);
+
+    uint shadowed = 0u, partly = 0u, rest = 0u, steps_taken = 0u;
+    for (uint first = 0u; first < pixel_count; first += lanes) {
+        const bool own = first + lane < pixel_count;
+        const uint number = bit_number(wanted, own ? first + lane : first);
+        const ivec2 p = tile * TILE + pixel_of_lane(int(number));
+        const vec2 noise = noise_unit(noise_fixed(p, frame.frame_index, params.seed));
+        const float angle = 6.283185307179586 * noise.x, c = cos(angle), s = sin(angle);
+        const Receiver r = Receiver(shadow_ray_origin(p), c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2], noise.y);
+
+        // The receiver's own plane hides what is below it, which a start above the surface would let pass at the surface's end.
+        const vec3 normal = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+        LightMask hidden = mask_flipped(positive_side(light_line(disc, noise.y, along_axes(r, normal))), true);
+        BvhPath path = bvh_path(axes[2]);
+        uint steps = 0u;
+        bool ended = !own || mask_is_full(hidden), given_up = false;
+        while (!ended) {
+            while (!ended && !bvh_at_leaf(path)) {
+                BvhVisit visit = bvh_visit(path);
+                bvh_fetch(path, visit);
+                visit.hits = cone_hit_children(slabs, r.start, visit.n0, visit.n1, visit.n2);
+                bvh_go_on(path, visit);
+                ++steps;
+                if (bvh_ended(path)) ended = true;
+            }
+            uint leaf = 0u;
+            const bool at_leaf = !ended;
+            if (at_leaf) leaf = bvh_take_leaf(path);
+            hide_by_leaf(r, disc, leaf, at_leaf, hidden);
+            ++steps;
+            if (mask_is_full(hidden) || bvh_ended(path)) ended = true;
+#if HAS_GIVEN_UP
+            if (!ended && steps >= BUDGET) given_up = true;
+            if (given_up) ended = true;
+#endif
+        }
+        const uint count = mask_count(hidden);
+        steps_taken += own ? steps : 0u;
+        if (given_up) rest |= 1u << number;
+        else if (own && count == LIGHT_SAMPLES) shadowed |= 1u << number;
+        else if (own && count != 0u) {
+            partly |= 1u << number;
+            imageStore(coverage, p, vec4(1.0 - float(count) / float(LIGHT_SAMPLES)));
+        }
+    }
+    shadowed = subgroupOr(shadowed);
+    if (subgroupElect() && shadowed != 0u) atomicOr(preloaded_hits[tile_index(tile)], lanes_of_pixels(shadowed));
+    count_pixels(subgroupElect() ? pixel_count : 0u);
+    count_shadowed(subgroupElect() ? uint(bitCount(shadowed)) : 0u);
+    count_penumbra(uint(bitCount(partly)));
+    count_steps(steps_taken);
+#if HAS_GIVEN_UP
+    rest = subgroupOr(rest);
+    if (subgroupElect() && rest != 0u) atomicOr(tile_rest, lanes_of_pixels(rest));
+    barrier();
+    const bool leader = gl_LocalInvocationIndex == 0u;
+    const uint left = tile_rest | record.y ^ asked;
+    append_tile(leader && left != 0u, uvec4(record.x, left, record.zw));
+    count_left(leader ? uint(bitCount(left)) : 0u);
+    if (leader && 2 * bitCount(left) > bitCount(record.y)) atomicOr(given_up[word_of(tile)], bit_of(tile));
+#else
+    count_left(0u);
+#endif
+}
