@@ -12,6 +12,7 @@ namespace penumbra {
 
 #define PENUMBRA_NODES(X) \
     X(accumulate)         \
+    X(average)            \
     X(beams)              \
     X(cascade_pcf)        \
     X(cascade_pyramid)    \

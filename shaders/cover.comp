@@ -93,7 +93,7 @@ void main() {
         else if (own && count == LIGHT_SAMPLES) shadowed |= 1u << number;
         else if (own && count != 0u) {
             partly |= 1u << number;
-            imageStore(coverage, p, vec4(1.0 - float(count) / float(LIGHT_SAMPLES)));
+            imageStore(coverage, p, vec4(float((LIGHT_SAMPLES - count) * (256u / LIGHT_SAMPLES)) / 255.0));
         }
     }
     shadowed = subgroupOr(shadowed);

@@ -13,7 +13,7 @@ void for_pixel(ivec2 p) {
     if (between != 0.0) lit = between;
 #endif
 #if HAS_COVERAGE
-    const float share = imageLoad(coverage, p).x;
+    const float share = imageLoad(coverage, p).x * (255.0 / 256.0);
     if (share != 0.0) lit = share;
 #endif
     imageStore(visibility, p, vec4(lit));
