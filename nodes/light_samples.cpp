@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The points start as a Fibonacci spiral and are moved one at a time, kept where the squared distances from the ideal lines
-// fall or, while it is warm, rise a little.
+// The points start as a Fibonacci spiral and are moved one at a time, kept where the squared distances from
+// the ideal lines fall or, while it is warm, rise a little.
 #include "nodes/light_samples.h"
 
 #include <algorithm>
@@ -30,10 +30,15 @@ class Random {
     uint32_t state_ = 1;
 };
 
-LightSample on_grid(LightSample p) { return {std::round(p[0] * grid) / grid, std::round(p[1] * grid) / grid}; }
-double along(const LightSample& p, const std::array<double, 2>& n) { return p[0] * n[0] + p[1] * n[1]; }
+LightSample on_grid(LightSample p) {
+    return {std::round(p[0] * grid) / grid, std::round(p[1] * grid) / grid};
+}
+double along(const LightSample& p, const std::array<double, 2>& n) {
+    return p[0] * n[0] + p[1] * n[1];
+}
 
-// The place x along any direction behind which (seen from above) `share` of the disc lies: half_disc_area(-x) = share.
+// The place x along any direction behind which (seen from above) `share` of the disc lies: half_disc_area(-x)
+// = share.
 double place_of(double share) {
     double lo = -1, hi = 1;
     for (int i = 0; i < 60; ++i) {
@@ -69,8 +74,10 @@ class Annealing {
         for (uint32_t m = 0; m < moves; ++m) {
             const double cold = 1 - double(m) / moves;  // 1 to 0
             const uint32_t i = std::min(static_cast<uint32_t>(random_.next() * count), count - 1);
-            const double reach = spacing * (0.02 + cold), angle = 2 * pi * random_.next(), r = reach * random_.next();
-            const LightSample moved = on_grid({points_[i][0] + r * std::cos(angle), points_[i][1] + r * std::sin(angle)});
+            const double reach = spacing * (0.02 + cold), angle = 2 * pi * random_.next(),
+                         r = reach * random_.next();
+            const LightSample moved =
+                on_grid({points_[i][0] + r * std::cos(angle), points_[i][1] + r * std::sin(angle)});
             const double allowed = 0.1 * cold * cold * total() / count * -std::log(1 - random_.next());
             if (moved[0] * moved[0] + moved[1] * moved[1] < 1) try_move(i, moved, allowed);
         }
@@ -115,11 +122,14 @@ class Annealing {
 }  // namespace
 
 std::array<double, 2> half_plane_normal(uint32_t bin) {
-    const double p = (bin + 0.5) / HALF_PLANE_DIRECTIONS * 2 - 1, y = 1 - std::abs(p), length = std::hypot(p, y);
+    const double p = (bin + 0.5) / HALF_PLANE_DIRECTIONS * 2 - 1, y = 1 - std::abs(p),
+                 length = std::hypot(p, y);
     return {p / length, y / length};
 }
 
-std::vector<LightSample> light_samples(uint32_t count) { return Annealing(count).run(); }
+std::vector<LightSample> light_samples(uint32_t count) {
+    return Annealing(count).run();
+}
 
 double half_disc_area(double c) {
     c = std::clamp(c, -1.0, 1.0);

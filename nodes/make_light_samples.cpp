@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Build tool: writes the tables of the node `cover` into a folder, little-endian: half_planes_N.bin for N = 64, 128, 256
-// (nodes/light_samples.h), and light_samples.bin, a row of 256 points (two floats each, 0 where there are fewer) for each N.
+// Build tool: writes the tables of the node `cover` into a folder, little-endian: half_planes_N.bin for N =
+// 64, 128, 256 (nodes/light_samples.h), and light_samples.bin, a row of 256 points (two floats each, 0 where
+// there are fewer) for each N.
 #include <bit>
 #include <cstdio>
 #include <filesystem>
@@ -33,7 +34,9 @@ int main(int argc, char** argv) {
         for (uint32_t i = 0; i < 256; ++i)
             for (const double x : i < count ? samples[i] : penumbra::LightSample{})
                 points.push_back(std::bit_cast<uint32_t>(static_cast<float>(x)));
-        if (!write(folder / ("half_planes_" + std::to_string(count) + ".bin"), penumbra::half_plane_table(samples))) return 1;
+        if (!write(folder / ("half_planes_" + std::to_string(count) + ".bin"),
+                   penumbra::half_plane_table(samples)))
+            return 1;
     }
     return write(folder / "light_samples.bin", points) ? 0 : 1;
 }

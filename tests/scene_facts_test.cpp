@@ -231,28 +231,44 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
         needed.tables += std::string(" ") + tables;
     };
     const bool traced = shadow == Shadow::soft || shadow == Shadow::hard;
-    if (traced)
-        also("classify trace", "receiver_normal tile_list trace_args receiver_words", "",
-             "scene scene.nodes scene.leaves", "");
+    const bool hybrid = pipeline.starts_with("hybrid_"), main = pipeline == "hybrid_shadows";
+    const bool covers = shadow == Shadow::soft && (main || pipeline == "covered");
+    if (traced) also("classify", "receiver_normal receiver_words", "", "scene scene.nodes scene.leaves", "");
+    if (traced && (!covers || main)) also("trace", "tile_list trace_args", "", "", "");
     if (traced && alpha) also("", "", "", "scene.alpha_uv scene.alpha_map", "");
     if (shadow == Shadow::soft) also("", "", "", "", "blue_noise");
     if (shadow == Shadow::none) also("open", "", "", "", "");
     if (shadow == Shadow::all) also("night", "", "", "", "");
     // One buffer of hits, named by who fills it first.
-    if (traced && pipeline.starts_with("hybrid_"))
+    if (traced && (hybrid || pipeline == "covered"))
         also("", "facing facing_args facing_hits proved", "proved", "neighbours", "");
     if (traced && pipeline == "hybrid_cones_raw")
         also("beams cones", "candidates candidate_args", "", "", "");
-    else if (traced && pipeline.starts_with("hybrid_"))
+    else if (covers)
+        also("beams cover", "candidates candidate_args coverage", "", "",
+             "half_planes_64 half_planes_128 half_planes_256 light_samples");
+    else if (traced && (main || pipeline == "covered"))
+        also("beams_alone", "", "", "", "");
+    else if (traced && hybrid)
         also("beams_alone", "blocking_leaves", "", "", "");
     else if (traced)
         also("", "preloaded_hits", "", "", "");
+    if (covers && main) also("", "fraction given_up", "given_up", "", "");
+    if (pipeline == "covered" && covers && !moves && !sun_moves) {
+        also("resolve_still average", "fresh mean", "mean", "", "");
+        return needed;
+    }
+    if (pipeline == "covered" || main) {
+        if (traced) also("resolve", "", "", "", "");
+        if (!main) return needed;
+    }
     if (pipeline.ends_with("raw")) {
         if (traced) also("resolve", "", "", "", "");
         return needed;
     }
     also("taa", "color", "color", "", "");
     if (moves) also("", "", "view_depth", "motion", "");
+    if (main) return needed;
     if (shadow == Shadow::hard) also("hard", "", "", "", "");
     if (shadow == Shadow::soft) {
         if (pipeline == "shadows")
@@ -337,8 +353,8 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline :
-             {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
+        for (const char* pipeline : {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw",
+                                     "hybrid_sheared", "covered", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -370,7 +386,7 @@ TEST(SceneFacts, ProofsRunWhereTheyPay) {
                                          {16, {{"alpha", true}}, true},
                                          {64, {{"alpha", false}}, true},
                                          {64, {{"alpha", false}, {"sun_disc", false}}, false}};
-    for (const char* pipeline : {"hybrid_raw", "hybrid_shadows"})
+    for (const char* pipeline : {"hybrid_raw", "hybrid_sheared"})
         for (const Choice& c : choices) {
             SCOPED_TRACE(testing::Message() << pipeline << " with " << c.rays << " rays");
             const std::string patch =
@@ -396,8 +412,8 @@ std::string without_culled(const Plan& plan) {
 TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
-        for (const std::string pipeline :
-             {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw", "hybrid_shadows"}) {
+        for (const std::string pipeline : {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw",
+                                           "hybrid_sheared", "covered", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
@@ -407,7 +423,11 @@ TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
             for (const BoundNode& node : pipeline_with(pipeline).nodes)
                 if (runs(plan, node.id)) deleted += "\"" + node.id + "\": { \"if\": null }, ";
             deleted.resize(deleted.size() - 2);
-            const Plan never_had = plan_of(pipeline, facts, "\"nodes\": { " + deleted + " }");
+            // A resource whose format was chosen goes with the node that wrote it.
+            const bool fresh = pipeline == "covered" && !runs(plan, "resolve_still");
+            const Plan never_had = plan_of(pipeline, facts,
+                                           (fresh ? R"("resources": { "fresh": null }, )" : "") +
+                                               ("\"nodes\": { " + deleted + " }"));
             EXPECT_EQ(without_culled(plan), without_culled(never_had));
             EXPECT_EQ(plan.memory.heap_bytes, never_had.memory.heap_bytes);
             EXPECT_TRUE(never_had.culled.empty());

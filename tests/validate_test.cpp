@@ -422,8 +422,8 @@ TEST_P(ValidatedShots, AreClean) {
 
 // Between them they have our denoisers, our classifiers and the published denoiser.
 INSTANTIATE_TEST_SUITE_P(Shipped, ValidatedShots,
-                         ::testing::Values("cascades_only", "fidelityfx", "hybrid_cascades", "hybrid_shadows",
-                                           "sheared"),
+                         ::testing::Values("cascades_only", "fidelityfx", "covered", "hybrid_cascades",
+                                           "hybrid_shadows", "hybrid_sheared"),
                          [](const auto& test) { return test.param; });
 
 }  // namespace
