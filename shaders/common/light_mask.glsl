@@ -69,7 +69,7 @@ struct LightDisc {
     float area[5];  // of its part x >= -c, in units of the whole: 1/2 + sum of area[k] c^(2k+1)
 };
 
-// The area within 2.2e-4, and at c = +-1 within 4e-6 from inside, so that no count leaves 0 .. n. The sun's samples are uniform over its
+// The area within 2.2e-4, and 0 or 1 at the rim within 5e-6. The sun's samples are uniform over its
 // cap, by Lambert's map, where a line of the tangent plane is a curve: through sin(phi / 2) / sin(a / 2) in the middle, for
 // c = tan(phi) / tan(a), and through c at the rim. To third order in a, the line that cuts off as much lies at c + a^2 / 4 c (1 - c^2).
 LightDisc sun_disc(float angular_radius) {
@@ -90,8 +90,12 @@ struct LightLine {
     bool flip;    // the entry is that of -e
 };
 
-// Of -e the same entry. `e` may be of any length that a float holds, and zero. `dither`, 0 to 1, rounds a share of the samples up or down: it is
-// the same for all lines of a pixel.
+// From a number in [0, 1). Away from the ends by more than 256 times what the area is off at the rim, and than rounding: next to them a line beside
+// the light would cut off a sample, or one more than there are.
+float line_dither(float u) { return 0.002 + 0.996 * u; }
+
+// Of -e the same entry. `e` may be of any length that a float holds, and zero. `dither` rounds a share of the samples up or down; it is the same for
+// all lines of a pixel.
 LightLine light_line(LightDisc disc, float dither, vec3 e) {
     LightLine line;
     line.flip = (e.y != 0.0 ? e.y : e.x) < 0.0;
