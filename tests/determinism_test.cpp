@@ -102,9 +102,9 @@ TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
         for (const ListReader& r : list_readers(GetParam())) {
             const std::string other = "other_" + r.list;
             settings.push_back("nodes." + other + "={ " + params +
-                               (r.node == "cover" ? R"(, "if": "sun_disc")" : "") + R"(, "in": { "tile_list": ")" + r.list +
-                               R"(", "trace_args": ")" + r.args + R"(" }, "out": { "permuted_list": ")" +
-                               other + R"(" } })");
+                               (r.node == "cover" ? R"(, "if": "sun_disc")" : "") +
+                               R"(, "in": { "tile_list": ")" + r.list + R"(", "trace_args": ")" + r.args +
+                               R"(" }, "out": { "permuted_list": ")" + other + R"(" } })");
             settings.push_back("nodes." + r.node + ".in." + r.port + "=" + other);
         }
         const ListReader last = list_readers(GetParam()).front();

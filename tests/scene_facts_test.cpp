@@ -425,9 +425,9 @@ TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
             deleted.resize(deleted.size() - 2);
             // A resource whose format was chosen goes with the node that wrote it.
             const bool fresh = pipeline == "covered" && !runs(plan, "resolve_still");
-            const Plan never_had = plan_of(pipeline, facts,
-                                           (fresh ? R"("resources": { "fresh": null }, )" : "") +
-                                               ("\"nodes\": { " + deleted + " }"));
+            const Plan never_had = plan_of(
+                pipeline, facts,
+                (fresh ? R"("resources": { "fresh": null }, )" : "") + ("\"nodes\": { " + deleted + " }"));
             EXPECT_EQ(without_culled(plan), without_culled(never_had));
             EXPECT_EQ(plan.memory.heap_bytes, never_had.memory.heap_bytes);
             EXPECT_TRUE(never_had.culled.empty());
