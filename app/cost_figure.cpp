@@ -15,6 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 using report::Svg;
+using report::Xy;
 
 constexpr double width = 860, bar = 30, gap = 12, top = 44, bottom = 46, right = 64;
 constexpr double pass_text = 11;
@@ -25,21 +26,36 @@ constexpr const char* style_sheet =
     ".tick, .title { fill: #5b636c; }\n"
     ".grid { stroke: #d9dde1; } .axis { stroke: #5b636c; }\n"
     ".on { fill: #ffffff; font-size: 11px; } .off { fill: #5b636c; font-size: 11px; }\n"
-    ".c0 { fill: #2462c8; } .c1 { fill: #b0540e; } .c2 { fill: #0a7f6f; } .c3 { fill: #c02a72; } .c4 { fill: "
-    "#7a4fd0; }\n"
-    ".c5 { fill: #4f7a0f; } .c6 { fill: #9a6a00; } .c7 { fill: #0d7ea8; } .c8 { fill: #a3423b; } .c9 { fill: "
-    "#5b5fae; }\n"
-    ".c10 { fill: #2f8f3a; } .c11 { fill: #8c2fa8; }\n"
+    ".c0 { fill: #2462c8; } .c1 { fill: #b0540e; } .c2 { fill: #0a7f6f; }\n"
+    ".c3 { fill: #c02a72; } .c4 { fill: #7a4fd0; } .c5 { fill: #4f7a0f; }\n"
+    ".c6 { fill: #9a6a00; } .c7 { fill: #0d7ea8; } .c8 { fill: #a3423b; }\n"
+    ".c9 { fill: #5b5fae; } .c10 { fill: #2f8f3a; } .c11 { fill: #8c2fa8; }\n"
+    ".c12 { fill: #3a4a5a; } .c13 { fill: #c8641e; } .c14 { fill: #b03030; }\n"
+    ".c15 { fill: #00695c; } .c16 { fill: #6b5b00; } .c17 { fill: #a03c8a; }\n"
     ".pass { stroke: #ffffff; stroke-width: .8; }\n";
-constexpr size_t colours = 12;
+constexpr size_t colours = 18;
 
-// Names of passes in the order in which they first occur.
-std::vector<std::string> pass_names(const std::vector<PipelineCosts>& costs) {
-    std::vector<std::string> names;
+// Node types in the order in which they first occur.
+std::vector<std::string> pass_types(const std::vector<PipelineCosts>& costs) {
+    std::vector<std::string> types;
     for (const PipelineCosts& c : costs)
         for (const PassCost& pass : c.passes)
-            if (std::find(names.begin(), names.end(), pass.node) == names.end()) names.push_back(pass.node);
-    return names;
+            if (std::find(types.begin(), types.end(), pass.type) == types.end()) types.push_back(pass.type);
+    return types;
+}
+
+// Where the colours' names stand, in rows as wide as the figure: a short pass has no room for its own.
+std::vector<Xy> legend_places(const std::vector<std::string>& types) {
+    constexpr double first = 16, row = 18;
+    std::vector<Xy> places;
+    Xy at{first, 0};
+    for (const std::string& type : types) {
+        const double size = report::text_width(type, pass_text) + 32;
+        if (at.x + size > width && at.x > first) at = {first, at.y + row};
+        places.push_back(at);
+        at.x += size;
+    }
+    return places;
 }
 
 std::string milliseconds(double ms) {
@@ -100,7 +116,7 @@ std::optional<PipelineCosts> read_costs(const std::string& file, Diagnostics& di
             const Json& cpu = pass.at("cpu_ms").at("median");
             if (cpu.is_null())
                 return wrong("has no CPU times of passes, which render measures on devices of the class cpu");
-            costs.passes.push_back({pass.at("node"), cpu});
+            costs.passes.push_back({pass.at("node"), pass.at("type"), cpu});
         }
         if (!(costs.total() > 0)) return wrong("has no pass that took any time");
         return costs;
@@ -111,14 +127,16 @@ std::optional<PipelineCosts> read_costs(const std::string& file, Diagnostics& di
 
 std::string cost_figure(const std::vector<PipelineCosts>& costs) {
     const Names names = names_of(costs);
-    const std::vector<std::string> passes = pass_names(costs);
+    const std::vector<std::string> types = pass_types(costs);
     double left = 0, longest = 0;
     for (size_t i = 0; i < costs.size(); ++i) {
         left = std::max(left, report::text_width(names.bars[i], 13) + 28);
         longest = std::max(longest, costs[i].total());
     }
     const double height = static_cast<double>(costs.size()) * (bar + gap) + gap;
-    Svg svg(width, top + height + bottom + 24, "CPU milliseconds per pass, " + names.title);
+    const std::vector<Xy> legend = legend_places(types);
+    const double legend_height = legend.empty() ? 0 : legend.back().y;
+    Svg svg(width, top + height + bottom + 24 + legend_height, "CPU milliseconds per pass, " + names.title);
     svg.text({16, 24}, names.title, "head");
     const report::Frame frame{
         {left, top}, {width - left - right, height}, report::linear_axis({longest}, true), {}};
@@ -130,7 +148,7 @@ std::string cost_figure(const std::vector<PipelineCosts>& costs) {
         for (const PassCost& pass : costs[i].passes) {
             const double x = frame.at(from, 0).x, size = frame.at(from + pass.cpu_ms, 0).x - x;
             const auto colour =
-                static_cast<size_t>(std::find(passes.begin(), passes.end(), pass.node) - passes.begin());
+                static_cast<size_t>(std::find(types.begin(), types.end(), pass.type) - types.begin());
             svg.rect({x, y}, {size, bar}, fmt::format("pass c{}", colour % colours),
                      fmt::format("{}, {}: {} ms", names.bars[i], pass.node, milliseconds(pass.cpu_ms)));
             const std::string label = fmt::format("{} {}", pass.node, milliseconds(pass.cpu_ms));
@@ -142,13 +160,10 @@ std::string cost_figure(const std::vector<PipelineCosts>& costs) {
         }
         svg.text({frame.at(from, 0).x + 7, y + 20}, milliseconds(from), "tick");
     }
-    // The colours' names, since a short pass has no room for its own.
-    double x = 16;
-    const double legend = top + height + bottom + 10;
-    for (size_t i = 0; i < passes.size(); ++i) {
-        svg.rect({x, legend - 9}, {10, 10}, fmt::format("c{}", i % colours));
-        svg.text({x + 14, legend}, passes[i], "off");
-        x += report::text_width(passes[i], pass_text) + 32;
+    for (size_t i = 0; i < types.size(); ++i) {
+        const Xy at{legend[i].x, top + height + bottom + 10 + legend[i].y};
+        svg.rect({at.x, at.y - 9}, {10, 10}, fmt::format("c{}", i % colours));
+        svg.text({at.x + 14, at.y}, types[i], "off");
     }
     return svg.file(style_sheet);
 }

@@ -2,6 +2,8 @@
 // Where pipelines' time goes: a bar per report.json of `render`, a part of it per pass.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,7 +13,7 @@
 namespace penumbra {
 
 struct PassCost {
-    std::string node;
+    std::string node, type;
     double cpu_ms = 0;
 };
 
@@ -26,7 +28,7 @@ struct PipelineCosts {
 // What is wrong with the file is a diagnostic: none, no report, or one without CPU times.
 std::optional<PipelineCosts> read_costs(const std::string& file, Diagnostics& diagnostics);
 
-// A whole SVG file. A pass has the same colour in every bar.
+// A whole SVG file. A node type has the same colour in every bar.
 std::string cost_figure(const std::vector<PipelineCosts>& costs);
 
 }  // namespace penumbra

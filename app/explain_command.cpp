@@ -88,6 +88,10 @@ std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nod
                              shot->frames));
         return std::nullopt;
     }
+    if (!(sun_at(*shot, arguments.frame).angular_radius > 0)) {
+        complain(fmt::format("{}: the sun is a point, of which nothing hides a part", arguments.shot));
+        return std::nullopt;
+    }
     auto pipeline = open_pipeline(file->string(),
                                   {fmt::format("nodes.cover.params.samples={}", arguments.samples)}, nodes);
     if (!pipeline) return std::nullopt;

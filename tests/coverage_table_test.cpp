@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What docs/coverage.md says of the table of half-planes: what a straight edge, a right angle and a corner of
-// several triangles cost.
+// What docs/coverage.md says of the table of half-planes: what a straight edge, a right angle, a wire and a
+// corner of several triangles cost.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -77,6 +77,21 @@ TEST_P(CoverageTable, ARightAngleIsOffByLessThanASampleAsARule) {
     }
     EXPECT_LT(std::sqrt(squares / corners), 0.9 / count_);
     EXPECT_LT(std::abs(sum / corners), 0.05 / count_);
+}
+
+// Both sides of a wire are rounded by one dither: it hides a sample as often as its area asks for.
+TEST_P(CoverageTable, AThinWireIsRightOnAverage) {
+    constexpr int wires = 100000;
+    const double width = 0.3 / count_;
+    double hidden = 0, area = 0;
+    for (int i = 0; i < wires; ++i) {
+        const double angle = 2 * pi * uniform(), c = 1.6 * uniform() - 0.8, dither = uniform();
+        const SampleMask wire = side(angle, c, dither) & side(angle + pi, width - c, dither);
+        ASSERT_LE(wire.count(), 1u);
+        hidden += static_cast<double>(wire.count());
+        area += (half_disc_area(c) - half_disc_area(c - width)) * count_;
+    }
+    EXPECT_NEAR(hidden / area, 1, 0.03);
 }
 
 // Rounded lines through one corner need not meet: of a closed fan of triangles around it a sample can be

@@ -161,6 +161,11 @@ TEST_F(Explain, WhatCannotBeDrawnIsSaidAndLeavesNoFile) {
         expect_nothing(explain("--pixel=" + std::string(pixel)), 2, "is not X,Y");
     expect_nothing(run("explain --shot scenes/engine.shot.json --size 96x54 --pixel 0,0 --out " + out()), 2,
                    "0,0 shows no surface");
+    std::string point = read_file(fs::path(PENUMBRA_SOURCE_DIR) / "scenes/colonnade.shot.json");
+    point.replace(point.find("0.2665"), 6, "0");
+    point.replace(point.find("colonnade.glb"), 13, PENUMBRA_SOURCE_DIR "/scenes/colonnade.glb");
+    expect_nothing(run("explain --shot " + file("point.shot.json", point) + " --out " + out()), 2,
+                   "the sun is a point");
     expect_nothing(explain("--frame 64"), 2, "which has 64 frames");
     expect_nothing(explain("--samples 100"), 2, "samples");
     expect_nothing(explain("--costs x.json"), 2, "costs");
