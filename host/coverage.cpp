@@ -158,7 +158,7 @@ CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
     const glm::dmat3 axes = sun_frame(vector(frame.sun.to_sun.v));
     const double c = std::cos(2 * pi * turn), s = std::sin(2 * pi * turn);
     r.axes = {c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2]};
-    r.dither = dither;
+    r.dither = 0.002 + 0.996 * dither;  // line_dither() of light_mask.glsl
     r.angular_radius = frame.sun.angular_radius;
     return r;
 }
