@@ -84,6 +84,18 @@ struct GatesArguments {
     std::string device;
 };
 
+// A figure of one pixel of a shot, or of what rendered frames cost.
+struct ExplainArguments {
+    std::string shot, out;
+    std::string pixel;  // "X,Y" from the image's upper left corner; empty: the one with the most triangles
+    std::string size;   // "WxH"; empty: the shot's
+    uint32_t frame = 0;
+    uint32_t samples = 128;  // of the sun
+    bool no_jitter = false;
+    std::string device;
+    std::vector<std::string> costs;  // report.json files of render, instead of a shot
+};
+
 int run_render(const RenderArguments& arguments);
 int run_plan(const PlanArguments& arguments);
 int run_check(const CheckArguments& arguments);
@@ -93,6 +105,7 @@ int run_reference(const ReferenceArguments& arguments);
 int run_compare(const CompareArguments& arguments);
 int run_report(const ReportArguments& arguments);
 int run_gates(const GatesArguments& arguments);
+int run_explain(const ExplainArguments& arguments);
 
 // "1280x720"; nothing where it is not two positive numbers.
 std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text);

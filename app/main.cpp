@@ -113,9 +113,30 @@ void add_gates(CLI::App& app, GatesArguments& a) {
     c->add_option("--device", a.device, "part of a device's name");
 }
 
+void add_explain(CLI::App& app, ExplainArguments& a) {
+    CLI::App* c = app.add_subcommand(
+        "explain", "draw what one pixel sees of the sun, or where the time of rendered frames went");
+    c->add_option("--out", a.out, "SVG file to write")->required();
+    CLI::Option* shot = c->add_option("--shot", a.shot, "shot file");
+    const auto of_shot = [&](CLI::Option* option) { option->needs(shot); };
+    of_shot(c->add_option(
+        "--pixel", a.pixel,
+        "X,Y from the upper left corner (default: where most triangles hide a part of the sun)"));
+    of_shot(c->add_option("--size", a.size, "WxH instead of the shot's size"));
+    of_shot(c->add_option("--frame", a.frame, "which frame (default: the first)"));
+    of_shot(c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256")
+                ->check(CLI::IsMember({64, 128, 256})));
+    of_shot(c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter"));
+    of_shot(c->add_option("--device", a.device, "part of a device's name"));
+    c->add_option("--costs", a.costs, "report.json files of render: a bar of CPU milliseconds for each")
+        ->excludes(shot);
+}
+
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
-             const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates) {
+             const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates,
+             const ExplainArguments& explain) {
+    if (app.got_subcommand("explain")) return run_explain(explain);
     if (app.got_subcommand("gates")) return run_gates(gates);
     if (app.got_subcommand("report")) return run_report(report);
     if (app.got_subcommand("reference")) return run_reference(reference);
@@ -141,12 +162,14 @@ int main(int argc, char** argv) {
     CompareArguments compare;
     ReportArguments report;
     GatesArguments gates;
+    ExplainArguments explain;
     add_render(app, render);
     add_plan(app, plan);
     add_reference(app, reference);
     add_compare(app, compare);
     add_report(app, report);
     add_gates(app, gates);
+    add_explain(app, explain);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
     checking->add_option("pipelines", check.pipelines)->required();
     add_node_folders(checking, check.node_folders);
@@ -166,7 +189,7 @@ int main(int argc, char** argv) {
     }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates);
+        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain);
     } catch (const std::exception&
                  e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";

@@ -1,70 +1,18 @@
 // SPDX-License-Identifier: MIT
 // The program as a shell sees it: exit codes (0 good, 1 the work failed, 2 the command or a file is wrong),
 // what goes to which stream, and the documents it prints.
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
+
+#include "tests/cli_run.h"
 
 namespace penumbra::test {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-std::string read_file(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-struct Result {
-    int code = -1;
-    std::string out, err;
-};
-
-class Cli : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::temp_directory_path() / (std::string("penumbra_cli_") + test->name());
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
-    // Runs in the source tree, so that diagnostics name files as a user there would see them.
-    Result run(const std::string& arguments) const {
-        const std::string command = "cd '" PENUMBRA_SOURCE_DIR "' && '" PENUMBRA_PROGRAM "' " + arguments +
-                                    " >'" + (folder_ / "out").string() + "' 2>'" +
-                                    (folder_ / "err").string() + "'";
-        const int status = std::system(command.c_str());
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder_ / "out"),
-                read_file(folder_ / "err")};
-    }
-    std::string file(const std::string& name, const std::string& text) const {
-        std::ofstream(folder_ / name) << text;
-        return (folder_ / name).string();
-    }
-    std::string render(const std::string& more) const {
-        return "render pipelines/raw.json --shot scenes/colonnade.shot.json " + more;
-    }
-
-    fs::path folder_;
-};
-
-void expect(const Result& result, int code, const std::string& in_err) {
-    EXPECT_EQ(result.code, code) << result.err;
-    EXPECT_NE(result.err.find(in_err), std::string::npos) << result.err;
-    if (code == 2) {
-        EXPECT_EQ(result.out, "") << "errors go to the standard error stream";
-    }
+std::string render(const std::string& more) {
+    return "render pipelines/raw.json --shot scenes/colonnade.shot.json " + more;
 }
 
 TEST_F(Cli, CheckPrintsEveryErrorOfAFile) {

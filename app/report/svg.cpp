@@ -76,6 +76,14 @@ std::string Svg::str() const {
     return head_ + body_ + "</svg>\n";
 }
 
+std::string Svg::file(std::string_view style_sheet) const {
+    constexpr std::string_view element = "<svg ";
+    return fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" {}<style>\n{}</style>\n"
+        "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n{}</svg>\n",
+        std::string_view(head_).substr(element.size()), style_sheet, body_);
+}
+
 double text_width(std::string_view text, double pixels) {
     return 0.56 * pixels * static_cast<double>(text.size());
 }

@@ -28,6 +28,8 @@ class Svg {
     void text(Xy at, std::string_view text, std::string_view style = {}, Anchor anchor = Anchor::start,
               double turn_deg = 0);
     std::string str() const;  // the whole element
+    // A file of its own, on white, for whoever shows it without the page's style sheet.
+    std::string file(std::string_view style_sheet) const;
 
   private:
     void close(std::string_view element, std::string_view title);

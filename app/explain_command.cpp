@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+// penumbra explain: draws what the node `cover` sees from one pixel, or where the time of rendered frames
+// went. The figure is written last and whole, or not at all.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+
+#include "app/commands.h"
+#include "app/cost_figure.h"
+#include "app/coverage_figure.h"
+#include "app/outputs.h"
+#include "app/pipeline_file.h"
+#include "app/report/contenders.h"
+#include "app/session.h"
+#include "host/image_file.h"
+#include "nodes/nodes.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using Pixel = std::array<uint32_t, 2>;
+
+bool complain(const std::string& text) {
+    std::cerr << text << "\n";
+    return false;
+}
+
+// Before any work: a figure that has no place is found at once.
+bool can_hold_a_file(const fs::path& file) {
+    std::error_code none;
+    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    if (!fs::is_directory(folder, none))
+        return complain(fmt::format("--out: there is no folder {}", folder.string()));
+    if (fs::is_directory(file, none)) return complain(fmt::format("--out: {} is a folder", file.string()));
+    return true;
+}
+
+bool write_figure(const std::string& file, const std::string& svg) {
+    try {
+        write_file(file, std::as_bytes(std::span(svg)));
+        return true;
+    } catch (const FileError& e) {
+        return complain(fmt::format("--out: {}", e.what()));
+    }
+}
+
+std::optional<Pixel> parse_pixel(const std::string& text, const Pixel& size) {
+    const char *begin = text.data(), *end = begin + text.size();
+    Pixel pixel{};
+    const auto x = std::from_chars(begin, end, pixel[0]);
+    const bool comma = x.ec == std::errc() && x.ptr != end && *x.ptr == ',';
+    const auto y = comma ? std::from_chars(x.ptr + 1, end, pixel[1]) : x;
+    if (!comma || y.ec != std::errc() || y.ptr != end) {
+        complain(fmt::format("--pixel: \"{}\" is not X,Y, as 320,180", text));
+        return std::nullopt;
+    }
+    if (pixel[0] >= size[0] || pixel[1] >= size[1]) {
+        complain(fmt::format("--pixel: {} is outside of the image, which is {}x{}", text, size[0], size[1]));
+        return std::nullopt;
+    }
+    return pixel;
+}
+
+struct Job {
+    CheckedPipeline pipeline;
+    Shot shot;
+    Pixel size{};
+    std::optional<Pixel> pixel;  // else the one with the most triangles
+};
+
+std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nodes) {
+    Diagnostics diagnostics;
+    const auto file =
+        report::shipped_file("covered", report::shipped_root(), "pipelines", ".json", diagnostics);
+    auto shot = read_shot(arguments.shot, diagnostics);
+    if (!file || !shot) std::cerr << diagnostics.text();
+    if (!file || !shot) return std::nullopt;
+    const auto size = arguments.size.empty() ? std::optional(shot->size) : parse_size(arguments.size);
+    if (!size) return std::nullopt;
+    std::optional<Pixel> pixel;
+    if (!arguments.pixel.empty() && !(pixel = parse_pixel(arguments.pixel, *size))) return std::nullopt;
+    if (arguments.frame >= shot->frames) {
+        complain(fmt::format("--frame: {} is beyond the shot, which has {} frames", arguments.frame,
+                             shot->frames));
+        return std::nullopt;
+    }
+    if (!(sun_at(*shot, arguments.frame).angular_radius > 0)) {
+        complain(fmt::format("{}: the sun is a point, of which nothing hides a part", arguments.shot));
+        return std::nullopt;
+    }
+    auto pipeline = open_pipeline(file->string(),
+                                  {fmt::format("nodes.cover.params.samples={}", arguments.samples)}, nodes);
+    if (!pipeline) return std::nullopt;
+    return Job{std::move(*pipeline), std::move(*shot), *size, pixel};
+}
+
+template <class T>
+std::vector<T> captured(const Session& session, const char* name) {
+    const auto bytes = session.view().captured(name);
+    std::vector<T> values(bytes.size() / sizeof(T));
+    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+    return values;
+}
+
+// A rendered frame, and the same frame on the processor.
+class Explanation {
+  public:
+    Explanation(const Session& session, const NodeSet& nodes, uint32_t frame, uint32_t samples)
+        : size_{session.plan().extent.width, session.plan().extent.height},
+          seed_(session.seed()),
+          frame_(session.host().frame(frame, true)),
+          depth_(captured<float>(session, "view_depth")),
+          normal_(captured<std::array<float, 2>>(session, "receiver_normal")),
+          visibility_(captured_image(session, "visibility").planes.at(0).values),
+          sun_(samples),
+          scene_(session.host().scene(), frame) {
+        for (const TableData& table : nodes.find("cover")->tables)
+            if (table.name == "blue_noise") {
+                noise_.resize(table.texels.size() / 4);
+                std::memcpy(noise_.data(), table.texels.data(), table.texels.size());
+            }
+    }
+
+    const Pixel& size() const { return size_; }
+    const SampledSun& sun() const { return sun_; }
+    bool shows_surface(const Pixel& p) const { return depth_[index(p)] > 0; }
+    float visibility(const Pixel& p) const { return visibility_[index(p)]; }
+
+    CoverageReceiver receiver(const Pixel& p) const {
+        return coverage_receiver(frame_, seed_, noise_, {p, depth_[index(p)], normal_[index(p)]});
+    }
+    PixelCoverage coverage(const Pixel& p, double reach) const {
+        return scene_.cover(sun_, receiver(p), reach);
+    }
+
+    // In the penumbra, the first of those from which the most triangles hide a sample.
+    std::optional<Pixel> richest() const {
+        std::optional<Pixel> best;
+        uint32_t most = 0;
+        for (uint32_t y = 0; y < size_[1]; ++y)
+            for (uint32_t x = 0; x < size_[0]; ++x) {
+                const Pixel p{x, y};
+                if (!shows_surface(p) || !(visibility(p) > 0 && visibility(p) < 1)) continue;
+                const PixelCoverage seen = coverage(p, 1);
+                if (const uint32_t hiding = seen.hiding(); seen.visibility() > 0 && hiding > most) {
+                    most = hiding;
+                    best = p;
+                }
+            }
+        return best;
+    }
+
+  private:
+    size_t index(const Pixel& p) const { return size_t{p[1]} * size_[0] + p[0]; }
+
+    Pixel size_;
+    uint32_t seed_;
+    StandaloneFrame frame_;
+    std::vector<uint32_t> noise_;
+    std::vector<float> depth_;
+    std::vector<std::array<float, 2>> normal_;
+    std::vector<float> visibility_;
+    SampledSun sun_;
+    CoverageScene scene_;
+};
+
+int draw(const ExplainArguments& arguments, const Job& job, const Explanation& explanation) {
+    const std::optional<Pixel> pixel = job.pixel ? job.pixel : explanation.richest();
+    if (!pixel) {
+        complain("no pixel of this frame sees a part of the sun alone");
+        return exit_failed;
+    }
+    const std::string name = fmt::format("{},{}", (*pixel)[0], (*pixel)[1]);
+    if (!explanation.shows_surface(*pixel)) {
+        complain(fmt::format("--pixel: {} shows no surface", name));
+        return exit_wrong;
+    }
+    const PixelCoverage coverage = explanation.coverage(*pixel, coverage_figure_reach);
+    const CoverageCaption caption{job.shot.name, arguments.frame, explanation.size(), *pixel};
+    if (!write_figure(arguments.out,
+                      coverage_figure(explanation.sun(), explanation.receiver(*pixel), coverage, caption)))
+        return exit_wrong;
+    fmt::print("pixel {}{}: {} (the node: {:.3f})\n", name, job.pixel ? "" : ", which has the most triangles",
+               coverage_summary(coverage), explanation.visibility(*pixel));
+    return exit_good;
+}
+
+int explain_pixel(const ExplainArguments& arguments) {
+    const NodeSet nodes = shadow_nodes();
+    const auto job = prepare(arguments, nodes);
+    if (!job) return exit_wrong;
+    Device device({arguments.device, false});
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    SessionOptions options;
+    options.size = job->size;
+    options.captures = {"view_depth", "receiver_normal", "visibility"};
+    options.jitter = !arguments.no_jitter;
+    options.optimum = false;
+    options.pass_costs = false;
+    const auto session =
+        Session::open(device, nodes, job->pipeline, job->shot, options, diagnostics, warnings);
+    for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
+    if (!session) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    session->run_frame(arguments.frame, true);
+    return draw(arguments, *job, {*session, nodes, arguments.frame, arguments.samples});
+}
+
+int explain_costs(const ExplainArguments& arguments) {
+    Diagnostics diagnostics;
+    std::vector<PipelineCosts> costs;
+    for (const std::string& file : arguments.costs)
+        if (auto read = read_costs(file, diagnostics)) costs.push_back(std::move(*read));
+    if (!diagnostics.empty()) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    return write_figure(arguments.out, cost_figure(costs)) ? exit_good : exit_wrong;
+}
+
+}  // namespace
+
+int run_explain(const ExplainArguments& arguments) {
+    if (arguments.shot.empty() == arguments.costs.empty()) {
+        complain("explain: give --shot, or reports by --costs");
+        return exit_wrong;
+    }
+    if (!can_hold_a_file(arguments.out)) return exit_wrong;
+    if (!arguments.costs.empty()) return explain_costs(arguments);
+    try {
+        return explain_pixel(arguments);
+    } catch (const DeviceError& e) {  // a device that was asked for by name is the command's mistake
+        std::cerr << "penumbra: " << e.what() << "\n";
+        return arguments.device.empty() ? exit_failed : exit_wrong;
+    }
+}
+
+}  // namespace penumbra

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// The processor's coverage of a pixel is the node's, and `explain` draws it; what cannot be drawn leaves no
+// file.
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "app/outputs.h"
+#include "host/coverage.h"
+#include "nodes/nodes.h"
+#include "tests/cli_run.h"
+#include "tests/gpu_test.h"
+#include "tests/ray_maker.h"
+#include "tests/test_scene.h"
+
+namespace penumbra::test {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Differences {
+    uint32_t receivers = 0, penumbra = 0;
+    uint32_t far = 0;          // receivers whose counts differ by more than two samples
+    double most = 0, sum = 0;  // in samples, of the penumbra: the largest, and signed
+};
+
+class CoverageTwin : public GpuTest {
+  protected:
+    Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
+        Diagnostics diagnostics;
+        std::vector<std::string> warnings;
+        const auto pipeline = load_pipeline(
+            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/covered.json",
+            {std::vector<std::string>{"nodes.cover.params.samples=" + std::to_string(samples)}}, diagnostics);
+        const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
+        EXPECT_TRUE(checked) << diagnostics.text();
+        SessionOptions options;
+        options.size = shot.size;
+        options.optimum = false;
+        options.captures = {"view_depth", "receiver_normal", "visibility"};
+        const auto session = Session::open(gpu(), nodes_, *checked, shot, options, diagnostics, warnings);
+        EXPECT_TRUE(session) << diagnostics.text();
+        session->run_frame(frame, true);
+        return compare(*session, frame, samples);
+    }
+
+    static Shot shipped(const char* name) {
+        Diagnostics diagnostics;
+        auto shot = read_shot(
+            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (std::string(name) + ".shot.json"),
+            diagnostics);
+        EXPECT_TRUE(shot) << diagnostics.text();
+        shot->size = {160, 90};
+        return *shot;
+    }
+
+  private:
+    Differences compare(const Session& session, uint32_t frame, uint32_t samples) const {
+        const auto depth = captured<float>(session, "view_depth");
+        const auto normal = captured<NormalTexel>(session, "receiver_normal");
+        const std::vector<float> visibility = captured_image(session, "visibility").planes.at(0).values;
+        const StandaloneFrame at = session.host().frame(frame, true);
+        std::vector<uint32_t> noise(16384);
+        std::memcpy(noise.data(), nodes_.find("cover")->tables[0].texels.data(), noise.size() * 4);
+        const SampledSun sun(samples);
+        const CoverageScene scene(session.host().scene(), frame);
+        const Extent extent = session.plan().extent;
+        Differences d;
+        for (uint32_t i = 0; i < extent.width * extent.height; ++i) {
+            if (!(depth[i] > 0)) continue;
+            const CoverageReceiver receiver = coverage_receiver(
+                at, session.seed(), noise, {{i % extent.width, i / extent.width}, depth[i], normal[i]});
+            const double twin = scene.cover(sun, receiver).visibility();
+            const double off = (twin - visibility[i]) * samples;
+            ++d.receivers;
+            if (std::abs(off) > 2.5) ++d.far;  // a half more: the image has 8 bits
+            if (!(twin > 0 && twin < 1)) continue;
+            ++d.penumbra;
+            d.sum += off;
+            d.most = std::max(d.most, std::abs(off));
+        }
+        return d;
+    }
+
+    const NodeSet nodes_ = shadow_nodes();
+};
+
+void expect_alike(const Differences& d, double least_penumbra) {
+    EXPECT_GT(d.penumbra, least_penumbra);
+    EXPECT_LE(d.far, d.receivers / 1000);
+    EXPECT_LT(std::abs(d.sum), 0.1 * d.penumbra) << "no bias";
+}
+
+TEST_F(CoverageTwin, CountsTheSamplesThatTheNodeCounts) {
+    for (const uint32_t samples : light_sample_counts) {
+        SCOPED_TRACE(samples);
+        expect_alike(compare(plaza_shot({320, 180}, 8), 3, samples), 300);
+    }
+    Shot large = plaza_shot({320, 180}, 8);
+    large.sun_angular_radius_deg = 12;
+    expect_alike(compare(large, 0, 128), 300);
+}
+
+TEST_F(CoverageTwin, OnShippedScenesToo) {
+    for (const char* name : {"colonnade", "engine", "trees", "cards"}) {
+        SCOPED_TRACE(name);
+        expect_alike(compare(shipped(name), 5, 128), 100);
+    }
+}
+
+size_t occurrences(const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+    return count;
+}
+
+class Explain : public Cli {
+  protected:
+    std::string out() const { return (folder_ / "figure.svg").string(); }
+    Result explain(const std::string& more) const {
+        return run("explain --shot scenes/colonnade.shot.json --size 96x54 --out " + out() + " " + more);
+    }
+    void expect_nothing(const Result& result, int code, const std::string& in_err) const {
+        expect(result, code, in_err);
+        for (const auto& entry : fs::directory_iterator(folder_)) {
+            const std::string name = entry.path().filename();
+            EXPECT_TRUE(name == "out" || name == "err" || name.ends_with(".json")) << "left behind: " << name;
+        }
+    }
+};
+
+TEST_F(Explain, DrawsThePixelThatItNamesWithEverySample) {
+    for (const std::string samples : {"64", "128", "256"}) {
+        const Result result = explain("--samples " + samples);
+        ASSERT_EQ(result.code, 0) << result.err;
+        std::smatch said;
+        const std::regex line(
+            "pixel ([0-9]+),([0-9]+), which has the most triangles: [0-9]+ triangles.* hide ([0-9]+) of " +
+            samples + " samples: visibility ([0-9.]+) \\(the node: ([0-9.]+)\\)\n");
+        ASSERT_TRUE(std::regex_match(result.out, said, line)) << result.out;
+        const size_t hidden = std::stoul(said[3]), all = std::stoul(samples);
+        EXPECT_NEAR(std::stod(said[4]), 1 - double(hidden) / double(all), 0.001);
+        EXPECT_NEAR(std::stod(said[4]), std::stod(said[5]), 2.5 / double(all));
+        const std::string svg = read_file(out());
+        EXPECT_EQ(svg.rfind("<svg xmlns=", 0), 0u);
+        EXPECT_EQ(occurrences(svg, "class=\"hidden\""), hidden + 1) << "one more in the legend";
+        EXPECT_EQ(occurrences(svg, "class=\"visible\""), all - hidden + 1);
+        EXPECT_NE(svg.find("pixel " + said[1].str() + "," + said[2].str()), std::string::npos);
+
+        const Result again =
+            explain("--samples " + samples + " --pixel " + said[1].str() + "," + said[2].str());
+        EXPECT_EQ(again.code, 0) << again.err;
+        EXPECT_EQ(read_file(out()), svg) << "the same pixel, chosen or asked for";
+    }
+}
+
+TEST_F(Explain, WhatCannotBeDrawnIsSaidAndLeavesNoFile) {
+    expect_nothing(explain("--pixel 96,3"), 2, "outside of the image, which is 96x54");
+    for (const char* pixel : {"-1,3", "3", "3,", ",3", "3x4", "3,4,5", "99999999999,1"})
+        expect_nothing(explain("--pixel=" + std::string(pixel)), 2, "is not X,Y");
+    expect_nothing(run("explain --shot scenes/engine.shot.json --size 96x54 --pixel 0,0 --out " + out()), 2,
+                   "0,0 shows no surface");
+    std::string point = read_file(fs::path(PENUMBRA_SOURCE_DIR) / "scenes/colonnade.shot.json");
+    point.replace(point.find("0.2665"), 6, "0");
+    point.replace(point.find("colonnade.glb"), 13, PENUMBRA_SOURCE_DIR "/scenes/colonnade.glb");
+    expect_nothing(run("explain --shot " + file("point.shot.json", point) + " --out " + out()), 2,
+                   "the sun is a point");
+    expect_nothing(explain("--frame 64"), 2, "which has 64 frames");
+    expect_nothing(explain("--samples 100"), 2, "samples");
+    expect_nothing(explain("--costs x.json"), 2, "costs");
+    expect_nothing(run("explain --out " + out()), 2, "--shot");
+    expect_nothing(run("explain --pixel 1,1 --out " + out()), 2, "--shot");
+    expect_nothing(run("explain --shot nosuch.shot.json --out " + out()), 2, "nosuch.shot.json");
+    expect_nothing(run("explain --shot scenes/colonnade.shot.json --out " + out() + "/a.svg"), 2,
+                   "there is no folder");
+    expect_nothing(run("explain --shot scenes/colonnade.shot.json --out " + folder_.string()), 2,
+                   "is a folder");
+    expect_nothing(run("explain --shot scenes/colonnade.shot.json --size 96x54 --out /proc/figure.svg"), 2,
+                   "cannot be written");
+}
+
+TEST_F(Explain, CostsAreABarPerReport) {
+    std::string reports;
+    for (const char* pipeline : {"raw", "covered"}) {
+        ASSERT_EQ(run("render pipelines/" + std::string(pipeline) +
+                      ".json --shot scenes/colonnade.shot.json --size 64x36 " + "--frames 0..2 --out " +
+                      (folder_ / pipeline).string())
+                      .code,
+                  0);
+        reports += " " + (folder_ / pipeline / "report.json").string();
+    }
+    const Result result = run("explain --out " + out() + " --costs" + reports);
+    ASSERT_EQ(result.code, 0) << result.err;
+    const std::string svg = read_file(out());
+    EXPECT_EQ(svg.rfind("<svg xmlns=", 0), 0u);
+    for (const char* part : {"raw, trace: ", "covered, cover: ", "colonnade, 64x36"})
+        EXPECT_NE(svg.find(part), std::string::npos) << part;
+    EXPECT_EQ(svg.find("raw, cover"), std::string::npos);
+}
+
+TEST_F(Explain, ReportsThatSayNothingOfTimeAreTheCommandsMistake) {
+    const auto costs = [&](const std::string& report) {
+        return run("explain --out " + out() + " --costs " + report);
+    };
+    expect_nothing(costs("nosuch.json"), 2, "nosuch.json: no such file");
+    expect_nothing(costs(file("broken.json", "{")), 2, "is no JSON");
+    expect_nothing(costs(file("other.json", "{}")), 2, "is no report.json");
+    const Json gpu = {
+        {"pipeline", "raw"},
+        {"shot", "s"},
+        {"device", {{"name", "d"}}},
+        {"size", {4, 4}},
+        {"passes", {{{"node", "trace"}, {"type", "trace"}, {"cpu_ms", {{"median", nullptr}}}}}}};
+    expect_nothing(costs(file("gpu.json", gpu.dump())), 2, "no CPU times");
+}
+
+}  // namespace
+}  // namespace penumbra::test
