@@ -59,11 +59,13 @@ void main() {
         const ivec2 p = tile * TILE + pixel_of_lane(int(number));
         const vec2 noise = noise_unit(noise_fixed(p, frame.frame_index, params.seed));
         const float angle = 6.283185307179586 * noise.x, c = cos(angle), s = sin(angle);
-        const Receiver r = Receiver(shadow_ray_origin(p), c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2], noise.y);
+        // Off its ends by more than the area is off at the rim (LightDisc), or all of the samples would be one less, and none one more.
+        const float dither = 0.002 + 0.996 * noise.y;
+        const Receiver r = Receiver(shadow_ray_origin(p), c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2], dither);
 
         // The receiver's own plane hides what is below it, which a start above the surface would let pass at the surface's end.
         const vec3 normal = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
-        LightMask hidden = mask_flipped(positive_side(light_line(disc, noise.y, along_axes(r, normal))), true);
+        LightMask hidden = mask_flipped(positive_side(light_line(disc, dither, along_axes(r, normal))), true);
         BvhPath path = bvh_path(axes[2]);
         uint steps = 0u;
         bool ended = !own || mask_is_full(hidden), given_up = false;

@@ -71,7 +71,7 @@ class CoverRun {
         return maker_->start(x, y, depth_[at(x, y)], normals_[at(x, y)]);
     }
     // The second of the pixel's numbers rounds; the first turns the light's axes.
-    double dither(uint32_t x, uint32_t y) const { return maker_->sample(x, y).y; }
+    double dither(uint32_t x, uint32_t y) const { return 0.002 + 0.996 * maker_->sample(x, y).y; }
     glm::dmat3 turned_axes(uint32_t x, uint32_t y) const {
         const double angle = 2 * M_PI * maker_->sample(x, y).x, c = std::cos(angle), s = std::sin(angle);
         return {c * axes_[0] + s * axes_[1], c * axes_[1] - s * axes_[0], axes_[2]};

@@ -82,17 +82,7 @@ double height_of(const glm::dvec3& start, const glm::dvec3 (&p)[3], const glm::d
 struct SeenTriangle {
     glm::dvec3 v[3];
     double height;
-    glm::dvec3 edges[3];  // as the node rounds them
 };
-
-// along_axes() and edge_line() of common/leaf_cover.glsl, which round each product and sum.
-glm::vec3 rounded_along(const glm::mat3& axes, const glm::vec3& v) {
-    const auto along = [&](const glm::vec3& a) { return (v.x * a.x + v.y * a.y) + v.z * a.z; };
-    return {along(axes[0]), along(axes[1]), along(axes[2])};
-}
-glm::vec3 rounded_edge(const glm::vec3& v, const glm::vec3& w) {
-    return {v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x};
-}
 
 // Those that hide a sample by the table or in truth, at least.
 std::vector<SeenTriangle> seen_from(const CoverRun& run, const TrianglesAcross& across, uint32_t x,
@@ -104,7 +94,7 @@ std::vector<SeenTriangle> seen_from(const CoverRun& run, const TrianglesAcross& 
     for (const uint32_t i : across.near(start)) {
         const Triangle& t = run.triangles[i];
         const glm::dvec3 p[3] = {corner(t, 0), corner(t, 1), corner(t, 2)};
-        SeenTriangle seen{{axes * (p[0] - start), axes * (p[1] - start), axes * (p[2] - start)}, 0, {}};
+        SeenTriangle seen{{axes * (p[0] - start), axes * (p[1] - start), axes * (p[2] - start)}, 0};
         seen.height = height_of(start, p, seen.v);
         if (seen.height == 0) continue;
         const double sign = seen.height < 0 ? -1 : 1;
@@ -113,13 +103,7 @@ std::vector<SeenTriangle> seen_from(const CoverRun& run, const TrianglesAcross& 
             const glm::dvec3 e = sign * glm::cross(seen.v[k], seen.v[(k + 1) % 3]);
             beside |= e.z < -1.001 * radius * std::hypot(e.x, e.y);
         }
-        if (beside) continue;
-        const glm::vec3 from(start);
-        const glm::mat3 turned(run.turned_axes(x, y));
-        glm::vec3 v[3];
-        for (int k = 0; k < 3; ++k) v[k] = rounded_along(turned, glm::vec3(p[k]) - from);
-        for (int k = 0; k < 3; ++k) seen.edges[k] = glm::dvec3(rounded_edge(v[k], v[(k + 1) % 3]));
-        out.push_back(seen);
+        if (!beside) out.push_back(seen);
     }
     return out;
 }
@@ -131,26 +115,44 @@ CoverMask own_plane(const CoverModel& model, const CoverRun& run, uint32_t x, ui
     return mask;
 }
 
-CoverMask mask_of(const CoverModel& model, const CoverRun& run, const std::vector<SeenTriangle>& seen,
-                  uint32_t x, uint32_t y) {
-    CoverMask mask = own_plane(model, run, x, y);
-    for (const SeenTriangle& t : seen)
-        mask |= model.triangle(t.v[0], t.v[1], t.v[2], t.height, run.dither(x, y));
-    return mask;
+// Whether any of the light lies behind the triangle.
+bool meets(const CoverModel& model, const SeenTriangle& t) {
+    glm::dvec3 lines[3];  // of the unit disc, normals of length 1
+    bool middle = true;
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 e = (t.height < 0 ? -1.0 : 1.0) * glm::cross(t.v[k], t.v[(k + 1) % 3]);
+        lines[k] = glm::dvec3(e.x, e.y, e.z / model.radius()) / std::max(std::hypot(e.x, e.y), 1e-300);
+        middle = middle && e.z >= 0;
+    }
+    if (middle) return true;
+    for (int k = 0; k < 3; ++k) {
+        if (std::abs(lines[k].z) >= 1) continue;
+        const glm::dvec2 n(lines[k]), foot = -n * lines[k].z, along(-n.y, n.x);
+        double high = std::sqrt(1 - lines[k].z * lines[k].z), low = -high;
+        for (int other = 1; other < 3; ++other) {
+            const glm::dvec3& l = lines[(k + other) % 3];
+            const double at = glm::dot(glm::dvec2(l), foot) + l.z, slope = glm::dot(glm::dvec2(l), along);
+            if (slope > 0) low = std::max(low, -at / slope);
+            if (slope < 0) high = std::min(high, -at / slope);
+            if (slope == 0 && at < 0) high = -2;
+        }
+        if (low < high) return true;
+    }
+    return false;
 }
 
-// The same of edges that were rounded.
-uint32_t rounded_count(const CoverModel& model, const CoverRun& run, const std::vector<SeenTriangle>& seen, uint32_t x,
-                       uint32_t y) {
+enum class Of { all, met };
+
+// By the triangles that meet the light, or by all whose masks are not empty: where corners are seen close
+// together, the masks of those beside the light need not be, and which of these the walk finds is the boxes'
+// business.
+CoverMask mask_of(const CoverModel& model, const CoverRun& run, const std::vector<SeenTriangle>& seen,
+                  uint32_t x, uint32_t y, Of which) {
     CoverMask mask = own_plane(model, run, x, y);
-    for (const SeenTriangle& t : seen) {
-        const double sign = t.height < 0 ? -1 : 1;
-        CoverMask hidden = model.positive(sign * t.edges[0], run.dither(x, y));
-        hidden &= model.positive(sign * t.edges[1], run.dither(x, y));
-        hidden &= model.positive(sign * t.edges[2], run.dither(x, y));
-        mask |= hidden;
-    }
-    return mask.count();
+    for (const SeenTriangle& t : seen)
+        if (which == Of::all || meets(model, t))
+            mask |= model.triangle(t.v[0], t.v[1], t.v[2], t.height, run.dither(x, y));
+    return mask;
 }
 
 // How far beside a line the table may put the border of what it covers: a count rounded either way, samples
@@ -185,9 +187,9 @@ double border_error(const std::vector<glm::dvec2>& points, const CoverModel& mod
 }
 
 struct Differences {
-    size_t pixels = 0, partial = 0, differ_rounded = 0, differ = 0, by_more_than_one = 0, largest = 0;
+    size_t pixels = 0, partial = 0, beside = 0, differ = 0, largest = 0;
     size_t samples = 0, wrong_samples = 0, wrong_far = 0;
-    double squares = 0;
+    double squares = 0, sum = 0;
     double worst_share = 0;
 };
 
@@ -208,14 +210,14 @@ Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
         for (uint32_t x = 0; x < shot.size[0]; ++x) {
             if (!run.is_receiver(x, y) || glm::dot(run.normal(x, y), run.to_sun()) <= 0.0) continue;
             const std::vector<SeenTriangle> seen = seen_from(run, across, x, y);
-            const CoverMask mask = mask_of(model, run, seen, x, y);
+            const CoverMask mask = mask_of(model, run, seen, x, y, Of::met),
+                            most = mask_of(model, run, seen, x, y, Of::all);
             const auto said = int(std::lround((1 - double(run.visibility[run.at(x, y)])) * samples));
-            const auto off = size_t(std::abs(said - int(mask.count())));
+            const auto off = size_t(std::max({int(mask.count()) - said, said - int(most.count()), 0}));
             ++out.pixels;
             out.partial += mask.count() != 0 && mask.count() != samples;
             out.differ += off != 0;
-            out.differ_rounded += said != int(rounded_count(model, run, seen, x, y));
-            out.by_more_than_one += off > 1;
+            out.beside += most.count() - mask.count();
             out.largest = std::max(out.largest, off);
             if (mask.count() == 0 || mask.count() == samples) continue;
             // Each sample by itself.
@@ -240,35 +242,38 @@ Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
                 truly += hidden;
                 ++out.samples;
                 out.wrong_samples += hidden != mask.has(i);
-    if(hidden != mask.has(i) && nearest > border) std::printf("WF %d %d i%d nearest %.4f point %f %f hidden %d truly\n", x,y,i,nearest,points[i].x,points[i].y,hidden);
-            out.wrong_far += hidden != mask.has(i) && nearest > border;
+                out.wrong_far += hidden != mask.has(i) && nearest > border;
             }
             const double share = (double(mask.count()) - truly) / samples;
             out.squares += share * share;
+            out.sum += share;
             out.worst_share = std::max(out.worst_share, std::abs(share));
         }
     std::printf(
-        "%s, %u samples: %zu pixels, %zu partial; %zu counts differ from the twin's with rounded edges, %zu "
-        "from that without, %zu by more than one, "
-        "by up to %zu; of %zu "
-        "samples %zu lie on another side of an edge than their mask says, %zu of them farther than %.3f of "
-        "the "
-        "sun's radius from every edge; their share off by %.4f rms, up to %.4f\n",
-        shot.name.c_str(), samples, out.pixels, out.partial, out.differ_rounded, out.differ,
-        out.by_more_than_one, out.largest, out.samples, out.wrong_samples, out.wrong_far, border,
-        std::sqrt(out.squares / double(std::max<size_t>(out.partial, 1))), out.worst_share);
+        "%s, sun of %.2f degrees, %u samples: %zu pixels, %zu partial; %zu counts differ from the twin's, by "
+        "up to %zu; triangles "
+        "beside the sun hide %zu samples; of %zu samples %zu lie on another side of an edge than their mask "
+        "says, %zu of them farther than %.3f of the sun's radius from every edge; their share off by %.4f "
+        "rms, "
+        "%+.4f on average, up to %.4f\n",
+        shot.name.c_str(), shot.sun_angular_radius_deg, samples, out.pixels, out.partial, out.differ,
+        out.largest, out.beside, out.samples, out.wrong_samples, out.wrong_far, border,
+        std::sqrt(out.squares / double(out.partial)), out.sum / double(out.partial), out.worst_share);
     return out;
 }
 
 class CoverTwin : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
+// Rounding of edges moves a count by one in a pixel of a hundred. With a dither that a driver's reordering of
+// sums takes half away, one in four differs.
 TEST_P(CoverTwin, SaysTheSame) {
     const Differences found = compare(shipped_shot(GetParam(), {128, 72}), 15, 128);
-    EXPECT_GT(found.partial, 100u);
-    EXPECT_LT(found.differ, found.partial / 25);
-    EXPECT_LT(found.by_more_than_one, 1 + found.partial / 400);
+    EXPECT_GT(found.partial, 90u);
+    EXPECT_LE(found.differ, 2 + found.partial / 50);
+    EXPECT_LE(found.largest, 2u);
     EXPECT_EQ(found.wrong_far, 0u);
-    EXPECT_LT(found.wrong_samples, found.samples / 20);
+    EXPECT_LT(found.wrong_samples, found.samples / 40);
+    EXPECT_LT(found.worst_share, 0.06);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shots, CoverTwin,
@@ -277,19 +282,22 @@ INSTANTIATE_TEST_SUITE_P(Shots, CoverTwin,
 
 class CoverTwinOf : public GpuTest {};
 
-TEST_F(CoverTwinOf, Wide) {
-    for (const double a : {2.0, 10.0, 30.0}) {
-        Shot shot = shipped_shot("lamp", {96, 54});
-        shot.sun_angular_radius_deg = a;
-        const Differences found = compare(shot, 3, 128);
-        (void)found;
-    }
-}
-
 TEST_F(CoverTwinOf, OtherCountsSayTheSame) {
     for (const uint32_t samples : {64u, 256u}) {
         const Differences found = compare(shipped_shot("lamp", {96, 54}), 3, samples);
-        EXPECT_LT(found.differ, found.partial / 12);
+        EXPECT_LE(found.differ, 2 + found.partial / 50);
+        EXPECT_EQ(found.wrong_far, 0u);
+    }
+}
+
+// Of triangles smaller than the distance between samples more is hidden than there is: a mask can be empty,
+// but not less. Here only that the shader says what the formulas say.
+TEST_F(CoverTwinOf, WideSunsSayTheSame) {
+    for (const double angle_deg : {2.0, 10.0, 30.0}) {
+        Shot shot = shipped_shot("lamp", {64, 36});
+        shot.sun_angular_radius_deg = angle_deg;
+        const Differences found = compare(shot, 3, 128);
+        EXPECT_LE(found.differ, 2 + found.partial / 10);
         EXPECT_EQ(found.wrong_far, 0u);
     }
 }
