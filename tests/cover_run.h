@@ -86,6 +86,7 @@ class CoverRun {
     double angular_radius() const { return double(standalone_.sun.angular_radius); }
     glm::dvec3 to_sun() const { return axes_[2]; }
     SceneRun& run() { return run_; }
+    const SceneRun& run() const { return run_; }
     std::array<uint32_t, 2> size() const { return size_; }
     uint32_t samples() const { return samples_; }
 

@@ -294,7 +294,7 @@ TEST_F(CoverTwinOf, OtherCountsSayTheSame) {
 // but not less. Here only that the shader says what the formulas say.
 TEST_F(CoverTwinOf, WideSunsSayTheSame) {
     for (const double angle_deg : {2.0, 10.0, 30.0}) {
-        Shot shot = shipped_shot("lamp", {64, 36});
+        Shot shot = shipped_shot("lamp", {32, 18});
         shot.sun_angular_radius_deg = angle_deg;
         const Differences found = compare(shot, 3, 128);
         EXPECT_LE(found.differ, 2 + found.partial / 10);
