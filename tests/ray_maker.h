@@ -43,18 +43,7 @@ class RayMaker {
 
     // Towards the point of the sun's disc that `u` of the unit square stands for.
     Ray ray(uint32_t x, uint32_t y, float depth, NormalTexel normal_texel, const glm::dvec2& u) const {
-        const Camera& camera = frame_.description.camera;
-        const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
-        const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
-        const double z = depth;
-        const glm::dvec2 uv = (glm::dvec2(x, y) + 0.5) / glm::dvec2(size_[0], size_[1]) -
-                              glm::dvec2(frame_.description.jitter[0], frame_.description.jitter[1]);
-        const glm::dvec2 ndc = 2.0 * uv - 1.0;
-        const glm::dvec3 relative = world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
-        const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
-        const glm::dvec3 n = normal(normal_texel);
-        const glm::dvec3 origin = in_scene + n * offset(n, relative, in_scene, z);
-        const glm::dvec3 direction = sun_direction(u);
+        const glm::dvec3 origin = start(x, y, depth, normal_texel), direction = sun_direction(u);
         Ray ray{};
         for (int c = 0; c < 3; ++c) {
             ray.origin[c] = static_cast<float>(origin[c]);
@@ -65,13 +54,40 @@ class RayMaker {
         return ray;
     }
 
+    // Where a pixel's rays start, in the scene's frame.
+    glm::dvec3 start(uint32_t x, uint32_t y, float depth, NormalTexel normal_texel) const {
+        const Camera& camera = frame_.description.camera;
+        const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
+        const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
+        const double z = depth;
+        const glm::dvec2 uv = (glm::dvec2(x, y) + 0.5) / glm::dvec2(size_[0], size_[1]) -
+                              glm::dvec2(frame_.description.jitter[0], frame_.description.jitter[1]);
+        const glm::dvec2 ndc = 2.0 * uv - 1.0;
+        const glm::dvec3 relative = world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
+        const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
+        const glm::dvec3 n = normal(normal_texel);
+        return in_scene + n * offset(n, relative, in_scene, z);
+    }
+
     // Cosine between a ray and its surface's normal: one that is not positive points into the surface.
     static double slope(const Ray& ray, NormalTexel normal_texel) {
         return glm::dot(normal(normal_texel),
                         glm::dvec3(ray.direction[0], ray.direction[1], ray.direction[2]));
     }
 
-  private:
+    // The pixel's two numbers.
+    glm::dvec2 sample(uint32_t x, uint32_t y) const {
+        const uint32_t o = hash(seed_), first = hash(seed_ ^ 0x9E3779B9u), second = hash(first);
+        const uint32_t texel = noise_[((y + (o >> 7 & 127)) & 127) * 128 + ((x + (o & 127)) & 127)];
+        const uint32_t frame = frame_.description.index;
+        const auto wave = [](uint32_t turns) { return turns < 1u << 31 ? turns : 0u - turns; };
+        const uint32_t u = (texel << 16) + 4 * wave(x * 15793805u) + 4 * wave(y * 15348762u) + x * 2717909u +
+                           y * 4291279664u + frame * 2512169321u + first,
+                       v = (texel & 0xFFFF0000u) + 4 * wave(x * 14621613u) + wave(y * 80021003u) +
+                           x * 4294306274u + y * 4294571354u + frame * 1316278627u + second;
+        return {(u >> 8) * 0x1p-24, (v >> 8) * 0x1p-24};
+    }
+
     // The faces of an octahedron, the lower four folded out over the square's corners.
     static glm::dvec3 normal(NormalTexel texel) {
         glm::dvec3 n(texel[0], texel[1], 1 - std::abs(double(texel[0])) - std::abs(double(texel[1])));
@@ -80,6 +96,8 @@ class RayMaker {
         n.y -= std::copysign(fold, n.y);
         return glm::normalize(n);
     }
+
+  private:
     static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
     double offset(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene,
@@ -91,18 +109,6 @@ class RayMaker {
         const double across = std::abs(glm::dot(n, axes[0])) + std::abs(glm::dot(n, axes[1]));
         return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing +
                pixel_angle * z * across / 512;
-    }
-
-    glm::dvec2 sample(uint32_t x, uint32_t y) const {
-        const uint32_t o = hash(seed_), first = hash(seed_ ^ 0x9E3779B9u), second = hash(first);
-        const uint32_t texel = noise_[((y + (o >> 7 & 127)) & 127) * 128 + ((x + (o & 127)) & 127)];
-        const uint32_t frame = frame_.description.index;
-        const auto wave = [](uint32_t turns) { return turns < 1u << 31 ? turns : 0u - turns; };
-        const uint32_t u = (texel << 16) + 4 * wave(x * 15793805u) + 4 * wave(y * 15348762u) + x * 2717909u +
-                           y * 4291279664u + frame * 2512169321u + first,
-                       v = (texel & 0xFFFF0000u) + 4 * wave(x * 14621613u) + wave(y * 80021003u) +
-                           x * 4294306274u + y * 4294571354u + frame * 1316278627u + second;
-        return {(u >> 8) * 0x1p-24, (v >> 8) * 0x1p-24};
     }
 
     // Uniform over the cap, by polar coordinates of the disc (sources in sun_sample.glsl).

@@ -48,7 +48,7 @@ class SceneRun {
     std::vector<float> up_to(uint32_t last);               // the same, of frame `last`
     std::vector<float> plane(const std::string& capture, size_t channel = 0) const;
     std::vector<float> mean(uint32_t frames);  // of the visibility over frames 0 .. frames - 1
-    Session& session() { return *session_; }
+    Session& session() const { return *session_; }
 
   private:
     std::unique_ptr<Session> session_;

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// The node `cover` in a pipeline on a shot: what it said of each pixel, and each pixel's start and noise
+// made anew in double precision.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "nodes/nodes.h"
+#include "tests/cover_model.h"
+#include "tests/coverage_oracle.h"
+#include "tests/hard_cases/hard_cases.h"
+#include "tests/ray_maker.h"
+
+namespace penumbra::test {
+
+inline const NodeSet& cover_nodes() {
+    static const NodeSet set = shadow_nodes();
+    return set;
+}
+
+// Every pixel that faces the sun is the node's to decide.
+inline std::vector<std::string> without_beams() {
+    return {
+        "nodes.beams=null",
+        R"(nodes.classify.out={ "tile_list": "candidates", "trace_args": "candidate_args", "preloaded_hits": "candidate_hits" })"};
+}
+
+inline Shot shipped_shot(const std::string& name, std::array<uint32_t, 2> size) {
+    Diagnostics diagnostics;
+    auto shot =
+        read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (name + ".shot.json"), diagnostics);
+    if (!shot) throw std::runtime_error(diagnostics.text());
+    shot->size = size;
+    return *shot;
+}
+
+struct CoverOptions {
+    std::vector<std::string> settings;
+    std::string pipeline = "covered";
+    uint32_t samples = 128, seed = 0;
+    bool beams = false;
+};
+
+class CoverRun {
+  public:
+    explicit CoverRun(const Shot& shot, const CoverOptions& options = {})
+        : size_(shot.size), samples_(options.samples), run_(options.pipeline, shot, run_options(options)) {}
+
+    void frame(uint32_t index, bool reset = true) {
+        visibility = run_.frame(index, reset);
+        standalone_ = run_.session().host().frame(index, reset);
+        triangles = run_.session().host().scene().triangles(index);
+        depth_ = captured<float>(run_.session(), "view_depth");
+        normals_ = captured<NormalTexel>(run_.session(), "receiver_normal");
+        words_ = captured<uint32_t>(run_.session(), "receiver_words");
+        maker_ = std::make_unique<RayMaker>(run_.session(), cover_nodes(), standalone_);
+        const glm::dvec3 s = glm::make_vec3(standalone_.sun.to_sun.v);
+        // sun_frame(), in double precision.
+        const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;
+        axes_ = {glm::dvec3(1 + sign * s.x * s.x * a, sign * b, -sign * s.x),
+                 glm::dvec3(b, sign + s.y * s.y * a, -s.y), s};
+    }
+
+    bool is_receiver(uint32_t x, uint32_t y) const {
+        return (words_[y / 4 * ((size_[0] + 7) / 8) + x / 8] >> (y % 4 * 8 + x % 8) & 1) != 0;
+    }
+    size_t at(uint32_t x, uint32_t y) const { return size_t{y} * size_[0] + x; }
+    glm::dvec3 normal(uint32_t x, uint32_t y) const { return RayMaker::normal(normals_[at(x, y)]); }
+    glm::dvec3 start(uint32_t x, uint32_t y) const {
+        return maker_->start(x, y, depth_[at(x, y)], normals_[at(x, y)]);
+    }
+    // The second of the pixel's numbers rounds; the first turns the light's axes.
+    double dither(uint32_t x, uint32_t y) const { return 0.002 + 0.996 * maker_->sample(x, y).y; }
+    glm::dmat3 turned_axes(uint32_t x, uint32_t y) const {
+        const double angle = 2 * M_PI * maker_->sample(x, y).x, c = std::cos(angle), s = std::sin(angle);
+        return {c * axes_[0] + s * axes_[1], c * axes_[1] - s * axes_[0], axes_[2]};
+    }
+    // Whether the surface blocks the ray to the point of the disc that u stands for is the slope's to say.
+    Ray ray(uint32_t x, uint32_t y, const glm::dvec2& u) const {
+        return maker_->ray(x, y, depth_[at(x, y)], normals_[at(x, y)], u);
+    }
+    double slope(uint32_t x, uint32_t y, const Ray& ray) const {
+        return RayMaker::slope(ray, normals_[at(x, y)]);
+    }
+    double angular_radius() const { return double(standalone_.sun.angular_radius); }
+    glm::dvec3 to_sun() const { return axes_[2]; }
+    SceneRun& run() { return run_; }
+    const SceneRun& run() const { return run_; }
+    std::array<uint32_t, 2> size() const { return size_; }
+    uint32_t samples() const { return samples_; }
+
+    std::vector<float> visibility;
+    std::vector<Triangle> triangles;
+
+  private:
+    static RunOptions run_options(const CoverOptions& options) {
+        RunOptions out;
+        out.settings = options.beams ? std::vector<std::string>{} : without_beams();
+        out.settings.push_back("nodes.cover.params.samples=" + std::to_string(options.samples));
+        out.settings.insert(out.settings.end(), options.settings.begin(), options.settings.end());
+        out.captures = {"view_depth", "receiver_normal", "receiver_words"};
+        out.seed = options.seed;
+        return out;
+    }
+
+    std::array<uint32_t, 2> size_;
+    uint32_t samples_;
+    SceneRun run_;
+    StandaloneFrame standalone_;
+    glm::dmat3 axes_{1};
+    std::vector<float> depth_;
+    std::vector<NormalTexel> normals_;
+    std::vector<uint32_t> words_;
+    std::unique_ptr<RayMaker> maker_;
+};
+
+inline glm::dvec3 corner(const Triangle& t, int k) {
+    return {t.v[k][0], t.v[k][1], t.v[k][2]};
+}
+
+// What the triangles hide of the sun at a pixel, exactly.
+inline double exact_visibility(const CoverRun& run, uint32_t x, uint32_t y) {
+    const SeenLight light = seen_light(run.to_sun(), run.angular_radius());
+    const glm::dvec3 start = run.start(x, y);
+    std::vector<ConvexPart> parts = {below_plane(light, run.normal(x, y))};
+    for (const Triangle& t : run.triangles)
+        parts.push_back(hidden_by(light, start, {corner(t, 0), corner(t, 1), corner(t, 2)}));
+    return 1 - hidden_share(parts, run.angular_radius());
+}
+
+}  // namespace penumbra::test
