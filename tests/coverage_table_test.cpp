@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What docs/coverage.md says of the table of half-planes: what a straight edge, a right angle, a wire and a
-// corner of several triangles cost.
+// What docs/coverage.md says of the table of half-planes beyond single edges (light_samples_test): what a
+// right angle, a wire and a corner of several triangles cost.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,33 +30,6 @@ class CoverageTable : public ::testing::TestWithParam<uint32_t> {
     const SampledSun sun_{GetParam()};
     std::mt19937 random_{1};
 };
-
-// Rounded up as often as its remainder is large, k has the variance f (1 - f), 1/6 on average.
-TEST_P(CoverageTable, AStraightEdgeCostsNothingButRounding) {
-    constexpr int edges = 100000;
-    double sum = 0, squares = 0;
-    for (int i = 0; i < edges; ++i) {
-        const double c = 2 * uniform() - 1;
-        const double k = static_cast<double>(side(2 * pi * uniform(), c, uniform()).count());
-        const double error = k / count_ - half_disc_area(c);
-        ASSERT_LT(std::abs(error), 1.0 / count_) << "never a whole sample";
-        sum += error;
-        squares += error * error;
-    }
-    EXPECT_NEAR(std::sqrt(squares / edges), std::sqrt(1.0 / 6) / count_, 0.01 / count_);
-    EXPECT_LT(std::abs(sum / edges), 0.006 / count_) << "no bias";
-}
-
-TEST_P(CoverageTable, TheOtherSideOfAnEdgeIsTheComplement) {
-    for (int i = 0; i < 10000; ++i) {
-        const double angle = 2 * pi * uniform(), c = 2.4 * uniform() - 1.2, dither = uniform();
-        const double tangent = std::tan(angular_radius);
-        const glm::dvec3 line(std::cos(angle) / tangent, std::sin(angle) / tangent, c);
-        const SampleMask both = sun_.positive_side(line, angular_radius, dither) ^
-                                sun_.positive_side(-line, angular_radius, dither);
-        ASSERT_EQ(both.count(), count_);
-    }
-}
 
 // A right angle pays for the place of its corner among the samples, and stays unbiased.
 TEST_P(CoverageTable, ARightAngleIsOffByLessThanASampleAsARule) {

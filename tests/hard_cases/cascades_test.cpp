@@ -137,7 +137,8 @@ size_t wrong_beyond_rounding(const Shot& shot, const Frames& whole, const Frames
     size_t wrong = 0;
     for (uint32_t f = 0; f < whole.size(); ++f) {
         run.frame(f, f == 0);
-        const RayMaker maker(run.session(), nodes, run.session().host().frame(f, f == 0));
+        const StandaloneFrame frame = run.session().host().frame(f, f == 0);
+        const RayMaker maker(run.session(), nodes, frame);
         const std::vector<Triangle> triangles = run.session().host().scene().triangles(f);
         const auto depth = captured<float>(run.session(), "view_depth");
         const auto normal = captured<NormalTexel>(run.session(), "receiver_normal");
