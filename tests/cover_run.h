@@ -23,6 +23,13 @@ inline const NodeSet& cover_nodes() {
 inline std::vector<std::string> without_beams() {
     return {
         "nodes.beams=null",
+        "nodes.beams_alone=null",
+        "nodes.trace=null",
+        "nodes.cover.if=casters",
+        "nodes.resolve_still=null",
+        "nodes.average=null",
+        "resources.fresh=null",
+        "nodes.resolve.if=sun_up & casters",
         R"(nodes.classify.out={ "tile_list": "candidates", "trace_args": "candidate_args", "preloaded_hits": "candidate_hits" })"};
 }
 
