@@ -34,6 +34,9 @@ bool hopeless(ivec2 tile) {
 }
 #endif
 
+// The samples that are left to rays where no more of them are: enough for the corners that closed surfaces have.
+const uint LAST_SAMPLES = LIGHT_SAMPLES / 64u + 1u;
+
 void main() {
     uvec4 record;
     if (!listed_tile(record)) return;  // the whole workgroup
@@ -65,6 +68,7 @@ void main() {
         const vec3 normal = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
         LightMask hidden = mask_flipped(positive_side(light_line(disc, r.dither, along_axes(r, normal))), true);
         BvhPath path = bvh_path(axes[2]);
+        LightMask asked_by_ray = NO_SAMPLES;
         uint steps = 0u;
         bool ended = !own || mask_is_full(hidden), given_up = false;
         while (!ended) {
@@ -87,7 +91,17 @@ void main() {
             if (given_up) ended = true;
 #endif
         }
-        const uint count = mask_count(hidden);
+        // Rounded lines through a corner need not meet in a point, and a closed surface could leave a sample there: the last ones are rays.
+        uint count = mask_count(hidden);
+        bool last_ones = own && !given_up && count != LIGHT_SAMPLES && count + LAST_SAMPLES >= LIGHT_SAMPLES;
+        while (last_ones) {
+            const LightMask open = mask_lowest(mask_without(mask_flipped(hidden, true), asked_by_ray));
+            const vec3 d = to_sample(disc, texelFetch(light_samples, ivec2(mask_index(open), SAMPLES_ROW), 0).xy);
+            if (occluded(r.start, d.x * r.x + d.y * r.y + d.z * r.z, 0.0, WHOLE_RAY_M)) hidden = mask_or(hidden, open);
+            asked_by_ray = mask_or(asked_by_ray, open);
+            if (mask_is_full(mask_or(hidden, asked_by_ray))) last_ones = false;
+        }
+        count = mask_count(hidden);
         steps_taken += own ? steps : 0u;
         if (given_up) rest |= 1u << number;
         else if (own && count == LIGHT_SAMPLES) shadowed |= 1u << number;

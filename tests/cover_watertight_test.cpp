@@ -110,14 +110,15 @@ void add_leaks(Leaks& leaks, const CoverRun& run) {
 struct Shell {
     const char* name;
     Shape shape;
-    double share, most;  // of the samples that get in, at most; of a pixel's
+    double share, most;  // of the samples that get in, at most; of a pixel's. Where 700 needles meet in a
+                         // point, a few do
 };
 
-TEST_F(CoverWatertight, NothingGetsThroughAnEdgeAndLittleThroughACorner) {
+TEST_F(CoverWatertight, NothingGetsIntoAClosedSurface) {
     double samples = 0;
-    const Shell shells[] = {{"sphere", icosphere(5, 5), 3e-5, 0.02},
-                            {"box", gridded_box(4, 40), 1e-5, 0.02},
-                            {"needles", needles(5, 20, 700), 1e-3, 0.2}};
+    const Shell shells[] = {{"sphere", icosphere(5, 5), 0, 0},
+                            {"box", gridded_box(4, 40), 0, 0},
+                            {"needles", needles(5, 20, 700), 2e-5, 0.2}};
     for (const Shell& shell : shells) {
         Leaks leaks;
         for (const double turn_deg : {0.0, 17.3, 45.0, 121.7}) {
@@ -144,8 +145,8 @@ TEST_F(CoverWatertight, NothingGetsThroughAnEdgeAndLittleThroughACorner) {
             "before the sun\n",
             shell.name, leaks.samples, leaks.seen, leaks.pixels, leaks.most, leaks.beside_no_corner);
         EXPECT_EQ(leaks.beside_no_corner, 0u);
-        EXPECT_LT(leaks.seen / leaks.samples, shell.share);
-        EXPECT_LT(leaks.most, shell.most);
+        EXPECT_LE(leaks.seen / leaks.samples, shell.share);
+        EXPECT_LE(leaks.most, shell.most);
         samples += leaks.samples;
     }
     EXPECT_GT(samples, 1e8);
