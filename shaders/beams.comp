@@ -51,11 +51,6 @@ void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts, out bool
     starts = Starts(axes * (0.5 * (box_lo + box_hi)) - base, axes[0] * half_box.x, axes[1] * half_box.y, axes[2] * half_box.z);
 }
 
-#if HAS_PROVED || HAS_PROVED_BEFORE
-uint word_of(ivec2 tile) { return uint(tile.y * (tile_grid().x + 31 >> 5) + (tile.x >> 5)); }
-uint bit_of(ivec2 tile) { return 1u << uint(tile.x & 31); }
-#endif
-
 #if HAS_PROVED_BEFORE
 // Frames between two beams of a tile that was not decided: beside one that was, where what is proved grows, and elsewhere.
 const uint NEAR_TURN = 8u, FAR_TURN = 64u;
@@ -63,14 +58,14 @@ const uint COMPANY = 4u;  // a walk is worth its while where one of so many tile
 
 bool was_proved(ivec2 tile) {
     return all(greaterThanEqual(tile, ivec2(0))) && all(lessThan(tile, tile_grid())) &&
-           (proved_before[word_of(tile)] & bit_of(tile)) != 0u;
+           (proved_before[tile_word(tile)] & tile_bit(tile)) != 0u;
 }
 
 // Tiles of a row take their turns by eights: most often they are the lanes of a subgroup, which waits for the slowest of them.
 // For that reason too one tile that was decided among many that were not is no good reason for a walk. Who shares a subgroup in
 // fact, which is another matter in every run, must not show: a tile that is proved has no rays whose blockers could be known.
 bool in_company(ivec2 tile) {
-    const uint eight = proved_before[word_of(tile)] >> uint(tile.x & 24) & 0xffu;
+    const uint eight = proved_before[tile_word(tile)] >> uint(tile.x & 24) & 0xffu;
     return uint(bitCount(eight)) * COMPANY >= 8u;
 }
 
@@ -111,7 +106,7 @@ void main() {
         if (shadowed) preloaded_hits[tile_index(tile)] |= mask;
     }
 #if HAS_PROVED
-    if (lit || shadowed) atomicOr(proved[word_of(tile)], bit_of(tile));
+    if (lit || shadowed) atomicOr(proved[tile_word(tile)], tile_bit(tile));
 #endif
     const bool open = mask != 0u && !lit && !shadowed;
     append_tile(open, record);

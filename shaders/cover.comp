@@ -25,12 +25,10 @@ shared uint tile_rest;  // pixels left to rays
 
 // A tile most of whose pixels had to be given up goes straight to rays, but in its turn is tried again.
 const uint TURN = 16u;
-uint word_of(ivec2 tile) { return uint(tile.y * (tile_grid().x + 31 >> 5) + (tile.x >> 5)); }
-uint bit_of(ivec2 tile) { return 1u << uint(tile.x & 31); }
 
 bool hopeless(ivec2 tile) {
     const uint turn = uint(tile.x) + uint(tile.y) * 5u + frame.frame_index;
-    return (frame.flags & FRAME_RESET) == 0u && turn % TURN != 0u && (given_up_before[word_of(tile)] & bit_of(tile)) != 0u;
+    return (frame.flags & FRAME_RESET) == 0u && turn % TURN != 0u && (given_up_before[tile_word(tile)] & tile_bit(tile)) != 0u;
 }
 #endif
 
@@ -55,7 +53,7 @@ void main() {
     const LightDisc disc = sun_disc(sun.angular_radius);
     const ConeSlabs slabs = cone_slabs(axes[2], disc.radius, 0.0);
 
-    uint shadowed = 0u, partly = 0u, rest = 0u, steps_taken = 0u;
+    uint shadowed = 0u, partly = 0u, done = 0u, steps_taken = 0u;
     for (uint first = 0u; first < pixel_count; first += lanes) {
         const bool own = first + lane < pixel_count;
         const uint number = bit_number(wanted, own ? first + lane : first);
@@ -91,9 +89,11 @@ void main() {
             if (given_up) ended = true;
 #endif
         }
+        // Asked of the walk itself, since every compiler knows that a loop until `ended` has ended.
+        const bool finished = own && (mask_is_full(hidden) || bvh_ended(path));
         // Rounded lines through a corner need not meet in a point, and a closed surface could leave a sample there: the last ones are rays.
         uint count = mask_count(hidden);
-        bool last_ones = own && !given_up && count != LIGHT_SAMPLES && count + LAST_SAMPLES >= LIGHT_SAMPLES;
+        bool last_ones = finished && count != LIGHT_SAMPLES && count + LAST_SAMPLES >= LIGHT_SAMPLES;
         while (last_ones) {
             const LightMask open = mask_lowest(mask_without(mask_flipped(hidden, true), asked_by_ray));
             const vec3 d = to_sample(disc, texelFetch(light_samples, ivec2(mask_index(open), SAMPLES_ROW), 0).xy);
@@ -103,9 +103,10 @@ void main() {
         }
         count = mask_count(hidden);
         steps_taken += own ? steps : 0u;
-        if (given_up) rest |= 1u << number;
-        else if (own && count == LIGHT_SAMPLES) shadowed |= 1u << number;
-        else if (own && count != 0u) {
+        if (finished) done |= 1u << number;
+        const bool told = HAS_GIVEN_UP != 0 ? finished : own;
+        if (told && count == LIGHT_SAMPLES) shadowed |= 1u << number;
+        if (told && count != LIGHT_SAMPLES && count != 0u) {
             partly |= 1u << number;
             imageStore(coverage, p, vec4(float((LIGHT_SAMPLES - count) * (256u / LIGHT_SAMPLES)) / 255.0));
         }
@@ -116,16 +117,17 @@ void main() {
     count_shadowed(subgroupElect() ? uint(bitCount(shadowed)) : 0u);
     count_penumbra(uint(bitCount(partly)));
     count_steps(steps_taken);
+    // Given up, or left undone: Mesa 22 ends all loops of a workgroup after 65 535 turns.
+    const uint rest = wanted & ~subgroupOr(done);
 #if HAS_GIVEN_UP
-    rest = subgroupOr(rest);
     if (subgroupElect() && rest != 0u) atomicOr(tile_rest, lanes_of_pixels(rest));
     barrier();
     const bool leader = gl_LocalInvocationIndex == 0u;
     const uint left = tile_rest | record.y ^ asked;
     append_tile(leader && left != 0u, uvec4(record.x, left, record.zw));
     count_left(leader ? uint(bitCount(left)) : 0u);
-    if (leader && 2 * bitCount(left) > bitCount(record.y)) atomicOr(given_up[word_of(tile)], bit_of(tile));
+    if (leader && 2 * bitCount(left) > bitCount(record.y)) atomicOr(given_up[tile_word(tile)], tile_bit(tile));
 #else
-    count_left(0u);
+    count_left(subgroupElect() ? uint(bitCount(rest)) : 0u);
 #endif
 }

@@ -187,6 +187,7 @@ double border_error(const std::vector<glm::dvec2>& points, const CoverModel& mod
 }
 
 struct Differences {
+    uint32_t left = 0;
     size_t pixels = 0, partial = 0, beside = 0, differ = 0, largest = 0;
     size_t samples = 0, wrong_samples = 0, wrong_far = 0;
     double squares = 0, sum = 0;
@@ -206,6 +207,7 @@ Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
                             double(std::bit_cast<float>(words[(row * 256 + i) * 2 + 1])));
     const double border = border_error(points, model) + 0.01;  // the sun's bulge is below
     Differences out;
+    out.left = run.left();
     for (uint32_t y = 0; y < shot.size[1]; ++y)
         for (uint32_t x = 0; x < shot.size[0]; ++x) {
             if (!run.is_receiver(x, y) || glm::dot(run.normal(x, y), run.to_sun()) <= 0.0) continue;
@@ -300,6 +302,7 @@ TEST_F(CoverTwinOf, WideSunsSayTheSame) {
         Shot shot = shipped_shot("lamp", {32, 18});
         shot.sun_angular_radius_deg = angle_deg;
         const Differences found = compare(shot, 3, 128);
+        if (found.left != 0) GTEST_SKIP() << found.left << " pixels were cut short by the driver";
         EXPECT_LE(found.differ, 2 + found.partial / 10);
         EXPECT_EQ(found.wrong_far, 0u);
     }

@@ -18,6 +18,10 @@ uint block_index(ivec2 block) { return uint(block.y * block_grid().x + block.x);
 
 uint pixel_bit(ivec2 p) { return 1u << uint((p.y & 3) * 8 + (p.x & 7)); }
 
+// Buffers of a bit per tile hold 32 tiles of a row in a word.
+uint tile_word(ivec2 tile) { return uint(tile.y * (tile_grid().x + 31 >> 5) + (tile.x >> 5)); }
+uint tile_bit(ivec2 tile) { return 1u << uint(tile.x & 31); }
+
 // A tile's pixel for each of 32 lanes, in blocks of 4x2: the 8 lanes of a software device's subgroup walk a tree together.
 ivec2 pixel_of_lane(int lane) { return ivec2((lane >> 3 & 1) * 4 + (lane & 3), (lane >> 4) * 2 + (lane >> 2 & 1)); }
 
