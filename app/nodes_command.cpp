@@ -20,7 +20,7 @@ OrderedJson declaration_json(const NodeType& type) {
     OrderedJson inputs = OrderedJson::object(), outputs = OrderedJson::object(),
                 params = OrderedJson::object();
     for (const Port& port : type.ports)
-        (port.output ? outputs : inputs)[port.name] = {{"kind", kind_name(port.kind)},
+        (port.output ? outputs : inputs)[port.name] = {{"kind", port.bundle ? port.bundle->kind : kind_name(port.kind)},
                                                        {"formats", format_names_of(port)},
                                                        {"element", port.element},
                                                        {"updates", port.updates},

@@ -11,6 +11,7 @@
 
 #include "graph/interface.h"
 #include "graph/shader_compiler.h"
+#include "nodes/domain.h"
 
 namespace {
 
@@ -134,7 +135,8 @@ int main(int argc, char** argv) {
     Diagnostics diagnostics;
     const auto json = parse_json(text, arguments->declaration.string(), diagnostics);
     auto type =
-        json ? parse_node_type(*json, arguments->declaration.stem().string(), diagnostics) : std::nullopt;
+        json ? parse_node_type(*json, arguments->declaration.stem().string(), shadow_domain(), diagnostics)
+             : std::nullopt;
     if (ok && type) {
         Embedder embedder(*arguments, std::move(*type));
         if (embedder.compile_variants(diagnostics) && embedder.embed_tables()) {

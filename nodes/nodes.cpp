@@ -5,8 +5,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "nodes/domain.h"
 #include "nodes/embedded.h"
-#include "shaders/common/blocks.h"
 
 namespace penumbra {
 
@@ -21,7 +21,6 @@ namespace penumbra {
     X(classify)           \
     X(clear)              \
     X(cones)              \
-    X(copy)               \
     X(cover)              \
     X(drift)              \
     X(filter)             \
@@ -51,7 +50,7 @@ NodeEntry load(const EmbeddedNode& embedded) {
     Diagnostics diagnostics;
     const auto json =
         parse_json(embedded.declaration, "nodes/" + std::string(embedded.name) + ".json", diagnostics);
-    auto type = json ? parse_node_type(*json, embedded.name, diagnostics) : std::nullopt;
+    auto type = json ? parse_node_type(*json, embedded.name, shadow_domain(), diagnostics) : std::nullopt;
     if (!type) throw std::logic_error("an embedded declaration does not parse: " + diagnostics.text());
     NodeEntry entry{std::move(*type), {}, {}, {}};
     for (const EmbeddedVariant& variant : embedded.variants)
@@ -66,10 +65,7 @@ NodeEntry load(const EmbeddedNode& embedded) {
 }  // namespace
 
 NodeSet shadow_nodes() {
-    NodeSet set;
-    set.add_struct("Sun", sizeof(blocks::Sun));
-    set.add_struct("Scene", sizeof(blocks::Scene));
-    set.add_struct("Cascades", sizeof(blocks::Cascades));
+    NodeSet set(shadow_domain());
 #define PENUMBRA_ADD(name) set.add(load(embedded_##name));
     PENUMBRA_NODES(PENUMBRA_ADD)
 #undef PENUMBRA_ADD
