@@ -179,8 +179,8 @@ class Measuring {
 
 // Pipelines as they would run by themselves on the first shot: without captures, with the smallest heap
 // looked for.
-std::optional<std::vector<PipelinePlan>> plan_pipelines(const Job& job, const Device& device, const Facts& facts,
-                                                        Diagnostics& diagnostics) {
+std::optional<std::vector<PipelinePlan>> plan_pipelines(const Job& job, const Device& device,
+                                                        const Facts& facts, Diagnostics& diagnostics) {
     DeviceTable table = device_table(handles_of(device));
     table.features = features_of(device);
     CompileOptions options;

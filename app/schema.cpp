@@ -205,7 +205,8 @@ class Maker {
     }
 
     Schema input() const {
-        std::vector<std::string> kinds = {"image", "texels", "buffer", "block"}, no_texels = {"buffer", "block"};
+        std::vector<std::string> kinds = {"image", "texels", "buffer", "block"},
+                                 no_texels = {"buffer", "block"};
         for (const Bundle& bundle : nodes_.domain()->bundles) {
             kinds.push_back(bundle.kind);
             no_texels.push_back(bundle.kind);
@@ -219,8 +220,7 @@ class Maker {
              {"history", value(described(words({"host"}), "the host also brings the value for @-1"))},
              {"optional", value({{"type", "boolean"}, {"description", "the host may leave it out"}})}});
         if (patch_) return schema;
-        schema["if"] = {{"required", {"kind"}},
-                        {"properties", {{"kind", words(no_texels)}}}};
+        schema["if"] = {{"required", {"kind"}}, {"properties", {{"kind", words(no_texels)}}}};
         schema["then"] = {{"properties", {{"format", false}, {"extent", false}}}};
         return schema;
     }

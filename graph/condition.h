@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The one language of "if", in declarations and in pipelines: "sun & !moves | rays>=8". Atoms are the
+// The one language of "if", in declarations and in pipelines: "moves & !static | taps>=8". Atoms are the
 // domain's facts and comparisons of constant parameters: of the declaration's own (PARAM), or of a pipeline's
 // node (NODE.PARAM); a bool may stand alone. "!" stands before one atom, "&" binds before "|", there are no
 // brackets. A comparison is settled once the parameters' values are known; what a condition then says of

@@ -19,8 +19,8 @@ struct DeviceHandles {
     uint32_t queue_family = 0;
 };
 
-// Limits, format features and memory sizes of a real device, which must outlive the table. Whether ray_query
-// and storage8 are enabled cannot be asked of a device: the caller fills them in.
+// Limits, format features and memory sizes of a real device, which must outlive the table. Which features are
+// enabled cannot be asked of a device: the caller fills them in.
 DeviceTable device_table(const DeviceHandles& handles);
 
 // The first memory type of `type_bits` with all `wanted` properties; throws VulkanError where there is none.

@@ -107,7 +107,7 @@ void read_element(const ObjectReader& reader, Port& port) {
     const bool plain = std::ranges::find(elements, *element) != elements.end();
     if (is_struct_name(*element) || (plain && port.kind == PortKind::buffer)) return;
     const std::string wanted = port.kind == PortKind::block
-                                   ? "struct's name (like \"Sun\")"
+                                   ? "struct's name (like \"Light\")"
                                    : fmt::format("struct's name and none of {}", join(elements));
     reader.error(*reader.find("element"), "element",
                  fmt::format("\"{}\" is no {}{}", *element, wanted,

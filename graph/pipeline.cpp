@@ -195,7 +195,9 @@ class PipelineReader {
         if (const Json* params = reader.find("params"))
             if (expect(*params, Json::Kind::object, reader.path("params"), diagnostics_))
                 node.params = params->members;
-        if (const Json* condition = reader.find("if")) node.condition = *condition;
+        if (const Json* condition = reader.find("if"))
+            if (expect(*condition, Json::Kind::string, reader.path("if"), diagnostics_))
+                node.condition = *condition;
         node.doc = reader.one_line("doc");
         pipeline_.nodes.push_back(std::move(node));
     }

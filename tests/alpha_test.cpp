@@ -202,7 +202,7 @@ TEST(AlphaFact, CostsNothingWhereItDoesNotHold) {
             target.device = reference_device();
             target.facts["alpha"] = alpha;
             Diagnostics diagnostics;
-            auto plan = compile(pipeline_named(name), nodes(), target, {}, diagnostics);
+            auto plan = compile(pipeline_named(name), target, {}, diagnostics);
             if (!plan) throw std::runtime_error(diagnostics.text());
             return std::move(*plan);
         };
@@ -216,35 +216,19 @@ TEST(AlphaFact, CostsNothingWhereItDoesNotHold) {
         EXPECT_EQ(with.slots.size(), without.slots.size() + 2);
         ASSERT_EQ(with.passes.size(), without.passes.size());
         EXPECT_EQ(with.memory.heap_bytes, without.memory.heap_bytes);
+        // The same module, in which a constant says whether the masks are there.
         size_t tracing = 0;
         for (size_t p = 0; p < with.passes.size(); ++p) {
-            EXPECT_FALSE(without.passes[p].variant.alpha);
-            tracing += with.passes[p].variant.alpha;
-            EXPECT_EQ(with.passes[p].bindings.size(),
-                      without.passes[p].bindings.size() + (with.passes[p].variant.alpha ? 2 : 0));
-            EXPECT_EQ(generate_glsl(without.passes[p].entry->type, without.passes[p].variant).find("alpha"),
-                      std::string::npos);
+            EXPECT_EQ(with.passes[p].variant, without.passes[p].variant);
+            const auto absent = [](const PlanPass& pass) {
+                return std::ranges::count(pass.bindings, BindingSource::nothing, &PlanBinding::source);
+            };
+            const auto masks = absent(without.passes[p]) - absent(with.passes[p]);
+            EXPECT_TRUE(masks == 0 || masks == 2);
+            EXPECT_EQ(with.passes[p].constants != without.passes[p].constants, masks == 2);
+            tracing += masks == 2;
         }
         EXPECT_EQ(tracing, 1u);
-    }
-}
-
-// What alpha costs a shader is compiled out, not skipped.
-TEST(AlphaFact, HasAShaderOfItsOwn) {
-    for (const char* name : {"trace", "reference"}) {
-        const NodeEntry& entry = *nodes().find(name);
-        size_t pairs = 0;
-        for (Variant variant : all_variants(entry.type)) {
-            if (variant.alpha) continue;
-            Diagnostics diagnostics;
-            const auto* plain = find_shader(entry, variant, diagnostics);
-            variant.alpha = true;
-            const auto* tested = find_shader(entry, variant, diagnostics);
-            ASSERT_TRUE(plain && tested) << diagnostics.text();
-            EXPECT_LT(plain->size(), tested->size()) << name << " " << to_string(variant);
-            ++pairs;
-        }
-        EXPECT_GE(pairs, 2u);
     }
 }
 

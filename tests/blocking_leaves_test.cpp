@@ -168,7 +168,7 @@ TEST_F(BlockingLeaves, ExistWhereOneRayAsksForThem) {
         target.extent = {160, 96};
         target.device = reference_device();
         Diagnostics diagnostics;
-        const auto plan = compile(load("raw", nodes, settings), nodes, target, {}, diagnostics);
+        const auto plan = compile(load("raw", nodes, settings), target, {}, diagnostics);
         if (!plan) throw std::runtime_error(diagnostics.text());
         for (const PlanResource& r : plan->resources)
             if (std::ranges::find(r.names, "blocking_leaves") != r.names.end()) return r.bytes;

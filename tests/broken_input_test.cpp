@@ -40,7 +40,7 @@ TEST_P(BrokenInput, IsExplained) {
     Diagnostics diagnostics;
     if (name.ends_with(".node")) {
         const auto json = read_json(file, diagnostics);
-        if (json) parse_node_type(*json, name.substr(0, name.size() - 5), diagnostics);
+        if (json) parse_node_type(*json, name.substr(0, name.size() - 5), test::toy_domain(), diagnostics);
     } else {
         std::vector<std::string> settings;
         std::ifstream stream(folder / (name + ".set"));
@@ -79,7 +79,7 @@ void survive_pipeline(const std::string& text, const NodeSet& nodes) {
 void survive_declaration(const std::string& text, const std::string& name) {
     Diagnostics diagnostics;
     if (const auto json = parse_json(text, "n.json", diagnostics)) {
-        const auto type = parse_node_type(*json, name, diagnostics);
+        const auto type = parse_node_type(*json, name, test::toy_domain(), diagnostics);
         EXPECT_EQ(type.has_value(), diagnostics.empty());
     }
     expect_places_inside(diagnostics, text);

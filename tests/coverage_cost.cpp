@@ -79,10 +79,10 @@ Cost cost_of(Device& device, const NodeSet& nodes, const std::string& name,
         double ms = 0, asked = 0, undecided = 0, left = 0, steps = 0;
         for (size_t p = 0; p < cost.passes.size(); ++p) {
             const PlanPass& pass = session->plan().passes[p];
-            const std::string type = pass.entry ? pass.entry->type.name : "";
+            const std::string& type = pass.type;
             if (type == "cover" || type == "trace" || type == "cones") ms += cost.pass_cpu_ms[p].value_or(0);
             const auto count = [&](const char* counter) {
-                const std::vector<std::string>& names = pass.entry->type.counters;
+                const std::vector<std::string>& names = pass.counters;
                 return double(
                     cost.passes[p].counters.at(size_t(std::ranges::find(names, counter) - names.begin())));
             };

@@ -58,7 +58,7 @@ std::unique_ptr<Session> open(const std::string& name, const std::vector<std::st
     options.size = shot.size;
     options.optimum = false;
     options.captures = captures;
-    options.captures.insert(options.captures.end(), checked->outputs.begin(), checked->outputs.end());
+    for (const std::string& output : checked->output_names()) options.captures.push_back(output);
     if (has_beams(name)) options.captures.emplace_back("proved");
     std::vector<std::string> warnings;
     auto session = Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);

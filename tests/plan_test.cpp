@@ -29,8 +29,7 @@ std::vector<std::string> pipeline_files() {
     return names;
 }
 
-Plan plan_of(const CheckedPipeline& pipeline, const NodeSet& set, Extent extent, bool alias = true,
-             Facts facts = {}) {
+Plan plan_of(const CheckedPipeline& pipeline, Extent extent, bool alias = true, Facts facts = {}) {
     Target target;
     target.extent = extent;
     target.facts = std::move(facts);
@@ -39,7 +38,7 @@ Plan plan_of(const CheckedPipeline& pipeline, const NodeSet& set, Extent extent,
     options.alias = alias;
     options.optimum_search_nodes = 20'000'000;
     Diagnostics diagnostics;
-    auto plan = compile(pipeline, set, target, options, diagnostics);
+    auto plan = compile(pipeline, target, options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::move(*plan);
 }
@@ -57,19 +56,18 @@ class ShippedPlan : public ::testing::TestWithParam<std::string> {};
 TEST_P(ShippedPlan, NothingOverlapsInBytesAndTime) {
     for (const Extent extent : sizes)
         for (const bool alias : {true, false})
-            EXPECT_EQ(overlap_errors(plan_of(checked(GetParam()), nodes(), extent, alias)),
+            EXPECT_EQ(overlap_errors(plan_of(checked(GetParam()), extent, alias)),
                       std::vector<std::string>{});
 }
 
 TEST_P(ShippedPlan, EveryAccessIsOrderedAfterWhatItDependsOn) {
     for (const bool alias : {true, false})
-        EXPECT_EQ(hazard_errors(plan_of(checked(GetParam()), nodes(), sizes[0], alias)),
-                  std::vector<std::string>{});
+        EXPECT_EQ(hazard_errors(plan_of(checked(GetParam()), sizes[0], alias)), std::vector<std::string>{});
 }
 
 TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
     for (const Extent extent : sizes) {
-        const MemoryReport memory = plan_of(checked(GetParam()), nodes(), extent).memory;
+        const MemoryReport memory = plan_of(checked(GetParam()), extent).memory;
         ASSERT_TRUE(memory.optimum_bytes) << "the exhaustive search did not finish";
         EXPECT_LE(memory.live_bound_bytes, *memory.optimum_bytes);
         EXPECT_LE(static_cast<double>(memory.heap_bytes), 1.02 * static_cast<double>(*memory.optimum_bytes))
@@ -79,7 +77,7 @@ TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
 }
 
 TEST_P(ShippedPlan, EqualsItsGoldenText) {
-    expect_golden(to_text(plan_of(checked(GetParam()), nodes(), {1920, 1080})),
+    expect_golden(to_text(plan_of(checked(GetParam()), {1920, 1080})),
                   root / "tests/golden/plans" / (GetParam() + ".txt"));
 }
 
@@ -90,7 +88,7 @@ TEST(ToyPlans, AreOrderedAndDoNotOverlap) {
     const CheckedPipeline toys = toy_pipeline_file();
     for (const bool moves : {true, false})
         for (const bool alias : {true, false}) {
-            const Plan plan = plan_of(toys, toy_set(), {64, 48}, alias, {{"moves", moves}});
+            const Plan plan = plan_of(toys, {64, 48}, alias, {{"moves", moves}});
             EXPECT_EQ(overlap_errors(plan), std::vector<std::string>{});
             EXPECT_EQ(hazard_errors(plan), std::vector<std::string>{});
         }
@@ -99,7 +97,7 @@ TEST(ToyPlans, AreOrderedAndDoNotOverlap) {
 // Each dependency of the plan is needed: without it some access is not ordered.
 TEST(Mutation, EveryDroppedDependencyIsNoticed) {
     const CheckedPipeline pipeline = checked("fidelityfx");
-    const Plan plan = plan_of(pipeline, nodes(), sizes[0]);
+    const Plan plan = plan_of(pipeline, sizes[0]);
     size_t dropped = 0;
     for (size_t p = 0; p < plan.passes.size(); ++p)
         for (int parity = 0; parity < 2; ++parity) {
@@ -116,7 +114,7 @@ TEST(Mutation, EveryDroppedDependencyIsNoticed) {
 // The same for what activates an image: without it, or not ordered after the memory's past, the plan is
 // wrong.
 TEST(Mutation, EveryDroppedOrUnorderedActivationIsNoticed) {
-    const Plan plan = plan_of(checked("fidelityfx"), nodes(), sizes[0]);
+    const Plan plan = plan_of(checked("fidelityfx"), sizes[0]);
     size_t dropped = 0;
     for (size_t p = 0; p < plan.passes.size(); ++p)
         for (int parity = 0; parity < 2; ++parity)
@@ -134,7 +132,7 @@ TEST(Mutation, EveryDroppedOrUnorderedActivationIsNoticed) {
 
 // Partial writes are cleared first: the use waits for the clear.
 TEST(Mutation, EveryUseThatDoesNotWaitForItsClearIsNoticed) {
-    const Plan plan = plan_of(toy_pipeline_file(), toy_set(), {64, 48});
+    const Plan plan = plan_of(toy_pipeline_file(), {64, 48});
     size_t dropped = 0;
     for (size_t p = 0; p < plan.passes.size(); ++p)
         for (int parity = 0; parity < 2; ++parity) {
@@ -151,7 +149,7 @@ TEST(Mutation, EveryUseThatDoesNotWaitForItsClearIsNoticed) {
 // noticed.
 TEST(Mutation, EveryResourceMovedOntoANeighbourIsNoticed) {
     const CheckedPipeline pipeline = checked("fidelityfx");
-    const Plan plan = plan_of(pipeline, nodes(), sizes[0]);
+    const Plan plan = plan_of(pipeline, sizes[0]);
     for (size_t r = 0; r < plan.resources.size(); ++r)
         for (size_t other = 0; other < plan.resources.size(); ++other) {
             const PlanResource &a = plan.resources[r], &b = plan.resources[other];
@@ -171,7 +169,7 @@ TEST(Compile, AFormatThatNoReaderAcceptsNamesTheInput) {
     target.device = reference_device();
     target.inputs["depth"] = {Format::rgba8, target.extent};
     Diagnostics diagnostics;
-    EXPECT_FALSE(compile(checked("raw"), nodes(), target, {}, diagnostics));
+    EXPECT_FALSE(compile(checked("raw"), target, {}, diagnostics));
     EXPECT_NE(diagnostics.text().find("\"depth\" as rgba8"), std::string::npos) << diagnostics.text();
 }
 
@@ -180,7 +178,7 @@ TEST(Compile, AFrameBeyondTheDeviceIsAnError) {
     target.extent = {20000, 64};
     target.device = reference_device();
     Diagnostics diagnostics;
-    EXPECT_FALSE(compile(checked("raw"), nodes(), target, {}, diagnostics));
+    EXPECT_FALSE(compile(checked("raw"), target, {}, diagnostics));
     EXPECT_NE(diagnostics.text().find("exceeds the device's largest image"), std::string::npos)
         << diagnostics.text();
 }
@@ -192,7 +190,7 @@ TEST(Compile, AnUnknownCaptureIsAnErrorWithASuggestion) {
     CompileOptions options;
     options.captures = {"visibilty"};
     Diagnostics diagnostics;
-    EXPECT_FALSE(compile(checked("raw"), nodes(), target, options, diagnostics));
+    EXPECT_FALSE(compile(checked("raw"), target, options, diagnostics));
     EXPECT_NE(diagnostics.text().find("did you mean \"visibility\"?"), std::string::npos)
         << diagnostics.text();
 }

@@ -9,6 +9,7 @@
 #include "graph/interface.h"
 #include "graph/pipeline.h"
 #include "graph/user_nodes.h"
+#include "nodes/domain.h"
 #include "nodes/nodes.h"
 
 namespace penumbra {
@@ -50,7 +51,8 @@ TEST(Readme, ExamplesWork) {
             const auto json = parse_json(block.text, "README.md", diagnostics);
             ASSERT_TRUE(json) << diagnostics.text();
             if (const Json* name = json->find("node")) {
-                ASSERT_TRUE(parse_node_type(*json, name->string, diagnostics)) << diagnostics.text();
+                ASSERT_TRUE(parse_node_type(*json, name->string, shadow_domain(), diagnostics))
+                    << diagnostics.text();
                 node = name->string;
                 fs::create_directories(folder);
                 std::ofstream(folder / (node + ".json")) << block.text;

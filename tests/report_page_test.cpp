@@ -42,7 +42,7 @@ Plan shipped_plan(const std::string& name) {
     Target target;
     target.extent = {64, 48};
     target.device = reference_device();
-    auto plan = checked ? compile(*checked, nodes(), target, {}, diagnostics) : std::nullopt;
+    auto plan = checked ? compile(*checked, target, {}, diagnostics) : std::nullopt;
     EXPECT_TRUE(plan) << diagnostics.text();
     return *plan;
 }

@@ -60,8 +60,7 @@ size_t differing(const Session& a, const Session& b, const std::string& name) {
 
 bool traces(const Session& session) {
     return std::ranges::any_of(session.plan().passes, [](const PlanPass& pass) {
-        return pass.entry &&
-               std::ranges::find(pass.entry->type.counters, "rays") != pass.entry->type.counters.end();
+        return std::ranges::find(pass.counters, "rays") != pass.counters.end();
     });
 }
 

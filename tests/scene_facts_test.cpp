@@ -15,6 +15,7 @@
 #include "host/analytic.h"
 #include "host/shapes.h"
 #include "host/shot_facts.h"
+#include "nodes/domain.h"
 #include "nodes/nodes.h"
 #include "tests/plan_checks.h"
 
@@ -311,8 +312,9 @@ Facts facts_of(const Row& row) {
 
 Plan plan_of(const std::string& name, const Facts& facts, const std::string& patch = "") {
     Diagnostics diagnostics;
-    auto plan = compile(pipeline_with(name, patch), nodes(),
-                        standalone_target(reference_device(), {320, 180}, facts), {}, diagnostics);
+    const CheckedPipeline pipeline = pipeline_with(name, patch);
+    auto plan = compile(pipeline, standalone_target(pipeline, reference_device(), {320, 180}, facts), {},
+                        diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::move(*plan);
 }
@@ -321,8 +323,8 @@ Needed used_by(const Plan& plan) {
     Needed used;
     for (const PlanPass& pass : plan.passes) {
         used.nodes += pass.node + " ";
-        for (const Table& table : pass.entry->type.tables)
-            if (exists(pass.variant, table.name)) used.tables += table.name + " ";
+        for (const PlanBinding& binding : pass.bindings)
+            if (binding.source == BindingSource::table) used.tables += binding.port + " ";
     }
     for (const PlanResource& r : plan.resources) {
         used.resources += r.names.front() + " ";
@@ -336,8 +338,8 @@ TEST(SceneFacts, AreMeasuredOnTheScene) {
     for (const Row& row : table()) {
         SCOPED_TRACE(row.scene);
         const Facts facts = facts_of(row);
-        EXPECT_EQ(facts.size(), fact_names.size());
-        for (const char* name : fact_names) EXPECT_TRUE(facts.contains(name)) << name;
+        EXPECT_EQ(facts.size(), shadow_domain()->facts.size());
+        for (const Fact& fact : shadow_domain()->facts) EXPECT_TRUE(facts.contains(fact.name)) << fact.name;
         EXPECT_EQ(facts.at("moves"), row.moves);
         EXPECT_EQ(facts.at("alpha"), row.alpha);
         EXPECT_EQ(facts.at("sun_moves"), row.sun_moves);
@@ -440,7 +442,7 @@ TEST(SceneFacts, OneClearIsAllThatANightNeeds) {
     for (const Facts& facts : {Facts{{"sun_up", false}}, Facts{{"casters", false}}}) {
         const Plan plan = plan_of("shadows", facts, R"("outputs": ["visibility"])");
         ASSERT_EQ(plan.passes.size(), 1u);
-        EXPECT_EQ(plan.passes[0].entry->type.name, "clear");
+        EXPECT_EQ(plan.passes[0].type, "clear");
         EXPECT_EQ(plan.resources.size(), 1u);
         EXPECT_TRUE(plan.slots.empty());
         EXPECT_EQ(plan.memory.heap_bytes, plan.resources[0].bytes);
@@ -458,12 +460,13 @@ std::vector<std::string> shipped_pipelines() {
 // Under every combination of facts, every shipped pipeline has a plan in which nothing overlaps or races.
 TEST(SceneFacts, EveryCombinationHasASoundPlan) {
     for (const std::string& pipeline : shipped_pipelines())
-        for (size_t bits = 0; bits < size_t{1} << fact_names.size(); ++bits) {
+        for (size_t bits = 0; bits < size_t{1} << shadow_domain()->facts.size(); ++bits) {
             Facts facts;
             std::string names;
-            for (size_t i = 0; i < fact_names.size(); ++i) {
-                facts[fact_names[i]] = (bits >> i & 1) != 0;
-                names += facts[fact_names[i]] ? " " + std::string(fact_names[i]) : "";
+            for (size_t i = 0; i < shadow_domain()->facts.size(); ++i) {
+                const std::string& fact = shadow_domain()->facts[i].name;
+                facts[fact] = (bits >> i & 1) != 0;
+                names += facts[fact] ? " " + fact : "";
             }
             SCOPED_TRACE(pipeline + names);
             const Plan plan = plan_of(pipeline, facts);

@@ -20,6 +20,7 @@
 #include "graph/check.h"
 #include "graph/user_nodes.h"
 #include "host/shot.h"
+#include "nodes/domain.h"
 #include "nodes/nodes.h"
 #include "tests/golden_text.h"
 #include "tests/toy_nodes.h"
@@ -167,7 +168,7 @@ TEST(Schema, NodeSchemaKnowsTheLoadersWords) {
     EXPECT_EQ(definitions["storable_format"]["enum"], json(storable));
     const std::string condition = definitions["condition"]["pattern"];
     std::string facts;
-    for (const char* fact : fact_names) facts += std::string(facts.empty() ? "(" : "|") + fact;
+    for (const std::string& fact : shadow_domain()->fact_list()) facts += (facts.empty() ? "(" : "|") + fact;
     EXPECT_NE(condition.find(facts + ")"), std::string::npos);
 }
 
@@ -311,8 +312,9 @@ class SchemaAndLoader : public ::testing::Test {
             const auto parsed = parse_json(document.dump(), "n.json", d);
             const bool named =
                 document.is_object() && document.contains("node") && document["node"].is_string();
-            return parsed &&
-                   parse_node_type(*parsed, named ? document["node"].get<std::string>() : "", d).has_value();
+            return parsed && parse_node_type(*parsed, named ? document["node"].get<std::string>() : "",
+                                             test::toy_domain(), d)
+                                 .has_value();
         };
         return subject;
     }

@@ -34,7 +34,7 @@ CheckedPipeline pipeline_named(const std::string& name) {
 std::unique_ptr<Session> open(const CheckedPipeline& pipeline, Shot shot, SessionOptions options) {
     options.size = shot.size;
     options.optimum = false;
-    for (const std::string& name : pipeline.outputs)
+    for (const std::string& name : pipeline.output_names())
         if (std::find(options.captures.begin(), options.captures.end(), name) == options.captures.end())
             options.captures.push_back(name);
     Diagnostics diagnostics;
@@ -63,7 +63,7 @@ std::vector<Bytes> run(const CheckedPipeline& pipeline, const Shot& shot, const 
             session->set_param("count", 8u);
         }
         session->run_frame(frame, frame == 0 || frame == 5);
-        for (const std::string& name : pipeline.outputs) {
+        for (const std::string& name : pipeline.output_names()) {
             const auto bytes = session->view().captured(name);
             result.emplace_back(bytes.begin(), bytes.end());
         }
@@ -115,7 +115,7 @@ TEST_P(ShadowPipeline, AnySizeGivesFiniteImagesInRange) {
             std::filesystem::temp_directory_path() / ("penumbra_sizes_" + std::to_string(getpid()));
         std::filesystem::create_directories(folder);
         OutputWriter writer(gpu(), folder);
-        for (const std::string& name : pipeline.outputs) writer.write(*session, name, 2);
+        for (const std::string& name : pipeline.output_names()) writer.write(*session, name, 2);
         for (const WrittenOutput& output : writer.written()) {
             EXPECT_EQ(output.nonfinite, 0u) << output.resource;
             if (output.resource != "visibility") continue;
@@ -140,7 +140,7 @@ TEST_P(TracedShadowPipeline, EveryTileOfA4kFrameIsTraced) {
     for (size_t p = 0; p < session->plan().passes.size(); ++p) {
         const PlanPass& pass = session->plan().passes[p];
         for (size_t i = 0; i < cost.passes[p].counters.size(); ++i)
-            counters[pass.entry->type.counters[i]] = cost.passes[p].counters[i];
+            counters[pass.counters[i]] = cost.passes[p].counters[i];
     }
     EXPECT_EQ(counters.at("tiles_listed"), 480u * 540u);
     EXPECT_EQ(counters.at("receivers"), 3840u * 2160u);

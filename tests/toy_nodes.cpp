@@ -6,6 +6,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "nodes/domain.h"
+
 namespace penumbra::test {
 
 namespace {
@@ -169,7 +171,7 @@ std::string toy_pipeline() {
   "penumbra": 1,
   "name": "toy",
   "doc": "Classify, trace, denoise, anti-alias.",
-  "inputs": { "depth": { "history": "copy" }, "normal": {}, "motion": { "optional": true }, "albedo": {}, "sun": {}, "scene": {} },
+  "inputs": { "depth": { "history": "host" }, "normal": {}, "motion": { "optional": true }, "albedo": {}, "sun": {}, "scene": {} },
   "outputs": ["color"],
   "nodes": {
     "guides":   { "type": "guides" },
@@ -190,16 +192,24 @@ NodeType parse_toy(const std::string& text, const std::string& name) {
     Diagnostics diagnostics;
     const std::optional<Json> json = parse_json(text, name + ".json", diagnostics);
     std::optional<NodeType> type;
-    if (json) type = parse_node_type(*json, name, diagnostics);
+    if (json) type = parse_node_type(*json, name, toy_domain(), diagnostics);
     if (!type) throw std::runtime_error(diagnostics.text());
     return *type;
 }
 
+std::shared_ptr<const Domain> toy_domain() {
+    static const auto domain = [] {
+        Domain toys = *shadow_domain();
+        toys.facts.push_back({"hdr", "colours may exceed 1"});
+        toys.structs = {{"Sun", 16}, {"Scene", 16}, {"Report", 64}};
+        return std::make_shared<const Domain>(std::move(toys));
+    }();
+    return domain;
+}
+
 NodeSet toy_nodes() {
-    NodeSet set;
+    NodeSet set(toy_domain());
     for (const auto& [name, text] : declarations()) set.add({.type = parse_toy(text, name)});
-    set.add_struct("Sun", 16);
-    set.add_struct("Report", 64);
     return set;
 }
 

@@ -9,6 +9,8 @@
 
 namespace penumbra::test {
 
+// The shadow nodes' domain with one fact more and structs of its own.
+std::shared_ptr<const Domain> toy_domain();
 NodeSet toy_nodes();
 
 // A declaration's text ("filter", "trace", ...), to break on purpose.

@@ -24,9 +24,9 @@ Plan toy_plan(const Facts& facts, bool alias, bool capture) {
     CompileOptions options;
     options.alias = alias;
     options.poison = true;
-    if (capture) options.captures = pipeline.outputs;
+    if (capture) options.captures = pipeline.output_names();
     Diagnostics diagnostics;
-    auto plan = compile(pipeline, toy_set(), target, options, diagnostics);
+    auto plan = compile(pipeline, target, options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::move(*plan);
 }

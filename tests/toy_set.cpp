@@ -6,6 +6,7 @@
 
 #include "graph/interface.h"
 #include "graph/shader_compiler.h"
+#include "nodes/domain.h"
 
 namespace penumbra::test {
 namespace {
@@ -15,7 +16,8 @@ const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 NodeEntry compile_toy(const std::filesystem::path& file) {
     Diagnostics diagnostics;
     const auto json = read_json(file, diagnostics);
-    auto type = json ? parse_node_type(*json, file.stem().string(), diagnostics) : std::nullopt;
+    auto type =
+        json ? parse_node_type(*json, file.stem().string(), shadow_domain(), diagnostics) : std::nullopt;
     if (!type) throw std::runtime_error(diagnostics.text());
     NodeEntry entry;
     for (const Variant& variant : all_variants(*type)) {
@@ -35,7 +37,7 @@ const NodeSet& toy_set() {
     static const NodeSet set = [] {
         NodeSet nodes;
         for (const char* name : {"toy_blend", "toy_chain", "toy_double", "toy_fill", "toy_list", "toy_pick",
-                                 "toy_remember", "toy_scatter", "toy_tally"})
+                                 "toy_scatter", "toy_tally"})
             nodes.add(compile_toy(root / "tests/toy" / (std::string(name) + ".json")));
         return nodes;
     }();

@@ -7,7 +7,9 @@
 
 #include "app/commands.h"
 #include "graph/dump.h"
+#include "graph/interface.h"
 #include "host/image_file.h"
+#include "nodes/domain.h"
 #include "nodes/nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/gpu_test.h"
@@ -38,7 +40,7 @@ CheckedPipeline raw_with(const std::string& backend) {
 
 DeviceTable table(bool cpu, bool ray_query) {
     DeviceTable device = reference_device(cpu);
-    device.ray_query = ray_query;
+    if (ray_query) device.features.insert("ray_query");
     return device;
 }
 
@@ -61,9 +63,10 @@ TEST(TraceBackend, AutoIsRayQueryWhereTheDeviceHasItAndIsNotACpu) {
                 const bool queries =
                     asked == std::string("ray_query") || (asked == std::string("auto") && ray_query && !cpu);
                 Diagnostics diagnostics;
-                const auto plan = compile(
-                    raw_with(asked), nodes(),
-                    standalone_target(table(cpu, ray_query), {64, 32}, {{"alpha", false}}), {}, diagnostics);
+                const CheckedPipeline raw = raw_with(asked);
+                const auto plan =
+                    compile(raw, standalone_target(raw, table(cpu, ray_query), {64, 32}, {{"alpha", false}}),
+                            {}, diagnostics);
                 ASSERT_TRUE(plan) << diagnostics.text();
                 EXPECT_EQ(scene_slots_of(*plan), queries ? query_slots : tree_slots);
                 EXPECT_NE(to_text(*plan).find(queries ? "backend ray_query" : "backend bvh"),
@@ -73,8 +76,8 @@ TEST(TraceBackend, AutoIsRayQueryWhereTheDeviceHasItAndIsNotACpu) {
 
 TEST(TraceBackend, ForcingRayQueriesOnADeviceWithoutThemIsAnError) {
     Diagnostics diagnostics;
-    EXPECT_FALSE(compile(raw_with("ray_query"), nodes(), standalone_target(table(false, false), {64, 32}, {}),
-                         {}, diagnostics));
+    const CheckedPipeline raw = raw_with("ray_query");
+    EXPECT_FALSE(compile(raw, standalone_target(raw, table(false, false), {64, 32}, {}), {}, diagnostics));
     const std::string text = diagnostics.text();
     EXPECT_EQ(diagnostics.size(), 1u) << text;
     EXPECT_NE(text.find("nodes.trace.params.backend"), std::string::npos) << text;
@@ -90,7 +93,7 @@ NodeType declared(const std::string& params, const std::string& condition, Diagn
         "params": { "backend": )" +
         params + " } }";
     const auto json = parse_json(text, "t.json", diagnostics);
-    auto type = json ? parse_node_type(*json, "t", diagnostics) : std::nullopt;
+    auto type = json ? parse_node_type(*json, "t", shadow_domain(), diagnostics) : std::nullopt;
     return type.value_or(NodeType{});
 }
 
@@ -104,12 +107,12 @@ TEST(TraceBackend, DeclarationsOfABackendAreChecked) {
     for (const Variant& variant : all_variants(type)) {
         keys.push_back(to_string(variant));
         const std::string glsl = generate_glsl(type, variant);
-        EXPECT_EQ(glsl.find("GL_EXT_ray_query") != std::string::npos, uses_ray_query(variant));
-        EXPECT_EQ(glsl.find("scene_tlas") != std::string::npos, uses_ray_query(variant));
-        EXPECT_EQ(glsl.find("scene_nodes") != std::string::npos, !uses_ray_query(variant));
+        const bool queries = variant.backends.at("backend") == "ray_query";
+        EXPECT_EQ(glsl.find("GL_EXT_ray_query") != std::string::npos, queries);
+        EXPECT_EQ(glsl.find("scene_tlas") != std::string::npos, queries);
+        EXPECT_EQ(glsl.find("scene_nodes") != std::string::npos, !queries);
     }
-    EXPECT_EQ(keys, (std::vector<std::string>{"backend=bvh", "backend=bvh,alpha=1", "backend=ray_query",
-                                              "backend=ray_query,alpha=1"}));
+    EXPECT_EQ(keys, (std::vector<std::string>{"backend=bvh", "backend=ray_query"}));
 
     for (
         const auto& [params, condition] : std::vector<std::pair<std::string, std::string>>{

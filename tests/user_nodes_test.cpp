@@ -103,7 +103,7 @@ TEST_F(UserNodes, APlanCompilesOnlyWhatItNeeds) {
     target.extent = {64, 32};
     target.device = reference_device();
     for (int i = 0; i < 2; ++i)
-        ASSERT_TRUE(compile(*checked, nodes, target, {}, diagnostics_)) << diagnostics_.text();
+        ASSERT_TRUE(compile(*checked, target, {}, diagnostics_)) << diagnostics_.text();
     EXPECT_EQ(shaders->counts().compiled, 1u);
     EXPECT_TRUE(compile_user_nodes(nodes, *checked, diagnostics_)) << diagnostics_.text();
     EXPECT_EQ(shaders->counts().compiled, 2u) << "check looks at every variant";

@@ -64,7 +64,7 @@ std::unique_ptr<View> open_view(const CheckedPipeline& pipeline, const Target& t
     CompileOptions options;
     options.poison = true;
     Diagnostics diagnostics;
-    auto plan = compile(pipeline, test_nodes(), target, options, diagnostics);
+    auto plan = compile(pipeline, target, options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::make_unique<View>(
         std::make_shared<Program>(handles_of(gpu()), std::make_shared<Plan>(std::move(*plan))),
@@ -239,14 +239,14 @@ TEST_P(ValidatePlan, RunsTheSameNodesOnTheSameResources) {
         target.device = reference_device();
         for (uint32_t i = 0; i < 4; ++i) target.facts[names[i]] = (bits >> i & 1) != 0;
         Diagnostics diagnostics;
-        const auto a = compile(plain, test_nodes(), target, {}, diagnostics);
-        const auto b = compile(watched, test_nodes(), target, {}, diagnostics);
+        const auto a = compile(plain, target, {}, diagnostics);
+        const auto b = compile(watched, target, {}, diagnostics);
         ASSERT_TRUE(a && b) << diagnostics.text();
         const auto described = [](const Plan& plan) {
             std::set<std::string> lines;
             for (const PlanPass& pass : plan.passes) {
-                if (pass.entry->type.name == "validate") continue;
-                std::string line = pass.node + " " + to_string(pass.variant);
+                if (pass.type == "validate") continue;
+                std::string line = pass.node + " " + pass.variant;
                 for (const auto& list : {pass.reads, pass.writes})
                     for (const std::string& name : list) line += " " + name;
                 lines.insert(line);
@@ -288,7 +288,7 @@ TEST(ValidateNode, KeepsNothingAlive) {
     target.extent = {8, 8};
     target.device = reference_device();
     Diagnostics diagnostics;
-    const auto plan = compile(pipeline, test_nodes(), target, {}, diagnostics);
+    const auto plan = compile(pipeline, target, {}, diagnostics);
     ASSERT_TRUE(plan) << diagnostics.text();
     std::vector<std::string> ran, culled;
     for (const PlanPass& pass : plan->passes) ran.push_back(pass.node);
@@ -346,7 +346,7 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
     options.size = shot.size;
     options.optimum = false;
     options.cascade_size = 64;
-    options.captures = checked_pipeline.outputs;
+    options.captures = checked_pipeline.output_names();
     options.validate = validate;
     options.poison = poison;
     Diagnostics diagnostics;
@@ -360,15 +360,18 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
         // The reset in the middle lets garbage history in, if anything does.
         const FrameCost cost = session->run_frame(frame, frame == 0 || frame == 5);
         add_frame(result.findings, frame, cost.passes);
-        for (const std::string& name : checked_pipeline.outputs) {
+        for (const std::string& name : checked_pipeline.output_names()) {
             const auto bytes = session->view().captured(name);
             result.images.emplace_back(bytes.begin(), bytes.end());
         }
     }
     for (const Finding& finding : result.findings) {
-        const PlanBinding& read = session->plan().passes[finding.pass.pass].bindings.front();
+        const std::vector<PlanBinding>& bindings = session->plan().passes[finding.pass.pass].bindings;
+        const PlanBinding& read = *std::ranges::find_if(bindings, [](const PlanBinding& b) {
+            return !b.port.empty() && b.source != BindingSource::nothing;
+        });
         uint64_t texels = 0;
-        if (read.host) {
+        if (read.source == BindingSource::host) {
             const HostSlot& slot = session->plan().slots[read.index];
             texels = uint64_t{slot.extent.width} * slot.extent.height * slot.layers;
         } else {

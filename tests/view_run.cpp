@@ -33,11 +33,11 @@ Plan plan_for(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptio
     compile_options.poison = options.poison.has_value();
     compile_options.optimum_search_nodes = 0;
     compile_options.captures = options.captures;
-    for (const std::string& name : pipeline.outputs)
+    for (const std::string& name : pipeline.output_names())
         if (std::find(options.captures.begin(), options.captures.end(), name) == options.captures.end())
             compile_options.captures.push_back(name);
     Diagnostics diagnostics;
-    auto plan = compile(pipeline, test_nodes(), target, compile_options, diagnostics);
+    auto plan = compile(pipeline, target, compile_options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::move(*plan);
 }
@@ -155,7 +155,7 @@ std::map<std::string, uint32_t> counters_of(const View& view, const std::string&
         const PlanPass& pass = view.plan().passes[p];
         if (pass.kind != PassKind::compute || pass.node != node) continue;
         for (size_t i = 0; i < statistics[p].counters.size(); ++i)
-            counters[pass.entry->type.counters[i]] = statistics[p].counters[i];
+            counters[pass.counters[i]] = statistics[p].counters[i];
     }
     return counters;
 }

@@ -28,16 +28,15 @@ CheckedPipeline checked(const std::string& body, const NodeSet& set) {
     return std::move(*result);
 }
 
-std::shared_ptr<Program> program_of(const CheckedPipeline& pipeline, const NodeSet& set,
-                                    bool poison = false) {
+std::shared_ptr<Program> program_of(const CheckedPipeline& pipeline, bool poison = false) {
     Target target;
     target.extent = {width, height};
     target.device = device_table(handles_of(gpu()));
     CompileOptions options;
-    options.captures = pipeline.outputs;
+    options.captures = pipeline.output_names();
     options.poison = poison;
     Diagnostics diagnostics;
-    auto plan = compile(pipeline, set, target, options, diagnostics);
+    auto plan = compile(pipeline, target, options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::make_shared<Program>(handles_of(gpu()), std::make_shared<Plan>(std::move(*plan)));
 }
@@ -116,12 +115,13 @@ class ViewGpu : public GpuTest {};
 // frame must be what the same frames give one at a time.
 TEST_F(ViewGpu, OverlappingFramesGiveWhatFramesOneAtATimeGive) {
     const CheckedPipeline pipeline = toy_pipeline_file();
-    const auto program = program_of(pipeline, toy_set());
+    const auto program = program_of(pipeline);
     View alone(program, {.frames_in_flight = 1});
     std::vector<std::map<std::string, std::vector<float>>> expected(9);
     for (uint32_t f = 0; f < expected.size(); ++f) {
         gpu().run([&](VkCommandBuffer cmd) { alone.record(cmd, description(f, f == 5), {}); });
-        for (const std::string& name : pipeline.outputs) expected[f][name] = floats(alone.captured(name));
+        for (const std::string& name : pipeline.output_names())
+            expected[f][name] = floats(alone.captured(name));
     }
     for (const uint32_t n : {1u, 2u, 3u})
         for (const uint32_t last : {2u, 5u, 8u}) {
@@ -130,7 +130,7 @@ TEST_F(ViewGpu, OverlappingFramesGiveWhatFramesOneAtATimeGive) {
             for (uint32_t f = 0; f <= last; ++f)
                 ring.submit(f, [&](VkCommandBuffer cmd) { view.record(cmd, description(f, f == 5), {}); });
             Ring::wait();
-            for (const std::string& name : pipeline.outputs)
+            for (const std::string& name : pipeline.output_names())
                 EXPECT_EQ(floats(view.captured(name)), expected[last][name])
                     << name << " " << n << " in flight, " << last;
             const auto statistics = view.statistics();
@@ -141,16 +141,35 @@ TEST_F(ViewGpu, OverlappingFramesGiveWhatFramesOneAtATimeGive) {
         }
 }
 
-NodeSet set_with_copy() {
-    NodeSet set;
-    for (const std::string& name : toy_set().names()) set.add(*toy_set().find(name));
-    set.add(*shadow_nodes().find("copy"));
-    return set;
+// What a pass leaves unwritten stays as it was, among neighbours that share memory and are poisoned; a reset
+// empties it.
+TEST_F(ViewGpu, WhatIsKeptLastsUntilAReset) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["tally", "trail", "blended"], "nodes": {
+        "tally": { "type": "toy_tally" }, "fill": { "type": "toy_fill" },
+        "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })",
+                                             toy_set());
+    const auto program = program_of(pipeline, true);
+    for (const uint32_t n : {1u, 3u})
+        for (const uint32_t last : {0u, 3u, 4u, 7u}) {
+            View view(program, {.frames_in_flight = n, .poison = last & 1});
+            Ring ring(n);
+            for (uint32_t f = 0; f <= last; ++f)
+                ring.submit(f, [&](VkCommandBuffer cmd) { view.record(cmd, description(f, f == 4), {}); });
+            Ring::wait();
+            const uint32_t first = last < 4 ? 0 : 4;
+            uint32_t tally[2] = {};
+            std::memcpy(tally, view.captured("tally").data(), sizeof tally);
+            EXPECT_EQ(tally[0], last - first + 1);
+            EXPECT_EQ(tally[1], last);
+            std::vector<float> expected(width * height, 0.0f);
+            for (uint32_t f = first; f <= last; ++f) expected[f] = static_cast<float>(f + 1);
+            EXPECT_EQ(floats(view.captured("trail")), expected) << n << " in flight, frame " << last;
+        }
 }
 
-const char* const kept_input =
-    R"("inputs": { "given": { "history": "copy", "format": "r32f" } }, "outputs": ["blended"],
-    "nodes": { "blend": { "type": "toy_remember", "in": { "value": "given", "previous": "given@-1" } } })";
+const char* const given_input =
+    R"("inputs": { "given": { "format": "r32f" } }, "outputs": ["blended"],
+    "nodes": { "blend": { "type": "toy_blend", "in": { "value": "given" } } })";
 
 // A host image of one value per frame, one image for each frame in flight.
 struct Given {
@@ -189,60 +208,8 @@ struct Given {
     std::vector<GpuImage> images;
 };
 
-// The copy is the host image's value of the last recorded frame; a reset at either parity has no history.
-TEST_F(ViewGpu, ACopyKeepsTheHostImagesPreviousValue) {
-    const NodeSet set = set_with_copy();
-    const CheckedPipeline pipeline = checked(kept_input, set);
-    const auto program = program_of(pipeline, set, true);
-    for (const uint32_t n : {1u, 2u, 3u})
-        for (uint32_t last = 0; last < 9; ++last) {
-            const Given given(n);
-            View view(program, {.frames_in_flight = n, .poison = last & 1});
-            Ring ring(n);
-            const auto value = [](uint32_t f) { return static_cast<float>(10 * f + 1); };
-            const auto is_reset = [](uint32_t f) { return f == 0 || f == 3 || f == 6; };
-            for (uint32_t f = 0; f <= last; ++f)
-                ring.submit(f, [&](VkCommandBuffer cmd) {
-                    given.fill(cmd, f, value(f));
-                    const SlotBinding slot = given.bind(f);
-                    view.record(cmd, description(f, is_reset(f)), {&slot, 1});
-                });
-            Ring::wait();
-            const float expected = value(last) + (is_reset(last) ? 0 : 0.5f * value(last - 1));
-            EXPECT_EQ(floats(view.captured("blended")), std::vector<float>(width * height, expected))
-                << n << " in flight, frame " << last;
-        }
-}
-
-// What a pass leaves unwritten stays as it was, among neighbours that share memory and are poisoned; a reset
-// empties it.
-TEST_F(ViewGpu, WhatIsKeptLastsUntilAReset) {
-    const CheckedPipeline pipeline = checked(R"("outputs": ["tally", "trail", "blended"], "nodes": {
-        "tally": { "type": "toy_tally" }, "fill": { "type": "toy_fill" },
-        "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })",
-                                             toy_set());
-    const auto program = program_of(pipeline, toy_set(), true);
-    for (const uint32_t n : {1u, 3u})
-        for (const uint32_t last : {0u, 3u, 4u, 7u}) {
-            View view(program, {.frames_in_flight = n, .poison = last & 1});
-            Ring ring(n);
-            for (uint32_t f = 0; f <= last; ++f)
-                ring.submit(f, [&](VkCommandBuffer cmd) { view.record(cmd, description(f, f == 4), {}); });
-            Ring::wait();
-            const uint32_t first = last < 4 ? 0 : 4;
-            uint32_t tally[2] = {};
-            std::memcpy(tally, view.captured("tally").data(), sizeof tally);
-            EXPECT_EQ(tally[0], last - first + 1);
-            EXPECT_EQ(tally[1], last);
-            std::vector<float> expected(width * height, 0.0f);
-            for (uint32_t f = first; f <= last; ++f) expected[f] = static_cast<float>(f + 1);
-            EXPECT_EQ(floats(view.captured("trail")), expected) << n << " in flight, frame " << last;
-        }
-}
-
 TEST_F(ViewGpu, ASlotThatIsNotBoundIsNamed) {
-    const NodeSet set = set_with_copy();
-    View view(program_of(checked(kept_input, set), set), {});
+    View view(program_of(checked(given_input, toy_set())), {});
     const SlotBinding nothing;
     const auto message = [&](std::span<const SlotBinding> slots) -> std::string {
         std::string text;
@@ -261,8 +228,7 @@ TEST_F(ViewGpu, ASlotThatIsNotBoundIsNamed) {
 
 // A new view of another image may have the handle of a destroyed one; the frame must read the new image.
 TEST_F(ViewGpu, AHandleMayComeBackForAnotherImage) {
-    const NodeSet set = set_with_copy();
-    View view(program_of(checked(kept_input, set), set), {.frames_in_flight = 1});
+    View view(program_of(checked(given_input, toy_set())), {.frames_in_flight = 1});
     for (uint32_t f = 0; f < 4; ++f) {
         const Given given(1);
         const SlotBinding slot = given.bind(f);
@@ -305,7 +271,7 @@ TEST_F(ViewGpu, AHostNodesCallbackRecordsBetweenItsNeighbours) {
         vkCmdCopyImage(context.cmd, context.resource("value")->image.get(), VK_IMAGE_LAYOUT_GENERAL,
                        context.resource("drawn")->image.get(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
     });
-    View view(program_of(checked(engine_pipeline, set), set, true), {.frames_in_flight = 2, .poison = 0});
+    View view(program_of(checked(engine_pipeline, set), true), {.frames_in_flight = 2, .poison = 0});
     std::vector<float> blended(width * height, 0.0f);
     for (uint32_t f = 0; f < 4; ++f) {
         gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(f), {}); });
@@ -323,14 +289,13 @@ TEST_F(ViewGpu, AHostNodesCallbackRecordsBetweenItsNeighbours) {
 TEST_F(ViewGpu, AHostNodeWithoutACallbackIsAnErrorBeforeTheFirstFrame) {
     const NodeSet set = set_with_engine({});
     const CheckedPipeline pipeline = checked(engine_pipeline, set);
-    EXPECT_THROW(program_of(pipeline, set), VulkanError);
+    EXPECT_THROW(program_of(pipeline), VulkanError);
 }
 
 TEST_F(ViewGpu, AParameterKeepsItsValueWhereANewOneDoesNotFit) {
     const NodeSet& set = toy_set();
     View view(
-        program_of(checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })", set), set),
-        {});
+        program_of(checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })", set)), {});
     EXPECT_FALSE(view.set_param("fill", "scale", ParamValue(int32_t{3})));
     EXPECT_FALSE(view.set_param("fill", "scale", ParamValue(std::vector<float>(1000, 3.0f))));
     gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); });

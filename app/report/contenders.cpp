@@ -20,8 +20,7 @@ std::optional<std::string> obstacle(const CheckedPipeline& pipeline) {
         if (!input.optional && !standalone_has_input(input.name))
             return fmt::format("takes \"{}\", which only an engine can bring", input.name);
     const std::vector<std::string> outputs = pipeline.output_names();
-    if (std::ranges::find(outputs, "visibility") == outputs.end())
-        return "puts out no \"visibility\"";
+    if (std::ranges::find(outputs, "visibility") == outputs.end()) return "puts out no \"visibility\"";
     return std::nullopt;
 }
 
