@@ -6,7 +6,7 @@
 
 #include "graph/interface.h"
 #include "graph/shader_compiler.h"
-#include "nodes/domain.h"
+#include "tests/toy_nodes.h"
 
 namespace penumbra::test {
 namespace {
@@ -17,7 +17,7 @@ NodeEntry compile_toy(const std::filesystem::path& file) {
     Diagnostics diagnostics;
     const auto json = read_json(file, diagnostics);
     auto type =
-        json ? parse_node_type(*json, file.stem().string(), shadow_domain(), diagnostics) : std::nullopt;
+        json ? parse_node_type(*json, file.stem().string(), toy_domain(), diagnostics) : std::nullopt;
     if (!type) throw std::runtime_error(diagnostics.text());
     NodeEntry entry;
     for (const Variant& variant : all_variants(*type)) {
