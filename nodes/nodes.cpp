@@ -20,7 +20,6 @@ namespace penumbra {
     X(cascades)           \
     X(classify)           \
     X(clear)              \
-    X(cones)              \
     X(copy)               \
     X(cover)              \
     X(drift)              \
@@ -34,12 +33,10 @@ namespace penumbra {
     X(shade)              \
     X(smooth)             \
     X(soften)             \
-    X(sun_points)         \
     X(taa)                \
     X(tileclass)          \
     X(trace)              \
-    X(validate)           \
-    X(verdicts)
+    X(validate)
 
 #define PENUMBRA_DECLARE(name) extern const EmbeddedNode embedded_##name;
 PENUMBRA_NODES(PENUMBRA_DECLARE)

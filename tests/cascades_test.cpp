@@ -28,6 +28,10 @@ namespace fs = std::filesystem;
 const fs::path root = PENUMBRA_SOURCE_DIR;
 using Bytes = std::vector<std::byte>;
 
+// The classifiers before undenoised rays, where a pixel's verdict can be seen.
+const char* const cascades_raw = "../tests/pipelines/cascades_raw";
+const char* const taps_raw = "../tests/pipelines/taps_raw";
+
 // A file that is gone when the process ends.
 class ModelFile {
   public:
@@ -152,7 +156,7 @@ TEST_F(Cascades, SpareRaysAndChangeNoPixel) {
         SCOPED_TRACE(radius_deg);
         Shot shot = plaza_shot({160, 90}, 2);
         shot.sun_angular_radius_deg = radius_deg;
-        const Frames rays = run("raw", {}, shot), hybrid = run("hybrid_cascades_raw", {}, shot, maps_of(256));
+        const Frames rays = run("raw", {}, shot), hybrid = run(cascades_raw, {}, shot, maps_of(256));
         EXPECT_EQ(differing(rays, hybrid), 0u);
         EXPECT_LT(hybrid.rays, radius_deg < 1 ? rays.rays / 2 : rays.rays * 9 / 10);
     }
@@ -160,46 +164,45 @@ TEST_F(Cascades, SpareRaysAndChangeNoPixel) {
 
 TEST_F(Cascades, KeepTheShadowsOfWiresThinnerThanATexel) {
     const Shot shot = wires_shot();
-    const Frames rays = run("raw", {}, shot), hybrid = run("hybrid_cascades_raw", {}, shot, maps_of(64));
+    const Frames rays = run("raw", {}, shot), hybrid = run(cascades_raw, {}, shot, maps_of(64));
     EXPECT_EQ(differing(rays, hybrid), 0u);
     EXPECT_LT(hybrid.rays, rays.rays * 9 / 10);
     // Ordinary maps of that size do not see them.
-    EXPECT_GT(differing(rays, run("hybrid_published_raw", {}, shot, maps_of(64))), 10u);
+    EXPECT_GT(differing(rays, run(taps_raw, {}, shot, maps_of(64))), 10u);
 }
 
 TEST_F(Cascades, KeepShadowsAttachedToTheirCasters) {
     const Shot shot = contact_shot();
     const Frames rays = run("raw", {}, shot);
-    EXPECT_EQ(differing(rays, run("hybrid_cascades_raw", {}, shot, maps_of(512))), 0u);
+    EXPECT_EQ(differing(rays, run(cascades_raw, {}, shot, maps_of(512))), 0u);
     // Texels as wide as the lower boxes are high: a bias of a quarter of one, as maps' depths are usually
     // compared with, takes their sides for the floor.
     const std::string biased = "nodes.cascades.params.contact_texels=0.25";
-    const Frames exact = run("hybrid_cascades_raw", {}, shot, maps_of(32));
+    const Frames exact = run(cascades_raw, {}, shot, maps_of(32));
     EXPECT_EQ(differing(rays, exact), 0u);
     EXPECT_LT(exact.rays, rays.rays * 9 / 10);
-    EXPECT_GT(differing(rays, run("hybrid_cascades_raw", {biased}, shot, maps_of(32))), 0u);
+    EXPECT_GT(differing(rays, run(cascades_raw, {biased}, shot, maps_of(32))), 0u);
 }
 
 TEST_F(Cascades, ChangeNothingAtTheirBordersWhileTheCameraSteps) {
     const Shot shot = steps_shot();
-    const Frames rays = run("raw", {}, shot), hybrid = run("hybrid_cascades_raw", {}, shot, maps_of(256));
+    const Frames rays = run("raw", {}, shot), hybrid = run(cascades_raw, {}, shot, maps_of(256));
     EXPECT_EQ(differing(rays, hybrid), 0u);
     EXPECT_LT(hybrid.rays, rays.rays / 2);
 }
 
 TEST_F(Cascades, DoNotDependOnWhereTheWorldIs) {
     Shot shot = wires_shot();
-    const Frames here = run("hybrid_cascades_raw", {}, shot, maps_of(128));
+    const Frames here = run(cascades_raw, {}, shot, maps_of(128));
     shot.origin = {1e6, 0, -3e6};
-    const Frames there = run("hybrid_cascades_raw", {}, shot, maps_of(128));
+    const Frames there = run(cascades_raw, {}, shot, maps_of(128));
     EXPECT_LE(differing(here, there), 8u);  // rounding of the camera's own position
     EXPECT_NEAR(double(here.rays), double(there.rays), 0.01 * double(here.rays));
 }
 
 TEST_F(Cascades, AliasingAndPoisonDoNotShow) {
     const Shot shot = plaza_shot({75, 43}, 8);
-    for (const char* name : {"hybrid_cascades_raw", "hybrid_published_raw", "hybrid_cascades",
-                             "hybrid_cascades_cones_raw", "cascades_only"}) {
+    for (const char* name : {cascades_raw, taps_raw, "hybrid_cascades", "hybrid_fidelityfx", "cascades_only"}) {
         SessionOptions plain = maps_of(64);
         plain.alias = false;
         const Frames expected = run(name, {}, shot, plain);
@@ -211,16 +214,12 @@ TEST_F(Cascades, AliasingAndPoisonDoNotShow) {
     }
 }
 
-// Shortened, or run from the far end to the surface, rays give the same answers; up to rounding in the second
-// case.
-TEST_F(Cascades, IntervalsAndDirectionsDoNotChangeAnswers) {
+TEST_F(Cascades, IntervalsDoNotChangeAnswers) {
+    const std::string whole = "nodes.cascades.params.use_interval=false";
     for (const Shot& shot : {plaza_shot({96, 64}, 1), wires_shot()}) {
         const Frames rays = run("raw", {}, shot);
-        const SessionOptions options = maps_of(64);
-        const std::string whole = "nodes.cascades.params.use_interval=false",
-                          reverse = "nodes.trace.params.reverse=true";
-        EXPECT_EQ(differing(rays, run("hybrid_cascades_raw", {whole}, shot, options)), 0u);
-        EXPECT_LE(differing(rays, run("hybrid_cascades_raw", {reverse}, shot, options)), 2u);
+        EXPECT_EQ(differing(rays, run(cascades_raw, {}, shot, maps_of(64))), 0u);
+        EXPECT_EQ(differing(rays, run(cascades_raw, {whole}, shot, maps_of(64))), 0u);
     }
 }
 
@@ -244,7 +243,7 @@ TEST_F(Cascades, APyramidIsKeptWhileTheMapsAreAndIsTheSame) {
         const auto open = [&] {
             Diagnostics diagnostics;
             std::vector<std::string> warnings;
-            const auto pipeline = load_pipeline(root / "pipelines/hybrid_cascades_raw.json", {}, diagnostics);
+            const auto pipeline = load_pipeline(root / "tests/pipelines/cascades_raw.json", {}, diagnostics);
             const auto checked = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
             if (!checked) throw std::runtime_error(diagnostics.text());
             SessionOptions options = maps_of(128);
@@ -283,7 +282,7 @@ TEST_F(Cascades, TheOrderOfTheTileListDoesNotShow) {
     const Shot shot = plaza_shot({160, 90}, 2);
     const std::vector<std::string> permuted = {R"(nodes.back={"type": "permute_list"})",
                                                R"(nodes.trace.in={"tile_list": "permuted_list"})"};
-    for (const char* name : {"hybrid_cascades_raw", "hybrid_published_raw"})
+    for (const char* name : {cascades_raw, taps_raw})
         EXPECT_EQ(differing(run(name, {}, shot, maps_of(128)), run(name, permuted, shot, maps_of(128))), 0u)
             << name;
 }
