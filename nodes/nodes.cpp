@@ -15,7 +15,6 @@ namespace penumbra {
     X(average)            \
     X(beams)              \
     X(cascade_pcf)        \
-    X(cascade_pyramid)    \
     X(cascade_taps)       \
     X(cascades)           \
     X(classify)           \
