@@ -202,7 +202,8 @@ TEST_F(Cascades, DoNotDependOnWhereTheWorldIs) {
 
 TEST_F(Cascades, AliasingAndPoisonDoNotShow) {
     const Shot shot = plaza_shot({75, 43}, 8);
-    for (const char* name : {cascades_raw, taps_raw, "hybrid_cascades", "hybrid_fidelityfx", "cascades_only"}) {
+    for (const char* name :
+         {cascades_raw, taps_raw, "hybrid_cascades", "hybrid_fidelityfx", "cascades_only"}) {
         SessionOptions plain = maps_of(64);
         plain.alias = false;
         const Frames expected = run(name, {}, shot, plain);

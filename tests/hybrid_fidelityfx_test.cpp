@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The original dataflow whole: the published classifier spares the published denoiser rays. What it leaves is
-// cast as without it, and along a straight edge, where the maps are right, so is what the denoiser makes of it.
+// cast as without it, and along a straight edge, where the maps are right, so is what the denoiser makes of
+// it.
 #include <bit>
 
 #include "tests/hard_cases/hard_cases.h"
@@ -10,7 +11,9 @@ namespace {
 
 class HybridFidelityFx : public GpuTest {};
 
-uint32_t rays_of(const SceneRun& run) { return counters_of(run.session().view(), "trace").at("rays"); }
+uint32_t rays_of(const SceneRun& run) {
+    return counters_of(run.session().view(), "trace").at("rays");
+}
 
 TEST_F(HybridFidelityFx, IsWorthWhatTheDenoiserIsWithoutTheClassifier) {
     const Shot shot = edge_shot(16, 20, {160, 90});
@@ -37,8 +40,8 @@ TEST_F(HybridFidelityFx, CastsTheRaysThatTheClassifierLeaves) {
     const auto words = [](const SceneRun& run, const char* name) {
         return captured<uint32_t>(run.session().view(), name);
     };
-    const auto whole = words(all, "hits"), hits = words(hybrid, "hits"), open = words(hybrid, "undecided_words"),
-               preloaded = words(hybrid, "preloaded_hits");
+    const auto whole = words(all, "hits"), hits = words(hybrid, "hits"),
+               open = words(hybrid, "undecided_words"), preloaded = words(hybrid, "preloaded_hits");
     uint32_t cast = 0;
     for (size_t i = 0; i < hits.size(); ++i) {
         cast += static_cast<uint32_t>(std::popcount(open[i]));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Nodes that deal a tile's pixels out to lanes put out the same however a device groups lanes: with a subgroup
-// per tile, as on a CPU, with several that share one, and with subgroups of another size. What is decided per
-// tile must not be decided per subgroup.
+// Nodes that deal a tile's pixels out to lanes put out the same however a device groups lanes: with a
+// subgroup per tile, as on a CPU, with several that share one, and with subgroups of another size. What is
+// decided per tile must not be decided per subgroup.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -65,10 +65,11 @@ class Lanes : public GpuTest {};
 // Few pixels of a tile need rays, so that how they are shared out matters; sizes that leave half tiles.
 TEST_F(Lanes, HowADeviceGroupsThemDoesNotShow) {
     const Shot shot = plaza_shot({203, 117}, 3);
-    for (const Case& c :
-         {Case{"sheared", {}, {"hits", "blockers"}}, Case{"raw", {}, {"hits"}},
-          Case{"raw", {"nodes.trace.params.rays_per_pixel=5"}, {"hits", "fraction"}},
-          Case{"hybrid_shadows", {"nodes.cover.params.budget=16"}, {"hits", "coverage", "fraction", "given_up"}}}) {
+    for (const Case& c : {Case{"sheared", {}, {"hits", "blockers"}}, Case{"raw", {}, {"hits"}},
+                          Case{"raw", {"nodes.trace.params.rays_per_pixel=5"}, {"hits", "fraction"}},
+                          Case{"hybrid_shadows",
+                               {"nodes.cover.params.budget=16"},
+                               {"hits", "coverage", "fraction", "given_up"}}}) {
         const Frames shipped = run(c, shot, 0);
         for (const uint32_t width : {8u, 16u, 32u})
             EXPECT_TRUE(run(c, shot, width) == shipped) << c.pipeline << ", workgroups of " << width;
@@ -80,19 +81,22 @@ TEST_F(Lanes, HowADeviceGroupsThemDoesNotShow) {
 class SubgroupsOf : public Cli {};
 
 TEST_F(SubgroupsOf, FourAndOfEightGiveTheSameBits) {
-    if (gpu().info().driver.find("llvmpipe") == std::string::npos) GTEST_SKIP() << "sizes of Mesa's CPU device";
+    if (gpu().info().driver.find("llvmpipe") == std::string::npos)
+        GTEST_SKIP() << "sizes of Mesa's CPU device";
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
     for (const char* pipeline : {"sheared", "hybrid_shadows"}) {
         std::map<std::string, std::string> images[2];
         for (const int bits : {128, 256}) {
             setenv("LP_NATIVE_VECTOR_WIDTH", std::to_string(bits).c_str(), 1);
             const Result devices = run("devices");
-            ASSERT_NE(devices.out.find("subgroup " + std::to_string(bits / 32)), std::string::npos) << devices.out;
+            ASSERT_NE(devices.out.find("subgroup " + std::to_string(bits / 32)), std::string::npos)
+                << devices.out;
             const fs::path out = folder_ / (pipeline + std::to_string(bits));
             const std::string blockers = pipeline == std::string("sheared") ? ",blockers" : ",coverage";
-            const Result result = run("render pipelines/" + std::string(pipeline) +
-                                      ".json --shot scenes/lamp.shot.json --size 100x60 --frames 0..2 --capture hits" +
-                                      blockers + " --out '" + out.string() + "'");
+            const Result result =
+                run("render pipelines/" + std::string(pipeline) +
+                    ".json --shot scenes/lamp.shot.json --size 100x60 --frames 0..2 --capture hits" +
+                    blockers + " --out '" + out.string() + "'");
             ASSERT_EQ(result.code, 0) << result.err;
             for (const auto& entry : fs::directory_iterator(out))
                 if (entry.path().extension() == ".exr")

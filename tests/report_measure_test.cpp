@@ -164,8 +164,7 @@ TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
     auto contenders =
         open_contenders({variant("copy", R"(, "nodes": {"again": {"type": "shade", "out": {"lit": "lit2"}}},
                                               "outputs": ["visibility", "lit", "lit2"])"),
-                         pipeline("raw"),
-                         variant("proofs", R"(, "inputs": {"neighbours": {}}, "nodes": {
+                         pipeline("raw"), variant("proofs", R"(, "inputs": {"neighbours": {}}, "nodes": {
                              "classify": {"out": {"tile_list": "facing", "trace_args": "facing_args", "preloaded_hits": "facing_hits"}},
                              "beams": {"type": "beams", "in": {"candidates": "facing", "candidate_args": "facing_args",
                                        "candidate_hits": "facing_hits", "proved_before": "proved@-1"}, "out": {"proved": "proved"}}})"),
@@ -178,8 +177,7 @@ TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
     const auto shot = open_report_shot(edge.shot.file, folder_ / "shots", 4, diagnostics);
     ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
     const Row &copy = *results_.row(0, contender("copy")), &raw = *results_.row(0, contender("raw")),
-              &other = *results_.row(0, contender("other")),
-              &proofs = *results_.row(0, contender("proofs"));
+              &other = *results_.row(0, contender("other")), &proofs = *results_.row(0, contender("proofs"));
     EXPECT_EQ(copy.same_as, contender("raw"));    // the one with fewer passes
     EXPECT_EQ(proofs.same_as, contender("raw"));  // though it remembers what it proved
     EXPECT_FALSE(raw.same_as);

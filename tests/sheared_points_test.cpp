@@ -21,8 +21,9 @@ std::unique_ptr<Session> session_of(const char* scene, std::optional<uint32_t> p
     options.poison = poison;
     options.optimum = false;
     std::vector<std::string> warnings;
-    auto session =
-        shot ? Session::open(gpu(), test_nodes(), shadow_pipeline_file("sheared"), *shot, options, diagnostics, warnings) : nullptr;
+    auto session = shot ? Session::open(gpu(), test_nodes(), shadow_pipeline_file("sheared"), *shot, options,
+                                        diagnostics, warnings)
+                        : nullptr;
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
 }
@@ -34,8 +35,7 @@ TEST_P(ShearedPoints, NobodyAsksForAnotherThanTheTracers) {
     for (uint32_t frame = 0; frame < 3; ++frame) {
         one->run_frame(frame, frame == 0);
         other->run_frame(frame, frame == 0);
-        const auto got = one->view().captured("visibility"),
-                   expected = other->view().captured("visibility");
+        const auto got = one->view().captured("visibility"), expected = other->view().captured("visibility");
         EXPECT_TRUE(std::equal(got.begin(), got.end(), expected.begin(), expected.end())) << frame;
     }
 }
