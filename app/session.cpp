@@ -195,7 +195,6 @@ void Session::draw_cascades(uint32_t index, FrameCost& cost) {
     blocks::Cascades block{};
     std::memcpy(&block, cascades_.data(), sizeof block);
     block.flags = blocks::BOUNDS_HOLD_ALL;
-    for (uint32_t i = 0; i < block.count; ++i) block.c[i].revision = cascade_maps_->revision(i);
     std::memcpy(cascades_.data(), &block, sizeof block);
 }
 

@@ -16,7 +16,7 @@ namespace penumbra {
 namespace {
 
 constexpr uint32_t max_factor = 1u << 16;  // of div and mul: far beyond any image, and products fit 64 bits
-constexpr size_t max_variants = 24;
+constexpr size_t max_variants = 16;
 constexpr size_t max_channels = 4;
 
 const std::vector<std::string> kind_words = {"image", "texels", "buffer", "block"};

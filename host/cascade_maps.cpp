@@ -154,7 +154,6 @@ uint32_t CascadeMaps::record(VkCommandBuffer commands, const CascadeFit& fit) {
         const CascadeView view = view_of(fit, i);
         if (layers_[i].drawn == view) continue;
         layers_[i].drawn = view;
-        layers_[i].revision = ++last_revision_;
         moved.push_back(i);
     }
     if (moved.empty()) return 0;

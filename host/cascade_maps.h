@@ -3,7 +3,7 @@
 // - maps (d32): depth of the nearest surface at the texel's centre, an ordinary shadow map;
 // - bounds (rgba32f), made only where they are wanted: least depth of any surface that touches the texel, and
 //   a plane below all of them (its depth at the texel's centre, its slope); metres. 1e30: no surface.
-// A cascade is drawn only where it or the triangles have moved since; its revision tells readers.
+// A cascade is drawn only where it or the triangles have moved since.
 #pragma once
 
 #include <optional>
@@ -34,8 +34,6 @@ class CascadeMaps {
     // How many cascades had to be drawn. Afterwards the images are in SHADER_READ_ONLY_OPTIMAL, visible to
     // compute shaders and copies. fit.count is at most the layers, fit.size the size.
     uint32_t record(VkCommandBuffer commands, const CascadeFit& fit);
-    // What a layer shows since the last record(): never 0, and never the same for two contents.
-    uint32_t revision(uint32_t layer) const { return layers_[layer].revision; }
 
     const GpuImage& maps() const { return maps_; }
     const GpuImage& bounds() const { return bounds_; }
@@ -46,7 +44,6 @@ class CascadeMaps {
     struct Layer {
         Owned<VkImageView> map, slopes, bounds;
         std::optional<CascadeView> drawn;  // what the images show; nothing: they must be drawn
-        uint32_t revision = 0;
     };
     void draw(VkCommandBuffer commands, const CascadeFit& fit, uint32_t layer) const;
 
@@ -61,7 +58,6 @@ class CascadeMaps {
     Owned<VkPipelineLayout> layout_;
     Owned<VkPipeline> pipeline_;
     std::optional<CascadeBounds> bounds_drawing_;
-    uint32_t last_revision_ = 0;
 };
 
 }  // namespace penumbra

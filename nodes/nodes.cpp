@@ -15,12 +15,10 @@ namespace penumbra {
     X(average)            \
     X(beams)              \
     X(cascade_pcf)        \
-    X(cascade_pyramid)    \
     X(cascade_taps)       \
     X(cascades)           \
     X(classify)           \
     X(clear)              \
-    X(cones)              \
     X(cover)              \
     X(drift)              \
     X(filter)             \
@@ -33,12 +31,10 @@ namespace penumbra {
     X(shade)              \
     X(smooth)             \
     X(soften)             \
-    X(sun_points)         \
     X(taa)                \
     X(tileclass)          \
     X(trace)              \
-    X(validate)           \
-    X(verdicts)
+    X(validate)
 
 #define PENUMBRA_DECLARE(name) extern const EmbeddedNode embedded_##name;
 PENUMBRA_NODES(PENUMBRA_DECLARE)

@@ -89,14 +89,12 @@ void main() {
     bool lit = false, shadowed = false;
     const bool tried = worth_a_beam(tile, mask != 0u);
     if (tried) {
-        Walk walk;
+        Cone cone;
+        Starts starts;
         bool open_surface;
-        make_beam(tile, mask, walk.cone, walk.starts, open_surface);
-        walk.wide = cone_slabs(walk.cone.frame[2], walk.cone.spread, walk.cone.radius);
-        walk.thin = cone_slabs(walk.cone.frame[2], 0.0, 0.0);
-        walk.clean = true;
-        walk.covered = false;
-        const bool finished = walk_tree(walk, walk.cone.frame[2], BUDGET);
+        make_beam(tile, mask, cone, starts, open_surface);
+        Walk walk = beam_walk(cone, starts);
+        const bool finished = walk_tree(walk);
         shadowed = walk.covered;
         lit = finished && walk.clean && !walk.covered && open_surface;
         if (shadowed) preloaded_hits[tile_index(tile)] |= mask;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pixels that the cascades' bounds prove lit need no ray. One workgroup per listed tile, one lane per pixel; the list of
-// nodes is the tile's, so that a load serves 32 pixels. See common/cascade_proof.glsl. Wherever the proof cannot be led
+// texels is the tile's, so that a load serves 32 pixels. See common/cascade_proof.glsl. Wherever the proof cannot be led
 // (no cascade holds the search area, numbers that are none, the sun's rim near the surface's own horizon), rays decide.
 #define APPENDS_TILES
 #define LISTED_TILES candidates
@@ -19,7 +19,6 @@
 // What fp32 rounds away of a depth z: a few ulps, and a bound for small scenes' positions.
 const float ROUNDING_OF_DEPTH = 2e-6;
 const float ROUNDING_M = 1e-5;
-const int MOVES = 3;         // to finer cascades, as the search area shrinks
 const float OFFSET_SHARE = 64.0;  // rays start off the surface by less than this part of a pixel, or of a texel
 
 // Texel-scale metres across the light and along it. Depth 0 is above every caster.
@@ -28,12 +27,9 @@ vec3 metres_in(Cascade c, vec3 relative) {
     return in_cascade(c, relative) * vec3(side_m, side_m, c.depth_m);
 }
 
-// Nodes double, so a map whose side is no power of two has texels that no level covers: rays decide everything. So they
-// do where the host does not say that the bounds hold all casters.
+// Rays decide everything where the host does not say that the bounds hold all casters.
 uint usable_cascades() {
-    const ivec3 size = textureSize(cascade_bounds, 0);
-    const bool whole = (cascades.flags & BOUNDS_HOLD_ALL) != 0u && size.x == size.y && (size.x & (size.x - 1)) == 0;
-    return whole ? min(cascades.count, uint(size.z)) : 0u;
+    return (cascades.flags & BOUNDS_HOLD_ALL) != 0u ? min(cascades.count, uint(textureSize(cascade_bounds, 0).z)) : 0u;
 }
 
 struct Area {
@@ -44,29 +40,26 @@ struct Area {
     vec2 low, high;   // the tile, grown by the search radius
 };
 
-// In the finest of the first `limit` cascades that holds the tile's search area. All invocations call it.
-Area enclosing_area(uint limit, float reach_m, bool wanted, vec3 relative, bool speaks, vec3 n) {
+// In cascade k, for casters no farther along the light than `reach_m`. All invocations call it.
+Area area_in(uint k, float reach_m, bool wanted, vec3 relative, bool speaks, vec3 n) {
     Area area;
     area.found = false;
-    for (uint k = 0u; k < limit; ++k) {
-        const Cascade c = cascades.c[k];
-        if (!is_usable(c)) continue;
-        area.at = metres_in(c, relative);
-        area.bounds = tile_about(wanted, area.at, speaks, receiver_slope(c, n));
-        area.search.cascade = k;
-        area.search.tangent = tan(sun.angular_radius);
-        area.search.texel_m = c.texel_m;
-        area.search.slack =
-            CONTACT_TEXELS * c.texel_m + ROUNDING_OF_DEPTH * (abs(area.bounds.deepest) + c.depth_m) + ROUNDING_M;
-        area.search.blur = c.texel_m / OFFSET_SHARE;
-        const float radius = area.search.tangent * min(reach_m, area.bounds.deepest) + c.texel_m / OFFSET_SHARE;
-        area.low = area.bounds.low - radius;
-        area.high = area.bounds.high + radius;
-        const float side_m = float(textureSize(cascade_bounds, 0).x) * c.texel_m;
-        area.found = all(greaterThan(area.low, vec2(0.0))) && all(lessThan(area.high, vec2(side_m))) &&
-                     all(lessThanEqual(area.low, area.high));
-        if (area.found) break;
-    }
+    const Cascade c = cascades.c[k];
+    if (!is_usable(c)) return area;
+    area.at = metres_in(c, relative);
+    area.bounds = tile_about(wanted, area.at, speaks, receiver_slope(c, n));
+    area.search.cascade = k;
+    area.search.tangent = tan(sun.angular_radius);
+    area.search.texel_m = c.texel_m;
+    area.search.slack =
+        CONTACT_TEXELS * c.texel_m + ROUNDING_OF_DEPTH * (abs(area.bounds.deepest) + c.depth_m) + ROUNDING_M;
+    area.search.blur = c.texel_m / OFFSET_SHARE;
+    const float radius = area.search.tangent * min(reach_m, area.bounds.deepest) + c.texel_m / OFFSET_SHARE;
+    area.low = area.bounds.low - radius;
+    area.high = area.bounds.high + radius;
+    const float side_m = float(textureSize(cascade_bounds, 0).x) * c.texel_m;
+    area.found = all(greaterThan(area.low, vec2(0.0))) && all(lessThan(area.high, vec2(side_m))) &&
+                 all(lessThanEqual(area.low, area.high)) && all(lessThan(area.high - area.low, vec2(float(SPAN) * c.texel_m)));
     return area;
 }
 
@@ -89,30 +82,25 @@ void main() {
     const vec3 relative = seen + n * (wanted ? robust_offset_m(p, view_z, n, seen, seen) : 0.0);
     const bool may_be_lit = cap_leaves_surface(n, sun.to_sun, sun.angular_radius);  // else it shades itself
 
-    // The finest cascade that holds the search area, and the first few nodes there. What they show is often lower than
-    // the topmost caster; then a smaller area suffices, which a finer cascade may hold.
+    // From the coarsest cascade on: what it shows is often lower than the topmost caster; then a smaller area suffices, of which
+    // a finer cascade may show more.
     Search search;
-    Tile bounds;
     vec3 at = vec3(0.0);
     bool proving = false;
+    uint list = 0u;
     float reach_m = WHOLE_RAY_M;  // along the light, to the topmost caster that may matter
-    uint limit = usable_cascades();
-    for (int move = 0; move <= MOVES; ++move) {
-        Area area = enclosing_area(limit, reach_m, wanted, relative, speaks, n);
-        if (!area.found || !first_list(area.search, area.bounds, area.low, area.high)) break;
+    for (int k = int(usable_cascades()) - 1; k >= 0; --k) {
+        const Area area = area_in(uint(k), reach_m, wanted, relative, speaks, n);
+        if (!area.found || !fill_list(1u - list, area.search, area.bounds, area.low, area.high)) continue;
         proving = true;
+        list = 1u - list;
         search = area.search;
-        bounds = area.bounds;
         at = area.at;
-        limit = search.cascade;
-        if (list_count[0] == 0u || limit == 0u) break;
-        reach_m = bounds.deepest - list_top(0u);
+        if (list_count[list] == 0u) break;
+        reach_m = area.bounds.deepest - list_top(list);
     }
     Proof proof = Proof(false, 0.0, WHOLE_RAY_M);
-    if (proving) {
-        const uint list = refine(search, bounds);
-        proof = test_list(search, list, at);
-    }
+    if (proving) proof = test_list(search, list, at);
     const bool lit = proof.lit && may_be_lit;
     const float margin_m = proving ? pixel_span_m(view_z) / OFFSET_SHARE : 0.0;
     const bool whole = !proving || !may_be_lit;  // the interval speaks of the proof's rays

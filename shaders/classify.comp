@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which pixels need a ray. An invocation owns one 8x4 tile, so a tile's words need no other lane and the subgroup may
 // have any size; tiles with undecided pixels go to the list that trace is dispatched over.
-// Mode `normals`: sky is nobody's receiver, surfaces that face away from the sun are shadowed, the rest is traced.
+// Sky is nobody's receiver, surfaces that face away from the sun are shadowed, the rest is traced.
 #define APPENDS_TILES
 #include "node.glsl"
 #include "common/guide_normal.glsl"

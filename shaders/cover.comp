@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Exact coverage: instead of rays, each pixel that nothing proves lit or shadowed walks the tree once with the cone to its light and
 // unites what the triangles hide of it, as a mask of samples: none hidden is lit, all is shadowed, and between lies the visibility. No
-// noise, so no denoiser and no past. One workgroup per listed tile; its pixels are dealt out to the lanes without gaps, and
-// each lane walks by itself: towards leaves until all lanes have one, since looking at a leaf is the dearest step. docs/coverage.md.
+// noise, so no denoiser and no past. One workgroup per listed tile, whose lanes each walk by themselves: towards
+// leaves until all of a subgroup have one, since looking at a leaf is the dearest step. docs/coverage.md.
 #include "node.glsl"
 #if HAS_GIVEN_UP
 #define APPENDS_TILES
@@ -15,6 +15,7 @@
 #include "common/sun_point.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
+#include "common/tile_share.glsl"
 #include "common/bvh.glsl"
 #include "common/cone_slabs.glsl"
 #include "common/light_mask.glsl"
@@ -45,18 +46,16 @@ void main() {
     if (hopeless(tile)) asked = 0u;
     barrier();
 #endif
-    const uint lanes = gl_WorkGroupSize.x / gl_NumSubgroups, lane = gl_SubgroupInvocationID;
-    const uint share = 32u / gl_NumSubgroups, share_first = gl_SubgroupID * share;
-    const uint wanted = lanes_of_pixels(asked) & (share == 32u ? ~0u : (1u << share) - 1u << share_first);
-    const uint pixel_count = uint(bitCount(wanted));
+    const TileShare share = tile_share(asked);
+    const uint pixel_count = uint(bitCount(share.wanted));
     const mat3 axes = sun_frame(sun.to_sun);
     const LightDisc disc = sun_disc(sun.angular_radius);
     const ConeSlabs slabs = cone_slabs(axes[2], disc.radius, 0.0);
 
     uint shadowed = 0u, partly = 0u, done = 0u, steps_taken = 0u;
-    for (uint first = 0u; first < pixel_count; first += lanes) {
-        const bool own = first + lane < pixel_count;
-        const uint number = bit_number(wanted, own ? first + lane : first);
+    for (uint first = 0u; first < pixel_count; first += share.lanes) {
+        const bool own = first + share.lane < pixel_count;
+        const uint number = wanted_number(share, own ? first + share.lane : first);
         const ivec2 p = tile * TILE + pixel_of_lane(int(number));
         const vec2 noise = noise_unit(noise_fixed(p, frame.frame_index, params.seed));
         const float angle = 6.283185307179586 * noise.x, c = cos(angle), s = sin(angle);
@@ -89,7 +88,7 @@ void main() {
             if (given_up) ended = true;
 #endif
         }
-        // Asked of the walk itself, since every compiler knows that a loop until `ended` has ended.
+        // Of the walk itself, not of the loop (common/branch.glsl).
         const bool finished = own && (mask_is_full(hidden) || bvh_ended(path));
         // Rounded lines through a corner need not meet in a point, and a closed surface could leave a sample there: the last ones are rays.
         uint count = mask_count(hidden);
@@ -117,8 +116,8 @@ void main() {
     count_shadowed(subgroupElect() ? uint(bitCount(shadowed)) : 0u);
     count_penumbra(uint(bitCount(partly)));
     count_steps(steps_taken);
-    // Given up, or left undone: Mesa 22 ends all loops of a workgroup after 65 535 turns.
-    const uint rest = wanted & ~subgroupOr(done);
+    // Given up, or left undone where a driver ends loops (common/branch.glsl).
+    const uint rest = share.wanted & ~subgroupOr(done);
 #if HAS_GIVEN_UP
     if (subgroupElect() && rest != 0u) atomicOr(tile_rest, lanes_of_pixels(rest));
     barrier();

@@ -9,8 +9,8 @@
 #include "common/camera.glsl"
 #include "common/hash.glsl"
 #include "common/pixels.glsl"
-#include "common/ray_offset.glsl"
 #include "common/receiver_normal.glsl"
+#include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
 #if BACKEND == BACKEND_RAY_QUERY
 #include "common/ray_query.glsl"
@@ -45,11 +45,9 @@ vec2 stratified(ivec2 p, uint index) {
     return (vec2(index % params.side, index / params.side) + within) / float(params.side);
 }
 
-uint count_lit_rays(ivec2 p, float z, uint first, uint count) {
-    const vec3 relative = position(p, z);
+uint count_lit_rays(ivec2 p, uint first, uint count) {
     const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
-    const vec3 in_scene = relative + scene.camera_from_origin;
-    const vec3 origin = in_scene + n * robust_offset_m(p, z, n, relative, in_scene);
+    const vec3 origin = shadow_ray_origin(p, n);
     uint lit = 0u;
     for (uint i = 0u; i < count; ++i) {
         const vec3 direction = sun_direction(sun.to_sun, sun.angular_radius, stratified(p, first + i));
@@ -65,7 +63,7 @@ void for_pixel(ivec2 p) {
         if (params.stage != PROBE) known = imageLoad(counts_prev, p);
         if (params.stage == START && disagrees(p)) known = uvec4(0u, 0u, 1u, 0u);
         if (params.stage == PROBE || known.z != 0u)
-            known.xy += uvec2(count_lit_rays(p, z, params.first, params.count), params.count);
+            known.xy += uvec2(count_lit_rays(p, params.first, params.count), params.count);
     }
     imageStore(counts, p, known);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What beams remember from frame to frame: where nothing changes they prove what they proved, with fewer
 // attempts; what becomes provable is found within a round of turns; a reset forgets. That rays' answers do
-// not change is cones_test's part.
+// not change is beams_rays_test's part.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -28,7 +28,7 @@ class Beams : public GpuTest {
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
         const auto pipeline = load_pipeline(
-            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/hybrid_raw.json", {}, diagnostics);
+            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/many_rays.json", {}, diagnostics);
         const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
         ASSERT_TRUE(checked) << diagnostics.text();
         SessionOptions options;
@@ -43,7 +43,7 @@ class Beams : public GpuTest {
     Frame run(uint32_t frame, bool reset) {
         session_->run_frame(frame, reset);
         const auto classified = counters_of(session_->view(), "classify");
-        const auto counted = counters_of(session_->view(), "beams_alone");
+        const auto counted = counters_of(session_->view(), "beams");
         return {classified.at("tiles_listed"), counted.at("tiles_tried"),
                 counted.at("lit") + counted.at("shadowed")};
     }

@@ -80,7 +80,7 @@ Cost cost_of(Device& device, const NodeSet& nodes, const std::string& name,
         for (size_t p = 0; p < cost.passes.size(); ++p) {
             const PlanPass& pass = session->plan().passes[p];
             const std::string& type = pass.type;
-            if (type == "cover" || type == "trace" || type == "cones") ms += cost.pass_cpu_ms[p].value_or(0);
+            if (type == "cover" || type == "trace") ms += cost.pass_cpu_ms[p].value_or(0);
             const auto count = [&](const char* counter) {
                 const std::vector<std::string>& names = pass.counters;
                 return double(

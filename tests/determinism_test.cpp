@@ -31,8 +31,7 @@ std::vector<ListReader> list_readers(std::string_view name) {
     };
     if (name == "covered") return {of("cover", "candidates"), of("beams", "facing")};
     if (name == "hybrid_shadows") return {trace, of("cover", "candidates"), of("beams", "facing")};
-    if (name == "hybrid_cones_raw") return {trace, of("cones", "candidates"), of("beams", "facing")};
-    if (name.starts_with("hybrid")) return {trace, of("beams_alone", "facing")};  // one ray per pixel
+    if (name == "many_rays") return {trace, of("beams", "facing")};
     return {trace};
 }
 
@@ -70,7 +69,7 @@ std::unique_ptr<Session> open(const std::string& name, const std::vector<std::st
 // denoiser could know.
 std::vector<std::vector<std::byte>> run(Session& session, const std::string& name, uint32_t frames) {
     std::vector<std::string> outputs{"visibility"};
-    if (!name.ends_with("raw") && name != "covered") outputs.emplace_back("color");
+    if (name != "raw" && name != "many_rays" && name != "covered") outputs.emplace_back("color");
     if (has_beams(name)) outputs.emplace_back("proved");
     std::vector<std::vector<std::byte>> result;
     for (uint32_t frame = 0; frame < frames; ++frame) {
@@ -166,8 +165,8 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, TraceBackends, ::testing::Values("shadows", 
                          [](const auto& test) { return std::string(test.param); });
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, Determinism,
-                         ::testing::Values("raw", "hybrid_raw", "hybrid_cones_raw", "fidelityfx", "shadows",
-                                           "hybrid_sheared", "sheared", "covered", "hybrid_shadows"),
+                         ::testing::Values("raw", "many_rays", "fidelityfx", "shadows", "sheared", "covered",
+                                           "hybrid_shadows"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -164,7 +164,10 @@ TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
     auto contenders =
         open_contenders({variant("copy", R"(, "nodes": {"again": {"type": "shade", "out": {"lit": "lit2"}}},
                                               "outputs": ["visibility", "lit", "lit2"])"),
-                         pipeline("raw"), pipeline("hybrid_raw"),
+                         pipeline("raw"), variant("proofs", R"(, "inputs": {"neighbours": {}}, "nodes": {
+                             "classify": {"out": {"tile_list": "facing", "trace_args": "facing_args", "preloaded_hits": "facing_hits"}},
+                             "beams": {"type": "beams", "in": {"candidates": "facing", "candidate_args": "facing_args",
+                                       "candidate_hits": "facing_hits", "proved_before": "proved@-1"}, "out": {"proved": "proved"}}})"),
                          variant("other", R"(, "nodes": {"trace": {"params": {"sampling": "published"}}})")},
                         {}, nodes_, diagnostics);
     ASSERT_TRUE(contenders) << diagnostics.text();
@@ -174,8 +177,7 @@ TEST_F(ReportMeasure, TheSameMasksAreJudgedOnceAndOthersAreNot) {
     const auto shot = open_report_shot(edge.shot.file, folder_ / "shots", 4, diagnostics);
     ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
     const Row &copy = *results_.row(0, contender("copy")), &raw = *results_.row(0, contender("raw")),
-              &other = *results_.row(0, contender("other")),
-              &proofs = *results_.row(0, contender("hybrid_raw"));
+              &other = *results_.row(0, contender("other")), &proofs = *results_.row(0, contender("proofs"));
     EXPECT_EQ(copy.same_as, contender("raw"));    // the one with fewer passes
     EXPECT_EQ(proofs.same_as, contender("raw"));  // though it remembers what it proved
     EXPECT_FALSE(raw.same_as);
@@ -223,11 +225,10 @@ TEST_F(ReportMeasure, AMaskWithoutHistoryDoesNotKnowItsPast) {
     }
     using Names = std::set<std::string>;
     // hybrid_shadows and its presets remember which tiles were left to rays.
-    EXPECT_EQ(with, (Names{"fidelityfx", "hybrid_cascades", "hybrid_shadows", "hybrid_shadows_best",
-                           "hybrid_shadows_fast", "hybrid_sheared", "shadows", "sheared"}));
-    EXPECT_EQ(without[CostMemory::all], (Names{"covered", "hybrid_cones_raw", "hybrid_raw", "many_rays"}));
-    EXPECT_EQ(without[CostMemory::frame_before], (Names{"cascades_only", "hybrid_cascades_cones_raw",
-                                                        "hybrid_cascades_raw", "hybrid_published_raw"}));
+    EXPECT_EQ(with, (Names{"fidelityfx", "hybrid_cascades", "hybrid_fidelityfx", "hybrid_shadows",
+                           "hybrid_shadows_best", "hybrid_shadows_fast", "shadows", "sheared"}));
+    EXPECT_EQ(without[CostMemory::all], (Names{"covered", "many_rays"}));
+    EXPECT_EQ(without[CostMemory::frame_before], (Names{"cascades_only"}));
 }
 
 TEST_F(ReportMeasure, AnInterruptedRunGoesOnWhereItWas) {

@@ -232,7 +232,7 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
         needed.tables += std::string(" ") + tables;
     };
     const bool traced = shadow == Shadow::soft || shadow == Shadow::hard;
-    const bool hybrid = pipeline.starts_with("hybrid_"), main = pipeline == "hybrid_shadows";
+    const bool many = pipeline == "many_rays", main = pipeline == "hybrid_shadows";
     const bool covers = shadow == Shadow::soft && (main || pipeline == "covered");
     if (traced) also("classify", "receiver_normal receiver_words", "", "scene scene.nodes scene.leaves", "");
     if (traced && (!covers || main)) also("trace", "tile_list trace_args", "", "", "");
@@ -241,17 +241,15 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     if (shadow == Shadow::none) also("open", "", "", "", "");
     if (shadow == Shadow::all) also("night", "", "", "", "");
     // One buffer of hits, named by who fills it first.
-    if (traced && (hybrid || pipeline == "covered"))
+    if (traced && (main || many || pipeline == "covered"))
         also("", "facing facing_args facing_hits proved", "proved", "neighbours", "");
-    if (traced && pipeline == "hybrid_cones_raw")
-        also("beams cones", "candidates candidate_args", "", "", "");
-    else if (covers)
+    if (covers)
         also("beams cover", "candidates candidate_args coverage", "", "",
              "half_planes_64 half_planes_128 half_planes_256 light_samples");
     else if (traced && (main || pipeline == "covered"))
         also("beams_alone", "", "", "", "");
-    else if (traced && hybrid)
-        also("beams_alone", "blocking_leaves", "", "", "");
+    else if (traced && many)
+        also("beams", shadow == Shadow::soft ? "fraction" : "", "", "", "");
     else if (traced)
         also("", "preloaded_hits", "", "", "");
     if (covers && main) also("", "fraction given_up", "given_up", "", "");
@@ -263,7 +261,7 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
         if (traced) also("resolve", "", "", "", "");
         if (!main) return needed;
     }
-    if (pipeline.ends_with("raw")) {
+    if (pipeline == "raw" || many) {
         if (traced) also("resolve", "", "", "", "");
         return needed;
     }
@@ -277,8 +275,7 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
                  "visibility_words accumulated signal count tile_meta smoothed0 smoothed1",
                  "accumulated count", "", "edge_patterns");
         else
-            also(pipeline == "sheared" ? "prepare gather drift soften"
-                                       : "prepare sun_points gather drift soften",
+            also("prepare gather drift soften",
                  "visibility_words sunward_words sun_points blockers gathered cells idle_cells state",
                  "state idle_cells", "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");
@@ -355,8 +352,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw",
-                                     "hybrid_sheared", "covered", "hybrid_shadows"}) {
+        for (const char* pipeline : {"raw", "shadows", "sheared", "many_rays", "covered", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -370,34 +366,6 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
 
 bool runs(const Plan& plan, const std::string& node) {
     return std::ranges::any_of(plan.passes, [&](const PlanPass& pass) { return pass.node == node; });
-}
-
-// Which proofs run is a matter of how many rays they can spare, of casters with holes, which close no cone
-// off, and of a sun that is a point, which takes one ray whatever was asked for (docs/classification.md).
-TEST(SceneFacts, ProofsRunWhereTheyPay) {
-    struct Choice {
-        uint32_t rays;
-        Facts facts;
-        bool cones;
-    };
-    const std::vector<Choice> choices = {{1, {}, false},
-                                         {7, {{"alpha", false}}, false},
-                                         {8, {{"alpha", false}}, true},
-                                         {8, {{"alpha", true}}, false},
-                                         {15, {{"alpha", true}}, false},
-                                         {16, {{"alpha", true}}, true},
-                                         {64, {{"alpha", false}}, true},
-                                         {64, {{"alpha", false}, {"sun_disc", false}}, false}};
-    for (const char* pipeline : {"hybrid_raw", "hybrid_sheared"})
-        for (const Choice& c : choices) {
-            SCOPED_TRACE(testing::Message() << pipeline << " with " << c.rays << " rays");
-            const std::string patch =
-                R"("nodes": { "trace": { "params": { "rays_per_pixel": )" + std::to_string(c.rays) + " } } }";
-            const Plan plan = plan_of(pipeline, c.facts, patch);
-            EXPECT_EQ(runs(plan, "cones"), c.cones);
-            EXPECT_EQ(runs(plan, "beams"), c.cones);
-            EXPECT_EQ(runs(plan, "beams_alone"), !c.cones);
-        }
 }
 
 // The plan as text, but for the list of what was left out.
@@ -414,8 +382,8 @@ std::string without_culled(const Plan& plan) {
 TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
-        for (const std::string pipeline : {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw",
-                                           "hybrid_sheared", "covered", "hybrid_shadows"}) {
+        for (const std::string pipeline :
+             {"raw", "shadows", "sheared", "many_rays", "covered", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);

@@ -111,7 +111,7 @@ TEST_F(SeveralRays, AreUnbiasedAndBetterThanIndependentOnes) {
     }
 }
 
-// Whoever reads the hit words (the denoisers, sun_points) knows where the ray went.
+// Whoever reads the hit words (the denoisers) knows where the ray went.
 TEST_F(SeveralRays, TheFirstIsTheOneThatIsCastAlone) {
     std::vector<std::vector<uint32_t>> words[2];
     std::vector<uint8_t> last[2];

@@ -176,8 +176,7 @@ TEST_F(ShadowsSky, IsLit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
-                         ::testing::Values("raw", "hybrid_raw", "hybrid_cones_raw", "many_rays", "fidelityfx",
-                                           "shadows", "hybrid_sheared", "sheared", "covered",
+                         ::testing::Values("raw", "many_rays", "fidelityfx", "shadows", "sheared", "covered",
                                            "hybrid_shadows"),
                          [](const auto& test) { return std::string(test.param); });
 INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline,

@@ -29,7 +29,7 @@ std::string head(const std::vector<std::string>& cells) {
     return out + "\n";
 }
 
-// "raw, hybrid_raw": whoever has these masks.
+// "shadows, hybrid_cascades": whoever has these masks.
 std::string names(const Results& results, size_t original) {
     std::string out = label(results.contenders[original]);
     for (size_t c = 0; c < results.contenders.size(); ++c)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The question of common/cone_query.glsl for many pixels at once. The beam is a cone that is as wide as the pixels at its
-// start and so contains the cones of all of them; whatever it does not meet, no ray of theirs meets.
+// One question to the hierarchy of host/bvh.h for many pixels at once: does the beam of all their shadow rays meet nothing, is it
+// blocked by a surface that closes it off (common/closing_patch.glsl), or neither? The beam is a cone that is as wide as the
+// pixels at its start and so contains the cones of all of them; whatever it does not meet, no ray of theirs meets. A beam that
+// has met something is followed along its axis only: what remains to be found is a cover.
 // The surface that the pixels lie on would touch every beam. Two bounds of where rays start tell it from casters: a
 // triangle whose plane has all starts on the side that the rays go to is behind them. The bounds are a disc across the sun
 // and a box along the surface, which is flat where the pixels are.
@@ -24,13 +26,17 @@ struct Walk {
     bool clean;            // nothing has been met
     bool covered;
 };
-#include "common/bvh_walk.glsl"
-#include "common/closing_patch.glsl"
+
+Walk beam_walk(Cone cone, Starts starts) {
+    const vec3 axis = cone.frame[2];
+    return Walk(cone, starts, cone_slabs(axis, cone.spread, cone.radius), cone_slabs(axis, 0.0, 0.0), true, false);
+}
 
 const int BEHIND = 2;
 
-// From which side all rays of the beam come to a triangle ahead of all starts, 1 or -1 as cover_side(); BEHIND if they
-// cannot meet it, since they start on the far side and lead away; else 0.
+// From which side all rays of the beam come to a triangle ahead of all starts: 1 or -1, opposite for opposite windings; BEHIND
+// if they cannot meet it, since they start on the far side and lead away; 0 where they do not all cross its plane the same way, or
+// not for certain.
 int beam_side(Walk walk, vec3 a, vec3 b, vec3 c) {
     const vec3 ab = b - a, ac = c - a;
     const vec3 n = cross(ab, ac);
@@ -46,16 +52,7 @@ int beam_side(Walk walk, vec3 a, vec3 b, vec3 c) {
     return along + extent < -error ? (n.z < 0.0 ? -1 : 1) : 0;
 }
 
-int cover_side(Walk walk, vec3 a, vec3 b, vec3 c) {
-    const int side = beam_side(walk, a, b, c);
-    return side == BEHIND ? 0 : side;
-}
-
-uint walk_children(Walk walk, uvec4 n0, uvec4 n1, uvec4 n2) {
-    ConeSlabs slabs = walk.thin;
-    if (walk.clean) slabs = walk.wide;
-    return cone_hit_children(slabs, walk.cone.apex, n0, n1, n2);
-}
+#include "common/closing_patch.glsl"
 
 const uint MISSES_BEAM = 0u;
 const uint MEETS_BEAM = 1u;
@@ -73,13 +70,35 @@ uint beam_meets(Walk walk, vec3 a, vec3 b, vec3 c) {
                : MISSES_BEAM;
 }
 
+// True ends the walk.
 bool walk_leaf(inout Walk walk, uint leaf) {
-    const Leaf v = cone_leaf(walk.cone, leaf);
-    const uint first = beam_meets(walk, v.v0, v.v1, v.v2);
+    const BvhLeaf v = cone_leaf(walk.cone, leaf);
+    const uint first = beam_meets(walk, v.a, v.b, v.c);
     uint second = MISSES_BEAM;
-    if (v.v3 != v.v2) second = beam_meets(walk, v.v2, v.v1, v.v3);
+    if (v.d != v.c) second = beam_meets(walk, v.c, v.b, v.d);
     const bool pierced = first == PIERCED_BY_AXIS || second == PIERCED_BY_AXIS;
     if (pierced && covers(walk, leaf << 1 | uint(first != PIERCED_BY_AXIS))) walk.covered = true;
     if ((first | second) != MISSES_BEAM) walk.clean = false;
     return walk.covered;
+}
+
+// False where BUDGET steps were not enough to see everything.
+bool walk_tree(inout Walk walk) {
+    BvhPath path = bvh_path(walk.cone.frame[2]);
+    bool done = false;
+    uint steps = 0u;
+    while (true) {
+        if (bvh_at_leaf(path) && walk_leaf(walk, bvh_take_leaf(path))) done = true;
+        BvhVisit visit = bvh_visit(path);
+        if (visit.wanted) {
+            bvh_fetch(path, visit);
+            ConeSlabs slabs = walk.thin;
+            if (walk.clean) slabs = walk.wide;
+            visit.hits = cone_hit_children(slabs, walk.cone.apex, visit.n0, visit.n1, visit.n2);
+        }
+        bvh_go_on(path, visit);
+        ++steps;
+        if (done || steps >= BUDGET || bvh_ended(path)) break;
+    }
+    return done || bvh_ended(path);
 }

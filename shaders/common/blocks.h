@@ -25,7 +25,6 @@ struct Cascade {
     mat3x4 map;
     float texel_m;  // width of a texel
     float depth_m;  // metres per unit of depth
-    uint revision;  // another value whenever what this layer of the maps shows changes; 0: the host does not tell
 };
 
 // The bounds are conservative: every surface in every texel that it touches, however thin. What an ordinary raster finds

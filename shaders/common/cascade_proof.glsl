@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Proof that nothing reaches into the cones of a tile's shadow rays, from lower bounds of all casters (cascade_node.glsl).
-// The whole workgroup, one tile, descends the mip chain together: a list of nodes starts with the few that span the
-// tile's search area and is replaced by their children, of which only those stay that matter to some pixel.
+// The whole workgroup, one tile, looks at the texels of the tile's search area together and lists those that matter to some
+// pixel; each pixel is then tested against the list.
 //
-// A node matters to a point at depth z (metres from the cascade's depth 0, growing away from the sun) only if
+// A texel matters to a point at depth z (metres from the cascade's depth 0, growing away from the sun) only if
 //   it may be above it:                    least < z - slack
 //   the cone reaches its square:           d <= t (z - least), with t the tangent of the sun's angular radius and d the
 //                                          distance across the light from the point to the square
@@ -13,8 +13,7 @@
 // `slack` keeps the point's own surface from blocking it: a share of a texel, plus what fp32 rounds away. Casters lower
 // than that above the surface are lost; there is no other bias. Every test is written so that a NaN does not exclude.
 
-const int LIST = 128;         // nodes; a longer list is not refined: still a proof, only looser
-const int FIRST_SPAN = 4;     // nodes along a side of the first list
+const uint LIST = 128u;       // texels; where more matter, nothing is proved
 const float NOBODY = -1e30;   // what lanes without a pixel add to a maximum
 
 struct Tile {
@@ -29,11 +28,10 @@ struct Search {
     float blur;        // by how far across the light a point may be off: rounding, and the offset that rays start with
     uint cascade;
     float texel_m;
-    int level;         // 0: the bounds; l: level l - 1 of the pyramid
-    float node_m;      // side of a node at that level
 };
 
 shared vec4 slots[32];
+// Two lists: one that holds while the other is tried.
 shared vec4 list_nodes[2][LIST];
 shared uint list_places[2][LIST];
 shared uint list_count[2];
@@ -66,18 +64,13 @@ Tile tile_about(bool wanted, vec3 at, bool speaks, vec2 slope) {
     return tile;
 }
 
-CascadeNode load_node(Search s, ivec2 place) {
-    const ivec3 at = ivec3(place, int(s.cascade));
-    return cascade_node(s.level == 0 ? texelFetch(cascade_bounds, at, 0) : texelFetch(cascade_pyramid, at, s.level - 1));
-}
-
 float outside(float low, float high, float node_low, float node_high) {
     return max(max(node_low - high, low - node_high), 0.0);
 }
 
-// Whether a node matters to no point of a box below a plane. A pixel is a box of no size.
+// Whether a texel matters to no point of a box below a plane. A pixel is a box of no size.
 bool is_excluded(Search s, Tile t, CascadeNode node, ivec2 place, out float distance_m) {
-    const vec2 low = vec2(place) * s.node_m, high = low + s.node_m;
+    const vec2 low = vec2(place) * s.texel_m, high = low + s.texel_m;
     const vec2 gap = vec2(outside(t.low.x, t.high.x, low.x, high.x), outside(t.low.y, t.high.y, low.y, high.y));
     distance_m = max(length(gap) - s.blur, 0.0);
     if (node.least >= t.deepest - s.slack) return true;
@@ -90,59 +83,25 @@ bool is_excluded(Search s, Tile t, CascadeNode node, ivec2 place, out float dist
     return q > 0.0 && (height <= s.slack || distance_m * q > s.tangent * height);
 }
 
-void append_node(uint list, CascadeNode node, ivec2 place) {
-    const uint at = atomicAdd(list_count[list], 1u);
-    list_nodes[list][at] = vec4(node.least, node.level, node.slope);
-    list_places[list][at] = uint(place.x) | uint(place.y) << 16;
-}
-
-// The nodes that span a box, those that matter: at most FIRST_SPAN a side, at the finest level where so few suffice.
-// False where the chain has no such level.
-bool first_list(inout Search s, Tile t, vec2 low, vec2 high) {
-    s.level = 0;
-    s.node_m = s.texel_m;
-    ivec2 begin = ivec2(floor(low / s.node_m)), end = ivec2(floor(high / s.node_m)) + 1;
-    const int levels = textureQueryLevels(cascade_pyramid);
-    while (any(greaterThan(end - begin, ivec2(FIRST_SPAN)))) {
-        if (++s.level > levels) return false;
-        s.node_m *= 2.0;
-        begin >>= 1;
-        end = (end + 1) >> 1;
-    }
-    barrier();  // nobody reads the lists of a search before
-    if (gl_LocalInvocationIndex == 0u) list_count[0] = list_count[1] = 0u;
+// The texels of a box, those that matter. False where they are too many.
+bool fill_list(uint list, Search s, Tile t, vec2 low, vec2 high) {
+    const ivec2 begin = ivec2(floor(low / s.texel_m)), size = ivec2(floor(high / s.texel_m)) + 1 - begin;
+    barrier();  // nobody reads this list any more
+    if (gl_LocalInvocationIndex == 0u) list_count[list] = 0u;
     barrier();
-    const int lane = int(gl_LocalInvocationIndex);
-    const ivec2 place = begin + ivec2(lane % FIRST_SPAN, lane / FIRST_SPAN);
-    if (lane < FIRST_SPAN * FIRST_SPAN && all(lessThan(place, end))) {
-        const CascadeNode node = load_node(s, place);
+    for (int i = int(gl_LocalInvocationIndex); i < size.x * size.y; i += 32) {
+        const ivec2 place = begin + ivec2(i % size.x, i / size.x);
+        const CascadeNode node = cascade_node(texelFetch(cascade_bounds, ivec3(place, int(s.cascade)), 0));
         float distance_m;
-        if (!is_excluded(s, t, node, place, distance_m)) append_node(0u, node, place);
+        if (!is_excluded(s, t, node, place, distance_m)) {
+            const uint at = atomicAdd(list_count[list], 1u);
+            if (at >= LIST) continue;
+            list_nodes[list][at] = vec4(node.least, node.level, node.slope);
+            list_places[list][at] = uint(place.x) | uint(place.y) << 16;
+        }
     }
     barrier();
-    return true;
-}
-
-// Children for parents, as deep as the list's length allows; returns which of the two lists holds the result.
-uint refine(inout Search s, Tile t) {
-    uint from = 0u;
-    while (s.level > 0 && list_count[from] > 0u && 4u * list_count[from] <= uint(LIST)) {
-        const uint to = 1u - from;
-        s.level -= 1;
-        s.node_m *= 0.5;
-        for (uint i = gl_LocalInvocationIndex; i < 4u * list_count[from]; i += 32u) {
-            const uint parent = list_places[from][i >> 2];
-            const ivec2 place = 2 * ivec2(parent & 0xffffu, parent >> 16) + ivec2(i & 1u, i >> 1 & 1u);
-            const CascadeNode node = load_node(s, place);
-            float distance_m;
-            if (!is_excluded(s, t, node, place, distance_m)) append_node(to, node, place);
-        }
-        barrier();
-        if (gl_LocalInvocationIndex == 0u) list_count[from] = 0u;
-        from = to;
-        barrier();
-    }
-    return from;
+    return list_count[list] <= LIST;
 }
 
 struct Proof {
@@ -170,7 +129,7 @@ Proof test_list(Search s, uint list, vec3 at) {
     return proof;
 }
 
-// The least depth of the list's nodes, over the workgroup.
+// The least depth of the list's texels.
 float list_top(uint list) {
     float top = NO_SURFACE;
     for (uint i = 0u; i < list_count[list]; ++i) top = min(top, list_nodes[list][i].x);

@@ -4,16 +4,12 @@
 // both triangles the same way: no fold. Then a ray that turns from the axis to any other place in the cone leaves one
 // triangle of the patch only into the next, so it is blocked as well. Windings do not matter, and any soup will do.
 //
-// Includer has common/cone.glsl and declares: struct Walk with a `Cone cone`; cover_side(); uniform usamplerBuffer neighbours; const uint PATCH.
+// A part of common/beam_query.glsl.
 
 const uint NO_NEIGHBOUR = ~0u;
 
 // Alpha-tested triangles touch a cone but never cover it: a ray may pass through a hole.
 bool can_cover(uint leaf, uint which) { return !bvh_alpha_tested(leaf, which); }
-
-// Which side of a triangle all rays of the cone come from: 1 or -1, opposite for opposite windings; 0 where they do not all
-// cross its plane the same way, ahead of where they start, for certain.
-int cover_side(Walk walk, vec3 a, vec3 b, vec3 c);
 
 // Whether no ray of the cone passes the surface around a triangle that its axis pierces. `first`: leaf << 1 | which.
 bool covers(Walk walk, uint first) {
@@ -28,16 +24,16 @@ bool covers(Walk walk, uint first) {
         const uint word = patch_words[i];
         const uint leaf = word >> 4;
         const bool second = (word & 4u) != 0u;
-        const Leaf corners = cone_leaf(cone, leaf);
+        const BvhLeaf corners = cone_leaf(cone, leaf);
         const uvec4 across = texelFetch(neighbours, int(leaf));
         // Two triangles of a leaf are each other's neighbours; see host/bvh.h for the words of the other edges.
-        const bool pair = corners.v3 != corners.v2;
-        vec3 a = second ? corners.v2 : corners.v0, b = corners.v1, c = second ? corners.v3 : corners.v2;
+        const bool pair = corners.d != corners.c;
+        vec3 a = second ? corners.c : corners.a, b = corners.b, c = second ? corners.d : corners.c;
         uvec3 next = second ? uvec3(across.z, across.w, leaf << 4)
                             : uvec3(pair ? leaf << 4 | 6u : across.z, across.y, across.x);
-        const int side = cover_side(walk, a, b, c);
+        const int side = beam_side(walk, a, b, c);
         const uint from_below = side < 0 ? 8u : 0u;
-        if (side == 0 || (i > 0u && from_below != (word & 8u)) || !can_cover(leaf, word >> 2 & 1u)) closed = false;
+        if (side == 0 || side == BEHIND || (i > 0u && from_below != (word & 8u)) || !can_cover(leaf, word >> 2 & 1u)) closed = false;
         for (uint k = 0u; k < 3u; ++k) {
             if (closed && k != (word & 3u) && edge_meets_cone(cone, b, c)) {
                 const uint entered = next.x ^ from_below;

@@ -7,7 +7,7 @@
 // sum: 16 roundings bound each of them. Forms are chosen that do not cancel (the nearest point of an edge, not the
 // discriminant of a quadratic).
 //
-// Includer declares: uniform usamplerBuffer scene_leaves.
+// Includer has common/bvh_leaf.glsl.
 
 const float CONE_ROUNDING = 16.0 * 5.9604644775390625e-8;  // 2^-24
 
@@ -15,7 +15,7 @@ struct Cone {
     vec3 apex;
     mat3 frame;    // columns: across, across, axis; orthonormal
     float spread;  // tangent of the half angle
-    float radius;  // at the apex already; 0 but for the cones of many pixels (common/beam_query.glsl)
+    float radius;  // at the apex already
 };
 
 vec3 cone_point(Cone cone, vec3 vertex) {
@@ -67,33 +67,8 @@ uint axis_passes(vec2 sa, vec2 sb, vec2 sc, vec3 a, vec3 b, vec3 c) {
     return near ? PIERCES_MAYBE : PIERCES_NOT;
 }
 
-// The same of the axis ahead of the apex. Behind it is the surface on which the apex stands.
-uint axis_pierces(vec2 sa, vec2 sb, vec2 sc, vec3 a, vec3 b, vec3 c) {
-    const uint passes = axis_passes(sa, sb, sc, a, b, c);
-    const vec3 side = abs(vec3(sa.x, sb.x, sc.x)), error = vec3(sa.y, sb.y, sc.y);
-    const float ahead = dot(side, vec3(a.z, b.z, c.z));
-    const float ahead_error = dot(error + CONE_ROUNDING * side, vec3(taxicab(a), taxicab(b), taxicab(c)));
-    if (passes != PIERCES) return passes;
-    return ahead > ahead_error ? PIERCES : ahead < -ahead_error ? PIERCES_NOT : PIERCES_MAYBE;
-}
-
-// Six times the volume of apex, a, b, c: its sign says which side of the triangle the apex sees; and the rounding.
-vec2 facing(vec3 a, vec3 b, vec3 c) {
-    const vec3 ab = b - a, ac = c - a;
-    const float size = taxicab(a) + taxicab(b) + taxicab(c);
-    return vec2(dot(a, cross(ab, ac)), CONE_ROUNDING * size * taxicab(a) * (taxicab(ab) + taxicab(ac)));
-}
-
-// The four corners of a leaf in the cone's frame.
-struct Leaf {
-    vec3 v0, v1, v2, v3;
-};
-
-Leaf cone_leaf(Cone cone, uint leaf) {
-    const int texel = int(leaf * 3u);
-    const vec4 q0 = uintBitsToFloat(texelFetch(scene_leaves, texel));
-    const vec4 q1 = uintBitsToFloat(texelFetch(scene_leaves, texel + 1));
-    const vec4 q2 = uintBitsToFloat(texelFetch(scene_leaves, texel + 2));
-    return Leaf(cone_point(cone, q0.xyz), cone_point(cone, vec3(q0.w, q1.xy)), cone_point(cone, vec3(q1.zw, q2.x)),
-                cone_point(cone, q2.yzw));
+// A leaf's corners in the cone's frame.
+BvhLeaf cone_leaf(Cone cone, uint leaf) {
+    const BvhLeaf v = bvh_leaf(leaf);
+    return BvhLeaf(cone_point(cone, v.a), cone_point(cone, v.b), cone_point(cone, v.c), cone_point(cone, v.d));
 }

@@ -11,6 +11,8 @@
 // by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
 //
 // Includer has common/bvh.glsl and common/light_mask.glsl and declares: uniform sampler2D light_samples.
+#include "common/branch.glsl"
+
 const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
 
 // The start of a pixel's shadow rays, in the scene's frame, and the light's axes, z towards it: turned about z by another angle
@@ -73,8 +75,7 @@ LightMask without_holes(LightDisc disc, uint leaf, uint which, vec3 opposite[3],
     return mask;
 }
 
-// Adds to `hidden` what the leaf hides, where it is `wanted`. Loops that run once or not at all stand for branches: a device that has none
-// would do what is in them for every leaf.
+// Adds to `hidden` what the leaf hides, where it is `wanted`.
 void hide_by_leaf(Receiver r, LightDisc disc, uint leaf, bool wanted, inout LightMask hidden) {
     const BvhLeaf corners = bvh_leaf(leaf);
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
@@ -91,19 +92,19 @@ void hide_by_leaf(Receiver r, LightDisc disc, uint leaf, bool wanted, inout Ligh
 
     const float error = 32.0 * UNIT_ROUNDING * taxi(b) * taxi(c);
     Height first = Height(dot(a, bc_line), error * taxi(a)), second = Height(-dot(d, bc_line), error * taxi(d));
-    for (bool once = matters.x && in_doubt(first) || matters.y && in_doubt(second); once; once = false) {
+    BRANCH_IF(matters.x && in_doubt(first) || matters.y && in_doubt(second)) {
         if (in_doubt(first)) first = height_of(to_a, corners.b - corners.a, corners.c - corners.a);
         if (in_doubt(second)) second = height_of(to_c, corners.b - corners.c, corners.d - corners.c);
     }
     const bvec2 unsure = bvec2(matters.x && in_doubt(first), matters.y && in_doubt(second));
-    for (bool once = any(unsure); once; once = false) {
+    BRANCH_IF(any(unsure)) {
         if (unsure.x) first = height_for_sure(r.start, corners.a, corners.b, corners.c);
         if (unsure.y) second = height_for_sure(r.start, corners.c, corners.b, corners.d);
     }
     const bvec2 below = bvec2(first.value < 0.0, second.value < 0.0);
     const bvec2 hides = bvec2(matters.x && first.value != 0.0 && !(below.x ? none_below.x : none_above.x),
                               matters.y && second.value != 0.0 && !(below.y ? none_below.y : none_above.y));
-    for (bool once = any(hides); once; once = false) {
+    BRANCH_IF(any(hides)) {
         const LightMask above_bc = positive_side(bc);
         LightMask by_first = mask_and(mask_flipped(above_bc, below.x),
                                       mask_and(mask_flipped(positive_side(ab), below.x), mask_flipped(positive_side(ca), below.x)));

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// The corners of a leaf of the tree, as host/bvh.h lays them out.
+//
+// Includer declares: uniform usamplerBuffer scene_leaves.
+
+struct BvhLeaf {
+    vec3 a, b, c, d;  // triangles a, b, c and c, b, d
+};
+
+BvhLeaf bvh_leaf(uint leaf) {
+    int texel = int(leaf * 3u);
+    vec4 q0 = uintBitsToFloat(texelFetch(scene_leaves, texel));
+    vec4 q1 = uintBitsToFloat(texelFetch(scene_leaves, texel + 1));
+    vec4 q2 = uintBitsToFloat(texelFetch(scene_leaves, texel + 2));
+    return BvhLeaf(q0.xyz, vec3(q0.w, q1.xy), vec3(q1.zw, q2.x), q2.yzw);
+}
