@@ -7,11 +7,6 @@
 
 #include <algorithm>
 
-#include "cascade_bounds.frag.h"  // made by the build from shaders/cascade_*
-#include "cascade_bounds.vert.h"
-#include "cascade_gather.frag.h"
-#include "cascade_gather.vert.h"
-#include "cascade_small.comp.h"
 #include "host/shader_module.h"
 
 namespace penumbra {
@@ -42,7 +37,8 @@ constexpr VkPipelineStageFlags2 drawing = VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT 
                                           VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
 
 Owned<VkPipeline> make_sort(const Device& device, VkPipelineLayout layout) {
-    const Owned<VkShaderModule> module = make_shader_module(device, cascade_small_comp, "cascade bounds");
+    const Owned<VkShaderModule> module =
+        make_shader_module(device, host_shader("cascade_small.comp"), "cascade bounds");
     VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
     info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module.get());
     info.layout = layout;
@@ -83,12 +79,12 @@ CascadeBounds::CascadeBounds(Device& device, const GpuImage& slopes)
     layout_ = make_pipeline_layout(device, sets, all_stages, sizeof(CascadeConstants), "cascades");
     sort_ = make_sort(device, layout_.get());
     RasterPipeline pipeline = cascade_pipeline(device, layout_.get(), size_);
-    pipeline.vertex = cascade_gather_vert;
-    pipeline.fragment = cascade_gather_frag;
+    pipeline.vertex = host_shader("cascade_gather.vert");
+    pipeline.fragment = host_shader("cascade_gather.frag");
     pipeline.colors = {&format, 1};
     gather_ = make_raster_pipeline(device, pipeline, "cascades");
-    pipeline.vertex = cascade_bounds_vert;
-    pipeline.fragment = cascade_bounds_frag;
+    pipeline.vertex = host_shader("cascade_bounds.vert");
+    pipeline.fragment = host_shader("cascade_bounds.frag");
     pipeline.minimum = true;
     draw_ = make_raster_pipeline(device, pipeline, "cascades");
 }

@@ -6,8 +6,7 @@
 
 #include <stdexcept>
 
-#include "cascade_map.frag.h"  // made by the build from shaders/cascade_*
-#include "cascade_map.vert.h"
+#include "host/shader_module.h"
 
 namespace penumbra {
 
@@ -96,10 +95,10 @@ CascadeMaps::CascadeMaps(Device& device, const Scene& scene, uint32_t size, uint
     layout_ = make_pipeline_layout(device, sets, both_stages, sizeof(CascadeConstants), "cascades");
     // Without a fragment stage where nobody asks for slopes.
     RasterPipeline pipeline = cascade_pipeline(device, layout_.get(), size);
-    pipeline.vertex = cascade_map_vert;
+    pipeline.vertex = host_shader("cascade_map.vert");
     pipeline.depth = maps_format;
     if (with_bounds) {
-        pipeline.fragment = cascade_map_frag;
+        pipeline.fragment = host_shader("cascade_map.frag");
         pipeline.colors = {&slopes_format, 1};
     }
     pipeline_ = make_raster_pipeline(device, pipeline, "cascades");

@@ -4,10 +4,9 @@
 
 #include <cstddef>
 
-#include "gbuffer.frag.h"  // made by the build from shaders/gbuffer.{vert,frag}
-#include "gbuffer.vert.h"
 #include "host/geometry.h"
 #include "host/raster_pipeline.h"
+#include "host/shader_module.h"
 
 namespace penumbra {
 
@@ -22,8 +21,8 @@ Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout l
         {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RasterVertex, winding_normal)},
         {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(RasterVertex, uv)}};
     RasterPipeline pipeline;
-    pipeline.vertex = gbuffer_vert;
-    pipeline.fragment = gbuffer_frag;
+    pipeline.vertex = host_shader("gbuffer.vert");
+    pipeline.fragment = host_shader("gbuffer.frag");
     pipeline.fragment_constants = &specialization;
     pipeline.input.vertexBindingDescriptionCount = 1;
     pipeline.input.pVertexBindingDescriptions = &binding;

@@ -1,7 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "host/shader_module.h"
 
+#include <stdexcept>
+
+#include "graph/embedded_file.h"
+
 namespace penumbra {
+
+std::span<const EmbeddedFile> host_shaders();
+
+std::span<const uint32_t> host_shader(std::string_view name) {
+    const EmbeddedFile* file = find_embedded(host_shaders(), name);
+    if (!file) throw std::logic_error("the build has not embedded " + std::string(name));
+    return {reinterpret_cast<const uint32_t*>(file->bytes.data()), file->bytes.size() / sizeof(uint32_t)};
+}
 
 Owned<VkShaderModule> make_shader_module(const Device& device, std::span<const uint32_t> code,
                                          const char* what) {

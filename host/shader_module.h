@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
-// The host's graphics shaders, embedded by the build as arrays of words.
+// The host's graphics shaders, compiled and embedded by the build.
 #pragma once
 
 #include <span>
+#include <string_view>
 
 #include "host/device.h"
 
 namespace penumbra {
+
+// SPIR-V of host/shaders/NAME.
+std::span<const uint32_t> host_shader(std::string_view name);
 
 Owned<VkShaderModule> make_shader_module(const Device& device, std::span<const uint32_t> code,
                                          const char* what);
