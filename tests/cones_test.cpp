@@ -4,7 +4,7 @@
 // the pixels in penumbra, counted by the same rays.
 #include <map>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 #include "nodes/nodes.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"

@@ -7,7 +7,7 @@
 
 #include "app/commands.h"
 #include "graph/dump.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 #include "nodes/nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/gpu_test.h"

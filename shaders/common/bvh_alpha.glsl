@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Which triangles of the tree are alpha-tested, and whether such a triangle blocks where it is hit. Layout:
-// host/scene_alpha.h. In a scene without any, nothing is read and nothing compiled but a constant.
+// host/scene/scene_alpha.h. In a scene without any, nothing is read and nothing compiled but a constant.
 //
 // Includer declares, where SCENE_ALPHA is defined: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map.
 #ifdef SCENE_ALPHA

@@ -30,7 +30,7 @@ bool covers(Walk walk, uint first) {
         const bool second = (word & 4u) != 0u;
         const Leaf corners = cone_leaf(cone, leaf);
         const uvec4 across = texelFetch(neighbours, int(leaf));
-        // Two triangles of a leaf are each other's neighbours; see host/bvh.h for the words of the other edges.
+        // Two triangles of a leaf are each other's neighbours; see host/bvh/bvh.h for the words of the other edges.
         const bool pair = corners.v3 != corners.v2;
         vec3 a = second ? corners.v2 : corners.v0, b = corners.v1, c = second ? corners.v3 : corners.v2;
         uvec3 next = second ? uvec3(across.z, across.w, leaf << 4)

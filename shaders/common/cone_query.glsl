@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One question to the hierarchy of host/bvh.h: does a cone of shadow rays meet nothing, is it blocked by a surface that
+// One question to the hierarchy of host/bvh/bvh.h: does a cone of shadow rays meet nothing, is it blocked by a surface that
 // closes it off (common/closing_patch.glsl), or neither? The first two are proofs that no ray of the cone is needed.
 // A cone that has met something is followed along its axis only: what remains to be found is a cover.
 //
