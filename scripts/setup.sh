@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what building and running penumbra takes, on Debian 12 or a relative: `scripts/setup.sh`; with --test also what the
-# tests and the scripts that measure take; with --dev also clang, clang-format, clang-tidy and shellcheck. Does nothing,
+# tests and the scripts that measure take; with --dev also ccache, clang, clang-format, clang-tidy and shellcheck. Does nothing,
 # quickly, where all is there.
 # The software Vulkan driver comes from bookworm-backports (Mesa 25) where that can be had, else from the release
 # (Mesa 22.3.6); both are tested. PENUMBRA_STOCK_MESA=1 leaves the system's Mesa alone; PENUMBRA_SKIP_SETUP=1 installs
@@ -11,7 +11,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 source "$root/scripts/apt.sh"
 
 packages=(
-    g++ cmake ninja-build ccache
+    g++ cmake ninja-build
     libvulkan-dev
     glslang-dev glslang-tools # the library's CMake package insists on the tools
     spirv-tools               # libraries, CMake package and spirv-val in one
@@ -26,7 +26,7 @@ if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
         python3                       # scripts that compare
     )
 fi
-[[ ${1:-} == --dev ]] && packages+=(clang-14 clang-format-14 clang-tidy-14 shellcheck)
+[[ ${1:-} == --dev ]] && packages+=(ccache clang-14 clang-format-14 clang-tidy-14 shellcheck)
 driver="mesa-vulkan-drivers"
 
 if [[ ${PENUMBRA_SKIP_SETUP:-} == 1 ]]; then
