@@ -7,10 +7,10 @@
 
 namespace penumbra {
 
-std::optional<Facts> parse_facts(const std::string& text) {
+std::optional<Facts> parse_facts(const std::string& text, const Domain& domain) {
     Facts facts;
     std::istringstream words(text);
-    const std::vector<std::string> known(fact_names.begin(), fact_names.end());
+    const std::vector<std::string> known = domain.fact_list();
     for (std::string word; std::getline(words, word, ',');) {
         const bool negated = word.starts_with('!');
         const std::string name = word.substr(negated ? 1 : 0);

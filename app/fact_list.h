@@ -5,11 +5,11 @@
 #include <optional>
 #include <string>
 
-#include "graph/node_type.h"
+#include "graph/plan.h"
 
 namespace penumbra {
 
-// "a,!b"; nothing, and a message on stderr, where a name is no fact.
-std::optional<Facts> parse_facts(const std::string& text);
+// "a,!b"; nothing, and a message on stderr, where a name is no fact of the domain.
+std::optional<Facts> parse_facts(const std::string& text, const Domain& domain);
 
 }  // namespace penumbra

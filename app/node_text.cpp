@@ -41,13 +41,13 @@ std::string joined(const std::vector<std::string>& words, const char* separator)
 }
 
 std::string describe(const Port& port) {
-    std::string text = kind_name(port.kind);
+    std::string text = port.bundle ? port.bundle->kind : kind_name(port.kind);
     if (!port.formats.empty()) text += " " + joined(format_names_of(port), "|");
     if (!port.element.empty()) text += " " + port.element;
     if (!port.updates.empty()) text = "updates " + port.updates;
     if (port.previous) text += ", previous frame's";
     if (port.optional) text += ", optional";
-    if (!port.condition.empty()) text += ", if " + to_string(port.condition);
+    if (!port.condition.always()) text += ", if " + to_string(port.condition);
     if (!port.ranges.empty()) text += ", " + describe_ranges(port.ranges);
     return text;
 }

@@ -20,15 +20,16 @@ OrderedJson declaration_json(const NodeType& type) {
     OrderedJson inputs = OrderedJson::object(), outputs = OrderedJson::object(),
                 params = OrderedJson::object();
     for (const Port& port : type.ports)
-        (port.output ? outputs : inputs)[port.name] = {{"kind", kind_name(port.kind)},
-                                                       {"formats", format_names_of(port)},
-                                                       {"element", port.element},
-                                                       {"updates", port.updates},
-                                                       {"previous", port.previous},
-                                                       {"optional", port.optional},
-                                                       {"if", to_string(port.condition)},
-                                                       {"range", port.ranges},
-                                                       {"doc", port.doc}};
+        (port.output ? outputs : inputs)[port.name] = {
+            {"kind", port.bundle ? port.bundle->kind : kind_name(port.kind)},
+            {"formats", format_names_of(port)},
+            {"element", port.element},
+            {"updates", port.updates},
+            {"previous", port.previous},
+            {"optional", port.optional},
+            {"if", to_string(port.condition)},
+            {"range", port.ranges},
+            {"doc", port.doc}};
     for (const Param& param : type.params) {
         params[param.name] = {{"type", type_name(param.type)}, {"default", json_of(param.default_value)},
                               {"values", param.values},        {"unit", param.unit},

@@ -8,6 +8,7 @@
 #include "app/fact_list.h"
 #include "app/node_folders.h"
 #include "app/pipeline_file.h"
+#include "app/plan_json.h"
 #include "app/session.h"
 
 namespace penumbra {
@@ -28,7 +29,7 @@ int run_plan(const PlanArguments& arguments) {
     const auto nodes = open_nodes(arguments.node_folders);
     if (!nodes) return exit_wrong;
     const auto size = parse_size(arguments.size);
-    const auto facts = parse_facts(arguments.facts);
+    const auto facts = parse_facts(arguments.facts, *nodes->domain());
     const auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, *nodes);
     if (!size || !facts || !pipeline) return exit_wrong;
     Target target;
@@ -36,15 +37,14 @@ int run_plan(const PlanArguments& arguments) {
     target.facts = *facts;
     target.device = reference_device();
     // The sun's maps have a size of their own: as the standalone host draws them.
-    const auto many = facts->find("many_cascades");
-    const uint32_t layers = many == facts->end() || many->second ? max_cascades : 1;
-    const Target host = standalone_target(target.device, *size, *facts, {1024, 1024}, layers);
-    for (const char* maps : {"cascade_maps", "cascade_bounds"}) target.inputs[maps] = host.inputs.at(maps);
+    for (const auto& [name, resource] :
+         standalone_target(*pipeline, target.device, *size, *facts, {1024, 1024}, max_cascades).inputs)
+        if (name.starts_with("cascade_")) target.inputs[name] = resource;
     Diagnostics diagnostics;
     CompileOptions options;
     options.alias = !arguments.no_alias;
     options.optimum_search_nodes = report_search_nodes;
-    const auto plan = compile(*pipeline, *nodes, target, options, diagnostics);
+    const auto plan = compile(*pipeline, target, options, diagnostics);
     if (!plan) {
         std::cerr << diagnostics.text();
         return exit_wrong;

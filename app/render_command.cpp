@@ -39,10 +39,10 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     if (!pipeline || !shot) return std::nullopt;
     const auto size = arguments.size.empty() ? std::optional(shot->size) : parse_size(arguments.size);
     const auto frames = parse_frames(arguments.frames, shot->frames);
-    const auto facts = parse_facts(arguments.facts);
+    const auto facts = parse_facts(arguments.facts, *nodes.domain());
     if (!size || !frames || !facts) return std::nullopt;
     Job job{std::move(*pipeline), std::move(*shot), *size, *frames, *facts, {}, {}};
-    job.graph_captures = job.pipeline.outputs;
+    job.graph_captures = job.pipeline.output_names();
     for (const std::string& name : arguments.captures) {
         auto& list = is_host_image(name) ? job.host_captures : job.graph_captures;
         if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);

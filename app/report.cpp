@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/plan_json.h"
+
 namespace penumbra {
 namespace {
 
@@ -50,12 +52,9 @@ OrderedJson passes_with_costs(const Plan& plan, std::span<const FrameCost> costs
         passes[p]["ms"] = {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}};
         passes[p]["cpu_ms"] = {{"median", median(cpu)}};
         OrderedJson counters = OrderedJson::object();
-        if (plan.passes[p].entry)
-            for (size_t i = 0; i < plan.passes[p].entry->type.counters.size(); ++i)
-                counters[plan.passes[p].entry->type.counters[i]] =
-                    median_count(collect(costs, [&](const FrameCost& c) {
-                        return std::optional<double>(c.passes[p].counters[i]);
-                    }));
+        for (size_t i = 0; i < plan.passes[p].counters.size(); ++i)
+            counters[plan.passes[p].counters[i]] = median_count(collect(
+                costs, [&](const FrameCost& c) { return std::optional<double>(c.passes[p].counters[i]); }));
         passes[p]["counters"] = counters;
     }
     return passes;

@@ -180,21 +180,17 @@ class Measuring {
 // Pipelines as they would run by themselves on the first shot: without captures, with the smallest heap
 // looked for.
 std::optional<std::vector<PipelinePlan>> plan_pipelines(const Job& job, const Device& device,
-                                                        const NodeSet& nodes, const Facts& facts,
-                                                        Diagnostics& diagnostics) {
+                                                        const Facts& facts, Diagnostics& diagnostics) {
     DeviceTable table = device_table(handles_of(device));
-    table.ray_query = device.caps().ray_query;
-    table.storage8 = device.caps().storage8;
+    table.features = features_of(device);
     CompileOptions options;
     options.optimum_search_nodes = report_search_nodes;
     std::vector<PipelinePlan> plans;
     for (size_t c = 0; c < job.results.contenders.size(); ++c) {
         const Contender& contender = job.results.contenders[c];
         if (contender.brute_force) continue;
-        Target target = standalone_target(table, job.results.study.size, facts);
-        for (const HostInput& input : contender.pipeline.inputs)
-            if (input.optional && !standalone_has_input(input.name)) target.left_out.insert(input.name);
-        auto plan = compile(contender.pipeline, nodes, target, options, diagnostics);
+        const Target target = standalone_target(contender.pipeline, table, job.results.study.size, facts);
+        auto plan = compile(contender.pipeline, target, options, diagnostics);
         if (!plan) return std::nullopt;
         plans.push_back({c, std::move(*plan)});
     }
@@ -229,7 +225,7 @@ int run_report(const ReportArguments& arguments) {
     std::optional<std::vector<PipelinePlan>> plans;
     if (scene) {
         const StandaloneHost host(device, first, std::move(*scene), {first.size, 1, false});
-        plans = plan_pipelines(*job, device, *nodes, host.facts(), diagnostics);
+        plans = plan_pipelines(*job, device, host.facts(), diagnostics);
     }
     if (!plans) {
         std::cerr << diagnostics.text();

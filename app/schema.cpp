@@ -43,9 +43,8 @@ Schema described(Schema schema, const std::string& description) {
     return schema;
 }
 
-// As graph/formula.h has it; which parameters exist is beyond a pattern.
-Schema condition() {
-    std::vector<std::string> facts(fact_names.begin(), fact_names.end());
+// As graph/condition.h has it; which parameters exist is beyond a pattern.
+Schema condition(const std::vector<std::string>& facts) {
     const std::string blank = "[ \\t]*", id = "[a-z][a-z0-9_]{0,63}";
     const std::string compared = "(" + blank + "(=|!=|<=?|>=?)" + blank + "[^&|<>=! \\t]([^&|<>=!]*))?";
     const std::string literal =
@@ -99,11 +98,11 @@ class Maker {
     }
 
     Schema wire(const NodeType& type, const Port& port) const {
-        const bool certain = port.condition.empty();
+        const bool certain = port.condition.always();
         bool updated = false;
         for (const Port& other : type.ports)
             updated = updated || (other.output && other.updates == port.name);
-        const bool has_no_past = port.kind == PortKind::block || port.kind == PortKind::scene || updated;
+        const bool has_no_past = port.kind == PortKind::block || port.bundle || updated;
         const char* name = "value";
         if (port.output || (certain && has_no_past)) name = "id";
         if (!port.output && certain && port.previous) name = "previous";
@@ -173,7 +172,7 @@ class Maker {
         std::vector<std::string> required;
         for (const Port& port : type.ports) {
             (port.output ? out : in)[port.name] = wire(type, port);
-            if (port.previous && !port.optional && port.condition.empty()) required.push_back(port.name);
+            if (port.previous && !port.optional && port.condition.always()) required.push_back(port.name);
         }
         for (const Param& p : type.params) params[p.name] = param(p);
         Schema schema = {{"properties",
@@ -206,18 +205,22 @@ class Maker {
     }
 
     Schema input() const {
-        const std::vector<std::string> kinds = {"image", "texels", "buffer", "block", "scene"};
+        std::vector<std::string> kinds = {"image", "texels", "buffer", "block"},
+                                 no_texels = {"buffer", "block"};
+        for (const Bundle& bundle : nodes_.domain()->bundles) {
+            kinds.push_back(bundle.kind);
+            no_texels.push_back(bundle.kind);
+        }
         const Schema extent = {
             {"anyOf", Schema::array({words({"frame", "any"}), whole_numbers(1, 65536, 2)})}};
         Schema schema = object(
             {{"kind", value(described(words(kinds), "default: what the readers take"))},
              {"format", value(use("format"))},
              {"extent", value(described(extent, "default: frame"))},
-             {"history", value(described(words({"host", "copy"}), "who keeps the value for @-1"))},
+             {"history", value(described(words({"host"}), "the host also brings the value for @-1"))},
              {"optional", value({{"type", "boolean"}, {"description", "the host may leave it out"}})}});
         if (patch_) return schema;
-        schema["if"] = {{"required", {"kind"}},
-                        {"properties", {{"kind", words({"buffer", "block", "scene"})}}}};
+        schema["if"] = {{"required", {"kind"}}, {"properties", {{"kind", words(no_texels)}}}};
         schema["then"] = {{"properties", {{"format", false}, {"extent", false}}}};
         return schema;
     }
@@ -282,7 +285,7 @@ nlohmann::ordered_json pipeline_schema(const NodeSet& nodes) {
                           {"value", text(value_pattern)},
                           {"previous", text(previous_pattern)},
                           {"format", words(format_names())},
-                          {"condition", condition()}};
+                          {"condition", condition(nodes.domain()->fact_list())}};
     Maker(nodes, false).define(definitions);
     Maker(nodes, true).define(definitions);
     return {

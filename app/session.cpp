@@ -10,6 +10,7 @@
 #include <ctime>
 
 #include "app/commands.h"
+#include "app/validate.h"
 
 namespace penumbra {
 namespace {
@@ -47,8 +48,16 @@ DeviceHandles handles_of(const Device& device) {
     return {device.instance(), device.physical(), device.get(), device.queue_family()};
 }
 
-Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size, const Facts& facts,
-                         Extent cascade_extent, uint32_t cascades) {
+std::set<std::string> features_of(const Device& device) {
+    std::set<std::string> features;
+    if (device.caps().ray_query) features.insert("ray_query");
+    if (device.caps().storage8) features.insert("storage8");
+    return features;
+}
+
+Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& device,
+                         std::array<uint32_t, 2> size, const Facts& facts, Extent cascade_extent,
+                         uint32_t cascades) {
     Target target;
     target.extent = {size[0], size[1]};
     target.facts = facts;
@@ -59,6 +68,11 @@ Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size
                      {"albedo", {Format::rgba8, target.extent}},
                      {"cascade_maps", {Format::d32, cascade_extent, cascades}},
                      {"cascade_bounds", {Format::rgba32f, cascade_extent, cascades}}};
+    std::erase_if(target.inputs, [&](const auto& input) {
+        return std::ranges::find(pipeline.inputs, input.first, &HostInput::name) == pipeline.inputs.end();
+    });
+    for (const HostInput& input : pipeline.inputs)
+        if (input.optional && !standalone_has_input(input.name)) target.left_out.insert(input.name);
     return target;
 }
 
@@ -72,8 +86,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     session->seed_ = options.seed.value_or(shot.seed);
     session->pass_costs_ = options.pass_costs;
     DeviceTable table = device_table(handles_of(device));
-    table.ray_query = device.caps().ray_query;
-    table.storage8 = device.caps().storage8;
+    table.features = features_of(device);
 
     if (std::max(options.size[0], options.size[1]) > table.max_image_extent) {
         diagnostics.add({}, "size",
@@ -95,19 +108,15 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
     Facts facts = options.facts;
     facts.merge(session->host_->facts());  // keeps what is there
-    Target target =
-        standalone_target(table, options.size, facts, {options.cascade_size, options.cascade_size},
+    const Target target =
+        standalone_target(pipeline, table, options.size, facts, {options.cascade_size, options.cascade_size},
                           session->host_->cascade_layers());
-    for (const HostInput& input : pipeline.inputs)
-        if (input.optional &&
-            std::find(known_slots.begin(), known_slots.end(), input.name) == known_slots.end())
-            target.left_out.insert(input.name);
     std::optional<CheckedPipeline> validating;
     if (options.validate) {
         validating = with_validation(pipeline, nodes, diagnostics);
         if (!validating) return nullptr;
     }
-    auto plan = compile(validating ? *validating : pipeline, nodes, target, compile_options, diagnostics);
+    auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;
     session->host_->set_jitter(options.jitter && plan->jitter);
@@ -156,7 +165,7 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "scene.nodes") b.texels = bvh_->nodes();
         if (slot.name == "scene.leaves") b.texels = bvh_->leaves();
         if (slot.name == "neighbours") b.texels = bvh_->neighbours();
-        if (slot.name == "scene.tlas") b.tlas = tlas_->get();
+        if (slot.name == "scene.tlas") b.structure = tlas_->get();
         if (slot.name == "cascades") b.buffer = cascades_.get();
         if (slot.name == "cascade_maps") b.image = cascade_maps_->maps().view.get();
         if (slot.name == "cascade_bounds") b.image = cascade_maps_->bounds().view.get();
@@ -167,8 +176,9 @@ std::vector<SlotBinding> Session::bind_slots() const {
 }
 
 void Session::set_param(std::string_view name, const ParamValue& value) {
-    for (const PlanPass& pass : plan().passes)
-        if (pass.entry && pass.entry->type.param(name)) view_->set_param(pass.node, name, value);
+    for (size_t p = 0; p < plan().passes.size(); ++p)
+        for (size_t i = 0; i < plan().passes[p].params.size(); ++i)
+            if (plan().passes[p].params[i].param.name == name) view_->set_param(p, i, value);
 }
 
 FrameCost Session::repeat_frame() {

@@ -89,8 +89,13 @@ class Session {
 // Whether the standalone host brings an input of this name.
 bool standalone_has_input(std::string_view name);
 
-// Host inputs that the standalone host can provide, in the formats it renders.
-Target standalone_target(const DeviceTable& device, std::array<uint32_t, 2> size, const Facts& facts,
+// What a node type's "needs" may ask for, of what is enabled on the device.
+std::set<std::string> features_of(const Device& device);
+
+// The pipeline's inputs that the standalone host provides, in the formats it renders; optional ones that it
+// does not know are left out.
+Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& device,
+                         std::array<uint32_t, 2> size, const Facts& facts,
                          Extent cascade_extent = {1024, 1024}, uint32_t cascades = 1);
 
 DeviceHandles handles_of(const Device& device);

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/validate.h"
+#include "app/validate.h"
 #include "graph/view.h"
 
 namespace penumbra {

@@ -132,7 +132,7 @@ std::vector<PassUse> joined(const std::vector<PassUse>& uses) {
     return result;
 }
 
-void run_frame(Plan& plan, Simulation& simulation, uint32_t parity, const Use& output_use) {
+void run_frame(Plan& plan, Simulation& simulation, uint32_t parity) {
     for (uint32_t p = 0; p < plan.passes.size(); ++p) {
         PlanPass& pass = plan.passes[p];
         Dependency before, after_clears;
@@ -160,18 +160,18 @@ void run_frame(Plan& plan, Simulation& simulation, uint32_t parity, const Use& o
     }
     Dependency end;
     for (const PlanOutput& output : plan.outputs)
-        simulation.require(end, output.resource, parity, output_use, false);
+        simulation.require(end, output.resource, parity, output.use, false);
     simulation.apply(end);
-    for (const PlanOutput& output : plan.outputs) simulation.done(output.resource, parity, output_use);
+    for (const PlanOutput& output : plan.outputs) simulation.done(output.resource, parity, output.use);
     plan.end[parity] = std::move(end);
 }
 
 }  // namespace
 
-void place_barriers(Plan& plan, const Use& output_use) {
+void place_barriers(Plan& plan) {
     Simulation simulation(plan);
     // The first circle starts from nothing; by the third every frame repeats what it did two frames before.
-    for (uint32_t frame = 0; frame < 6; ++frame) run_frame(plan, simulation, frame & 1, output_use);
+    for (uint32_t frame = 0; frame < 6; ++frame) run_frame(plan, simulation, frame & 1);
 }
 
 }  // namespace penumbra

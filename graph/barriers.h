@@ -7,6 +7,6 @@
 namespace penumbra {
 
 // Fills before, after_clears and end of a plan whose uses, lifetimes and offsets are known.
-void place_barriers(Plan& plan, const Use& output_use);
+void place_barriers(Plan& plan);
 
 }  // namespace penumbra

@@ -10,7 +10,6 @@
 #include "graph/check_dataflow.h"
 #include "graph/condition.h"
 #include "graph/json_reader.h"
-#include "graph/node_set.h"
 
 namespace penumbra {
 
@@ -26,20 +25,20 @@ class Checker {
         result_.name = pipeline_.name;
         result_.doc = pipeline_.doc;
         result_.file = pipeline_.file;
+        result_.domain = set_.domain();
         result_.inputs = pipeline_.inputs;
-        result_.resources = pipeline_.resources;
-        for (const OutputName& output : pipeline_.outputs) result_.outputs.push_back(output.name);
+        for (HostInput& input : result_.inputs) find_kind(input);
         for (const PipelineNode& node : pipeline_.nodes) find_type(node);
         settle_conditions();
         bind_outputs();
         bind_inputs();
-        for (const auto& [name, use] : flow_.resources)
-            for (const PortUse& reader : use.readers) check_name(name, use, reader);
+        for (const auto& [name, id] : ids_) flow_.by_name.push_back(id);
+        for (const uint32_t id : flow_.by_name)
+            for (const PortUse& reader : flow_.resources[id].readers) check_name(flow_.resources[id], reader);
         check_settings();
         check_outputs();
-        flow_.outputs = pipeline_.outputs;
-        check_wires(flow_, result_.inputs, set_, diagnostics_);
-        check_dataflow(flow_, diagnostics_);
+        check_wires(flow_, result_.inputs, result_.resources, diagnostics_);
+        result_.edges = check_dataflow(flow_, diagnostics_);
         if (diagnostics_.size() != errors) return std::nullopt;
         return std::move(result_);
     }
@@ -48,19 +47,57 @@ class Checker {
     void error(const Place& place, std::string path, std::string message) {
         diagnostics_.add(place, std::move(path), std::move(message));
     }
-    void error(const PortUse& use, std::string message) { error(use.place, use.path, std::move(message)); }
+    void error(const PortUse& use, std::string message) {
+        error(use.bound->place, use.path, std::move(message));
+    }
+
+    uint32_t id_of(const std::string& name) {
+        const auto [at, added] = ids_.try_emplace(name, static_cast<uint32_t>(ids_.size()));
+        if (added) {
+            result_.resources.push_back({.name = name});
+            flow_.resources.push_back({.name = name});
+        }
+        return at->second;
+    }
+    const ResourceUse* find_use(const std::string& name) const {
+        const auto found = ids_.find(name);
+        return found == ids_.end() ? nullptr : &flow_.resources[found->second];
+    }
+
+    void find_kind(HostInput& input) {
+        const std::string path = "inputs." + input.name;
+        if (input.kind_word.empty()) return;
+        std::vector<std::string> words;
+        for (const PortKind kind : {PortKind::image, PortKind::texels, PortKind::buffer, PortKind::block}) {
+            words.emplace_back(kind_name(kind));
+            if (input.kind_word == words.back()) input.kind = kind;
+        }
+        for (const Bundle& bundle : result_.domain->bundles) {
+            words.push_back(bundle.kind);
+            if (input.kind_word != bundle.kind) continue;
+            input.kind = PortKind::bundle;
+            input.bundle = &bundle;
+        }
+        if (!input.kind)
+            return error(input.kind_place, path + ".kind",
+                         fmt::format("no value \"{}\" (values: {}){}", input.kind_word, join(words),
+                                     did_you_mean(input.kind_word, words)));
+        if (*input.kind == PortKind::image || *input.kind == PortKind::texels) return;
+        const std::string message = "does not apply to kind " + input.kind_word;
+        if (input.format_place) error(*input.format_place, path + ".format", message);
+        if (input.extent_place) error(*input.extent_place, path + ".extent", message);
+    }
 
     void find_type(const PipelineNode& node) {
         const std::string path = "nodes." + node.id;
-        const NodeEntry* entry = set_.find(node.type);
+        std::shared_ptr<const NodeEntry> entry = set_.share(node.type);
         if (!entry) {
             error(node.type_place, path + ".type",
                   fmt::format("no node type \"{}\"{}", node.type, did_you_mean(node.type, set_.names())));
             unknown_type_ = true;
             return;
         }
-        BoundNode bound{
-            .id = node.id, .type = &entry->type, .condition = to_string(node.condition), .place = node.place};
+        BoundNode bound{.id = node.id, .entry = entry, .place = node.place};
         bind_params(node, bound);
         check_ports(node, entry->type, node.in, false);
         check_ports(node, entry->type, node.out, true);
@@ -72,35 +109,53 @@ class Checker {
 
     void bind_params(const PipelineNode& node, BoundNode& bound) {
         std::vector<std::string> names;
-        for (const Param& param : bound.type->params) {
+        for (const Param& param : bound.type().params) {
             names.push_back(param.name);
-            bound.params[param.name] = param.default_value;
+            bound.params.push_back(param.default_value);
+            bound.set.push_back(false);
         }
         for (const JsonMember& member : node.params) {
             const std::string path = fmt::format("nodes.{}.params.{}", node.id, member.key);
-            const Param* param = bound.type->param(member.key);
-            if (!param) {
+            const auto name = std::ranges::find(names, member.key);
+            if (name == names.end()) {
                 error(member.key_place, path,
                       fmt::format("node type \"{}\" has no parameter \"{}\"{}", node.type, member.key,
                                   did_you_mean(member.key, names)));
                 continue;
             }
-            bound.set_by_user[param->name] = true;
-            if (const auto value = parse_param_value(*param, member.value, path, diagnostics_))
-                bound.params[param->name] = *value;
+            const auto i = static_cast<size_t>(name - names.begin());
+            bound.set[i] = true;
+            if (const auto value =
+                    parse_param_value(bound.type().params[i], member.value, path, diagnostics_))
+                bound.params[i] = *value;
         }
     }
 
     // A node that runs under no facts stays: its names and wires are checked as any other's, and it gets in
     // nobody's way.
     void settle_conditions() {
-        const auto find = [&](const std::string& id, const std::string& param) {
-            return find_param(id, param);
-        };
-        for (size_t i = 0; i < result_.nodes.size(); ++i)
-            if (const auto cases =
-                    settle(sources_[i]->condition, find, "nodes." + sources_[i]->id + ".if", diagnostics_))
-                result_.nodes[i].cases = *cases;
+        const auto of_pipeline = [&](const Atom& atom) { return find_param(atom.node, atom.name); };
+        for (size_t i = 0; i < result_.nodes.size(); ++i) {
+            BoundNode& node = result_.nodes[i];
+            const std::string path = "nodes." + node.id + ".if";
+            if (const auto& json = sources_[i]->condition)
+                if (const auto condition =
+                        parse_condition(*json, *result_.domain, true, path, diagnostics_)) {
+                    node.condition = to_string(*condition);
+                    if (const auto cases = settle(*condition, of_pipeline, path, diagnostics_))
+                        node.cases = *cases;
+                }
+            // A declaration's own conditions have been checked with it.
+            const auto own = [&](const Atom& atom) -> KnownParam {
+                const auto param = std::ranges::find(node.type().params, atom.name, &Param::name);
+                return {.param = &*param,
+                        .value = &node.params[static_cast<size_t>(param - node.type().params.begin())]};
+            };
+            for (BoundPort& bound : node.ports)
+                bound.cases = settle(bound.port->condition, own, path, diagnostics_).value_or(FactCases());
+            for (const Table& table : node.type().tables)
+                node.tables.push_back(settle(table.condition, own, path, diagnostics_).value_or(FactCases()));
+        }
     }
 
     KnownParam find_param(const std::string& id, const std::string& name) const {
@@ -112,18 +167,20 @@ class Checker {
         }
         const auto node = std::ranges::find(result_.nodes, id, &BoundNode::id);
         if (node == result_.nodes.end()) return {};  // of unknown type, which has been said
-        const Param* param = node->type->param(name);
-        if (!param) {
+        const NodeType& type = node->type();
+        const auto param = std::ranges::find(type.params, name, &Param::name);
+        if (param == type.params.end()) {
             std::vector<std::string> names;
-            for (const Param& p : node->type->params) names.push_back(p.name);
+            for (const Param& p : type.params) names.push_back(p.name);
             return {.problem = fmt::format("node \"{}\" of type \"{}\" has no parameter \"{}\"{}", id,
-                                           node->type->name, name, did_you_mean(name, names))};
+                                           type.name, name, did_you_mean(name, names))};
         }
-        const bool by_class = node->type->cpu.params.contains(name) || node->type->gpu.params.contains(name);
-        if (by_class && !node->set_by_user.contains(name))
+        const auto i = static_cast<size_t>(param - type.params.begin());
+        const bool by_class = type.cpu.params.contains(name) || type.gpu.params.contains(name);
+        if (by_class && !node->set[i])
             return {.problem = fmt::format(
                         "\"{}.{}\" depends on the device where the pipeline does not set it", id, name)};
-        return {.param = param, .value = &node->params.at(name)};
+        return {.param = &*param, .value = &node->params[i]};
     }
 
     void check_ports(const PipelineNode& node, const NodeType& type, const std::vector<Wire>& wires,
@@ -143,35 +200,29 @@ class Checker {
         }
     }
 
-    // The facts under which a port exists, or nothing where the node's parameters or facts rule it out of a
-    // node that runs.
-    static std::optional<FactCases> cases_of_port(const BoundNode& node, const Port& port) {
-        for (const Literal& literal : port.condition)
-            if (literal.value && !holds({literal}, {}, node.params)) return std::nullopt;
-        const FactCases cases = node.cases & cases_of(port.condition);
-        if (cases.none() && node.cases.any()) return std::nullopt;
-        return cases;
-    }
-
     static const Wire* wire_of(const PipelineNode& node, const Port& port) {
         const std::vector<Wire>& wires = port.output ? node.out : node.in;
         const auto found = std::ranges::find(wires, port.name, &Wire::port);
         return found == wires.end() ? nullptr : &*found;
     }
 
-    PortUse use_of(size_t node, const BoundPort& bound, const FactCases& cases) const {
-        const std::string path = fmt::format("nodes.{}.{}.{}", result_.nodes[node].id,
-                                             bound.port->output ? "out" : "in", bound.port->name);
-        return {node, &bound, cases, bound.place, path};
+    PortUse use_of(size_t node, const BoundPort& bound) const {
+        return {node, &bound,
+                fmt::format("nodes.{}.{}.{}", result_.nodes[node].id, bound.port->output ? "out" : "in",
+                            bound.port->name)};
     }
 
+    // Every port that its node's parameters and facts do not rule out. A node that runs under no facts is
+    // checked all the same.
     template <typename Visit>
     void each_port(bool outputs, Visit visit) {
         for (size_t i = 0; i < result_.nodes.size(); ++i)
-            for (BoundPort& bound : result_.nodes[i].ports)
-                if (bound.port->output == outputs)
-                    if (const auto cases = cases_of_port(result_.nodes[i], *bound.port))
-                        visit(i, bound, wire_of(*sources_[i], *bound.port), *cases);
+            for (BoundPort& bound : result_.nodes[i].ports) {
+                const FactCases both = bound.cases & result_.nodes[i].cases;
+                const bool ruled_out = bound.cases.none() || (both.none() && result_.nodes[i].cases.any());
+                if (bound.port->output == outputs && !ruled_out)
+                    visit(i, bound, wire_of(*sources_[i], *bound.port));
+            }
     }
 
     // The names that inputs and the pipeline's outputs ask for: an optional output exists if its name is
@@ -180,104 +231,122 @@ class Checker {
         std::map<std::string, std::vector<size_t>> wanted;  // name -> asking nodes
         for (const OutputName& output : pipeline_.outputs)
             wanted[output.name].push_back(result_.nodes.size());
-        each_port(false, [&](size_t node, const BoundPort& bound, const Wire* wire, const FactCases&) {
+        each_port(false, [&](size_t node, const BoundPort& bound, const Wire* wire) {
             wanted[wire ? wire->resource : bound.port->name].push_back(node);
         });
         return wanted;
     }
 
     void bind_outputs() {
-        for (const HostInput& input : result_.inputs) flow_.resources[input.name].host = &input;
+        for (uint32_t i = 0; i < result_.inputs.size(); ++i) {
+            const uint32_t id = id_of(result_.inputs[i].name);
+            result_.resources[id].input = i;
+            flow_.resources[id].host = &result_.inputs[i];
+        }
         const auto wanted = wanted_names();
         const auto asked_by_another = [&](const std::string& name, size_t node) {
             const auto found = wanted.find(name);
             return found != wanted.end() &&
                    std::ranges::any_of(found->second, [&](size_t n) { return n != node; });
         };
-        each_port(true, [&](size_t node, BoundPort& bound, const Wire* wire, const FactCases& cases) {
+        each_port(true, [&](size_t node, BoundPort& bound, const Wire* wire) {
             if (wire) bound.place = wire->place;
+            std::string name;
             if (wire)
-                bound.resource = wire->resource;
+                name = wire->resource;
             else if (!bound.port->optional || asked_by_another(bound.port->name, node))
-                bound.resource = bound.port->name;
-            if (bound.resource.empty()) {
+                name = bound.port->name;
+            if (name.empty()) {
                 if (!bound.port->optional)
-                    error(use_of(node, bound, {}), "only an optional port may be unbound (null)");
+                    error(use_of(node, bound), "only an optional port may be unbound (null)");
                 return;
             }
-            flow_.resources[bound.resource].writers.push_back(use_of(node, bound, cases));
+            bound.resource = id_of(name);
+            flow_.resources[bound.resource].writers.push_back(use_of(node, bound));
         });
     }
 
     void bind_inputs() {
-        each_port(false, [&](size_t node, BoundPort& bound, const Wire* wire, const FactCases& cases) {
+        each_port(false, [&](size_t node, BoundPort& bound, const Wire* wire) {
             const Port& port = *bound.port;
+            std::string name;
             if (wire) {
                 bound.place = wire->place;
-                bound.resource = wire->resource;
+                name = wire->resource;
                 bound.previous = wire->previous;
             } else if (!port.previous && (!port.optional || exists_beside(port.name, node))) {
-                bound.resource = port.name;
+                name = port.name;
             }
-            const PortUse use = use_of(node, bound, cases);
-            const bool unbound = bound.resource.empty() && port.optional;
+            if (!name.empty()) bound.resource = id_of(name);
+            const PortUse use = use_of(node, bound);
+            const bool unbound = name.empty() && port.optional;
             if (port.previous && !bound.previous && !unbound)
                 error(use, "must be wired to the previous frame's value of a name, as in \"NAME@-1\"");
-            else if (bound.resource.empty() && !port.optional)
+            else if (name.empty() && !port.optional)
                 error(use, "only an optional port may be unbound (null)");
-            if (!bound.resource.empty()) flow_.resources[bound.resource].readers.push_back(use);
+            if (!name.empty()) flow_.resources[bound.resource].readers.push_back(use);
         });
+        for (BoundNode& node : result_.nodes)
+            for (BoundPort& bound : node.ports) bound.cases &= node.cases;
     }
 
     // Whether somebody else than this node provides the name.
     bool exists_beside(const std::string& name, size_t node) const {
-        const auto found = flow_.resources.find(name);
-        if (found == flow_.resources.end()) return false;
-        return found->second.host || std::ranges::any_of(found->second.writers, [&](const PortUse& writer) {
-                   return writer.node != node;
-               });
+        const ResourceUse* use = find_use(name);
+        return use && (use->host || std::ranges::any_of(use->writers, [&](const PortUse& writer) {
+                           return writer.node != node;
+                       }));
     }
 
     std::vector<std::string> existing_names(bool written_only = false) const {
         std::vector<std::string> names;
-        for (const auto& [name, use] : flow_.resources)
+        for (const auto& [name, id] : ids_) {
+            const ResourceUse& use = flow_.resources[id];
             if (!use.writers.empty() || (use.host && !written_only)) names.push_back(name);
+        }
         return names;
     }
 
-    void check_name(const std::string& name, const ResourceUse& use, const PortUse& reader) {
+    void check_name(const ResourceUse& use, const PortUse& reader) {
         const Port& port = *reader.bound->port;
         if (!use.host && use.writers.empty()) {
             if (unknown_type_) return;  // the node of unknown type may well write it
             const bool own = !wire_of(*sources_[reader.node], port);
             error(reader,
-                  fmt::format("no resource named \"{}\"{}{}", name, own ? " (the port's own name)" : "",
-                              did_you_mean(name, existing_names())));
+                  fmt::format("no resource named \"{}\"{}{}", use.name, own ? " (the port's own name)" : "",
+                              did_you_mean(use.name, existing_names())));
             return;
         }
+        const Dispatch& dispatch = result_.nodes[reader.node].type().dispatch;
+        if (dispatch.kind == Dispatch::Kind::indirect && port.name == dispatch.indirect &&
+            (use.host || reader.bound->previous))
+            error(reader, "dispatch arguments must be written by a node of the same frame");
         if (!reader.bound->previous) return;
-        if (port.kind == PortKind::block || port.kind == PortKind::scene)
-            error(reader, fmt::format("a {} has no previous value", kind_name(port.kind)));
-        else if (use.host && use.host->history == HostInput::History::none)
-            error(reader,
-                  fmt::format(
-                      "\"{}\" is a host input without history; give it \"history\": \"host\" or \"copy\"",
-                      name));
+        if (port.kind == PortKind::block || port.bundle)
+            error(reader, fmt::format("a {} has no previous value", kind_word(port)));
+        else if (use.host && !use.host->history)
+            error(reader, fmt::format("\"{}\" is a host input without history; give it \"history\": \"host\"",
+                                      use.name));
         else if (is_kept(use))
-            error(reader, fmt::format("\"{}\" is kept in place, so its previous value is gone", name));
+            error(reader, fmt::format("\"{}\" is kept in place, so its previous value is gone", use.name));
+    }
+
+    static const char* kind_word(const Port& port) {
+        return port.bundle ? port.bundle->kind.c_str() : kind_name(port.kind);
     }
 
     void check_settings() {
         for (const ResourceSetting& setting : pipeline_.resources) {
-            const auto found = flow_.resources.find(setting.name);
-            const bool known = found != flow_.resources.end();
-            if (known && found->second.host)
+            const ResourceUse* use = find_use(setting.name);
+            if (use && use->host)
                 error(setting.place, "resources." + setting.name,
                       "a host input; its format is set in \"inputs\"");
-            else if ((!known || found->second.writers.empty()) && !unknown_type_)
+            else if ((!use || use->writers.empty()) && !unknown_type_)
                 error(setting.place, "resources." + setting.name,
                       fmt::format("no node writes \"{}\"{}", setting.name,
                                   did_you_mean(setting.name, existing_names(true))));
+            else if (use)
+                result_.resources[ids_.at(setting.name)].first = setting.first;
         }
     }
 
@@ -285,15 +354,15 @@ class Checker {
         for (size_t i = 0; i < pipeline_.outputs.size(); ++i) {
             const OutputName& output = pipeline_.outputs[i];
             const std::string path = fmt::format("outputs[{}]", i);
-            const auto found = flow_.resources.find(output.name);
-            const bool known = found != flow_.resources.end();
-            if (known && found->second.host)
+            const ResourceUse* use = find_use(output.name);
+            if (use && use->host)
                 error(output.place, path,
                       fmt::format("\"{}\" is a host input; an output is written by a node", output.name));
-            else if ((!known || found->second.writers.empty()) && !unknown_type_)
+            else if ((!use || use->writers.empty()) && !unknown_type_)
                 error(output.place, path,
                       fmt::format("no node writes \"{}\"{}", output.name,
                                   did_you_mean(output.name, existing_names(true))));
+            result_.outputs.push_back(use ? ids_.at(output.name) : no_resource);
         }
     }
 
@@ -302,11 +371,27 @@ class Checker {
     Diagnostics& diagnostics_;
     CheckedPipeline result_;
     std::vector<const PipelineNode*> sources_;  // of result_.nodes
-    Dataflow flow_{result_, {}, {}};
+    std::map<std::string, uint32_t> ids_;
+    Dataflow flow_{result_, pipeline_, {}, {}};
     bool unknown_type_ = false;
 };
 
 }  // namespace
+
+const CheckedResource* CheckedPipeline::resource(std::string_view resource_name) const {
+    const auto found = std::ranges::find(resources, resource_name, &CheckedResource::name);
+    return found == resources.end() ? nullptr : &*found;
+}
+
+std::vector<std::string> CheckedPipeline::output_names() const {
+    std::vector<std::string> names;
+    for (const uint32_t output : outputs) names.push_back(resources[output].name);
+    return names;
+}
+
+std::string CheckedPipeline::name_of(const BoundPort& bound) const {
+    return resources[bound.resource].name + (bound.previous ? "@-1" : "");
+}
 
 std::optional<CheckedPipeline> check(const Pipeline& pipeline, const NodeSet& nodes,
                                      Diagnostics& diagnostics) {

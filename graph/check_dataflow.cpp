@@ -11,74 +11,76 @@
 #include <set>
 #include <string_view>
 
-#include "graph/condition.h"
-
 namespace penumbra {
 
 namespace {
 
-// Facts in the order of their names, in which an error lists them; bit i of a case is fact_names[i].
-std::vector<size_t> facts_by_name() {
-    std::vector<size_t> order(fact_names.size());
+// The shortest condition, dropping facts greedily, that holds in bad cases only, as text. The example that it
+// starts from has as many facts true as can be, the last names first: true is the default, and the least
+// surprising counterexample.
+std::string describe(const FactCases& bad, const Domain& domain) {
+    std::vector<size_t> order(domain.facts.size());  // by name, in which an error lists them
     std::iota(order.begin(), order.end(), size_t{0});
-    std::ranges::sort(order, {}, [](size_t fact) { return std::string_view(fact_names[fact]); });
-    return order;
-}
-
-// The shortest condition, dropping facts greedily, that holds in bad cases only. The example that it starts
-// from has as many facts true as can be, the last names first: true is the default, and the least surprising
-// counterexample.
-Condition describe(const FactCases& bad) {
-    const std::vector<size_t> order = facts_by_name();
+    std::ranges::sort(order, {}, [&](size_t fact) { return std::string_view(domain.facts[fact].name); });
     FactCases left = bad;
     for (auto fact = order.rbegin(); fact != order.rend(); ++fact) {
-        const FactCases with = left & cases_of(fact_names[*fact], false);
+        const FactCases with = left & cases_of(*fact, false);
         if (with.any()) left = with;
     }
     size_t example = 0;
     while (!left[example]) ++example;
 
-    std::vector<bool> kept(fact_names.size(), true);
-    const auto condition = [&] {
-        Condition literals;
-        for (const size_t fact : order)
-            if (kept[fact]) literals.push_back({fact_names[fact], (example >> fact & 1) == 0, std::nullopt});
-        return literals;
-    };
+    std::vector<bool> kept(domain.facts.size(), true);
     for (const size_t fact : order) {
         kept[fact] = false;
-        if ((cases_of(condition()) & ~bad).any()) kept[fact] = true;
+        FactCases all = all_cases();
+        for (const size_t other : order)
+            if (kept[other]) all &= cases_of(other, (example >> other & 1) == 0);
+        if ((all & ~bad).any()) kept[fact] = true;
     }
-    return condition();
+    std::string text;
+    for (const size_t fact : order)
+        if (kept[fact])
+            text += (text.empty() ? "" : " & ") + std::string((example >> fact & 1) == 0 ? "!" : "") +
+                    domain.facts[fact].name;
+    return text;
 }
 
 class DataflowChecker {
   public:
     DataflowChecker(const Dataflow& dataflow, Diagnostics& diagnostics)
-        : dataflow_(dataflow), nodes_(dataflow.pipeline.nodes), diagnostics_(diagnostics) {}
+        : dataflow_(dataflow), nodes_(dataflow.pipeline.nodes), diagnostics_(diagnostics) {
+        updaters_.resize(dataflow_.resources.size());
+        for (const ResourceUse& use : dataflow_.resources)
+            for (const PortUse& writer : use.writers)
+                if (const BoundPort* updated = dataflow_.updated(writer);
+                    updated && updated->resource != no_resource)
+                    updaters_[updated->resource].push_back(&writer);
+        for (std::vector<const PortUse*>& list : updaters_) std::ranges::sort(list, {}, &PortUse::node);
+    }
 
-    void run() {
-        for (const auto& [name, use] : dataflow_.resources) {
-            check_single_writer(name, use);
-            check_presence(name, use);
-            check_updates(name, use);
+    std::vector<Edge> run() {
+        for (const uint32_t id : dataflow_.by_name) {
+            const ResourceUse& use = dataflow_.resources[id];
+            check_single_writer(use.name, use);
+            check_presence(use.name, use);
+            check_updates(id, use);
         }
         check_outputs();
-        check_cycles();
+        const std::vector<Wait> waits = order_within_frame();
+        check_cycles(waits, true, "nodes wait for each other within one frame");
+        check_cycles(sizes(), false, "sizes follow each other");
+        std::vector<Edge> edges;
+        for (const Wait& wait : waits) {
+            const Edge edge{static_cast<uint32_t>(wait.from), static_cast<uint32_t>(wait.to), wait.cases};
+            if (std::ranges::find(edges, edge) == edges.end()) edges.push_back(edge);
+        }
+        return edges;
     }
 
   private:
     void error(const PortUse& use, std::string message) {
-        diagnostics_.add(use.place, use.path, std::move(message));
-    }
-
-    static bool is_updater(const PortUse& writer) { return !writer.bound->port->updates.empty(); }
-
-    const BoundPort& updated_input(const PortUse& writer) const {
-        const BoundNode& node = nodes_[writer.node];
-        return *std::ranges::find_if(node.ports, [&](const BoundPort& bound) {
-            return bound.port->name == writer.bound->port->updates;
-        });
+        diagnostics_.add(use.bound->place, use.path, std::move(message));
     }
 
     void check_single_writer(const std::string& name, const ResourceUse& use) {
@@ -86,7 +88,7 @@ class DataflowChecker {
             if (use.host)
                 error(use.writers[i], fmt::format("\"{}\" is a host input; a node cannot write it", name));
             for (size_t j = 0; j < i; ++j)
-                if ((use.writers[i].cases & use.writers[j].cases).any())
+                if ((use.writers[i].bound->cases & use.writers[j].bound->cases).any())
                     error(
                         use.writers[i],
                         fmt::format(
@@ -97,11 +99,11 @@ class DataflowChecker {
     }
 
     // When something is needed and nobody writes it.
-    static std::optional<std::string> missing_writer(const ResourceUse& use, FactCases needed) {
-        for (const PortUse& writer : use.writers) needed &= ~writer.cases;
+    std::optional<std::string> missing_writer(const ResourceUse& use, FactCases needed) const {
+        for (const PortUse& writer : use.writers) needed &= ~writer.bound->cases;
         if (needed.none()) return std::nullopt;
-        const Condition facts = describe(needed);
-        return facts.empty() ? "with these parameters" : "where " + to_string(facts);
+        const std::string facts = describe(needed, *dataflow_.pipeline.domain);
+        return facts.empty() ? "with these parameters" : "where " + facts;
     }
 
     void check_presence(const std::string& name, const ResourceUse& use) {
@@ -117,149 +119,171 @@ class DataflowChecker {
                 continue;
             }
             if (use.writers.empty()) continue;  // reported where the name was looked up
-            if (const auto when = missing_writer(use, reader.cases))
+            if (const auto when = missing_writer(use, reader.bound->cases))
                 error(reader,
                       fmt::format("nobody writes \"{}\" {}, and the port is not optional", name, *when));
         }
     }
 
-    // Names that take over the memory of `name`, which must then be read before them and cannot outlive the
+    // Names that take over the memory of this one, which must then be read before them and cannot outlive the
     // frame.
-    void check_updates(const std::string& name, const ResourceUse& use) {
-        std::vector<const PortUse*> updaters;
-        for (const auto& [new_name, new_use] : dataflow_.resources)
-            for (const PortUse& writer : new_use.writers)
-                if (is_updater(writer) && updated_input(writer).resource == name) updaters.push_back(&writer);
-        std::ranges::sort(updaters, {}, [](const PortUse* updater) { return updater->node; });
-
+    void check_updates(uint32_t id, const ResourceUse& use) {
+        const std::string& name = use.name;
+        const std::vector<const PortUse*>& updaters = updaters_[id];
         for (size_t i = 0; i < updaters.size(); ++i) {
             const PortUse& updater = *updaters[i];
+            const BoundPort& updated = *dataflow_.updated(updater);
             if (use.host)
                 error(updater, fmt::format("\"{}\" is a host input, which cannot be updated", name));
             if (is_kept(use))
                 error(updater, fmt::format("\"{}\" is kept for the next frame and cannot be updated", name));
-            if (updated_input(updater).previous)
+            if (updated.previous)
                 error(updater,
                       fmt::format("\"{}@-1\" is the previous frame's value, which cannot be updated", name));
             for (size_t j = 0; j < i; ++j)
-                if ((updater.cases & updaters[j]->cases).any())
+                if ((updater.bound->cases & updaters[j]->bound->cases).any())
                     error(updater, fmt::format("\"{}\" is also updated by {}; a name has one updater", name,
                                                updaters[j]->path));
+            const std::string new_name = dataflow_.resources[updater.bound->resource].name;
             for (const PortUse& reader : use.readers)
-                if (reader.bound->previous && !updated_input(updater).previous && !use.host &&
-                    (reader.cases & updater.cases).any())
+                if (reader.bound->previous && !updated.previous && !use.host &&
+                    (reader.bound->cases & updater.bound->cases).any())
                     error(reader,
                           fmt::format("\"{}\" does not last to the next frame: {} updates it to \"{}\"; read "
                                       "\"{}@-1\"",
-                                      name, updater.path, updater.bound->resource,
-                                      last_of_chain(updater.bound->resource)));
-            const auto output = std::ranges::find(dataflow_.outputs, name, &OutputName::name);
-            if (output != dataflow_.outputs.end() && !updated_input(updater).previous && updater.cases.any())
+                                      name, updater.path, new_name, last_of_chain(updater.bound->resource)));
+            const auto& outputs = dataflow_.source.outputs;
+            const auto output = std::ranges::find(outputs, name, &OutputName::name);
+            if (output != outputs.end() && !updated.previous && updater.bound->cases.any())
                 diagnostics_.add(
                     output->place, output_path(*output),
                     fmt::format("\"{}\" does not last to the end of the frame: {} updates it to \"{}\"", name,
-                                updater.path, updater.bound->resource));
+                                updater.path, new_name));
         }
     }
 
-    std::string last_of_chain(const std::string& name) const {
-        std::string last = name;
-        for (size_t steps = 0; steps < dataflow_.resources.size(); ++steps) {
-            const std::string before = last;
-            for (const auto& [new_name, use] : dataflow_.resources)
-                for (const PortUse& writer : use.writers)
-                    if (is_updater(writer) && updated_input(writer).resource == before) last = new_name;
-            if (last == before) break;
-        }
-        return last;
+    const std::string& last_of_chain(uint32_t id) const {
+        for (size_t steps = 0; steps < updaters_.size() && !updaters_[id].empty(); ++steps)
+            id = updaters_[id].front()->bound->resource;
+        return dataflow_.resources[id].name;
     }
 
     std::string output_path(const OutputName& output) const {
-        return fmt::format("outputs[{}]", &output - dataflow_.outputs.data());
+        return fmt::format("outputs[{}]", &output - dataflow_.source.outputs.data());
     }
 
     void check_outputs() {
-        for (const OutputName& output : dataflow_.outputs) {
-            const auto found = dataflow_.resources.find(output.name);
-            if (found == dataflow_.resources.end() || found->second.host || found->second.writers.empty())
+        for (const OutputName& output : dataflow_.source.outputs) {
+            const auto found = std::ranges::find(dataflow_.resources, output.name, &ResourceUse::name);
+            if (found == dataflow_.resources.end() || found->host || found->writers.empty())
                 continue;  // reported where the name was looked up
-            if (const auto when = missing_writer(found->second, all_cases()))
+            if (const auto when = missing_writer(*found, all_cases()))
                 diagnostics_.add(output.place, output_path(output),
                                  fmt::format("nobody writes \"{}\" {}", output.name, *when));
         }
     }
 
-    struct Edge {
+    // `from` is needed for `to` in these cases: of nodes or of resources.
+    struct Wait {
         size_t from, to;
         FactCases cases;     // both ends exist
-        const PortUse* why;  // the port that asks for this order
+        const PortUse* why;  // the port that asks for it
     };
 
-    bool updates(size_t node, const std::string& name) const {
-        return std::ranges::any_of(nodes_[node].ports, [&](const BoundPort& bound) {
-            const std::string& input = bound.port->updates;
-            const auto is_source = [&](const BoundPort& other) {
-                return other.port->name == input && other.resource == name;
-            };
-            return !input.empty() && std::ranges::any_of(nodes_[node].ports, is_source);
-        });
+    bool updates(size_t node, uint32_t id) const {
+        return std::ranges::any_of(updaters_[id],
+                                   [&](const PortUse* updater) { return updater->node == node; });
     }
 
     // Within a frame: a writer comes before its readers, other readers of a name before its updater.
-    std::vector<Edge> edges() const {
-        std::vector<Edge> edges;
+    std::vector<Wait> order_within_frame() const {
+        std::vector<Wait> waits;
         const auto add = [&](const PortUse& first, const PortUse& second, const PortUse& why) {
-            const FactCases both = first.cases & second.cases;
-            if (both.any()) edges.push_back({first.node, second.node, both, &why});
+            const FactCases both = first.bound->cases & second.bound->cases;
+            if (both.any()) waits.push_back({first.node, second.node, both, &why});
         };
-        for (const auto& [name, use] : dataflow_.resources) {
+        for (const uint32_t id : dataflow_.by_name) {
+            const ResourceUse& use = dataflow_.resources[id];
             for (const PortUse& reader : use.readers) {
                 if (reader.bound->previous) continue;
                 for (const PortUse& writer : use.writers) add(writer, reader, reader);
-                if (updates(reader.node, name)) continue;  // a second updater is an error of its own
-                for (const auto& [new_name, new_use] : dataflow_.resources)
-                    for (const PortUse& updater : new_use.writers)
-                        if (is_updater(updater) && updated_input(updater).resource == name)
-                            add(reader, updater, updater);
+                if (updates(reader.node, id)) continue;  // a second updater is an error of its own
+                for (const PortUse* updater : updaters_[id]) add(reader, *updater, *updater);
             }
         }
-        return edges;
+        return waits;
     }
 
-    void check_cycles() {
-        const std::vector<Edge> all = edges();
-        std::set<std::vector<bool>> seen;        // which edges exist together
-        std::set<std::vector<size_t>> reported;  // each cycle's nodes, sorted
-        for (size_t c = all_cases().size(); c-- > 0;) {
+    // A resource takes its extent from the one behind the port that its rule names, of whatever frame.
+    std::vector<Wait> sizes() const {
+        std::vector<Wait> waits;
+        for (size_t id = 0; id < dataflow_.resources.size(); ++id)
+            for (const PortUse& writer : dataflow_.resources[id].writers) {
+                const Port& port = *writer.bound->port;
+                const std::optional<uint32_t> of =
+                    (port.kind == PortKind::buffer ? port.count.of : port.extent.of).port;
+                if (port.updated_input || !of) continue;
+                const BoundPort& source = nodes_[writer.node].ports[*of];
+                const FactCases both = writer.bound->cases & source.cases;
+                if (source.resource != no_resource && both.any())
+                    waits.push_back({first_of_chain(source.resource), id, both, &writer});
+            }
+        return waits;
+    }
+
+    // The name that made the memory that this one has taken over.
+    uint32_t first_of_chain(uint32_t id) const {
+        for (size_t steps = 0; steps < dataflow_.resources.size(); ++steps) {
+            const std::vector<PortUse>& writers = dataflow_.resources[id].writers;
+            const BoundPort* updated = writers.empty() ? nullptr : dataflow_.updated(writers.front());
+            if (!updated || updated->resource == no_resource) break;
+            id = updated->resource;
+        }
+        return id;
+    }
+
+    void check_cycles(const std::vector<Wait>& all, bool of_nodes, const char* what) {
+        const size_t count = of_nodes ? nodes_.size() : dataflow_.resources.size();
+        std::set<std::vector<bool>> seen;        // which waits exist together
+        std::set<std::vector<size_t>> reported;  // each cycle's members, sorted
+        for (size_t c = size_t{1} << dataflow_.pipeline.domain->facts.size(); c-- > 0;) {
             std::vector<bool> exists;
-            for (const Edge& edge : all) exists.push_back(edge.cases[c]);
+            for (const Wait& wait : all) exists.push_back(wait.cases[c]);
             if (!seen.insert(exists).second) continue;
-            std::vector<std::vector<const Edge*>> next(nodes_.size());
+            std::vector<std::vector<const Wait*>> next(count);
             for (size_t i = 0; i < all.size(); ++i)
                 if (exists[i]) next[all[i].from].push_back(&all[i]);
             std::vector<bool> done = in_no_cycle(next);
-            for (size_t start = 0; start < nodes_.size(); ++start) {
+            for (size_t start = 0; start < count; ++start) {
                 if (done[start]) continue;
-                const std::vector<const Edge*> cycle = shortest_cycle(next, start);
+                const std::vector<const Wait*> cycle = shortest_cycle(next, start);
                 if (cycle.empty()) continue;
                 std::vector<size_t> members;
-                for (const Edge* edge : cycle) members.push_back(edge->from);
+                for (const Wait* wait : cycle) members.push_back(wait->from);
                 for (const size_t member : members) done[member] = true;
                 std::ranges::sort(members);
-                if (reported.insert(members).second) report_cycle(cycle);
+                if (!reported.insert(members).second) continue;
+                std::string path;
+                for (const Wait* wait : cycle) path += name_of(wait->from, of_nodes) + " -> ";
+                error(*cycle.back()->why,
+                      fmt::format("{}: {}{}", what, path, name_of(cycle.front()->from, of_nodes)));
             }
         }
     }
 
+    const std::string& name_of(size_t member, bool of_nodes) const {
+        return of_nodes ? nodes_[member].id : dataflow_.resources[member].name;
+    }
+
     // Nodes that can run in some order (Kahn 1962); what remains lies on a cycle or waits for one.
-    static std::vector<bool> in_no_cycle(const std::vector<std::vector<const Edge*>>& next) {
+    static std::vector<bool> in_no_cycle(const std::vector<std::vector<const Wait*>>& next) {
         std::vector<size_t> waits_for(next.size()), ready;
         for (const auto& outgoing : next)
-            for (const Edge* edge : outgoing) ++waits_for[edge->to];
+            for (const Wait* edge : outgoing) ++waits_for[edge->to];
         for (size_t node = 0; node < next.size(); ++node)
             if (waits_for[node] == 0) ready.push_back(node);
         for (size_t i = 0; i < ready.size(); ++i)
-            for (const Edge* edge : next[ready[i]])
+            for (const Wait* edge : next[ready[i]])
                 if (--waits_for[edge->to] == 0) ready.push_back(edge->to);
         std::vector<bool> sorted(next.size());
         for (const size_t node : ready) sorted[node] = true;
@@ -267,20 +291,20 @@ class DataflowChecker {
     }
 
     // Breadth first from `start` back to it; empty if there is no way.
-    static std::vector<const Edge*> shortest_cycle(const std::vector<std::vector<const Edge*>>& next,
+    static std::vector<const Wait*> shortest_cycle(const std::vector<std::vector<const Wait*>>& next,
                                                    size_t start) {
-        std::vector<const Edge*> arrived(next.size());
+        std::vector<const Wait*> arrived(next.size());
         std::vector<size_t> queue = {start};
         for (size_t i = 0; i < queue.size(); ++i) {
-            for (const Edge* edge : next[queue[i]]) {
+            for (const Wait* edge : next[queue[i]]) {
                 if (arrived[edge->to]) continue;
                 arrived[edge->to] = edge;
                 queue.push_back(edge->to);
             }
         }
-        std::vector<const Edge*> cycle;
+        std::vector<const Wait*> cycle;
         if (!arrived[start]) return cycle;
-        for (const Edge* edge = arrived[start];; edge = arrived[edge->from]) {
+        for (const Wait* edge = arrived[start];; edge = arrived[edge->from]) {
             cycle.push_back(edge);
             if (edge->from == start) break;
         }
@@ -288,22 +312,16 @@ class DataflowChecker {
         return cycle;
     }
 
-    void report_cycle(const std::vector<const Edge*>& cycle) {
-        std::string ids;
-        for (const Edge* edge : cycle) ids += nodes_[edge->from].id + " -> ";
-        error(*cycle.back()->why, fmt::format("nodes wait for each other within one frame: {}{}", ids,
-                                              nodes_[cycle.front()->from].id));
-    }
-
     const Dataflow& dataflow_;
     const std::vector<BoundNode>& nodes_;
     Diagnostics& diagnostics_;
+    std::vector<std::vector<const PortUse*>> updaters_;  // by resource: who takes over its memory
 };
 
 }  // namespace
 
-void check_dataflow(const Dataflow& dataflow, Diagnostics& diagnostics) {
-    DataflowChecker(dataflow, diagnostics).run();
+std::vector<Edge> check_dataflow(const Dataflow& dataflow, Diagnostics& diagnostics) {
+    return DataflowChecker(dataflow, diagnostics).run();
 }
 
 }  // namespace penumbra

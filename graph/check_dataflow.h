@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -11,16 +10,15 @@
 
 namespace penumbra {
 
-// One port's use of a resource. `cases` are the facts under which node and port exist.
+// One port's use of a resource.
 struct PortUse {
     size_t node = 0;  // index into CheckedPipeline::nodes
     const BoundPort* bound = nullptr;
-    FactCases cases;
-    Place place;
     std::string path;  // "nodes.filter0.in.signal"
 };
 
 struct ResourceUse {
+    std::string name;
     const HostInput* host = nullptr;
     std::vector<PortUse> writers, readers;  // in the file's order
 };
@@ -33,16 +31,24 @@ inline bool is_kept(const ResourceUse& use) {
 
 struct Dataflow {
     const CheckedPipeline& pipeline;
-    std::vector<OutputName> outputs;
-    std::map<std::string, ResourceUse> resources;
+    const Pipeline& source;
+    std::vector<ResourceUse> resources;  // parallel to CheckedPipeline::resources
+    std::vector<uint32_t> by_name;  // resources in the order of their names, in which errors are reported
+
+    // The input whose memory a writer takes over; nullptr where it makes its own.
+    const BoundPort* updated(const PortUse& writer) const {
+        const std::optional<uint32_t> input = writer.bound->port->updated_input;
+        return input ? &pipeline.nodes[writer.node].ports[*input] : nullptr;
+    }
 };
 
 // Every reader has exactly one writer under all facts; chains of updates have one end; no cycle within a
-// frame.
-void check_dataflow(const Dataflow& dataflow, Diagnostics& diagnostics);
+// frame. The order that this asks for.
+std::vector<Edge> check_dataflow(const Dataflow& dataflow, Diagnostics& diagnostics);
 
-// Both ends of every wire fit each other; fills in the kinds of `inputs`, which are dataflow.pipeline's.
-void check_wires(const Dataflow& dataflow, std::vector<HostInput>& inputs, const NodeSet& nodes,
-                 Diagnostics& diagnostics);
+// Both ends of every wire fit each other; fills in the kinds of `inputs` and the formats of `resources`,
+// which are dataflow.pipeline's.
+void check_wires(const Dataflow& dataflow, std::vector<HostInput>& inputs,
+                 std::vector<CheckedResource>& resources, Diagnostics& diagnostics);
 
 }  // namespace penumbra

@@ -8,13 +8,13 @@
 
 #include "graph/check_dataflow.h"
 #include "graph/json_reader.h"
-#include "graph/node_set.h"
 
 namespace penumbra {
 
 namespace {
 
-std::string phrase(PortKind kind) {
+std::string phrase(PortKind kind, const Bundle* bundle = nullptr) {
+    if (bundle) return "a " + bundle->kind;
     const char* article = kind == PortKind::image ? "an " : kind == PortKind::texels ? "" : "a ";
     return std::string(article) + kind_name(kind);
 }
@@ -49,31 +49,33 @@ struct Shape {
 
 class WireChecker {
   public:
-    WireChecker(const Dataflow& flow, const NodeSet& set, Diagnostics& diagnostics)
-        : flow_(flow), set_(set), diagnostics_(diagnostics) {}
+    WireChecker(const Dataflow& flow, Diagnostics& diagnostics) : flow_(flow), diagnostics_(diagnostics) {}
 
-    void run(std::vector<HostInput>& inputs) {
-        for (HostInput& input : inputs) check_host_input(input);
-        for (const auto& [name, use] : flow_.resources)
-            if (!use.host) check_written(name, use);
-        for (const ResourceSetting& setting : flow_.pipeline.resources) check_setting(setting);
+    void run(std::vector<HostInput>& inputs, std::vector<CheckedResource>& resources) {
+        for (const uint32_t id : flow_.by_name)
+            if (flow_.resources[id].host)
+                check_host_input(inputs[*resources[id].input], flow_.resources[id].readers);
+        for (const uint32_t id : flow_.by_name)
+            if (!flow_.resources[id].host) check_written(id, resources[id]);
+        for (const ResourceSetting& setting : flow_.source.resources) check_setting(setting);
     }
 
   private:
-    void check_host_input(HostInput& input) {
-        const std::vector<PortUse>& readers = flow_.resources.at(input.name).readers;
+    void check_host_input(HostInput& input, const std::vector<PortUse>& readers) {
         const std::string path = "inputs." + input.name;
         std::vector<Format> accepted;
         const PortUse* first = nullptr;
         for (const PortUse& reader : readers) {
             const Port& port = *reader.bound->port;
             const std::string other = first ? first->path : path;
-            if (input.kind && *input.kind != port.kind) {
-                error(reader, fmt::format("\"{}\" is {} ({}), but the port takes {}", input.name,
-                                          phrase(*input.kind), other, phrase(port.kind)));
+            if (input.kind && (*input.kind != port.kind || input.bundle != port.bundle)) {
+                error(reader,
+                      fmt::format("\"{}\" is {} ({}), but the port takes {}", input.name,
+                                  phrase(*input.kind, input.bundle), other, phrase(port.kind, port.bundle)));
                 continue;
             }
             input.kind = port.kind;
+            input.bundle = port.bundle;
             check_struct(reader);
             if (port.kind == PortKind::image && port.storage)
                 error(reader,
@@ -87,11 +89,10 @@ class WireChecker {
                                           port.layers ? "with" : "without", first->path));
             if (!first) first = &reader;
         }
-        if (input.history != HostInput::History::none &&
-            (input.kind == PortKind::block || input.kind == PortKind::scene))
-            error(input.place, path, fmt::format("{} has no history", phrase(*input.kind)));
-        if (input.format && input.kind && !has_texels(*input.kind))
-            error(input.place, path, fmt::format("{} has no format", phrase(*input.kind)));
+        if (input.history && (input.kind == PortKind::block || input.kind == PortKind::bundle))
+            error(input.place, path, fmt::format("{} has no history", phrase(*input.kind, input.bundle)));
+        if (input.format && input.kind && !has_texels(*input.kind) && input.kind_word.empty())
+            error(input.place, path, fmt::format("{} has no format", phrase(*input.kind, input.bundle)));
     }
 
     // A host image with a format must suit every reader; without one, some format must suit all of them.
@@ -115,7 +116,9 @@ class WireChecker {
             accepted = both;
     }
 
-    void error(const PortUse& use, std::string message) { error(use.place, use.path, std::move(message)); }
+    void error(const PortUse& use, std::string message) {
+        error(use.bound->place, use.path, std::move(message));
+    }
     void error(const Place& place, std::string path, std::string message) {
         diagnostics_.add(place, std::move(path), std::move(message));
     }
@@ -123,35 +126,28 @@ class WireChecker {
     void check_struct(const PortUse& use) {
         const std::string& element = use.bound->port->element;
         const bool is_struct = !element.empty() && element[0] >= 'A' && element[0] <= 'Z';
-        if (!is_struct || set_.structs().contains(element)) return;
+        const std::map<std::string, uint32_t>& structs = flow_.pipeline.domain->structs;
+        if (!is_struct || structs.contains(element)) return;
         std::vector<std::string> names;
-        for (const auto& [name, bytes] : set_.structs()) names.push_back(name);
+        for (const auto& [name, bytes] : structs) names.push_back(name);
         error(use, fmt::format("the node set has no struct \"{}\"{}", element, did_you_mean(element, names)));
     }
 
     const ResourceSetting* setting_of(const std::string& name) const {
-        const auto found = std::ranges::find(flow_.pipeline.resources, name, &ResourceSetting::name);
-        return found == flow_.pipeline.resources.end() ? nullptr : &*found;
-    }
-
-    const std::string& updated_name(const PortUse& writer) const {
-        const BoundNode& node = flow_.pipeline.nodes[writer.node];
-        return std::ranges::find_if(
-                   node.ports,
-                   [&](const BoundPort& bound) { return bound.port->name == writer.bound->port->updates; })
-            ->resource;
+        const auto found = std::ranges::find(flow_.source.resources, name, &ResourceSetting::name);
+        return found == flow_.source.resources.end() ? nullptr : &*found;
     }
 
     // The shape that one writer gives; an updater's comes from the name whose memory it takes over.
     std::optional<Shape> shape_from(const std::string& name, const PortUse& writer, size_t depth = 0) const {
         const Port& port = *writer.bound->port;
-        if (!port.updates.empty()) {
-            const auto origin = flow_.resources.find(updated_name(writer));
+        if (const BoundPort* updated = flow_.updated(writer)) {
             const bool endless =
                 depth > flow_.resources.size();  // names that update each other: reported as a cycle
-            if (endless || origin == flow_.resources.end() || origin->second.writers.empty())
-                return std::nullopt;
-            return shape_from(origin->first, origin->second.writers.front(), depth + 1);
+            if (endless || updated->resource == no_resource) return std::nullopt;
+            const ResourceUse& origin = flow_.resources[updated->resource];
+            if (origin.writers.empty()) return std::nullopt;
+            return shape_from(origin.name, origin.writers.front(), depth + 1);
         }
         Shape shape{port.kind, std::nullopt, port.layers, port.levels, port.element, writer.path};
         if (has_texels(port.kind)) {
@@ -165,17 +161,19 @@ class WireChecker {
         return shape;
     }
 
-    void check_written(const std::string& name, const ResourceUse& use) {
+    void check_written(uint32_t id, CheckedResource& resource) {
+        const ResourceUse& use = flow_.resources[id];
         if (use.writers.empty()) return;
         for (const PortUse& writer : use.writers) check_struct(writer);
-        const std::optional<Shape> shape = shape_from(name, use.writers.front());
+        const std::optional<Shape> shape = shape_from(use.name, use.writers.front());
         if (!shape) return;
+        resource.format = shape->format.value_or(resource.format);
         for (size_t i = 1; i < use.writers.size(); ++i)
-            if (const auto other = shape_from(name, use.writers[i]))
-                compare_writers(name, use.writers[i], *other, *shape);
+            if (const auto other = shape_from(use.name, use.writers[i]))
+                compare_writers(use.name, use.writers[i], *other, *shape);
         for (const PortUse& reader : use.readers) {
             check_struct(reader);
-            check_reader(name, reader, *shape);
+            check_reader(use.name, reader, *shape);
         }
     }
 
@@ -204,7 +202,7 @@ class WireChecker {
         const Port& port = *reader.bound->port;
         if (port.kind != shape.kind)
             error(reader, fmt::format("\"{}\" is {} ({}), but the port takes {}", name, phrase(shape.kind),
-                                      shape.from, phrase(port.kind)));
+                                      shape.from, phrase(port.kind, port.bundle)));
         else if (has_element(port.kind) && port.element != shape.element)
             error(reader, fmt::format("\"{}\" has elements {} ({}), but the port takes {}", name,
                                       shape.element, shape.from, port.element));
@@ -222,17 +220,18 @@ class WireChecker {
 
     // A format that the pipeline chooses must be one that every writer offers.
     void check_setting(const ResourceSetting& setting) {
-        const auto found = flow_.resources.find(setting.name);
-        if (!setting.format || found == flow_.resources.end() || found->second.host) return;
+        const auto found = std::ranges::find(flow_.resources, setting.name, &ResourceUse::name);
+        if (!setting.format || found == flow_.resources.end() || found->host) return;
         const std::string path = fmt::format("resources.{}.format", setting.name);
-        for (const PortUse& writer : found->second.writers) {
+        for (const PortUse& writer : found->writers) {
             const Port& port = *writer.bound->port;
             if (!has_texels(port.kind))
                 error(setting.format_place, path, fmt::format("{} is {}", writer.path, phrase(port.kind)));
-            else if (!port.updates.empty())
+            else if (const BoundPort* updated = flow_.updated(writer);
+                     updated && updated->resource != no_resource)
                 error(setting.format_place, path,
                       fmt::format("{} takes over the memory of \"{}\", and its format", writer.path,
-                                  updated_name(writer)));
+                                  flow_.resources[updated->resource].name));
             else if (!lists(port.formats, *setting.format))
                 error(setting.format_place, path,
                       fmt::format("{} writes {}, not {}", writer.path, format_list(port.formats),
@@ -241,15 +240,14 @@ class WireChecker {
     }
 
     const Dataflow& flow_;
-    const NodeSet& set_;
     Diagnostics& diagnostics_;
 };
 
 }  // namespace
 
-void check_wires(const Dataflow& dataflow, std::vector<HostInput>& inputs, const NodeSet& nodes,
-                 Diagnostics& diagnostics) {
-    WireChecker(dataflow, nodes, diagnostics).run(inputs);
+void check_wires(const Dataflow& dataflow, std::vector<HostInput>& inputs,
+                 std::vector<CheckedResource>& resources, Diagnostics& diagnostics) {
+    WireChecker(dataflow, diagnostics).run(inputs, resources);
 }
 
 }  // namespace penumbra

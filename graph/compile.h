@@ -3,6 +3,7 @@
 // no device.
 #pragma once
 
+#include <map>
 #include <optional>
 
 #include "graph/check.h"
@@ -14,17 +15,17 @@ struct CompileOptions {
     bool alias = true;                  // false: every resource has memory of its own
     bool poison = false;                // lets the view fill every activated resource with a pattern (tests)
     std::vector<std::string> captures;  // resources to copy out every frame, by name
-    // What the host does with the outputs after record(): the scope that the plan's last dependency makes
-    // them visible to.
-    Use output_use{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT, false};
+    std::map<std::string, OutputUse>
+        outputs;  // by name, where OutputUse's defaults are not what the host does
     // The smallest possible heap, for reports: an exhaustive search of at most so many nodes (1 to 2 us
     // each); 0: none.
     uint64_t optimum_search_nodes = 0;
 };
 
 // Errors are those a target can add: a format or feature that the device lacks, an input of a format nobody
-// accepts. `nodes` must outlive the plan.
-std::optional<Plan> compile(const CheckedPipeline& pipeline, const NodeSet& nodes, const Target& target,
+// accepts, facts, inputs and outputs that the pipeline does not know; and a node set's, a shader that is
+// missing or does not compile.
+std::optional<Plan> compile(const CheckedPipeline& pipeline, const Target& target,
                             const CompileOptions& options, Diagnostics& diagnostics);
 
 }  // namespace penumbra

@@ -16,12 +16,12 @@ Extent apply(const ExtentRule& rule, Extent of) {
             std::max(ceil_div(of.height, rule.div[1]) * rule.mul[1], 1u)};
 }
 
-uint32_t element_bytes(const Port& port, Format format, const NodeSet& nodes) {
+uint32_t element_bytes(const Port& port, Format format, const Domain& domain) {
     if (port.kind == PortKind::texels) return info(format).bytes;
     if (port.element == "uvec2") return 8;
     if (port.element == "uvec4" || port.element == "vec4") return 16;
-    const auto known = nodes.structs().find(port.element);
-    return known == nodes.structs().end() ? 4 : known->second;
+    const auto known = domain.structs.find(port.element);
+    return known == domain.structs.end() ? 4 : known->second;
 }
 
 }  // namespace
@@ -30,11 +30,9 @@ uint64_t PlanResource::buffer_bytes() const {
     return std::max<uint64_t>((count * element_bytes + 3) / 4 * 4, 4);
 }
 
-// What a reader of `name`@-1 sees on a reset frame: the pipeline's wish, else the declaration's.
-First Compiler::first_of(const Port& port, const std::string& name) const {
-    for (const ResourceSetting& setting : pipeline_.resources)
-        if (setting.name == name && setting.first) return *setting.first;
-    return port.first;
+// What a reader of the previous value sees on a reset frame: the pipeline's wish, else the declaration's.
+First Compiler::first_of(const BoundPort& bound) const {
+    return pipeline_.resources[bound.resource].first.value_or(bound.port->first);
 }
 
 void Compiler::clear_on_reset(PlanResource& r) {
@@ -43,62 +41,98 @@ void Compiler::clear_on_reset(PlanResource& r) {
     r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
 }
 
-void Compiler::make_resource(const BoundNode& node, const SelectedNode& selected, const Connection& c) {
-    const Port& port = *c.bound->port;
-    PlanResource r;
-    r.names = {c.resource};
+// Everything but the size. In the order of the passes: what an update takes over has been made.
+void Compiler::make_resource(const SelectedNode& selected, uint32_t port_index, uint32_t pass) {
+    const BoundPort& bound = selected.node->ports[port_index];
+    const Port& port = *bound.port;
+    if (port.updated_input) {
+        made_[bound.resource] = made_[selected.node->ports[*port.updated_input].resource];
+        PlanResource& r = plan_.resources[made_[bound.resource].resource];
+        r.names.push_back(name(bound.resource));
+        if (first_of(bound) == First::clear) clear_on_reset(r);
+        return;
+    }
+    made_[bound.resource] = {static_cast<uint32_t>(plan_.resources.size()), &selected, port_index, {}};
+    PlanResource& r = plan_.resources.emplace_back();
+    r.names = {name(bound.resource)};
     r.kind = port.kind;
     r.element = port.element;
-    if (!port.formats.empty()) r.format = port.formats.front();
-    for (const ResourceSetting& setting : pipeline_.resources)
-        if (setting.name == c.resource && setting.format) r.format = *setting.format;
-    if (const auto kept = inputs_.kept.find(c.resource); kept != inputs_.kept.end()) r.format = kept->second;
-    r.element_bytes = element_bytes(port, r.format, nodes_);
+    r.format = port.formats.empty() ? Format::r8 : pipeline_.resources[bound.resource].format;
+    r.element_bytes = element_bytes(port, r.format, *pipeline_.domain);
+    r.layered = port.layers;
+    r.first_pass = pass;
     r.clear_on_activation = port.writes == Writes::some;
-    const std::string path = fmt::format("nodes.{}.out.{}", node.id, port.name);
-    const std::string& of = port.kind == PortKind::buffer ? port.count.of : port.extent.of;
-    const auto base = of.empty() ? std::optional<Size>{Size{}} : size_named(node, selected, of);
-    if (!base)
-        error(c.bound->place, path, fmt::format("its size follows port \"{}\", which is not bound", of));
-    const Extent of_extent = base.value_or(Size{}).extent;
-    if (port.kind == PortKind::buffer) {
-        const CountRule& rule = port.count;
-        if (!of.empty())
-            r.count = uint64_t{ceil_div(of_extent.width, rule.div[0])} *
-                      ceil_div(of_extent.height, rule.div[1]) * rule.mul;
-        r.count += rule.add;
-        r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-    } else {
-        r.extent = apply(port.extent, of_extent);
-        r.layered = port.layers;
-        if (port.layers) r.layers = base.value_or(Size{}).layers;
-        if (port.levels)
-            r.levels = static_cast<uint32_t>(std::bit_width(std::max(r.extent.width, r.extent.height)));
-        r.count = uint64_t{r.extent.width} * r.extent.height;
-        r.image_usage = VK_IMAGE_USAGE_STORAGE_BIT;
-        r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
-        if (port.kind == PortKind::image &&
-            std::max(r.extent.width, r.extent.height) > target_.device.max_image_extent)
-            error(c.bound->place, path,
-                  fmt::format("{}x{} exceeds the device's largest image, {} per axis", r.extent.width,
-                              r.extent.height, target_.device.max_image_extent));
-        if (port.kind == PortKind::image &&
-            !target_.device.supports(r.format, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT))
-            error(c.bound->place, path,
-                  fmt::format("the device \"{}\" cannot store to {}", plan_.device, info(r.format).name));
-    }
-    if (r.kind != PortKind::image && r.buffer_bytes() > target_.device.max_storage_bytes)
-        error(c.bound->place, path,
-              fmt::format("{} bytes exceed the device's largest storage buffer, {}", r.buffer_bytes(),
-                          target_.device.max_storage_bytes));
     r.kept = port.writes == Writes::kept;
     r.memo = port.memo;
-    if (r.kept || first_of(port, c.resource) == First::clear) clear_on_reset(r);
+    r.image_usage = VK_IMAGE_USAGE_STORAGE_BIT;
+    r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+    if (r.kept || first_of(bound) == First::clear) clear_on_reset(r);
     if (r.clear_on_activation || options_.poison) {
         r.image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
         r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     }
-    plan_.resources.push_back(std::move(r));
+}
+
+void Compiler::make_resources() {
+    for (size_t id = 0; id < made_.size(); ++id) {
+        const Made& made = made_[id];
+        if (made.by && made.by->node->ports[made.port].resource == id)
+            size_resource(plan_.resources[made.resource], made);
+    }
+}
+
+// The size that a rule's `of` names, seen from one node.
+Compiler::Size Compiler::size_of(const SelectedNode& selected, const SizeOf& of) {
+    if (!of.port) return {of.name.empty() ? Extent{} : target_.extent, 1};
+    return size_of(selected.node->ports[*of.port].resource);
+}
+
+Compiler::Size Compiler::size_of(uint32_t id) {
+    Made& made = made_[id];
+    if (!made.by) {
+        const HostResource& brought = inputs_[*pipeline_.resources[id].input];
+        return {brought.extent, brought.layers};
+    }
+    if (!made.size) {
+        const Port& port = *made.by->node->ports[made.port].port;
+        const Size base = size_of(*made.by, port.extent.of);
+        made.size = Size{apply(port.extent, base.extent), port.layers ? base.layers : 1};
+    }
+    return *made.size;
+}
+
+void Compiler::size_resource(PlanResource& r, const Made& made) {
+    const BoundPort& bound = made.by->node->ports[made.port];
+    const Port& port = *bound.port;
+    const std::string path = fmt::format("nodes.{}.out.{}", made.by->node->id, port.name);
+    const DeviceTable& device = target_.device;
+    if (port.kind == PortKind::buffer) {
+        const CountRule& rule = port.count;
+        const Extent of = size_of(*made.by, rule.of).extent;
+        if (!rule.of.name.empty())
+            r.count = uint64_t{ceil_div(of.width, rule.div[0])} * ceil_div(of.height, rule.div[1]) * rule.mul;
+        r.count += rule.add;
+    } else {
+        const Size size = size_of(bound.resource);
+        r.extent = size.extent;
+        r.layers = size.layers;
+        if (port.levels)
+            r.levels = static_cast<uint32_t>(std::bit_width(std::max(r.extent.width, r.extent.height)));
+        r.count = uint64_t{r.extent.width} * r.extent.height;
+    }
+    if (r.kind == PortKind::image) {
+        if (std::max(r.extent.width, r.extent.height) > device.max_image_extent)
+            error(bound.place, path,
+                  fmt::format("{}x{} exceeds the device's largest image, {} per axis", r.extent.width,
+                              r.extent.height, device.max_image_extent));
+        if (!device.supports(r.format, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT))
+            error(bound.place, path,
+                  fmt::format("the device \"{}\" cannot store to {}", plan_.device, info(r.format).name));
+    } else if (r.buffer_bytes() > device.max_storage_bytes) {
+        error(bound.place, path,
+              fmt::format("{} bytes exceed the device's largest storage buffer, {}", r.buffer_bytes(),
+                          device.max_storage_bytes));
+    }
 }
 
 }  // namespace penumbra

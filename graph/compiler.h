@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Inside compile(): the state that one compilation builds up, pass by pass, and the steps of lowering a node.
-// Ports become slots, resources and uses (compile_ports.cpp, compile_resources.cpp); parameters become
-// constants, sizes become dispatches (compile_dispatch.cpp).
+// Inside compile(): the state that one compilation builds up. Resources are made first
+// (compile_resources.cpp), then each node is lowered to a pass: what it binds and how it uses that
+// (compile_bindings.cpp), its shader, constants and dispatch (compile_passes.cpp).
 #pragma once
 
 #include <map>
@@ -11,6 +11,7 @@
 
 #include "graph/compile.h"
 #include "graph/host_inputs.h"
+#include "graph/interface.h"
 #include "graph/select.h"
 
 namespace penumbra {
@@ -21,9 +22,9 @@ inline uint32_t ceil_div(uint32_t a, uint32_t b) {
 
 class Compiler {
   public:
-    Compiler(const CheckedPipeline& pipeline, const NodeSet& nodes, const Target& target,
-             const CompileOptions& options, Diagnostics& diagnostics)
-        : pipeline_(pipeline), nodes_(nodes), target_(target), options_(options), diagnostics_(diagnostics) {}
+    Compiler(const CheckedPipeline& pipeline, const Target& target, const CompileOptions& options,
+             Diagnostics& diagnostics)
+        : pipeline_(pipeline), target_(target), options_(options), diagnostics_(diagnostics) {}
 
     std::optional<Plan> run();
 
@@ -32,63 +33,64 @@ class Compiler {
         Extent extent;
         uint32_t layers = 1;
     };
-    struct Late {
-        size_t pass, binding;
-        std::string resource;
-    };
-    struct FormatChoice {
-        const Port* port;
-        std::string resource;
-        Source source;
-        std::string node;
-    };
 
     void error(const Place& place, const std::string& path, const std::string& message);
-    void lower(const SelectedNode& selected);
-    void lower_capture(const SelectedNode& selected);
-    void check_needs(const BoundNode& node);
-    void finish_resources();
+    const std::string& name(uint32_t resource) const { return pipeline_.resources[resource].name; }
 
-    // Ports.
-    Size size_of(const Connection& c) const;
-    std::optional<Size> size_named(const BoundNode& node, const SelectedNode& selected,
-                                   const std::string& of);
-    void bind_input(const BoundNode& node, const Connection& c, uint32_t binding);
-    void use_input(PlanPass& pass, const Port& port, uint32_t resource, bool previous);
-    void check_readable(const PlanResource& r, const Port& port);
-    static Use input_use(const PlanPass& pass, const Port& port);
-    std::vector<uint32_t> host_slots(const BoundNode& node, const Connection& c);
-    uint32_t scene_texels(const BoundNode& node, const Connection& c, const SceneTexels& texels);
-    uint32_t slot(const BoundNode& node, const std::string& name, PortKind kind, Format format,
-                  const Connection& c, const std::string& element);
-    void bind_output(const BoundNode& node, const SelectedNode& selected, const Connection& c,
-                     uint32_t binding);
+    // Facts and outputs, by the host's names.
+    size_t read_facts();
+    void read_outputs();
 
-    // Resources.
-    First first_of(const Port& port, const std::string& name) const;
+    // Resources. `made_` has, by name, the plan's resource and who makes it; sizes may follow what comes
+    // later in the frame.
+    struct Made {
+        uint32_t resource = no_resource;
+        const SelectedNode* by = nullptr;
+        uint32_t port = 0;
+        std::optional<Size> size;
+    };
+    void make_resources();
+    void make_resource(const SelectedNode& selected, uint32_t port, uint32_t pass);
+    Size size_of(const SelectedNode& selected, const SizeOf& of);
+    Size size_of(uint32_t name);
+    void size_resource(PlanResource& r, const Made& made);
+    First first_of(const BoundPort& bound) const;
     static void clear_on_reset(PlanResource& r);
-    void make_resource(const BoundNode& node, const SelectedNode& selected, const Connection& c);
+    void use_outputs();
 
-    // Variants, constants, dispatch.
-    void choose_backend(const BoundNode& node);
-    void choose_variant(const BoundNode& node, const SelectedNode& selected);
+    // Bindings and uses of the pass that is last.
+    void bind(const SelectedNode& selected);
+    void bind_input(const SelectedNode& selected, uint32_t port, uint32_t binding);
+    void bind_output(const SelectedNode& selected, uint32_t port, uint32_t binding);
+    void bind_bundle(const BoundNode& node, const BoundPort& bound, uint32_t binding, bool present);
+    void bind_tables(const BoundNode& node);
+    void bind_resource(const Port& port, uint32_t resource, bool previous, uint32_t binding);
+    void bind_slot(const BoundNode& node, const Port& port, HostSlot slot, uint32_t binding);
+    void bind_nothing(const Port& port, uint32_t binding);
+    void use_input(const Port& port, uint32_t resource, bool previous);
+    void check_readable(const PlanResource& r, const Port& port);
+
+    // Passes.
+    void lower(const SelectedNode& selected);
+    void lower_capture(uint32_t captured);
+    void check_needs(const BoundNode& node);
+    const std::string& backend_of_port(const BoundNode& node, const Bundle& bundle);
     const ClassOverrides& overrides(const BoundNode& node) const;
-    const ParamValue& value_of(const BoundNode& node, const Param& param) const;
-    void fill_constants(const BoundNode& node);
-    uint32_t levels_of(const SelectedNode& selected, const Port& chain) const;
-    void fill_dispatch(const BoundNode& node, const SelectedNode& selected);
+    const ParamValue& value_of(const BoundNode& node, size_t param) const;
+    void fill_constants(const SelectedNode& selected);
+    void fill_dispatch(const SelectedNode& selected);
+    void find_module(const SelectedNode& selected);
 
     const CheckedPipeline& pipeline_;
-    const NodeSet& nodes_;
     const Target& target_;
     const CompileOptions& options_;
     Diagnostics& diagnostics_;
     Plan plan_;
-    ResolvedInputs inputs_;
-    std::vector<uint32_t> bindings_;
-    std::map<std::string, uint32_t> internal_;  // name -> resource
-    std::vector<Late> late_;
-    std::vector<std::vector<FormatChoice>> choices_;  // per non-capture pass
+    size_t facts_ = 0;  // the case that the target is
+    std::vector<HostResource> inputs_;
+    std::vector<Made> made_;  // by name
+    Variant variant_;         // of the pass that is last
+    std::map<std::pair<const NodeEntry*, std::string>, std::optional<uint32_t>> modules_;  // none: reported
 };
 
 }  // namespace penumbra

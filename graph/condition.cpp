@@ -1,15 +1,39 @@
 // SPDX-License-Identifier: MIT
-// Conditions: "sun_up & !alpha & mode=tent". Facts are what the host promises for a plan's lifetime;
-// PARAM=VALUE compares a constant parameter, by a text form that parsing and evaluation share.
+// Parsing and settling are apart because the first needs one file and the second the whole pipeline: the node
+// that a comparison names may stand further down, and its parameter may be set on the command line.
 #include "graph/condition.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "graph/json_reader.h"
+#include "graph/node_type.h"
 
 namespace penumbra {
+
+namespace {
+
+// Longer signs first: "<=" is not "<".
+constexpr std::array<std::pair<std::string_view, Relation>, 6> signs = {{{"<=", Relation::at_most},
+                                                                         {">=", Relation::at_least},
+                                                                         {"!=", Relation::not_equal},
+                                                                         {"<", Relation::less},
+                                                                         {">", Relation::greater},
+                                                                         {"=", Relation::equal}}};
+
+std::string_view sign_of(Relation relation) {
+    for (const auto& [sign, meaning] : signs)
+        if (meaning == relation) return sign;
+    return "";
+}
+
+std::string text_of(const Atom& atom) {
+    return (atom.negated ? "!" : "") + (atom.node.empty() ? "" : atom.node + ".") + atom.name +
+           std::string(sign_of(atom.relation)) + atom.value;
+}
 
 std::string_view trimmed(std::string_view text) {
     while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -17,157 +41,197 @@ std::string_view trimmed(std::string_view text) {
     return text;
 }
 
-namespace {
-
-struct ParamText {
-    std::string operator()(bool value) const { return value ? "true" : "false"; }
-    std::string operator()(int32_t value) const { return fmt::format("{}", value); }
-    std::string operator()(uint32_t value) const { return fmt::format("{}", value); }
-    std::string operator()(float value) const { return fmt::format("{}", value); }
-    std::string operator()(const std::string& value) const { return value; }
-    std::string operator()(const std::vector<float>& value) const {
-        std::string text;
-        for (const float component : value) text += fmt::format("{}{}", text.empty() ? "" : ",", component);
-        return text;
+std::vector<std::string_view> split(std::string_view text, char separator) {
+    std::vector<std::string_view> parts;
+    for (size_t begin = 0; begin <= text.size();) {
+        const size_t end = std::min(text.find(separator, begin), text.size());
+        parts.push_back(trimmed(text.substr(begin, end - begin)));
+        begin = end + 1;
     }
+    return parts;
+}
+
+// What is wrong with the atom, or nothing.
+std::optional<std::string> parse_atom(std::string_view text, const Domain& domain, bool in_pipeline,
+                                      Atom& atom) {
+    atom.negated = text.starts_with('!');
+    if (atom.negated) text = trimmed(text.substr(1));
+    const size_t at = text.find_first_of("<>=!");
+    const std::string_view left = trimmed(text.substr(0, at));
+    if (at != std::string_view::npos)
+        for (const auto& [sign, meaning] : signs)
+            if (atom.relation == Relation::is_true && text.substr(at).starts_with(sign)) {
+                atom.relation = meaning;
+                atom.value = trimmed(text.substr(at + sign.size()));
+            }
+    const bool compares = atom.relation != Relation::is_true;
+    const bool no_value =
+        compares && (atom.value.empty() || atom.value.find_first_of("<>=!") != std::string::npos);
+    const char* own = in_pipeline ? "NODE.PARAM" : "PARAM";
+    if (left.empty() || (at != std::string_view::npos && !compares) || no_value)
+        return fmt::format(
+            "expected FACT, {0}, or {0} compared with a value (= != < <= > >=), each may have a ! before it; "
+            "joined by \"&\", and those by \"|\"",
+            own);
+    const size_t dot = left.find('.');
+    if (in_pipeline && dot != std::string_view::npos) {
+        atom.node = left.substr(0, dot);
+        atom.name = left.substr(dot + 1);
+        for (const std::string& id : {atom.node, atom.name})
+            if (!is_id(id))
+                return fmt::format("\"{}\": expected NODE.PARAM, two ids ([a-z][a-z0-9_]*)", left);
+        return std::nullopt;
+    }
+    atom.name = left;
+    if (in_pipeline && compares)
+        return fmt::format(
+            "\"{}\": a comparison needs NODE.PARAM before its sign, as in trace.rays_per_pixel=1", text);
+    const auto fact = std::ranges::find(domain.facts, atom.name, &Fact::name);
+    if (fact != domain.facts.end() && !compares) atom.fact = static_cast<size_t>(fact - domain.facts.begin());
+    if (in_pipeline && !atom.fact) return fact_problem(domain, atom.name);
+    return std::nullopt;  // a declaration's own parameter, which settle() looks for
+}
+
+// Both cannot hold, whatever the facts and parameters are.
+bool contradict(const Atom& a, const Atom& b) {
+    if (a.node != b.node || a.name != b.name) return false;
+    Atom opposite = b;
+    opposite.negated = !b.negated;
+    const bool two_values =
+        a.relation == Relation::equal && b.relation == Relation::equal && a.value != b.value;
+    return a == opposite || (two_values && !a.negated && !b.negated);
+}
+
+struct AsNumber {
+    double operator()(bool value) const { return value ? 1 : 0; }
+    double operator()(int32_t value) const { return value; }
+    double operator()(uint32_t value) const { return value; }
+    double operator()(float value) const { return static_cast<double>(value); }
+    double operator()(const std::string&) const { return 0; }
+    double operator()(const std::vector<float>&) const { return 0; }
 };
 
-std::string text_of(const ParamValue& value) {
-    return std::visit(ParamText{}, value);
+bool compare(Relation relation, const ParamValue& a, const ParamValue& b) {
+    const double x = std::visit(AsNumber{}, a), y = std::visit(AsNumber{}, b);
+    switch (relation) {
+        case Relation::less:
+            return x < y;
+        case Relation::at_most:
+            return x <= y;
+        case Relation::greater:
+            return x > y;
+        case Relation::at_least:
+            return x >= y;
+        case Relation::not_equal:
+            return a != b;
+        default:
+            return a == b;
+    }
+}
+
+// Whether a comparison holds; nothing after reporting why it cannot be asked.
+std::optional<bool> settle(const Atom& atom, const Place& place, const FindParam& find,
+                           const std::string& path, Diagnostics& diagnostics) {
+    const auto fail = [&](std::string message) {
+        diagnostics.add(place, path, std::move(message));
+        return std::nullopt;
+    };
+    const KnownParam known = find(atom);
+    if (!known.param) return known.problem.empty() ? std::nullopt : fail(known.problem);
+    const std::string name = (atom.node.empty() ? "" : atom.node + ".") + atom.name;
+    if (!known.param->constant)
+        return fail(fmt::format("\"{}\" may change per frame; a condition needs a constant parameter", name));
+    const bool truth = known.param->type == ParamType::boolean,
+               named = known.param->type == ParamType::enumeration;
+    if (atom.relation == Relation::is_true) {
+        if (!truth) return fail(fmt::format("\"{}\" is no bool; compare it with a value", name));
+        return std::get<bool>(*known.value) != atom.negated;
+    }
+    const bool ordered = atom.relation != Relation::equal && atom.relation != Relation::not_equal;
+    if (ordered && (truth || named))
+        return fail(fmt::format("\"{}\": {} has no order; compare it by = or !=", text_of(atom),
+                                truth ? "a bool" : "a name"));
+    const std::string where = fmt::format("{}: \"{}\"", path, text_of(atom));
+    const auto value = parse_param_text(*known.param, atom.value, place, where, diagnostics);
+    if (!value) return std::nullopt;
+    return compare(atom.relation, *known.value, *value) != atom.negated;
 }
 
 }  // namespace
 
-Json value_json(const Param& param, std::string_view text, const Place& place) {
-    Diagnostics unused;
-    std::optional<Json> json;
-    if (param.type != ParamType::enumeration) json = parse_json(text, "", unused);
-    if (!json) {
-        json.emplace();
-        json->kind = Json::Kind::string;
-        json->string = text;
-    }
-    json->place = place;
-    return *json;
+std::vector<std::string> Domain::fact_list() const {
+    std::vector<std::string> names;
+    for (const Fact& fact : facts) names.push_back(fact.name);
+    return names;
 }
 
-std::optional<std::string> fact_problem(const std::string& name) {
-    const std::vector<std::string> facts(fact_names.begin(), fact_names.end());
+std::optional<std::string> fact_problem(const Domain& domain, const std::string& name) {
+    const std::vector<std::string> facts = domain.fact_list();
     if (std::ranges::find(facts, name) != facts.end()) return std::nullopt;
     return fmt::format("no fact \"{}\" (facts: {}){}", name, join(facts), did_you_mean(name, facts));
 }
 
 std::string to_string(const Condition& condition) {
     std::string text;
-    for (const Literal& literal : condition) {
-        text += text.empty() ? "" : " & ";
-        text += (literal.negated ? "!" : "") + literal.name;
-        if (literal.value) text += "=" + *literal.value;
+    for (const auto& term : condition.terms) {
+        if (!text.empty()) text += " | ";
+        for (const Atom& atom : term) text += (&atom == term.data() ? "" : " & ") + text_of(atom);
     }
     return text;
 }
 
-std::optional<Condition> parse_condition(const Json& json, std::span<const Param> params,
+std::optional<Condition> parse_condition(const Json& json, const Domain& domain, bool in_pipeline,
                                          const std::string& path, Diagnostics& diagnostics) {
     if (!expect(json, Json::Kind::string, path, diagnostics)) return std::nullopt;
     const size_t errors = diagnostics.size();
     const auto error = [&](std::string message) { diagnostics.add(json.place, path, std::move(message)); };
-
-    Condition condition;
-    const std::string_view text = json.string;
-    for (size_t begin = 0; begin <= text.size();) {
-        const size_t end = std::min(text.find('&', begin), text.size());
-        std::string_view part = trimmed(text.substr(begin, end - begin));
-        begin = end + 1;
-
-        Literal literal;
-        literal.negated = part.starts_with('!');
-        if (literal.negated) part = trimmed(part.substr(1));
-        const size_t equals = part.find('=');
-        literal.name = trimmed(part.substr(0, equals));
-        if (literal.name.empty()) {
-            error("expected literals joined by \"&\": FACT or PARAM=VALUE, or ! and one of them");
-            continue;
-        }
-        if (equals == std::string_view::npos) {
-            if (auto problem = fact_problem(literal.name)) {
+    Condition condition{.terms = {}, .place = json.place};
+    for (const std::string_view term_text : split(json.string, '|')) {
+        std::vector<Atom>& term = condition.terms.emplace_back();
+        for (const std::string_view part : split(term_text, '&')) {
+            Atom atom;
+            if (auto problem = parse_atom(part, domain, in_pipeline, atom))
                 error(std::move(*problem));
-                continue;
-            }
-        } else {
-            if (params.empty()) {
-                error(fmt::format("\"{}\": the node has no parameters to compare", part));
-                continue;
-            }
-            const auto param = std::ranges::find(params, literal.name, &Param::name);
-            if (param == params.end()) {
-                std::vector<std::string> names;
-                for (const Param& p : params) names.push_back(p.name);
-                error(fmt::format("no parameter \"{}\"{}", literal.name, did_you_mean(literal.name, names)));
-                continue;
-            }
-            if (!param->constant) {
-                error(fmt::format("parameter \"{}\" may change per frame; a condition needs a constant one",
-                                  literal.name));
-                continue;
-            }
-            const Json value = value_json(*param, trimmed(part.substr(equals + 1)), json.place);
-            const auto parsed = parse_param_value(*param, value, path, diagnostics);
-            if (!parsed) continue;
-            literal.value = text_of(*parsed);
+            else if (std::ranges::any_of(term, [&](const Atom& other) { return contradict(atom, other); }))
+                error(fmt::format("never holds: \"{}\" contradicts an earlier literal", text_of(atom)));
+            else if (std::ranges::find(term, atom) == term.end())
+                term.push_back(std::move(atom));
         }
-        if (std::ranges::any_of(condition, [&](const Literal& other) { return contradict(literal, other); }))
-            error(fmt::format("never holds: \"{}\" contradicts an earlier literal", part));
-        else if (std::ranges::find(condition, literal) == condition.end())
-            condition.push_back(literal);
     }
     if (diagnostics.size() != errors) return std::nullopt;
     return condition;
-}
-
-bool holds(const Condition& condition, const Facts& facts, const std::map<std::string, ParamValue>& params) {
-    return std::ranges::all_of(condition, [&](const Literal& literal) {
-        if (literal.value) {
-            const auto param = params.find(literal.name);
-            return param != params.end() && (text_of(param->second) == *literal.value) != literal.negated;
-        }
-        const auto fact = facts.find(literal.name);
-        return (fact == facts.end() || fact->second) != literal.negated;
-    });
-}
-
-bool contradict(const Literal& a, const Literal& b) {
-    if (a.name != b.name || a.value.has_value() != b.value.has_value()) return false;
-    if (a.negated != b.negated) return a.value == b.value;
-    return a.value && !a.negated && *a.value != *b.value;
 }
 
 FactCases all_cases() {
     return FactCases().set();
 }
 
-FactCases cases_of(const std::string& fact, bool negated) {
-    const auto found = std::ranges::find(fact_names, fact);
-    const auto bit = static_cast<size_t>(found - fact_names.begin());
+FactCases cases_of(size_t fact, bool negated) {
     FactCases cases;
-    for (size_t c = 0; c < cases.size(); ++c) cases[c] = ((c >> bit & 1) != 0) != negated;
+    for (size_t c = 0; c < cases.size(); ++c) cases[c] = ((c >> fact & 1) != 0) != negated;
     return cases;
 }
 
-FactCases cases_of(const Condition& condition) {
-    FactCases cases = all_cases();
-    for (const Literal& literal : condition)
-        if (!literal.value) cases &= cases_of(literal.name, literal.negated);
-    return cases;
-}
-
-bool contains(const FactCases& cases, const Facts& facts) {
-    size_t c = 0;
-    for (size_t i = 0; i < fact_names.size(); ++i) {
-        const auto fact = facts.find(fact_names[i]);
-        if (fact == facts.end() || fact->second) c |= size_t{1} << i;
+std::optional<FactCases> settle(const Condition& condition, const FindParam& find, const std::string& path,
+                                Diagnostics& diagnostics) {
+    if (condition.always()) return all_cases();
+    bool good = true;
+    FactCases any;
+    for (const auto& term : condition.terms) {
+        FactCases all = all_cases();
+        for (const Atom& atom : term) {
+            if (atom.fact) {
+                all &= cases_of(*atom.fact, atom.negated);
+                continue;
+            }
+            const auto truth = settle(atom, condition.place, find, path, diagnostics);
+            good = good && truth.has_value();
+            if (!truth.value_or(false)) all.reset();
+        }
+        any |= all;
     }
-    return cases[c];
+    if (!good) return std::nullopt;
+    return any;
 }
 
 }  // namespace penumbra

@@ -1,38 +1,72 @@
 // SPDX-License-Identifier: MIT
-// Conditions as sets: under which combinations of facts something exists. There are few facts, so such a set
-// is one bit per combination, and "is there a writer whenever there is a reader?" is a matter of and, or and
-// not.
+// The one language of "if", in declarations and in pipelines: "sun & !moves | rays>=8". Atoms are the
+// domain's facts and comparisons of constant parameters: of the declaration's own (PARAM), or of a pipeline's
+// node (NODE.PARAM); a bool may stand alone. "!" stands before one atom, "&" binds before "|", there are no
+// brackets. A comparison is settled once the parameters' values are known; what a condition then says of
+// facts is the set of cases in which it holds. There are few facts, so that such a set is one bit per
+// combination, and "is there a writer whenever there is a reader?" is a matter of and, or and not.
 #pragma once
 
 #include <bitset>
+#include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
+#include <variant>
+#include <vector>
 
-#include "graph/node_type.h"
+#include "graph/domain.h"
+#include "graph/json_text.h"
 
 namespace penumbra {
 
-// Bit c: whether it exists where exactly those facts i are true whose bit i of c is set (in the order of
-// fact_names).
-using FactCases = std::bitset<size_t{1} << fact_names.size()>;
+struct Param;
+using ParamValue = std::variant<bool, int32_t, uint32_t, float, std::vector<float>, std::string>;
 
-FactCases all_cases();
-FactCases cases_of(const std::string& fact, bool negated);
-// Of the literals that are facts; the others do not restrict.
-FactCases cases_of(const Condition& condition);
-bool contains(const FactCases& cases, const Facts& facts);
+enum class Relation : uint8_t { is_true, equal, not_equal, less, at_most, greater, at_least };
 
-// A literal and its negation, or two different values of one parameter.
-bool contradict(const Literal& a, const Literal& b);
+struct Atom {
+    std::string node;  // empty: a fact, or the declaration's own parameter
+    std::string name;
+    std::optional<size_t> fact;  // index in the domain; none: a parameter
+    bool negated = false;
+    Relation relation = Relation::is_true;
+    std::string value;  // as written
+
+    friend bool operator==(const Atom&, const Atom&) = default;
+};
+
+struct Condition {
+    std::vector<std::vector<Atom>> terms;  // any of them, each all of its atoms; none: always
+    Place place;
+
+    bool always() const { return terms.empty(); }
+    friend bool operator==(const Condition& a, const Condition& b) { return a.terms == b.terms; }
+};
+
+std::string to_string(const Condition& condition);
+
+// Reports every mistake that can be seen without the parameters. `in_pipeline`: parameters are NODE.PARAM.
+std::optional<Condition> parse_condition(const Json& json, const Domain& domain, bool in_pipeline,
+                                         const std::string& path, Diagnostics& diagnostics);
 
 // What is wrong with a name that should be a fact's; nothing where it is one.
-std::optional<std::string> fact_problem(const std::string& name);
+std::optional<std::string> fact_problem(const Domain& domain, const std::string& name);
 
-// Without blanks at both ends.
-std::string_view trimmed(std::string_view text);
+// Bit c: whether something exists where exactly those facts hold whose bit of c is set.
+using FactCases = std::bitset<size_t{1} << max_facts>;
+FactCases all_cases();
+FactCases cases_of(size_t fact, bool negated);
 
-// The text after a comparison's sign as the JSON that the parameter's type asks for.
-Json value_json(const Param& param, std::string_view text, const Place& place);
+// One parameter that a comparison asks for.
+struct KnownParam {
+    const Param* param = nullptr;  // nullptr: no such thing, and `problem` says why; empty: it has been said
+    const ParamValue* value = nullptr;
+    std::string problem;
+};
+using FindParam = std::function<KnownParam(const Atom&)>;
+
+// The cases in which a condition holds; nothing after reporting an error.
+std::optional<FactCases> settle(const Condition& condition, const FindParam& find, const std::string& path,
+                                Diagnostics& diagnostics);
 
 }  // namespace penumbra

@@ -5,12 +5,10 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include <map>
 
 namespace penumbra {
 namespace {
-
-using OrderedJson = nlohmann::ordered_json;
 
 std::string join(const std::vector<std::string>& names) {
     std::string text;
@@ -64,12 +62,6 @@ std::string shape(const PlanResource& r) {
     return fmt::format("{} {}x{}{}", info(r.format).name, r.extent.width, r.extent.height, levels);
 }
 
-OrderedJson groups_json(const PlanPass& pass) {
-    if (pass.kind != PassKind::compute) return nullptr;
-    if (pass.indirect) return "indirect";
-    return pass.groups;
-}
-
 }  // namespace
 
 std::string to_text(const Plan& plan) {
@@ -84,12 +76,9 @@ std::string to_text(const Plan& plan) {
                 : fmt::format(
                       "{}x{}x{}{}", pass.groups[0], pass.groups[1], pass.groups[2],
                       pass.level_groups.empty() ? "" : fmt::format(", {} levels", pass.level_groups.size()));
-        const std::string backend =
-            (pass.variant.backend.empty() ? "" : fmt::format(" backend {}", pass.variant.backend)) +
-            (pass.variant.alpha ? " alpha" : "");
+        const std::string backend = pass.backends.empty() ? "" : " backend " + pass.backends;
         text += fmt::format("  {:2} {} ({}) {}{}\n      reads  {}\n      writes {}\n", p, pass.node,
-                            pass.kind == PassKind::capture ? "capture" : pass.entry->type.name, groups,
-                            backend, join(pass.reads), join(pass.writes));
+                            pass.type, groups, backend, join(pass.reads), join(pass.writes));
         for (uint32_t parity = 0; parity < 2; ++parity) {
             const std::string label = fmt::format("[{}]", parity);
             text += dependency_text(plan, pass.before[parity], label.c_str());
@@ -141,64 +130,6 @@ std::string to_dot(const Plan& plan) {
         text += fmt::format("  \"{}\" -> \"out {}\";\n", writer[output.name], output.name);
     }
     return text + "}\n";
-}
-
-OrderedJson passes_json(const Plan& plan) {
-    OrderedJson passes = OrderedJson::array();
-    for (const PlanPass& pass : plan.passes)
-        passes.push_back(
-            {{"node", pass.node},
-             {"type", pass.kind == PassKind::capture ? "capture" : pass.entry->type.name},
-             {"groups", groups_json(pass)},
-             {"backend", pass.variant.backend.empty() ? OrderedJson() : OrderedJson(pass.variant.backend)},
-             {"reads", pass.reads},
-             {"writes", pass.writes}});
-    return passes;
-}
-
-OrderedJson culled_json(const Plan& plan) {
-    OrderedJson culled = OrderedJson::array();
-    for (const Culled& c : plan.culled)
-        culled.push_back({{"node", c.node},
-                          {"why", c.why},
-                          {"cond", c.cond.empty() ? OrderedJson() : OrderedJson(c.cond)}});
-    return culled;
-}
-
-OrderedJson facts_json(const Plan& plan) {
-    OrderedJson facts = OrderedJson::object();
-    for (const auto& [name, value] : plan.facts) facts[name] = value;
-    return facts;
-}
-
-OrderedJson memory_json(const Plan& plan) {
-    const MemoryReport& m = plan.memory;
-    OrderedJson heaps = OrderedJson::array(), resources = OrderedJson::array();
-    for (const Heap& heap : plan.heaps) heaps.push_back({{"type", heap.type}, {"bytes", heap.bytes}});
-    for (const PlanResource& r : plan.resources)
-        resources.push_back({{"name", r.names.back()},
-                             {"bytes", r.bytes},
-                             {"first_pass", r.first_pass},
-                             {"length", r.length},
-                             {"offset", r.offset},
-                             {"history", r.history}});
-    const double pixels = static_cast<double>(plan.extent.width) * plan.extent.height;
-    return {{"heap_bytes", m.heap_bytes},
-            {"live_bound_bytes", m.live_bound_bytes},
-            {"optimum_bytes", m.optimum_bytes ? OrderedJson(*m.optimum_bytes) : OrderedJson()},
-            {"unaliased_bytes", m.unaliased_bytes},
-            {"dedicated_history_bytes", m.dedicated_history_bytes},
-            {"persistent_bytes", m.persistent_bytes},
-            {"bytes_per_pixel", static_cast<double>(m.heap_bytes) / pixels},
-            {"heaps", heaps},
-            {"resources", resources}};
-}
-
-OrderedJson to_json(const Plan& plan) {
-    return {{"pipeline", plan.pipeline},   {"size", {plan.extent.width, plan.extent.height}},
-            {"device", plan.device},       {"facts", facts_json(plan)},
-            {"passes", passes_json(plan)}, {"culled", culled_json(plan)},
-            {"memory", memory_json(plan)}};
 }
 
 }  // namespace penumbra

@@ -15,5 +15,5 @@ struct FrameBlock {
     float pixel_angle;        // radians per pixel at the image's centre
     float dt_s;               // seconds since the previous recorded frame
     uint frame_index;
-    uint flags;               // FRAME_RESET | FRAME_STANDARD_Z | FRAME_ORTHOGRAPHIC
+    uint flags;               // FRAME_RESET | FRAME_ORTHOGRAPHIC
 };

@@ -31,7 +31,7 @@ static_assert(sizeof(FrameBlock) == 64 * 3 + 48 + 16 + 32 + 16);
 
 using std140::FrameBlock;
 
-enum FrameFlags : uint32_t { frame_reset = 1, frame_standard_z = 2, frame_orthographic = 4 };
+enum FrameFlags : uint32_t { frame_reset = 1, frame_orthographic = 2 };
 
 // A camera in double precision. The view looks along its -z axis, x right, y up.
 struct Camera {

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: MIT
 // What each host input of a plan is made of: one format and extent that the pipeline, the host and every
-// reader agree on, and the format in which a copy keeps its previous value.
+// reader agree on.
 #pragma once
-
-#include <map>
-#include <string>
 
 #include "graph/select.h"
 
 namespace penumbra {
 
-struct ResolvedInputs {
-    std::map<std::string, HostResource> brought;  // images and texels that selected nodes read
-    std::map<std::string, Format> kept;           // kept_copy(name) -> format of the copy
-};
+// Inputs, by index, that the host leaves out. Reports names that are no inputs, and those that it may not
+// leave out.
+std::vector<bool> inputs_left_out(const CheckedPipeline& pipeline, const Target& target,
+                                  Diagnostics& diagnostics);
 
-ResolvedInputs resolve_inputs(const CheckedPipeline& pipeline, const Selection& selection,
-                              const Target& target, Diagnostics& diagnostics);
+// By input: images and texels that selected nodes read.
+std::vector<HostResource> resolve_inputs(const CheckedPipeline& pipeline, const Selection& selection,
+                                         const Target& target, Diagnostics& diagnostics);
 
 }  // namespace penumbra

@@ -16,15 +16,9 @@ std::string upper(std::string text) {
     return text;
 }
 
-const Port* updater_of(const NodeType& type, const Port& input) {
-    for (const Port& port : type.ports)
-        if (port.output && port.updates == input.name && !input.output) return &port;
-    return nullptr;
-}
-
 // An output that updates inherits everything but its name from the input.
 const Port& described_by(const NodeType& type, const Port& port) {
-    return port.updates.empty() ? port : *type.port(port.updates);
+    return port.updated_input ? type.ports[*port.updated_input] : port;
 }
 
 const char* prefix(Format format) {
@@ -74,55 +68,62 @@ std::string declare_chain(const Port& port, const std::string& name, Format form
 }
 
 uint32_t binding_count(const Port& port) {
-    if (port.kind == PortKind::scene) return scene_bindings;
+    if (port.bundle) return static_cast<uint32_t>(port.bundle->parts.size());
     return port.output && port.levels ? 2 : 1;
 }
 
-std::string declare_scene(const Port& port, const Variant& variant, uint32_t b) {
+std::string declare_block(const std::string& name, const std::string& element, uint32_t b) {
+    return fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ {} {}; }};\n", b, name,
+                       element, name);
+}
+
+std::string declare_bundle(const Port& port, const Variant& variant, uint32_t b) {
     std::string text;
-    if (uses_ray_query(variant))
-        text = fmt::format("layout(set = 0, binding = {}) uniform accelerationStructureEXT {}_tlas;\n", b++,
-                           port.name);
-    else
-        for (const SceneTexels& texels : scene_tree_slots)
-            text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
-                                port.name, texels.slot);
-    if (variant.alpha) {
-        text += fmt::format("#define {}_ALPHA 1\n", upper(port.name));
-        for (const SceneTexels& texels : scene_alpha_slots)
-            text += fmt::format("layout(set = 0, binding = {}) uniform usamplerBuffer {}_{};\n", b++,
-                                port.name, texels.slot);
+    for (const Bundle::Part& part : port.bundle->parts) {
+        const uint32_t binding = b++;
+        if (!part.backend.empty() && part.backend != backend_of(variant, *port.bundle).name) continue;
+        const std::string name = part.name.empty() ? port.name : port.name + "_" + part.name;
+        if (part.kind == PortKind::texels)
+            text += fmt::format("layout(set = 0, binding = {}) uniform {}samplerBuffer {};\n", binding,
+                                prefix(part.format), name);
+        else if (part.kind == PortKind::structure)
+            text += fmt::format("layout(set = 0, binding = {}) uniform accelerationStructureEXT {};\n",
+                                binding, name);
+        else
+            text += declare_block(name, part.element, binding);
     }
-    return text + fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ Scene {}; }};\n", b,
-                              port.name, port.name);
+    return text;
 }
 
 std::string declare_port(const NodeType& type, const Port& port, const Variant& variant, uint32_t b) {
     const Port& what = described_by(type, port);
     const char* access = !port.output ? "readonly " : port.updates.empty() ? "writeonly " : "";
+    const auto chosen = variant.formats.find(what.name);
+    const Format format = chosen != variant.formats.end() ? chosen->second
+                          : what.formats.empty()          ? Format::r8
+                                                          : what.formats.front();
     switch (what.kind) {
         case PortKind::image: {
-            const auto chosen = variant.formats.find(what.name);
-            const Format format = chosen == variant.formats.end() ? what.formats.front() : chosen->second;
             if (port.output && what.levels) return declare_chain(what, port.name, format, b);
             return declare_image(what, port.name, format, access, b);
         }
         case PortKind::texels:
             if (!port.output)
                 return fmt::format("layout(set = 0, binding = {}) uniform {}samplerBuffer {};\n", b,
-                                   prefix(what.formats.front()), port.name);
+                                   prefix(format), port.name);
             return fmt::format(
                 "layout(set = 0, binding = {}, std430) restrict buffer {}_buffer {{ {} {}[]; }};\n", b,
-                port.name, texel_element_glsl(what.formats.front()), port.name);
+                port.name, texel_element_glsl(format), port.name);
         case PortKind::buffer:
             return fmt::format(
                 "layout(set = 0, binding = {}, std430) restrict {}buffer {}_buffer {{ {} {}[]; }};\n", b,
                 port.output ? "" : "readonly ", port.name, element_glsl(what.element), port.name);
         case PortKind::block:
-            return fmt::format("layout(set = 0, binding = {}, std140) uniform {}_block {{ {} {}; }};\n", b,
-                               port.name, what.element, port.name);
-        case PortKind::scene:
-            return declare_scene(port, variant, b);
+            return declare_block(port.name, what.element, b);
+        case PortKind::bundle:
+            return declare_bundle(port, variant, b);
+        case PortKind::structure:
+            break;  // a part of bundles only
     }
     return {};
 }
@@ -173,21 +174,30 @@ size_t index_of(const std::vector<std::string>& names, const std::string& name) 
     return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
+// The bundle whose backend a parameter chooses.
+const Bundle* bundle_of(const NodeType& type, const Param& param) {
+    for (const Port& port : type.ports)
+        if (port.bundle && port.bundle->param == param.name) return port.bundle;
+    return nullptr;
+}
+
 std::string declare_params(const NodeType& type, const Variant& variant) {
     std::string constants, dynamic;
     uint32_t id = first_param_constant;
     for (const Param& param : type.params) {
         for (size_t i = 0; i < param.values.size(); ++i)
             constants += fmt::format("#define {}_{} {}\n", upper(param.name), upper(param.values[i]), i);
-        if (&param == backend_choice(type))
-            constants +=
-                fmt::format("#define {} {}\n", upper(param.name), index_of(param.values, variant.backend)),
+        if (const Bundle* bundle = bundle_of(type, param))
+            constants += fmt::format("#define {} {}\n", upper(param.name),
+                                     index_of(param.values, backend_of(variant, *bundle).name)),
                 ++id;
         else if (param.constant)
             constants += declare_constant(param, id++);
         else
             dynamic += fmt::format("    {} {};\n", type_glsl(param.type), param.name);
     }
+    for (const Presence& p : presence(type))
+        constants += fmt::format("layout(constant_id = {}) const bool HAS_{} = true;\n", id++, upper(p.name));
     if (type.levelled_output()) dynamic += "    uint mip_level;\n";
     if (!dynamic.empty())
         constants += "layout(push_constant, std430) uniform Params {\n" + dynamic + "} params;\n";
@@ -220,21 +230,35 @@ std::vector<uint32_t> port_bindings(const NodeType& type) {
     std::vector<uint32_t> bindings(type.ports.size());
     uint32_t next = first_port_binding;
     for (size_t i = 0; i < type.ports.size(); ++i) {
-        if (updater_of(type, type.ports[i])) continue;
+        if (type.ports[i].updater) continue;
         bindings[i] = next;
         next += binding_count(type.ports[i]);
     }
     for (size_t i = 0; i < type.ports.size(); ++i)
-        if (const Port* updater = updater_of(type, type.ports[i]))
-            bindings[i] = bindings[static_cast<size_t>(updater - type.ports.data())];
+        if (type.ports[i].updater) bindings[i] = bindings[*type.ports[i].updater];
     return bindings;
 }
 
 uint32_t first_table_binding(const NodeType& type) {
     uint32_t next = first_port_binding;
     for (const Port& port : type.ports)
-        if (!updater_of(type, port)) next += binding_count(port);
+        if (!port.updater) next += binding_count(port);
     return next;
+}
+
+std::vector<Presence> presence(const NodeType& type) {
+    std::vector<Presence> list;
+    for (uint32_t i = 0; i < type.ports.size(); ++i) {
+        const Port& port = type.ports[i];
+        if (port.output || port.updater) continue;
+        if (port.optional || !port.condition.always()) list.push_back({port.name, i, {}, {}});
+        for (uint32_t p = 0; port.bundle && p < port.bundle->parts.size(); ++p)
+            if (!port.bundle->parts[p].fact.empty())
+                list.push_back({port.name + "_" + port.bundle->parts[p].name, i, {}, p});
+    }
+    for (uint32_t t = 0; t < type.tables.size(); ++t)
+        if (!type.tables[t].condition.always()) list.push_back({type.tables[t].name, {}, t, {}});
+    return list;
 }
 
 PushConstants push_constants(const NodeType& type) {
@@ -300,37 +324,36 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "#extension GL_KHR_shader_subgroup_basic : require\n"
         "#extension GL_KHR_shader_subgroup_arithmetic : require\n"
         "#extension GL_KHR_shader_subgroup_ballot : require\n"
-        "#extension GL_EXT_control_flow_attributes : require\n" +
-        std::string(uses_ray_query(variant) ? "#extension GL_EXT_ray_query : require\n" : "") +
-        "#include \"graph/frame_block.glsl\"\n"
-        "#include \"common/blocks.h\"\n"
-        "const uint FRAME_RESET = 1u;\nconst uint FRAME_STANDARD_Z = 2u;\nconst uint FRAME_ORTHOGRAPHIC = "
-        "4u;\n"
+        "#extension GL_EXT_control_flow_attributes : require\n";
+    for (const Port& port : type.ports)
+        if (port.bundle) text += backend_of(variant, *port.bundle).glsl;
+    text += "#include \"graph/frame_block.glsl\"\n";
+    if (!type.domain->structs_file.empty())
+        text += fmt::format("#include \"{}\"\n", type.domain->structs_file);
+    text += fmt::format(
+        "const uint FRAME_RESET = 1u;\nconst uint FRAME_ORTHOGRAPHIC = 2u;\n"
         "layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;\n"
         "#define GROUP_X gl_WorkGroupSize.x\n#define GROUP_Y gl_WorkGroupSize.y\n"
         "layout(constant_id = 3) const uint PER_THREAD_X = 1u;\nlayout(constant_id = 4) const uint "
-        "PER_THREAD_Y = 1u;\n";
-    text +=
-        fmt::format("layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
-                    frame_binding);
-    for (const auto& [name, present] : variant.present)
-        text += fmt::format("#define HAS_{} {:d}\n", upper(name), present);
+        "PER_THREAD_Y = 1u;\n"
+        "layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
+        frame_binding);
+    for (const auto& [name, exists] : variant.outputs)
+        text += fmt::format("#define HAS_{} {:d}\n", upper(name), exists);
     const std::vector<uint32_t> bindings = port_bindings(type);
     for (size_t i = 0; i < type.ports.size(); ++i) {
         const Port& port = type.ports[i];
-        if (!exists(variant, port.name) || updater_of(type, port)) continue;
+        const auto exists = variant.outputs.find(port.name);
+        if (port.updater || (exists != variant.outputs.end() && !exists->second)) continue;
         if (has_format_choice(port))
             text += fmt::format("#define FORMAT_{}_{} 1\n", upper(port.name),
                                 upper(info(variant.formats.at(port.name)).name));
         text += declare_port(type, port, variant, bindings[i]);
     }
     uint32_t table_binding = first_table_binding(type);
-    for (const Table& table : type.tables) {
-        const uint32_t b = table_binding++;
-        if (exists(variant, table.name))
-            text += fmt::format("layout(set = 1, binding = {}) uniform {}sampler2D {};\n", b,
-                                prefix(table.format), table.name);
-    }
+    for (const Table& table : type.tables)
+        text += fmt::format("layout(set = 0, binding = {}) uniform {}sampler2D {};\n", table_binding++,
+                            prefix(table.format), table.name);
     return text + declare_params(type, variant) + declare_counters(type);
 }
 

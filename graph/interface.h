@@ -15,47 +15,36 @@
 
 namespace penumbra {
 
-// Binding numbers are unique within a node over both sets, so that wiring a port to a host slot (set 1)
-// instead of an internal resource (set 0) only moves it between sets: see bind_to_sets().
+// Binding numbers are unique within a node over both sets: set 0 holds what the plan makes (resources,
+// tables), set 1 what changes with every frame (the frame block, counters, host slots). Shaders are compiled
+// with every port in set 0; bind_to_sets() moves those that are wired to a host slot.
 inline constexpr uint32_t frame_binding = 0;     // set 1: FrameBlock
 inline constexpr uint32_t counters_binding = 1;  // set 1: u32 sums of every pass of the frame
 inline constexpr uint32_t first_port_binding = 2;
 
-// Specialisation constant ids.
+// Specialisation constant ids. Constant parameters follow, then presence().
 inline constexpr uint32_t group_constant = 0;       // 0, 1, 2: workgroup size
 inline constexpr uint32_t per_thread_constant = 3;  // 3, 4
 inline constexpr uint32_t counter_base_constant = 5;
 inline constexpr uint32_t first_param_constant = 6;
 
-// A scene port expands to the slots of a trace backend, in binding order: `bvh` to the texel buffers
-// NAME.nodes and NAME.leaves, `ray_query` to the acceleration structure NAME.tlas; where the fact alpha
-// holds, the texel buffers NAME.alpha_uv and NAME.alpha_map; the block NAME comes last. Bindings are reserved
-// for the longest of these lists.
-inline constexpr uint32_t scene_bindings = 5;
-struct SceneTexels {
-    const char* slot;
-    Format format;
-};
-inline constexpr std::array<SceneTexels, 2> scene_tree_slots{
-    {{"nodes", Format::rgba32ui}, {"leaves", Format::rgba32ui}}};
-inline constexpr std::array<SceneTexels, 2> scene_alpha_slots{
-    {{"alpha_uv", Format::rgba32ui}, {"alpha_map", Format::r32ui}}};
-
-// A node type with a scene port may leave the backend to the pipeline: a constant enum parameter of this
-// name, whose values are `bvh`, `ray_query` and `auto` (ray_query where the device has it and is not a CPU).
-// One shader is compiled per backend; in it the parameter is a preprocessor constant. Other types trace with
-// `bvh`.
-inline constexpr const char* backend_param = "backend";
-const Param* backend_choice(const NodeType& type);  // nullptr: the type has no such choice
-
 // An output with a mip chain takes two bindings: the level that a dispatch writes, and NAME_finer, the level
 // before it. One dispatch per level, finest first; params.mip_level says which.
 
 // First binding of each port (parallel to NodeType::ports); an input that an output updates shares the
-// output's.
+// output's, and the parts of a bundle follow each other.
 std::vector<uint32_t> port_bindings(const NodeType& type);
-// First binding of the tables; table i is at first + i, set 1.
+// First binding of the tables; table i is at first + i.
 uint32_t first_table_binding(const NodeType& type);
+
+// An input, a part of a bundle or a table that may be absent is bound all the same, to something that is
+// never read: the constant HAS_NAME says so, and one module serves both.
+struct Presence {
+    std::string name;
+    std::optional<uint32_t> port, table;  // one of them
+    std::optional<uint32_t> part;         // of the port's bundle
+};
+std::vector<Presence> presence(const NodeType& type);
 
 // Byte offsets of the dynamic parameters in the push-constant block (constants have none), and its size.
 struct PushConstants {
@@ -71,28 +60,27 @@ std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value);
 // Whether a value has the parameter's type, component count and range.
 bool fits(const Param& param, const ParamValue& value);
 
-// What a compiled variant depends on: the formats of storage images that have a choice, which optional ports
-// exist, the trace backend, and whether the traced scene has alpha-tested geometry (the fact alpha; in the
-// shader SCENE_ALPHA is defined then, for a port named scene). Without it nothing of alpha is compiled.
+// What is compiled on its own: a format that the layout of what is stored names, an output that need not
+// exist (a store needs memory, which what is absent has none of), a backend.
 struct Variant {
-    std::map<std::string, Format> formats;  // storage image ports with more than one format
-    std::map<std::string, bool> present;    // optional and conditional ports, conditional tables
-    std::string backend;                    // "bvh" or "ray_query"; empty: the type has no choice
-    bool alpha = false;                     // always false where the type has no scene port
+    std::map<std::string, Format> formats;        // ports with has_format_choice()
+    std::map<std::string, bool> outputs;          // optional and conditional ones, HAS_NAME in GLSL
+    std::map<std::string, std::string> backends;  // by the bundle's parameter
 };
-bool uses_ray_query(const Variant& variant);
-bool has_format_choice(const Port& port);  // a storage image that the pipeline may give another format
-bool exists(const Variant& variant, const std::string& port_or_table);
-bool traces_scene(const NodeType& type);  // has a scene port
-std::string to_string(
-    const Variant& variant);  // the key of ShaderVariants: "filtered=r8,history=1"; "" if no choice
+bool has_format_choice(const Port& port);
+const Param* backend_param(const NodeType& type, const Bundle& bundle);  // nullptr: the last backend it is
+const Bundle::Backend& backend_of(const Variant& variant, const Bundle& bundle);
+// Whether a port's value may be absent, and the shader is compiled for either case.
+bool is_variant_output(const NodeType& type, const Port& port);
+// The key of ShaderVariants: "filtered=r8,history=1"; "" if there is no choice.
+std::string to_string(const Variant& variant);
+// Every variant that some parameters and facts ask for.
 std::vector<Variant> all_variants(const NodeType& type);
 
 // The text that `#include "node.glsl"` stands for.
 std::string generate_glsl(const NodeType& type, const Variant& variant);
 
-// Sets the DescriptorSet decoration of each variable: bindings listed in `host` go to set 1, other ports to
-// set 0.
+// Sets the DescriptorSet decoration of each variable: bindings listed in `host` go to set 1.
 void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<uint32_t>& host_bindings);
 
 }  // namespace penumbra

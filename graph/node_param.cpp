@@ -178,6 +178,20 @@ ParamLayout layout_of(ParamType type) {
     }
 }
 
+std::optional<ParamValue> parse_param_text(const Param& param, const std::string& text, const Place& place,
+                                           const std::string& path, Diagnostics& diagnostics) {
+    Diagnostics unused;
+    std::optional<Json> json;
+    if (param.type != ParamType::enumeration) json = parse_json(text, "", unused);
+    if (!json) {
+        json.emplace();
+        json->kind = Json::Kind::string;
+        json->string = text;
+    }
+    json->place = place;
+    return parse_param_value(param, *json, path, diagnostics);
+}
+
 std::optional<ParamValue> parse_param_value(const Param& param, const Json& json, const std::string& path,
                                             Diagnostics& diagnostics) {
     switch (param.type) {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "graph/condition.h"
 #include "graph/interface.h"
 #include "graph/json_reader.h"
 
@@ -17,23 +16,24 @@ namespace penumbra {
 namespace {
 
 constexpr uint32_t max_factor = 1u << 16;  // of div and mul: far beyond any image, and products fit 64 bits
-constexpr uint32_t max_variants = 8;
+constexpr size_t max_variants = 24;
 constexpr size_t max_channels = 4;
 
-const std::vector<std::string> kind_words = {"image", "texels", "buffer", "block", "scene"};
+const std::vector<std::string> kind_words = {"image", "texels", "buffer", "block"};
 const std::vector<std::string> port_keys = {
     "kind",    "format", "as",       "filter",   "layers",   "levels", "element", "extent", "count", "writes",
     "updates", "first",  "previous", "indirect", "optional", "if",     "range",   "memo",   "doc"};
 const std::vector<std::string> elements = {"u32", "uvec2", "uvec4", "f32", "vec4"};
 
 std::vector<std::string> keys_of(PortKind kind, bool output, bool updates) {
+    if (kind == PortKind::bundle) return {"kind", "doc"};
     std::vector<std::string> keys = {"kind", "optional", "if", "doc"};
     const auto add = [&](std::initializer_list<const char*> more) {
         keys.insert(keys.end(), more.begin(), more.end());
     };
     const bool texels = kind == PortKind::image || kind == PortKind::texels;
     if (kind == PortKind::block) add({"element"});
-    if (kind == PortKind::block || kind == PortKind::scene) return keys;
+    if (kind == PortKind::block) return keys;
     if (!output) add({"previous"});
     if (output) add({"updates", "first", "range"});
     if (kind == PortKind::buffer) add({"indirect"});
@@ -164,13 +164,13 @@ ExtentRule read_extent(const ObjectReader& reader) {
     const Json* json = reader.find("extent");
     if (!json) return rule;
     if (json->kind == Json::Kind::string) {
-        rule.of = json->string;
-        if (rule.of.empty()) reader.error(*json, "extent", "the name is empty");
+        rule.of.name = json->string;
+        if (rule.of.name.empty()) reader.error(*json, "extent", "the name is empty");
         return rule;
     }
     const std::vector<std::string> keys = {"of", "div", "mul"};
     const ObjectReader extent(*json, reader.path("extent"), keys, reader.diagnostics());
-    if (extent.require("of")) rule.of = read_name(extent, "of", "frame");
+    if (extent.require("of")) rule.of.name = read_name(extent, "of", "frame");
     rule.div = extent.pair("div", 1, max_factor).value_or(rule.div);
     rule.mul = extent.pair("mul", 1, max_factor).value_or(rule.mul);
     return rule;
@@ -187,7 +187,7 @@ CountRule read_count(const ObjectReader& reader) {
     }
     const std::vector<std::string> keys = {"of", "div", "mul", "add"};
     const ObjectReader count(*json, reader.path("count"), keys, reader.diagnostics());
-    if (count.require("of")) rule.of = read_name(count, "of", "frame");
+    if (count.require("of")) rule.of.name = read_name(count, "of", "frame");
     rule.div = count.pair("div", 1, max_factor).value_or(rule.div);
     rule.mul = count.whole("mul", 1, max_factor).value_or(1);
     rule.add = count.whole("add", 0, most).value_or(0);
@@ -200,12 +200,15 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     Port port{.name = member.key, .output = output, .place = member.key_place};
     const Json* kind_json = reader.require("kind");
     if (!kind_json) return;
-    const std::optional<size_t> kind = reader.choice("kind", kind_words);
+    std::vector<std::string> words = kind_words;
+    for (const Bundle& bundle : type.domain->bundles) words.push_back(bundle.kind);
+    const std::optional<size_t> kind = reader.choice("kind", words);
     if (!kind) return;
-    port.kind = static_cast<PortKind>(*kind);
-    if (output && (port.kind == PortKind::block || port.kind == PortKind::scene)) {
+    port.kind = static_cast<PortKind>(std::min(*kind, kind_words.size()));
+    if (port.kind == PortKind::bundle) port.bundle = &type.domain->bundles[*kind - kind_words.size()];
+    if (output && (port.kind == PortKind::block || port.kind == PortKind::bundle)) {
         reader.error(*kind_json, "kind",
-                     fmt::format("a {} comes from the host; it cannot be an output", kind_words[*kind]));
+                     fmt::format("a {} comes from the host; it cannot be an output", words[*kind]));
         return;
     }
 
@@ -218,7 +221,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
         const std::string owner =
             updates && given.key != "previous" && given.key != "filter"
                 ? "a port that updates another (it is inherited)"
-                : fmt::format("an {} of kind {}", output ? "output" : "input", kind_words[*kind]);
+                : fmt::format("an {} of kind {}", output ? "output" : "input", words[*kind]);
         diagnostics.add(given.key_place, path,
                         fmt::format("key \"{}\" does not apply to {}", given.key, owner));
     }
@@ -238,19 +241,18 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
         reader.error(*reader.find("levels"), "levels", "a mip chain is read through a sampler");
     port.optional = reader.flag("optional");
     if (applies("writes")) {
-        const std::vector<std::string> words = {"all", "tiles", "some", "kept"};
-        port.writes = static_cast<Writes>(reader.choice("writes", words).value_or(0));
+        const std::vector<std::string> extents = {"all", "tiles", "some", "kept"};
+        port.writes = static_cast<Writes>(reader.choice("writes", extents).value_or(0));
     }
     if (applies("memo")) port.memo = reader.flag("memo");
     if (applies("first")) {
-        const std::vector<std::string> words = {"any", "clear"};
-        port.first = static_cast<First>(reader.choice("first", words).value_or(0));
+        const std::vector<std::string> firsts = {"any", "clear"};
+        port.first = static_cast<First>(reader.choice("first", firsts).value_or(0));
     }
     if (applies("range")) read_ranges(reader, port);
     if (updates) port.updates = read_name(reader, "updates", "");
     if (const Json* condition = reader.find("if"))
-        port.condition =
-            parse_condition(*condition, type.params, reader.path("if"), diagnostics).value_or(Condition{});
+        port.condition = read_condition(*condition, reader.path("if"), type, diagnostics);
     port.doc = reader.one_line("doc");
     type.ports.push_back(std::move(port));
 }
@@ -271,7 +273,7 @@ class Linker {
     void run() {
         for (Port& port : type_.ports)
             if (!port.updates.empty()) link_update(port);
-        for (const Port& port : type_.ports) {
+        for (Port& port : type_.ports) {
             if (!port.output || !port.updates.empty()) continue;
             if (port.kind == PortKind::buffer)
                 link_size(port, "count", port.count.of);
@@ -280,7 +282,7 @@ class Linker {
         }
         for (const Port& port : type_.ports)
             if (!port.ranges.empty()) check_ranges(port);
-        count_variants();
+        check_variants();
     }
 
   private:
@@ -325,10 +327,13 @@ class Linker {
         port.element = source->element;
         port.layers = source->layers;
         port.levels = source->levels;
+        port.updated_input = type_.index(*source);
+        type_.ports[*port.updated_input].updater = type_.index(port);
     }
 
     // `of` names "frame" or an image or texels port that is there whenever this one is.
-    void link_size(const Port& port, const char* key, const std::string& of) {
+    void link_size(const Port& port, const char* key, SizeOf& size) {
+        const std::string& of = size.name;
         if (of == "frame" || of.empty()) {
             if (port.layers)
                 error(port, "layers", "the extent must be that of a port with layers, which tells how many");
@@ -346,13 +351,21 @@ class Linker {
             return;
         }
         if (source->optional) error(port, key, fmt::format("\"{}\" is optional and may have no extent", of));
-        for (const Literal& literal : source->condition)
-            if (std::ranges::find(port.condition, literal) == port.condition.end())
-                error(port, key,
-                      fmt::format("\"{}\" exists only where {}", of, to_string(source->condition)));
+        if (!implies(port.condition, source->condition))
+            error(port, key, fmt::format("\"{}\" exists only where {}", of, to_string(source->condition)));
         if (port.layers && !source->layers)
             error(port, "layers", fmt::format("\"{}\", whose extent it takes, has no layers", of));
         if (sized_by_itself(port)) error(port, key, "the extent depends on itself");
+        size.port = type_.index(*source);
+    }
+
+    // Whether `a` says all that `b` says: one term each, the atoms of b among those of a.
+    static bool implies(const Condition& a, const Condition& b) {
+        if (b.always()) return true;
+        if (a.terms.size() != 1 || b.terms.size() != 1) return a == b;
+        return std::ranges::all_of(b.terms[0], [&](const Atom& atom) {
+            return std::ranges::find(a.terms[0], atom) != a.terms[0].end();
+        });
     }
 
     // Integers are words more often than numbers: bits and packed values have no range.
@@ -369,61 +382,77 @@ class Linker {
             if (!at->updates.empty())
                 at = type_.port(at->updates);
             else
-                at = type_.port(at->kind == PortKind::buffer ? at->count.of : at->extent.of);
+                at = type_.port((at->kind == PortKind::buffer ? at->count.of : at->extent.of).name);
             if (at == &port) return true;
         }
         return false;
     }
 
-    // One SPIR-V is compiled per format of every list that generated code depends on: storage images, whose
-    // layout qualifier names the format, and written texel buffers, which pack by it.
-    void count_variants() {
-        uint64_t variants = 1;
-        for (const Port& port : type_.ports) {
-            const bool depends =
-                port.kind == PortKind::image ? port.storage : port.kind == PortKind::texels && port.output;
-            const Port* source = port.updates.empty() ? nullptr : type_.port(port.updates);
-            const bool counted = source && source->storage;  // one list, shared
-            if (depends && !counted && !port.formats.empty()) variants *= port.formats.size();
-        }
-        if (const Param* choice = backend_choice(type_)) {
-            check_backends(*choice);
-            variants *=
-                choice->values.size() - static_cast<size_t>(std::ranges::count(choice->values, "auto"));
-        }
-        if (traces_scene(type_)) variants *= 2;  // with and without alpha-tested geometry
+    void check_variants() {
+        for (const Port& port : type_.ports)
+            if (const Param* choice = port.bundle ? type_.param(port.bundle->param) : nullptr)
+                check_backends(*port.bundle, *choice);
+        if (diagnostics_.size() != errors_) return;
+        const size_t variants = all_variants(type_).size();
         if (variants > max_variants)
             diagnostics_.add(type_.place, "",
-                             fmt::format("the format lists make {} shader variants; at most {} are allowed",
+                             fmt::format("formats, optional outputs and backends make {} shader variants; at "
+                                         "most {} are allowed",
                                          variants, max_variants));
     }
 
-    // The backend is chosen with the device in hand, after ports and conditions: see interface.h.
-    void check_backends(const Param& choice) {
-        const auto known = [](const std::string& v) { return v == "auto" || v == "bvh" || v == "ray_query"; };
-        const auto decides = [&](const Port& port) {
-            return std::ranges::any_of(port.condition,
-                                       [&](const Literal& l) { return l.name == choice.name; });
+    // The backend is chosen with the device in hand, after ports and conditions.
+    void check_backends(const Bundle& bundle, const Param& choice) {
+        std::vector<std::string> known = {"auto"};
+        for (const Bundle::Backend& backend : bundle.backends) known.push_back(backend.name);
+        const auto is_known = [&](const std::string& v) {
+            return std::ranges::find(known, v) != known.end();
         };
         const std::string path = "params." + choice.name;
         if (choice.type != ParamType::enumeration || !choice.constant ||
-            !std::ranges::all_of(choice.values, known))
-            diagnostics_.add(
-                choice.place, path,
-                "beside a scene port this is a constant enum with values of auto, bvh, ray_query");
-        else if (std::ranges::any_of(type_.ports, decides))
+            !std::ranges::all_of(choice.values, is_known))
+            diagnostics_.add(choice.place, path,
+                             fmt::format("beside a {} port this is a constant enum with values of {}",
+                                         bundle.kind, join(known)));
+        else if (std::ranges::any_of(type_.ports,
+                                     [&](const Port& port) { return asks_for(port.condition, choice.name); }))
             diagnostics_.add(choice.place, path, "it may vary with the device, so no port can exist by it");
     }
 
     const Json& declaration_;
     NodeType& type_;
     Diagnostics& diagnostics_;
+    const size_t errors_ = diagnostics_.size();
 };
 
 }  // namespace
 
 const char* kind_name(PortKind kind) {
+    if (kind == PortKind::bundle) return "bundle";
+    if (kind == PortKind::structure) return "acceleration structure";
     return kind_words[static_cast<size_t>(kind)].c_str();
+}
+
+Condition read_condition(const Json& json, const std::string& path, const NodeType& type,
+                         Diagnostics& diagnostics) {
+    const auto condition = parse_condition(json, *type.domain, false, path, diagnostics);
+    if (!condition) return {};
+    // Whether it can be asked does not depend on the values: the defaults stand for them.
+    const auto find = [&](const Atom& atom) -> KnownParam {
+        if (const Param* param = type.param(atom.name))
+            return {.param = param, .value = &param->default_value};
+        std::vector<std::string> names = type.domain->fact_list();
+        for (const Param& p : type.params) names.push_back(p.name);
+        return {.problem = fmt::format("no fact or parameter \"{}\" (facts: {}){}", atom.name,
+                                       join(type.domain->fact_list()), did_you_mean(atom.name, names))};
+    };
+    return settle(*condition, find, path, diagnostics) ? *condition : Condition{};
+}
+
+bool asks_for(const Condition& condition, const std::string& param) {
+    return std::ranges::any_of(condition.terms, [&](const std::vector<Atom>& term) {
+        return std::ranges::any_of(term, [&](const Atom& atom) { return !atom.fact && atom.name == param; });
+    });
 }
 
 void parse_ports(const Json& section, bool output, NodeType& type, Diagnostics& diagnostics) {

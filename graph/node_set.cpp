@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The table of node types. Entries are held by pointer, so that plans may refer to them while a host adds
-// more.
+// The table of node types.
 #include "graph/node_set.h"
+
+#include <stdexcept>
 
 #include "graph/interface.h"
 
@@ -15,16 +16,16 @@ const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& 
 }
 
 void NodeSet::add(NodeEntry entry) {
-    std::unique_ptr<NodeEntry>& slot = entries_[entry.type.name];
-    if (slot)
-        *slot = std::move(entry);  // in place: pointers to the replaced entry stay valid and see the new one
-    else
-        slot = std::make_unique<NodeEntry>(std::move(entry));
+    if (entries_.empty() && domain_->facts.empty()) domain_ = entry.type.domain;
+    if (entry.type.domain != domain_)
+        throw std::invalid_argument("the node type \"" + entry.type.name + "\" was read with another domain");
+    std::string name = entry.type.name;
+    entries_.insert_or_assign(std::move(name), std::make_shared<const NodeEntry>(std::move(entry)));
 }
 
-const NodeEntry* NodeSet::find(std::string_view name) const {
+std::shared_ptr<const NodeEntry> NodeSet::share(std::string_view name) const {
     const auto found = entries_.find(name);
-    return found == entries_.end() ? nullptr : found->second.get();
+    return found == entries_.end() ? nullptr : found->second;
 }
 
 std::vector<std::string> NodeSet::names() const {

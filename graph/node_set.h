@@ -20,8 +20,7 @@ struct Variant;          // interface.h
 struct HostPassContext;  // view.h: command buffer, bindings and parameters of a host node's pass
 using HostCallback = std::function<void(const HostPassContext&)>;
 
-// SPIR-V per variant key (see interface.h: the storage formats and optional ports that a variant was compiled
-// for).
+// SPIR-V per variant key (interface.h: to_string(Variant)).
 using ShaderVariants = std::map<std::string, std::vector<uint32_t>>;
 
 // Gives a variant that ShaderVariants lack, for nodes that are compiled when they are used (user_nodes.h):
@@ -45,21 +44,24 @@ struct NodeEntry {
 const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& variant,
                                          Diagnostics& diagnostics);
 
+// Types of one domain. Entries are shared with the pipelines checked against the set and the plans made of
+// them, which keep the entry that they were made with.
 class NodeSet {
   public:
-    // Adds a type; a type of the same name is replaced. Pointers to entries stay valid for the set's
-    // lifetime.
-    void add(NodeEntry entry);
-    const NodeEntry* find(std::string_view name) const;
-    std::vector<std::string> names() const;  // sorted
+    NodeSet() = default;  // of the domain of the first type that is added
+    explicit NodeSet(std::shared_ptr<const Domain> domain) : domain_(std::move(domain)) {}
 
-    // Sizes in bytes of the structs that blocks and buffer elements may name (shaders/common/blocks.h).
-    void add_struct(std::string name, uint32_t bytes) { structs_[std::move(name)] = bytes; }
-    const std::map<std::string, uint32_t>& structs() const { return structs_; }
+    // Adds a type, in place of one of the same name. Throws std::invalid_argument for a type of another
+    // domain, whose facts mean something else.
+    void add(NodeEntry entry);
+    std::shared_ptr<const NodeEntry> share(std::string_view name) const;  // nullptr: none
+    const NodeEntry* find(std::string_view name) const { return share(name).get(); }
+    std::vector<std::string> names() const;  // sorted
+    std::shared_ptr<const Domain> domain() const { return domain_; }
 
   private:
-    std::map<std::string, std::unique_ptr<NodeEntry>, std::less<>> entries_;
-    std::map<std::string, uint32_t> structs_;
+    std::shared_ptr<const Domain> domain_ = std::make_shared<Domain>();
+    std::map<std::string, std::shared_ptr<const NodeEntry>, std::less<>> entries_;
 };
 
 }  // namespace penumbra

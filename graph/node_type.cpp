@@ -21,9 +21,11 @@ constexpr uint32_t max_group_threads =
 
 class DeclarationReader {
   public:
-    DeclarationReader(const Json& json, const std::vector<std::string>& keys, Diagnostics& diagnostics)
+    DeclarationReader(const Json& json, const std::vector<std::string>& keys,
+                      std::shared_ptr<const Domain> domain, Diagnostics& diagnostics)
         : reader_(json, "", keys, diagnostics), diagnostics_(diagnostics) {
         type_.place = json.place;
+        type_.domain = std::move(domain);
     }
 
     NodeType read(const std::string& basename) {
@@ -107,7 +109,8 @@ class DeclarationReader {
     }
 
     void read_needs() {
-        const std::vector<std::string> words = {"ray_query", "jitter", "storage8"};
+        std::vector<std::string> words = type_.domain->features;
+        words.emplace_back("jitter");
         for (const ListItem& need : read_list("needs")) {
             if (std::ranges::find(words, need.text) == words.end())
                 error(need.place, need.path,
@@ -146,8 +149,7 @@ class DeclarationReader {
             }
             table.extent = reader.pair("extent", 1, 16384).value_or(table.extent);
             if (const Json* condition = reader.find("if"))
-                table.condition = parse_condition(*condition, type_.params, reader.path("if"), diagnostics_)
-                                      .value_or(Condition{});
+                table.condition = read_condition(*condition, reader.path("if"), type_, diagnostics_);
             type_.tables.push_back(std::move(table));
         }
     }
@@ -174,7 +176,7 @@ class DeclarationReader {
         }
         Dispatch& dispatch = type_.dispatch;
         if (reader.find("over")) {
-            dispatch.over = reader.text("over").value_or("frame");
+            dispatch.over.name = reader.text("over").value_or("frame");
             check_over(reader);
         } else if (reader.find("indirect")) {
             dispatch.kind = Dispatch::Kind::indirect;
@@ -198,7 +200,7 @@ class DeclarationReader {
     }
 
     void check_over(const ObjectReader& reader) {
-        const std::string& name = type_.dispatch.over;
+        const std::string& name = type_.dispatch.over.name;
         if (name == "frame" || reader.find("over")->kind != Json::Kind::string) return;
         const Json& json = *reader.find("over");
         const Port* port = type_.port(name);
@@ -207,8 +209,10 @@ class DeclarationReader {
                          fmt::format("no port \"{}\"{}", name, did_you_mean(name, port_names())));
         else if (port->kind != PortKind::image && port->kind != PortKind::texels)
             reader.error(json, "over", fmt::format("\"{}\" is no image and has no extent", name));
-        else if (port->optional || !port->condition.empty())
+        else if (port->optional || !port->condition.always())
             reader.error(json, "over", fmt::format("\"{}\" may be absent", name));
+        else
+            type_.dispatch.over.port = type_.index(*port);
     }
 
     // Level by level, each made from the finer one.
@@ -218,7 +222,7 @@ class DeclarationReader {
         const auto complain = [&](const Port& port, std::string message) {
             error(port.place, "outputs." + port.name, std::move(message));
         };
-        if (type_.dispatch.kind != Dispatch::Kind::over || type_.dispatch.over != chain->name)
+        if (type_.dispatch.kind != Dispatch::Kind::over || type_.dispatch.over.name != chain->name)
             complain(*chain,
                      fmt::format("a mip chain is written level by level: dispatch over \"{}\"", chain->name));
         for (const Port& port : type_.ports)
@@ -238,8 +242,10 @@ class DeclarationReader {
                          fmt::format("no port \"{}\"{}", name, did_you_mean(name, port_names())));
         else if (port->output || !port->indirect)
             reader.error(json, "indirect", fmt::format("\"{}\" is no input with \"indirect\": true", name));
-        else if (port->optional || !port->condition.empty())
+        else if (port->optional || !port->condition.always())
             reader.error(json, "indirect", fmt::format("\"{}\" may be absent", name));
+        else
+            type_.dispatch.indirect_port = type_.index(*port);
     }
 
     std::optional<std::array<uint32_t, 3>> read_group(const ObjectReader& reader) {
@@ -279,9 +285,7 @@ class DeclarationReader {
             if (!param) continue;
             const std::string member_path = reader.path(member.key);
             const auto decides = [&](const auto& port_or_table) {
-                return std::ranges::any_of(port_or_table.condition, [&](const Literal& l) {
-                    return l.value && l.name == param->name;
-                });
+                return asks_for(port_or_table.condition, param->name);
             };
             if (!param->constant)
                 error(member.key_place, member_path, "a class may override constant parameters only");
@@ -319,9 +323,9 @@ class DeclarationReader {
         for (const Port& port : type_.ports)
             claim(port.name, port.place, fmt::format("{}.{}", port.output ? "outputs" : "inputs", port.name));
         for (const Port& port : type_.ports)
-            if (port.optional || !port.condition.empty()) claim_presence("port", port.name);
+            if (port.optional || !port.condition.always()) claim_presence("port", port.name);
         for (const Table& table : type_.tables)
-            if (!table.condition.empty()) claim_presence("table", table.name);
+            if (!table.condition.always()) claim_presence("table", table.name);
     }
 
     void claim_presence(const char* what, const std::string& name) {
@@ -366,12 +370,12 @@ const Param* NodeType::param(std::string_view param_name) const {
 }
 
 std::optional<NodeType> parse_node_type(const Json& json, const std::string& basename,
-                                        Diagnostics& diagnostics) {
+                                        std::shared_ptr<const Domain> domain, Diagnostics& diagnostics) {
     const size_t errors = diagnostics.size();
     const std::vector<std::string> keys = {"$schema",  "node",    "doc",     "shader", "host",
                                            "needs",    "inputs",  "outputs", "tables", "params",
                                            "dispatch", "classes", "counters"};
-    NodeType type = DeclarationReader(json, keys, diagnostics).read(basename);
+    NodeType type = DeclarationReader(json, keys, std::move(domain), diagnostics).read(basename);
     if (diagnostics.size() != errors) return std::nullopt;
     return type;
 }

@@ -7,52 +7,38 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
+#include "graph/condition.h"
 #include "graph/format.h"
-#include "graph/json_text.h"
 
 namespace penumbra {
 
-// One literal of a condition: FACT or PARAM=VALUE, or ! and one of them. Literals of a Condition are joined
-// by "and"; empty = always.
-struct Literal {
-    std::string name;
-    bool negated = false;
-    std::optional<std::string> value;  // set: compares a constant parameter
-
-    friend bool operator==(const Literal&, const Literal&) = default;
+// Whose extent a rule is about, as declared and as link_ports() finds it.
+struct SizeOf {
+    std::string name = "frame";    // "frame", a port of the same type, or empty: nothing's
+    std::optional<uint32_t> port;  // its index; none: the frame, or nothing
 };
-using Condition = std::vector<Literal>;
 
-// The facts a host may promise for a plan's lifetime; all default to true.
-inline constexpr std::array<const char*, 9> fact_names = {
-    "sun_up", "sun_disc", "casters", "alpha", "many_cascades", "moves", "sun_moves", "motion_3d", "hdr"};
-using Facts = std::map<std::string, bool>;  // name -> value; a name that is absent is true
-
-std::string to_string(const Condition& condition);
-
-// ceil(of / div) * mul per axis, at least 1x1. `of` is "frame" or a port of the same node.
+// ceil(of / div) * mul per axis, at least 1x1.
 struct ExtentRule {
-    std::string of = "frame";
+    SizeOf of;
     std::array<uint32_t, 2> div{1, 1};
     std::array<uint32_t, 2> mul{1, 1};
 };
 
-// ceil(x / div[0]) * ceil(y / div[1]) * mul + add elements; of empty: `add` elements.
+// ceil(x / div[0]) * ceil(y / div[1]) * mul + add elements; of nothing: `add` elements.
 struct CountRule {
-    std::string of;
+    SizeOf of{.name = ""};
     std::array<uint32_t, 2> div{1, 1};
     uint32_t mul = 1;
     uint32_t add = 0;
 };
 
-enum class PortKind : uint8_t { image, texels, buffer, block, scene };
-const char* kind_name(PortKind kind);  // as declarations spell it
 enum class Writes : uint8_t { all, tiles, some, kept };
 enum class First : uint8_t { any, clear };
 
@@ -60,6 +46,7 @@ struct Port {
     std::string name;
     bool output = false;
     PortKind kind = PortKind::image;
+    const Bundle* bundle = nullptr;  // of kind bundle: the domain's
     std::vector<Format> formats;  // image and texels: the first is the default; on an input: what is accepted
     bool storage = false;         // image: storage access instead of sampled
     bool linear = false;          // sampled image: linear filter instead of nearest
@@ -72,6 +59,8 @@ struct Port {
     // Output: what frames before left in it spares work and changes nothing that is put out.
     bool memo = false;
     std::string updates;  // output: the input port whose memory it takes over
+    std::optional<uint32_t> updated_input,
+        updater;  // the other end of `updates`, an index of the type's ports
     First first = First::any;
     bool previous = false;  // must be bound to NAME@-1
     bool indirect = false;  // holds dispatch arguments
@@ -85,7 +74,6 @@ struct Port {
     Place place;
 };
 
-using ParamValue = std::variant<bool, int32_t, uint32_t, float, std::vector<float>, std::string>;
 enum class ParamType : uint8_t { boolean, integer, uint, real, vec2, vec3, vec4, enumeration };
 
 struct Param {
@@ -109,8 +97,9 @@ ParamLayout layout_of(ParamType type);
 struct Dispatch {
     enum class Kind : uint8_t { over, indirect, groups, host };
     Kind kind = Kind::over;
-    std::string over = "frame";               // "frame" or a port
-    std::string indirect;                     // port with the arguments
+    SizeOf over;
+    std::string indirect;  // port with the arguments
+    uint32_t indirect_port = 0;
     uint32_t offset = 0;                      // bytes
     std::array<uint32_t, 3> groups{1, 1, 1};  // kind groups
     std::array<uint32_t, 3> group{8, 8, 1};   // workgroup size
@@ -134,6 +123,7 @@ struct Table {
 };
 
 struct NodeType {
+    std::shared_ptr<const Domain> domain;  // that it was read with
     std::string name;
     std::string doc;
     std::string shader;  // file name; empty for host nodes
@@ -148,6 +138,7 @@ struct NodeType {
     Place place;
 
     const Port* port(std::string_view name) const;
+    uint32_t index(const Port& port) const { return static_cast<uint32_t>(&port - ports.data()); }
     // The output with a mip chain, which the node writes level by level; nullptr: it has none.
     const Port* levelled_output() const;
     const Param* param(std::string_view name) const;
@@ -157,18 +148,13 @@ struct NodeType {
 
 // Reads a declaration; `basename` is the file's name without extension and must equal the key "node".
 std::optional<NodeType> parse_node_type(const Json& json, const std::string& basename,
-                                        Diagnostics& diagnostics);
+                                        std::shared_ptr<const Domain> domain, Diagnostics& diagnostics);
 
 // Reads one value for `param` (type, enum value, range); path and place name it in errors.
 std::optional<ParamValue> parse_param_value(const Param& param, const Json& json, const std::string& path,
                                             Diagnostics& diagnostics);
-
-// Parses "a & !b & mode=x". `params` lists what PARAM=VALUE may name (empty: facts only).
-std::optional<Condition> parse_condition(const Json& json, std::span<const Param> params,
-                                         const std::string& path, Diagnostics& diagnostics);
-
-// Whether the condition holds under these facts and parameter values (enum by name, bool "true"/"false",
-// numbers as text).
-bool holds(const Condition& condition, const Facts& facts, const std::map<std::string, ParamValue>& params);
+// The same from the text after a comparison's sign: JSON, or an enum's value as it is.
+std::optional<ParamValue> parse_param_text(const Param& param, const std::string& text, const Place& place,
+                                           const std::string& path, Diagnostics& diagnostics);
 
 }  // namespace penumbra

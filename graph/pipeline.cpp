@@ -150,22 +150,17 @@ class PipelineReader {
 
     void read_input(const JsonMember& member) {
         static const std::vector<std::string> keys = {"kind", "format", "extent", "history", "optional"};
-        static const std::vector<std::string> kinds = {"image", "texels", "buffer", "block", "scene"};
-        static const std::vector<std::string> histories = {"none", "host", "copy"};
+        static const std::vector<std::string> histories = {"host"};
         const ObjectReader reader(member.value, "inputs." + member.key, keys, diagnostics_);
         HostInput input{.name = member.key, .place = member.key_place};
-        if (const auto kind = reader.choice("kind", kinds)) input.kind = static_cast<PortKind>(*kind);
+        if (const auto kind = reader.text("kind")) input.kind_word = *kind;
+        if (const Json* kind = reader.find("kind")) input.kind_place = kind->place;
         input.format = reader.format("format");
-        if (const auto history = reader.choice("history", std::span(histories).subspan(1)))
-            input.history = static_cast<HostInput::History>(*history + 1);
+        input.history = reader.choice("history", histories).has_value();
         input.optional = reader.flag("optional");
         read_extent(reader, input);
-        const bool texels = !input.kind || *input.kind == PortKind::image || *input.kind == PortKind::texels;
-        for (const char* key : {"format", "extent"})
-            if (const Json* json = reader.find(key); json && !texels)
-                reader.error(
-                    *json, key,
-                    fmt::format("does not apply to kind {}", kinds[static_cast<size_t>(*input.kind)]));
+        if (const Json* format = reader.find("format")) input.format_place = format->place;
+        if (const Json* extent = reader.find("extent")) input.extent_place = extent->place;
         pipeline_.inputs.push_back(std::move(input));
     }
 
@@ -200,8 +195,7 @@ class PipelineReader {
         if (const Json* params = reader.find("params"))
             if (expect(*params, Json::Kind::object, reader.path("params"), diagnostics_))
                 node.params = params->members;
-        if (const Json* condition = reader.find("if"))
-            node.condition = parse_formula(*condition, reader.path("if"), diagnostics_).value_or(Formula{});
+        if (const Json* condition = reader.find("if")) node.condition = *condition;
         node.doc = reader.one_line("doc");
         pipeline_.nodes.push_back(std::move(node));
     }

@@ -10,22 +10,24 @@
 #include <string>
 #include <vector>
 
-#include "graph/formula.h"
+#include "graph/node_type.h"
 
 namespace penumbra {
 
 struct HostInput {
     enum class Extent : uint8_t { frame, fixed, any };
-    enum class History : uint8_t { none, host, copy };
 
     std::string name;
-    std::optional<PortKind> kind;  // else from the readers
+    std::string kind_word;         // as written, if it is; a domain may have kinds of its own
+    std::optional<PortKind> kind;  // what check() makes of it, or of the readers
+    const Bundle* bundle = nullptr;
     std::optional<Format> format;  // else whatever the readers accept and the host brings
     Extent extent = Extent::frame;
     std::array<uint32_t, 2> size{0, 0};  // Extent::fixed
-    History history = History::none;
+    bool history = false;                // the host also brings the last recorded frame's value, for @-1
     bool optional = false;
-    Place place;
+    Place place, kind_place;
+    std::optional<Place> format_place, extent_place;
 };
 
 // `port: "name"`, `port: "name@-1"` or `port: null` (explicitly unbound).
@@ -41,7 +43,7 @@ struct PipelineNode {
     std::string type;
     std::vector<Wire> in, out;
     std::vector<JsonMember> params;
-    Formula condition;
+    std::optional<Json> condition;  // which check() parses: facts are the node set's
     std::string doc;
     Place place, type_place;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A compiled pipeline: pure data. Passes in order with their bindings, constants and dependencies; resources
-// with their lifetimes and byte offsets. A host with its own RHI can realise a plan without the runtime in
-// view.h.
+// A compiled pipeline: the whole program of a frame, as data. Passes in order with their shaders, bindings,
+// constants and dependencies; resources with their lifetimes and byte offsets; what a frame without history
+// does. Program and View (program.h, view.h) carry it out and know nothing else, so that a host with a device
+// layer of its own can do the same.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -10,12 +11,13 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "graph/interface.h"
 #include "graph/node_set.h"
 
 namespace penumbra {
@@ -39,8 +41,7 @@ struct ImageNeed {
 };
 
 // All that compile() asks of a device. device_table() (memory.h) reads a real one; reference_device() is a
-// fixed one for tests and for planning without a device. Which features are enabled only the host can say:
-// ray_query, storage8.
+// fixed one for tests and for planning without a device.
 struct DeviceTable {
     std::string name;
     bool cpu = false;                   // device class: selects the declarations' overrides
@@ -48,7 +49,8 @@ struct DeviceTable {
     uint32_t max_texel_elements = 1u << 27;
     uint32_t max_storage_bytes = 1u << 27;  // of one buffer binding
     uint32_t max_workgroup_invocations = 1024;
-    bool ray_query = false, storage8 = false;  // enabled on the host's device, which only the host can tell
+    std::set<std::string>
+        features;  // of Domain::features, those enabled on the device, which only the host can tell
     std::function<MemoryNeed(const ImageNeed&)> image_memory;
     std::function<MemoryNeed(uint64_t bytes, VkBufferUsageFlags usage)> buffer_memory;
     std::function<bool(Format, VkFormatFeatureFlags)> supports;
@@ -62,6 +64,9 @@ struct HostResource {
     uint32_t layers = 1;
 };
 
+// Facts by name; what is absent is true.
+using Facts = std::map<std::string, bool>;
+
 struct Target {
     Extent extent;
     // Images and texels; absent: the declared extent and format, or the frame's and the first that all
@@ -72,6 +77,16 @@ struct Target {
     DeviceTable device;
 };
 
+// What the host does with an output after record(): its image or buffer is created for that, and the plan's
+// last dependency makes it visible to that.
+struct OutputUse {
+    VkImageUsageFlags image_usage =
+        VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+    VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    VkAccessFlags2 access = VK_ACCESS_2_MEMORY_READ_BIT;
+};
+
 // Stages and accesses of one use of a resource; all internal images stay in VK_IMAGE_LAYOUT_GENERAL.
 struct Use {
     VkPipelineStageFlags2 stages = 0;
@@ -79,10 +94,12 @@ struct Use {
     bool write = false;
 };
 
-// A slot the host fills at every record(): an input, or an input's previous value.
+// A slot the host fills at every record(): an input, its previous value, or a part of a bundle.
 struct HostSlot {
-    std::string name;                 // "depth", "depth@-1", "scene.nodes"
-    PortKind kind = PortKind::image;  // scene: an acceleration structure
+    std::string name;         // to print: "depth", "depth@-1", "world.nodes"
+    std::string input, part;  // part: of a bundle, else empty
+    bool previous = false;
+    PortKind kind = PortKind::image;  // never bundle
     Format format = Format::r8;
     Extent extent;
     uint32_t layers = 1;
@@ -118,13 +135,30 @@ struct PlanResource {
     uint64_t buffer_bytes() const;  // of the VkBuffer: whole words, never none
 };
 
+// What fills a binding.
+enum class BindingSource : uint8_t {
+    resource,     // index: of Plan::resources
+    host,         // of Plan::slots
+    table,        // of Plan::tables
+    frame_block,  // the frame block (frame_block.h)
+    counters,     // the frame's counters, u32 each
+    nothing       // anything of the type and format: it is never read
+};
+
 struct PlanBinding {
-    const Port* port = nullptr;
-    uint32_t binding = 0;
-    bool host = false;
-    uint32_t index = 0;     // of Plan::resources or Plan::slots (a scene port has a binding per slot)
-    bool previous = false;  // internal: the other parity's placement
-    std::string resource;   // the name it is bound to, with @-1 where previous
+    uint32_t set = 0, binding = 0;
+    VkDescriptorType type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    BindingSource source = BindingSource::resource;
+    uint32_t index = 0;
+    bool previous = false;  // resource: the other parity's placement
+    // Storage images are one level: the finest, or of the chain that a pass writes the level of the dispatch,
+    // or the one before that.
+    enum class Level : uint8_t { finest, written, finer } level = Level::finest;
+    bool linear = false;         // sampled images
+    bool layered = false;        // images: a 2D array
+    Format format = Format::r8;  // images and texels
+    std::string port;            // as the shader names it; empty: the graph's own
+    bool output = false;
 };
 
 // One image that starts to use its memory: UNDEFINED -> GENERAL.
@@ -151,24 +185,53 @@ struct PassUse {
 
 enum class PassKind : uint8_t { compute, host, capture };
 
+// A parameter that may change per frame, in the push constants.
+struct PlanParam {
+    Param param;
+    uint32_t offset = 0;  // bytes
+};
+
 struct PlanPass {
     PassKind kind = PassKind::compute;
-    std::string node;  // node id; captures: the resource's name
-    const NodeEntry* entry = nullptr;
-    Variant variant;
+    std::string node;       // node id; captures: the resource's name
+    std::string type;       // node type; "capture"
+    std::string variant;    // of the shader, to print
+    std::string backends;   // of the node's bundles, to print
+    uint32_t module = 0;    // of Plan::modules; its entry point is "main"
+    HostCallback callback;  // host nodes
     std::vector<PlanBinding> bindings;
     std::vector<uint32_t> constants;  // specialisation data: ids 0 .. n-1, four bytes each
-    std::vector<std::byte> push;      // dynamic parameters' initial values
+    std::vector<std::byte> push;      // the parameters' initial values
+    std::vector<PlanParam> params;
+    std::optional<uint32_t> mip_level;  // offset in `push`: the level of a dispatch
     std::array<uint32_t, 3> groups{1, 1, 1};
     std::vector<std::array<uint32_t, 3>> level_groups;  // writers of a mip chain: of each level; else empty
     std::optional<uint32_t> indirect;                   // resource with the arguments
     uint32_t indirect_offset = 0;
-    uint32_t counter_base = 0;  // first of the entry's counters among all passes'
+    std::vector<std::string> counters;  // names; they are the pass's part of the frame's counters
+    uint32_t counter_base = 0;
     std::vector<PassUse> uses;
     std::vector<uint32_t> clears;      // resources cleared before the pass (writes: some)
     std::array<Dependency, 2> before;  // by frame parity
     std::array<Dependency, 2> after_clears;
     std::vector<std::string> reads, writes;
+
+    const PlanBinding* binding(std::string_view port) const;  // nullptr: none
+};
+
+// Static texels, uploaded once per device.
+struct PlanTable {
+    std::string name;  // "node type/table"
+    Format format = Format::r8;
+    std::array<uint32_t, 2> extent{1, 1};
+    std::shared_ptr<const std::vector<std::byte>> texels;
+};
+
+// On a frame without history, before the first pass: the previous parity's image gets its layout (from
+// UNDEFINED), and where `clear` is set the resource becomes 0.
+struct ResetAction {
+    uint32_t resource = 0;
+    bool clear = false;
 };
 
 struct Culled {
@@ -180,6 +243,7 @@ struct Culled {
 struct PlanOutput {
     std::string name;
     uint32_t resource = 0;
+    Use use;  // the host's, after the frame
 };
 
 struct Heap {
@@ -204,11 +268,14 @@ struct Plan {
     bool aliased = true;
     bool poison = false;
     std::vector<HostSlot> slots;
+    std::vector<PlanTable> tables;
+    std::vector<std::vector<uint32_t>> modules;  // SPIR-V, with the passes' sets
     std::vector<PlanResource> resources;
     std::vector<PlanPass> passes;
     std::vector<Culled> culled;
     std::vector<PlanOutput> outputs;
     std::vector<Heap> heaps;
+    std::vector<ResetAction> reset;
     std::array<Dependency, 2> end;      // makes the outputs visible to the host
     std::vector<std::string> counters;  // "node.counter", in the counter buffer's order
     bool jitter = false;                // a node asks the host to jitter
@@ -216,6 +283,7 @@ struct Plan {
 
     uint32_t period() const { return 2 * static_cast<uint32_t>(passes.size()); }
     const PlanOutput* output(std::string_view name) const;
+    const PlanPass* pass(std::string_view node) const;  // nullptr: it does not run
 };
 
 }  // namespace penumbra

@@ -5,15 +5,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cstring>
 
 namespace penumbra {
 namespace {
-
-VkDescriptorSetLayoutBinding layout_binding(uint32_t binding, VkDescriptorType type) {
-    return {binding, type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
-}
 
 Owned<VkDescriptorSetLayout> make_set_layout(VkDevice device,
                                              const std::vector<VkDescriptorSetLayoutBinding>& bindings,
@@ -27,47 +22,13 @@ Owned<VkDescriptorSetLayout> make_set_layout(VkDevice device,
     return {device, layout};
 }
 
-std::vector<uint32_t> spirv_of(const PlanPass& pass) {
-    Diagnostics diagnostics;
-    const std::vector<uint32_t>* found = find_shader(*pass.entry, pass.variant, diagnostics);
-    if (!found)
-        throw VulkanError(
-            VK_ERROR_INITIALIZATION_FAILED,
-            fmt::format("node {} has no shader for its variant\n{}", pass.node, diagnostics.text()));
-    std::vector<uint32_t> spirv = *found;
-    std::vector<uint32_t> host;
-    for (const PlanBinding& binding : pass.bindings)
-        if (binding.host) host.push_back(binding.binding);
-    bind_to_sets(spirv, host);
-    return spirv;
+constexpr VkDeviceSize absent_bytes = 16384;  // what every device lets a uniform buffer have
+
+VkImageAspectFlags aspect(Format format) {
+    return info(format).kind == FormatClass::depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
 }  // namespace
-
-bool writes_chain(const PlanBinding& binding) {
-    return binding.port->output && binding.port->levels;
-}
-
-VkDescriptorType descriptor_type(const Plan& plan, const PlanPass& pass, const PlanBinding& binding) {
-    const Port& port =
-        binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
-    // A scene port's slots have kinds of their own.
-    switch (binding.host ? plan.slots[binding.index].kind : port.kind) {
-        case PortKind::image:
-            return port.storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
-                                : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-        case PortKind::texels:
-            return binding.port->output ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
-                                        : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
-        case PortKind::buffer:
-            return VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
-        case PortKind::block:
-            return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-        case PortKind::scene:
-            return VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR;
-    }
-    return VK_DESCRIPTOR_TYPE_MAX_ENUM;
-}
 
 Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan)
     : handles_(handles), plan_(std::move(plan)), passes_(plan_->passes.size()) {
@@ -76,6 +37,7 @@ Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan)
         create.magFilter = create.minFilter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
         create.addressModeU = create.addressModeV = create.addressModeW =
             VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+        create.maxLod = VK_LOD_CLAMP_NONE;
         VkSampler sampler = VK_NULL_HANDLE;
         check(vkCreateSampler(handles_.device, &create, nullptr, &sampler), "vkCreateSampler",
               "a port's sampler");
@@ -87,88 +49,105 @@ Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan)
           plan_->pipeline);
     cache_ = {handles_.device, cache};
     make_tables();
+    make_absent();
     for (size_t i = 0; i < passes_.size(); ++i) {
         const PlanPass& pass = plan_->passes[i];
-        if (pass.kind == PassKind::host && !pass.entry->callback)
+        if (pass.kind == PassKind::host && !pass.callback)
             throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
                               fmt::format("host node {} has no callback", pass.node));
         if (pass.kind == PassKind::compute) make_pass(i);
     }
 }
 
-const TableImage& Program::table(const std::string& node_type, const std::string& name) const {
-    return *std::find_if(tables_.begin(), tables_.end(),
-                         [&](const TableImage& t) { return t.name == node_type + "/" + name; });
+StaticImage Program::make_image(Format format, std::array<uint32_t, 2> extent, VkImageUsageFlags usage,
+                                bool layered, const std::string& what) const {
+    StaticImage out;
+    VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+    create.imageType = VK_IMAGE_TYPE_2D;
+    create.format = info(format).vk;
+    create.extent = {extent[0], extent[1], 1};
+    create.mipLevels = create.arrayLayers = 1;
+    create.samples = VK_SAMPLE_COUNT_1_BIT;
+    create.usage = usage;
+    VkImage image = VK_NULL_HANDLE;
+    check(vkCreateImage(handles_.device, &create, nullptr, &image), "vkCreateImage", what);
+    out.image = {handles_.device, image};
+    VkMemoryRequirements need;
+    vkGetImageMemoryRequirements(handles_.device, image, &need);
+    const VkMemoryAllocateInfo allocate{
+        VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, need.size,
+        memory_type(handles_.physical, need.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
+    VkDeviceMemory memory = VK_NULL_HANDLE;
+    check(vkAllocateMemory(handles_.device, &allocate, nullptr, &memory), "vkAllocateMemory", what);
+    out.memory = {handles_.device, memory};
+    check(vkBindImageMemory(handles_.device, image, memory, 0), "vkBindImageMemory", what);
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image;
+    view.viewType = layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+    view.format = create.format;
+    view.subresourceRange = {aspect(format), 0, 1, 0, 1};
+    VkImageView handle = VK_NULL_HANDLE;
+    check(vkCreateImageView(handles_.device, &view, nullptr, &handle), "vkCreateImageView", what);
+    out.view = {handles_.device, handle};
+    return out;
 }
 
 void Program::make_tables() {
-    for (const PlanPass& pass : plan_->passes) {
-        if (!pass.entry) continue;
-        for (const Table& table : pass.entry->type.tables) {
-            if (!exists(pass.variant, table.name)) continue;
-            TableImage t;
-            t.name = pass.entry->type.name + "/" + table.name;
-            if (std::any_of(tables_.begin(), tables_.end(),
-                            [&](const TableImage& o) { return o.name == t.name; }))
-                continue;
-            const auto data = std::find_if(pass.entry->tables.begin(), pass.entry->tables.end(),
-                                           [&](const TableData& d) { return d.name == table.name; });
-            const size_t bytes = size_t{table.extent[0]} * table.extent[1] * info(table.format).bytes;
-            if (data == pass.entry->tables.end() || data->texels.size() != bytes)
-                throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                                  fmt::format("table {} does not hold {} bytes", t.name, bytes));
-            t.extent = table.extent;
-            VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
-            create.imageType = VK_IMAGE_TYPE_2D;
-            create.format = info(table.format).vk;
-            create.extent = {t.extent[0], t.extent[1], 1};
-            create.mipLevels = create.arrayLayers = 1;
-            create.samples = VK_SAMPLE_COUNT_1_BIT;
-            create.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-            VkImage image = VK_NULL_HANDLE;
-            check(vkCreateImage(handles_.device, &create, nullptr, &image), "vkCreateImage", t.name);
-            t.image = {handles_.device, image};
-            VkMemoryRequirements need;
-            vkGetImageMemoryRequirements(handles_.device, image, &need);
-            const VkMemoryAllocateInfo allocate{
-                VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, need.size,
-                memory_type(handles_.physical, need.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
-            VkDeviceMemory memory = VK_NULL_HANDLE;
-            check(vkAllocateMemory(handles_.device, &allocate, nullptr, &memory), "vkAllocateMemory", t.name);
-            t.memory = {handles_.device, memory};
-            check(vkBindImageMemory(handles_.device, image, memory, 0), "vkBindImageMemory", t.name);
-            VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-            view.image = image;
-            view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-            view.format = create.format;
-            view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-            VkImageView handle = VK_NULL_HANDLE;
-            check(vkCreateImageView(handles_.device, &view, nullptr, &handle), "vkCreateImageView", t.name);
-            t.view = {handles_.device, handle};
-            t.staging = MappedBuffer(handles_, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, t.name);
-            std::memcpy(t.staging.data(), data->texels.data(), bytes);
-            tables_.push_back(std::move(t));
-        }
+    for (const PlanTable& table : plan_->tables) {
+        TableImage& t = tables_.emplace_back();
+        t.image = make_image(table.format, table.extent,
+                             VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, false, table.name);
+        t.staging =
+            MappedBuffer(handles_, table.texels->size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, table.name);
+        std::memcpy(t.staging.data(), table.texels->data(), table.texels->size());
     }
+}
+
+void Program::make_absent() {
+    const std::string what = "what is bound to absent inputs";
+    for (const PlanPass& pass : plan_->passes)
+        for (const PlanBinding& b : pass.bindings) {
+            if (b.source != BindingSource::nothing) continue;
+            const bool storage = b.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+            if (storage || b.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER) {
+                StaticImage& image = absent_images_[{b.format, storage, b.layered}];
+                if (!image.image)
+                    image = make_image(b.format, {1, 1},
+                                       storage ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_SAMPLED_BIT,
+                                       b.layered, what);
+                continue;
+            }
+            if (!absent_buffer_.get())
+                absent_buffer_ =
+                    MappedBuffer(handles_, absent_bytes,
+                                 VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                     VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
+                                 what);
+            if (b.type != VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER || absent_texels_.contains(b.format))
+                continue;
+            VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+            create.buffer = absent_buffer_.get();
+            create.format = info(b.format).vk;
+            create.range = VK_WHOLE_SIZE;
+            VkBufferView view = VK_NULL_HANDLE;
+            check(vkCreateBufferView(handles_.device, &create, nullptr, &view), "vkCreateBufferView", what);
+            absent_texels_[b.format] = {handles_.device, view};
+        }
+}
+
+VkImageView Program::absent_image(const PlanBinding& binding) const {
+    return absent_images_
+        .at({binding.format, binding.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, binding.layered})
+        .view.get();
 }
 
 void Program::make_pass(size_t index) {
     const PlanPass& pass = plan_->passes[index];
     PassProgram& out = passes_[index];
-    const NodeType& type = pass.entry->type;
 
     std::array<std::vector<VkDescriptorSetLayoutBinding>, 2> sets;
-    sets[1].push_back(layout_binding(frame_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER));
-    sets[1].push_back(layout_binding(counters_binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER));
-    for (const PlanBinding& binding : pass.bindings) {
-        sets[binding.host].push_back(layout_binding(binding.binding, descriptor_type(*plan_, pass, binding)));
-        if (writes_chain(binding))
-            sets[0].push_back(layout_binding(binding.binding + 1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE));
-    }
-    for (uint32_t i = 0; i < type.tables.size(); ++i)
-        if (exists(pass.variant, type.tables[i].name))
-            sets[1].push_back(
-                layout_binding(first_table_binding(type) + i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER));
+    for (const PlanBinding& b : pass.bindings)
+        sets[b.set].push_back({b.binding, b.type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     std::array<VkDescriptorSetLayout, 2> layouts{};
     for (size_t s = 0; s < 2; ++s) {
         out.set_layouts[s] = make_set_layout(handles_.device, sets[s], pass.node);
@@ -186,7 +165,10 @@ void Program::make_pass(size_t index) {
           pass.node);
     out.layout = {handles_.device, layout};
 
-    const std::vector<uint32_t> spirv = spirv_of(pass);
+    if (pass.module >= plan_->modules.size())
+        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
+                          fmt::format("the plan was made without shaders: node {} has none", pass.node));
+    const std::vector<uint32_t>& spirv = plan_->modules[pass.module];
     VkShaderModuleCreateInfo module_create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     module_create.codeSize = spirv.size() * sizeof(uint32_t);
     module_create.pCode = spirv.data();
@@ -215,29 +197,48 @@ void Program::make_pass(size_t index) {
 void Program::record_uploads(VkCommandBuffer cmd) const {
     if (uploaded_) return;
     uploaded_ = true;
-    for (const TableImage& t : tables_) {
-        VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-        barrier.image = t.image.get();
-        barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
-        barrier.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-        barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+    const auto transition = [&](VkImageMemoryBarrier2& barrier) {
         VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
         dependency.imageMemoryBarrierCount = 1;
         dependency.pImageMemoryBarriers = &barrier;
         vkCmdPipelineBarrier2(cmd, &dependency);
+    };
+    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    for (size_t i = 0; i < tables_.size(); ++i) {
+        const std::array<uint32_t, 2> extent = plan_->tables[i].extent;
+        barrier.image = tables_[i].image.image.get();
+        barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+        barrier.srcStageMask = VK_PIPELINE_STAGE_2_NONE;
+        barrier.srcAccessMask = VK_ACCESS_2_NONE;
+        barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
+        barrier.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+        barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+        transition(barrier);
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        copy.imageExtent = {t.extent[0], t.extent[1], 1};
-        vkCmdCopyBufferToImage(cmd, t.staging.get(), t.image.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
-                               &copy);
+        copy.imageExtent = {extent[0], extent[1], 1};
+        vkCmdCopyBufferToImage(cmd, tables_[i].staging.get(), barrier.image,
+                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
         barrier.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
         barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
         barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
         barrier.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
         barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
         barrier.newLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-        vkCmdPipelineBarrier2(cmd, &dependency);
+        transition(barrier);
+    }
+    for (const auto& [key, absent] : absent_images_) {
+        barrier.image = absent.image.get();
+        barrier.subresourceRange = {aspect(key.format), 0, 1, 0, 1};
+        barrier.srcStageMask = VK_PIPELINE_STAGE_2_NONE;
+        barrier.srcAccessMask = VK_ACCESS_2_NONE;
+        barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
+        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
+        barrier.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
+        barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+        transition(barrier);
     }
 }
 

@@ -3,6 +3,7 @@
 // construction but for the one upload of the tables, which the first frame recorded carries.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,13 +20,11 @@ struct PassProgram {
     Owned<VkPipeline> pipeline;
 };
 
-struct TableImage {
-    std::string name;  // "node type/table"
+// An image of one texel array, sampled or stored to: a table, or what stands for an absent one.
+struct StaticImage {
     Owned<VkDeviceMemory> memory;
     Owned<VkImage> image;
     Owned<VkImageView> view;
-    MappedBuffer staging;
-    std::array<uint32_t, 2> extent{1, 1};
 };
 
 class Program {
@@ -37,13 +36,31 @@ class Program {
     const Plan& plan() const { return *plan_; }
     const PassProgram& pass(size_t index) const { return passes_[index]; }
     VkSampler sampler(bool linear) const { return samplers_[linear].get(); }
-    const TableImage& table(const std::string& node_type, const std::string& name) const;
+    VkImageView table(uint32_t index) const { return tables_[index].image.view.get(); }
+    // What is bound where there is nothing: never read, so that all bindings alike share one.
+    VkImageView absent_image(const PlanBinding& binding) const;
+    VkBufferView absent_texels(Format format) const { return absent_texels_.at(format).get(); }
+    VkBuffer absent_buffer() const { return absent_buffer_.get(); }
 
-    // Copies the tables to the device; recorded before anything that reads them, once per program.
+    // Copies the tables to the device and gives what is absent its layout; recorded before anything that
+    // reads them, once per program.
     void record_uploads(VkCommandBuffer cmd) const;
 
   private:
+    struct TableImage {
+        StaticImage image;
+        MappedBuffer staging;
+    };
+    struct AbsentKey {
+        Format format;
+        bool storage, layered;
+        friend auto operator<=>(const AbsentKey&, const AbsentKey&) = default;
+    };
+
+    StaticImage make_image(Format format, std::array<uint32_t, 2> extent, VkImageUsageFlags usage,
+                           bool layered, const std::string& what) const;
     void make_tables();
+    void make_absent();
     void make_pass(size_t index);
 
     DeviceHandles handles_;
@@ -52,12 +69,10 @@ class Program {
     Owned<VkPipelineCache> cache_;
     std::vector<PassProgram> passes_;
     std::vector<TableImage> tables_;
+    std::map<AbsentKey, StaticImage> absent_images_;
+    MappedBuffer absent_buffer_;
+    std::map<Format, Owned<VkBufferView>> absent_texels_;
     mutable bool uploaded_ = false;
 };
-
-// Whether a binding is the level of a mip chain that a dispatch writes; the next binding is the finer level.
-bool writes_chain(const PlanBinding& binding);
-
-VkDescriptorType descriptor_type(const Plan& plan, const PlanPass& pass, const PlanBinding& binding);
 
 }  // namespace penumbra

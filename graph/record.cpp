@@ -109,19 +109,15 @@ void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<c
 void View::record_reset(VkCommandBuffer cmd) {
     const uint32_t previous = 1 - parity_;
     std::vector<VkImageMemoryBarrier2> images;
-    const auto lasts = [&](uint32_t i) { return plan().resources[i].history || plan().resources[i].kept; };
-    for (uint32_t i = 0; i < plan().resources.size(); ++i)
-        if (lasts(i) && memory_.at(i, previous).image)
-            images.push_back(activate(memory_.at(i, previous).image.get(),
-                                      VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+    for (const ResetAction& action : plan().reset)
+        if (const ResourceInstance& r = memory_.at(action.resource, previous); r.image)
+            images.push_back(activate(r.image.get(), VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                       VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT));
     full_dependency(cmd, images);
-    for (uint32_t i = 0; i < plan().resources.size(); ++i) {
-        const PlanResource& r = plan().resources[i];
-        if (lasts(i) && (r.clear_on_reset || options_.poison))
-            record_clear(cmd, i, previous, r.clear_on_reset ? std::nullopt : options_.poison);
-    }
+    for (const ResetAction& action : plan().reset)
+        if (action.clear || options_.poison)
+            record_clear(cmd, action.resource, previous, action.clear ? std::nullopt : options_.poison);
     full_dependency(cmd);
 }
 
@@ -192,7 +188,6 @@ void View::record_dispatches(VkCommandBuffer cmd, size_t index) const {
     const PlanPass& pass = plan().passes[index];
     const PassProgram& program = program_->pass(index);
     const std::vector<VkDescriptorSet>& levels = internal_sets_[index][parity_];
-    const std::optional<uint32_t> mip_level = push_constants(pass.entry->type).mip_level;
     vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline.get());
     if (!push_[index].empty())
         vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
@@ -205,10 +200,10 @@ void View::record_dispatches(VkCommandBuffer cmd, size_t index) const {
         const std::array sets{levels[level], slots_[slot_].sets[index]};
         vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2, sets.data(),
                                 0, nullptr);
-        if (mip_level)
-            vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, *mip_level,
+        if (pass.mip_level)
+            vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, *pass.mip_level,
                                sizeof level, &level);
-        const std::array<uint32_t, 3>& groups = mip_level ? pass.level_groups[level] : pass.groups;
+        const std::array<uint32_t, 3>& groups = pass.mip_level ? pass.level_groups[level] : pass.groups;
         if (pass.indirect)
             vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer.get(),
                                   pass.indirect_offset);
@@ -242,11 +237,10 @@ void View::record_host_pass(VkCommandBuffer cmd, size_t index) const {
     context.pass = &pass;
     context.frame = &frame_block_;
     context.resource = [&](std::string_view port) -> const ResourceInstance* {
-        for (const PlanBinding& binding : pass.bindings)
-            if (binding.port->name == port && !binding.host) return &instance(binding);
-        return nullptr;
+        const PlanBinding* binding = pass.binding(port);
+        return binding && binding->source == BindingSource::resource ? &instance(*binding) : nullptr;
     };
-    pass.entry->callback(context);
+    pass.callback(context);
 }
 
 void View::end(VkCommandBuffer cmd) {

@@ -1,290 +1,220 @@
 // SPDX-License-Identifier: MIT
-// Conditions choose the producers, reachability from the outputs (through @-1 too) does the rest. The order
-// is the dataflow's; among nodes that are ready the file's order decides, so that a plan reads like its
-// pipeline. Nodes without outputs watch: they follow what they read and decide nothing.
+// Conditions choose the producers, reachability from the outputs (through previous values too) does the rest.
+// The order is check()'s edges; among nodes that are ready the file's order decides, so that a plan reads
+// like its pipeline. Nodes without outputs watch: they follow what they read and decide nothing.
 #include "graph/select.h"
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 namespace penumbra {
 namespace {
 
+constexpr size_t nobody = ~size_t{0};
+
 class Selector {
   public:
-    Selector(const CheckedPipeline& pipeline, const NodeSet& nodes, const Facts& facts,
-             const std::set<std::string>& left_out, Diagnostics& diagnostics)
-        : pipeline_(pipeline), nodes_(nodes), facts_(facts), left_out_(left_out), diagnostics_(diagnostics) {}
+    Selector(const CheckedPipeline& pipeline, size_t facts, const std::vector<bool>& left_out,
+             Diagnostics& diagnostics)
+        : pipeline_(pipeline), facts_(facts), left_out_(left_out), diagnostics_(diagnostics) {}
 
     std::optional<Selection> run(const std::vector<std::string>& captures) {
-        const size_t errors = diagnostics_.size();
-        for (const BoundNode& node : pipeline_.nodes) consider(node);
-        add_history_copies();
-        for (Candidate& candidate : candidates_) connect(candidate);
-        for (const std::string& name : captures) add_capture(name);
-        mark_needed();
-        if (diagnostics_.size() != errors) return std::nullopt;
-        drop_unneeded();
-        return order();
+        runs_.resize(pipeline_.nodes.size());
+        sources_.resize(pipeline_.nodes.size());
+        for (size_t i = 0; i < runs_.size(); ++i) {
+            runs_[i] = pipeline_.nodes[i].cases[facts_];
+            if (!runs_[i] && !pipeline_.nodes[i].added)
+                selection_.culled.push_back({pipeline_.nodes[i].id, "if", pipeline_.nodes[i].condition});
+        }
+        index_producers([](const BoundPort& bound, Source) { return bound.resource != no_resource; });
+        for (size_t i = 0; i < runs_.size(); ++i)
+            for (const BoundPort& bound : pipeline_.nodes[i].ports) sources_[i].push_back(source_of(bound));
+        if (!find_captures(captures)) return std::nullopt;
+        keep(needed());
+        drop_unread_optional_outputs();
+        index_producers([](const BoundPort&, Source source) { return source == Source::internal; });
+        keep(with_something_to_watch());
+        order();
+        return std::move(selection_);
     }
 
   private:
-    struct Candidate {
-        SelectedNode selected;
-        bool needed = false;
-        bool is_copy = false;
-    };
+    bool watches(size_t node) const { return pipeline_.nodes[node].type().watches(); }
 
-    bool exists(const BoundNode& node, const Port& port) const {
-        return holds(port.condition, facts_, node.params);
+    Source source_of(const BoundPort& bound) const {
+        if (bound.resource == no_resource || !bound.cases[facts_]) return Source::none;
+        if (producer_[bound.resource] != nobody) return Source::internal;
+        const std::optional<uint32_t> input = pipeline_.resources[bound.resource].input;
+        return input && !left_out_[*input] && !bound.port->output ? Source::host : Source::none;
     }
 
-    void consider(const BoundNode& node) {
-        if (!contains(node.cases, facts_)) {
-            if (!node.added) selection_.culled.push_back({node.id, "if", node.condition});
-            return;
-        }
-        add(node, false);
+    template <class Counts>
+    void index_producers(Counts&& counts) {
+        producer_.assign(pipeline_.resources.size(), nobody);
+        for (size_t i = 0; i < runs_.size(); ++i)
+            for (size_t p = 0; runs_[i] && p < pipeline_.nodes[i].ports.size(); ++p) {
+                const BoundPort& bound = pipeline_.nodes[i].ports[p];
+                const Source source = sources_[i].empty() ? Source::none : sources_[i][p];
+                if (bound.port->output && bound.cases[facts_] && counts(bound, source))
+                    producer_[bound.resource] = i;
+            }
     }
 
-    void add(const BoundNode& node, bool is_copy) {
-        const size_t index = candidates_.size();
-        candidates_.push_back({{&node, {}, {}}, false, is_copy});
-        for (const BoundPort& port : node.ports)
-            if (port.port->output && exists(node, *port.port) && !port.resource.empty())
-                producer_[port.resource] = index;
-    }
-
-    // Nothing where the host leaves an optional input out.
-    const HostInput* host_input(const std::string& name) const {
-        for (const HostInput& input : pipeline_.inputs)
-            if (input.name == name && !(input.optional && left_out_.contains(name))) return &input;
-        return nullptr;
-    }
-
-    // A host input with `history: copy` that somebody reads at @-1 gets a node that keeps its value.
-    void add_history_copies() {
-        std::set<std::string> wanted;
-        for (const Candidate& candidate : candidates_)
-            for (const BoundPort& port : candidate.selected.node->ports)
-                if (port.previous && exists(*candidate.selected.node, *port.port)) {
-                    const HostInput* input = host_input(port.resource);
-                    if (input && input->history == HostInput::History::copy) wanted.insert(port.resource);
-                }
-        for (const std::string& name : wanted) {
-            const NodeEntry* copy = nodes_.find("copy");
-            if (!copy || !copy->type.port("source") || !copy->type.port("copied")) {
-                diagnostics_.add({pipeline_.file}, "inputs." + name + ".history",
-                                 "\"copy\" needs a node type \"copy\" with ports \"source\" and \"copied\"");
+    bool find_captures(const std::vector<std::string>& captures) {
+        bool good = true;
+        for (const std::string& name : captures) {
+            const CheckedResource* resource = pipeline_.resource(name);
+            const auto id =
+                resource ? static_cast<uint32_t>(resource - pipeline_.resources.data()) : no_resource;
+            if (resource && producer_[id] != nobody) {
+                captures_.push_back(id);
                 continue;
             }
-            BoundNode& node = selection_.made.emplace_back();
-            node.id = kept_copy(name);
-            node.type = &copy->type;
-            for (const Param& param : copy->type.params) node.params[param.name] = param.default_value;
-            for (const Port& port : copy->type.ports)
-                node.ports.push_back({&port, port.output ? kept_copy(name) : name, false, {pipeline_.file}});
-            add(node, true);
-        }
-    }
-
-    void connect(Candidate& candidate) {
-        for (const BoundPort& bound : candidate.selected.node->ports)
-            candidate.selected.ports.push_back(connection(*candidate.selected.node, bound));
-    }
-
-    Connection connection(const BoundNode& node, const BoundPort& bound) {
-        Connection c{&bound, Source::none, bound.resource, bound.previous};
-        if (bound.resource.empty() || !exists(node, *bound.port)) return c;
-        if (producer_.contains(bound.resource)) {
-            c.source = Source::internal;
-            return c;
-        }
-        const HostInput* input = host_input(bound.resource);
-        if (!input || bound.port->output) return c;
-        if (bound.previous && input->history == HostInput::History::copy) {
-            c.source = Source::internal;
-            c.resource = kept_copy(bound.resource);
-        } else {
-            c.source = Source::host;
-            if (bound.previous) c.resource += "@-1";
-        }
-        return c;
-    }
-
-    void add_capture(const std::string& name) {
-        if (!producer_.contains(name)) {
             std::vector<std::string> known;
-            for (const auto& [resource, index] : producer_) known.push_back(resource);
+            for (size_t r = 0; r < producer_.size(); ++r)
+                if (producer_[r] != nobody) known.push_back(pipeline_.resources[r].name);
             diagnostics_.add({}, "capture",
                              "no node of this plan writes \"" + name + "\"" + did_you_mean(name, known));
-            return;
+            good = false;
         }
-        candidates_.push_back({{nullptr, name, {{nullptr, Source::internal, name, false}}}, true, false});
+        return good;
     }
 
-    void mark_needed() {
+    // Whatever the outputs and captures follow from, and watchers.
+    std::vector<bool> needed() const {
+        std::vector<bool> needed(runs_.size());
         std::vector<size_t> queue;
-        const auto need = [&](const std::string& name) {
-            const auto found = producer_.find(name);
-            if (found == producer_.end() || candidates_[found->second].needed) return;
-            candidates_[found->second].needed = true;
-            queue.push_back(found->second);
+        const auto need = [&](uint32_t resource) {
+            const size_t node = producer_[resource];
+            if (node == nobody || needed[node]) return;
+            needed[node] = true;
+            queue.push_back(node);
         };
-        for (const std::string& output : pipeline_.outputs) need(output);
-        for (const Candidate& candidate : candidates_)
-            if (!candidate.selected.node) need(candidate.selected.capture);
+        for (const uint32_t output : pipeline_.outputs) need(output);
+        for (const uint32_t capture : captures_) need(capture);
         while (!queue.empty()) {
-            const size_t index = queue.back();
+            const size_t node = queue.back();
             queue.pop_back();
-            for (const Connection& c : candidates_[index].selected.ports)
-                if (c.source == Source::internal && !c.bound->port->output) need(c.resource);
+            for (size_t p = 0; p < sources_[node].size(); ++p) {
+                const BoundPort& bound = pipeline_.nodes[node].ports[p];
+                if (sources_[node][p] == Source::internal && !bound.port->output) need(bound.resource);
+            }
+        }
+        for (size_t i = 0; i < runs_.size(); ++i) needed[i] = needed[i] || watches(i);
+        return needed;
+    }
+
+    void keep(const std::vector<bool>& wanted) {
+        for (size_t i = 0; i < runs_.size(); ++i) {
+            if (!runs_[i] || wanted[i]) continue;
+            runs_[i] = false;
+            if (!pipeline_.nodes[i].added) selection_.culled.push_back({pipeline_.nodes[i].id, "unused", ""});
         }
     }
 
-    void drop_unneeded() {
-        keep([](const Candidate& candidate) { return candidate.needed || watches(candidate); });
-        drop_unread_optional_outputs();
-        index_producers();
-        const std::set<std::string> host_slots = read_host_slots();
-        keep([&](const Candidate& candidate) {
-            return !watches(candidate) || has_something_to_watch(candidate, host_slots);
-        });
-        index_producers();
-    }
-
-    template <class Wanted>
-    void keep(Wanted&& wanted) {
-        std::vector<Candidate> kept;
-        for (Candidate& candidate : candidates_)
-            if (wanted(candidate))
-                kept.push_back(std::move(candidate));
-            else if (!candidate.is_copy && !candidate.selected.node->added)
-                selection_.culled.push_back({candidate.selected.node->id, "unused", ""});
-        candidates_ = std::move(kept);
-    }
-
-    void index_producers() {
-        producer_.clear();
-        for (size_t i = 0; i < candidates_.size(); ++i)
-            for (const Connection& c : candidates_[i].selected.ports)
-                if (c.bound && c.bound->port->output && c.source == Source::internal)
-                    producer_[c.resource] = i;
-    }
-
-    static bool watches(const Candidate& candidate) {
-        return candidate.selected.node && candidate.selected.node->type->watches();
-    }
-
-    std::set<std::string> read_host_slots() const {
-        std::set<std::string> slots;
-        for (const Candidate& candidate : candidates_)
-            for (const Connection& c : candidate.selected.ports)
-                if (c.source == Source::host && !watches(candidate)) slots.insert(c.resource);
-        return slots;
-    }
-
-    // A watcher changes nothing about what else runs, so all that it reads must be there without it.
-    bool has_something_to_watch(const Candidate& candidate, const std::set<std::string>& host_slots) const {
-        bool something = false;
-        for (const Connection& c : candidate.selected.ports) {
-            if (c.bound->resource.empty() || !exists(*candidate.selected.node, *c.bound->port)) continue;
-            something = c.source == Source::host       ? host_slots.contains(c.resource)
-                        : c.source == Source::internal ? producer_.contains(c.resource)
-                                                       : false;
-            if (!something) return false;
-        }
-        return something;
+    // Calls `visit` with every input port that is connected, of nodes that run.
+    template <class Visit>
+    void each_input(Visit&& visit) const {
+        for (size_t i = 0; i < runs_.size(); ++i)
+            for (size_t p = 0; runs_[i] && p < sources_[i].size(); ++p) {
+                const BoundPort& bound = pipeline_.nodes[i].ports[p];
+                if (!bound.port->output && sources_[i][p] != Source::none) visit(i, bound, sources_[i][p]);
+            }
     }
 
     // An optional output that nobody asks for does not exist: it costs no memory and no store.
     void drop_unread_optional_outputs() {
-        std::set<std::string> read(pipeline_.outputs.begin(), pipeline_.outputs.end());
-        for (const Candidate& candidate : candidates_)
-            for (const Connection& c : candidate.selected.ports)
-                if (c.source == Source::internal && (!c.bound || !c.bound->port->output) &&
-                    !watches(candidate))
-                    read.insert(c.resource);
-        for (Candidate& candidate : candidates_)
-            for (Connection& c : candidate.selected.ports)
-                if (c.bound && c.bound->port->output && c.bound->port->optional && !read.contains(c.resource))
-                    c.source = Source::none;
-    }
-
-    // Edges first -> second of the frame's order.
-    std::vector<std::set<size_t>> successors() const {
-        std::vector<std::set<size_t>> edges(candidates_.size());
-        const auto edge = [&](size_t from, size_t to) {
-            if (from != to) edges[from].insert(to);
-        };
-        std::map<std::string, size_t> updater;  // name -> the node that turns it into the next name
-        for (size_t i = 0; i < candidates_.size(); ++i)
-            for (const Connection& c : candidates_[i].selected.ports)
-                if (c.bound && c.source == Source::internal && c.bound->port->output &&
-                    !c.bound->port->updates.empty())
-                    for (const Connection& in : candidates_[i].selected.ports)
-                        if (in.bound->port->name == c.bound->port->updates) updater[in.resource] = i;
-        for (size_t i = 0; i < candidates_.size(); ++i)
-            for (const Connection& c : candidates_[i].selected.ports) {
-                if (c.bound && c.bound->port->output) continue;
-                if (c.previous) {
-                    keep_after_reader(i, c, edge);
-                    continue;
-                }
-                if (c.source != Source::internal) continue;
-                edge(producer_.at(c.resource), i);
-                if (const auto next = updater.find(c.resource); next != updater.end()) edge(i, next->second);
+        std::vector<bool> read(pipeline_.resources.size());
+        for (const uint32_t output : pipeline_.outputs) read[output] = true;
+        for (const uint32_t capture : captures_) read[capture] = true;
+        each_input([&](size_t node, const BoundPort& bound, Source) {
+            if (!watches(node)) read[bound.resource] = true;
+        });
+        for (size_t i = 0; i < runs_.size(); ++i)
+            for (size_t p = 0; p < sources_[i].size(); ++p) {
+                const BoundPort& bound = pipeline_.nodes[i].ports[p];
+                if (bound.port->output && bound.port->optional && sources_[i][p] == Source::internal &&
+                    !read[bound.resource])
+                    sources_[i][p] = Source::none;
             }
-        return edges;
     }
 
-    // A kept copy is taken after the last reader of the kept value, so that the two placements hardly
-    // overlap.
-    template <class Edge>
-    void keep_after_reader(size_t reader, const Connection& c, Edge&& edge) const {
-        const auto writer = producer_.find(c.resource);
-        if (writer != producer_.end() && candidates_[writer->second].is_copy) edge(reader, writer->second);
+    // A watcher changes nothing about what else runs, so all that it reads must be there without it.
+    std::vector<bool> with_something_to_watch() const {
+        std::set<std::pair<uint32_t, bool>> slots;  // that others read
+        each_input([&](size_t node, const BoundPort& bound, Source source) {
+            if (source == Source::host && !watches(node)) slots.emplace(bound.resource, bound.previous);
+        });
+        std::vector<bool> wanted(runs_.size(), true);
+        for (size_t i = 0; i < runs_.size(); ++i) {
+            if (!watches(i)) continue;
+            bool any = false, all = true;
+            for (size_t p = 0; p < sources_[i].size(); ++p) {
+                const BoundPort& bound = pipeline_.nodes[i].ports[p];
+                if (bound.resource == no_resource || !bound.cases[facts_]) continue;
+                const bool there = sources_[i][p] == Source::host
+                                       ? slots.contains({bound.resource, bound.previous})
+                                   : sources_[i][p] == Source::internal ? producer_[bound.resource] != nobody
+                                                                        : false;
+                any = any || there;
+                all = all && there;
+            }
+            wanted[i] = any && all;
+        }
+        return wanted;
     }
 
-    Selection order() {
-        const std::vector<std::set<size_t>> edges = successors();
-        std::vector<size_t> waiting(candidates_.size(), 0);
-        for (const auto& targets : edges)
+    // Captures come last of what may run, after the writer and before whoever takes the memory over.
+    void order() {
+        const size_t nodes = runs_.size();
+        std::vector<std::set<size_t>> next(nodes + captures_.size());
+        for (const Edge& edge : pipeline_.edges)
+            if (edge.cases[facts_] && runs_[edge.from] && runs_[edge.to] && edge.from != edge.to)
+                next[edge.from].insert(edge.to);
+        for (size_t c = 0; c < captures_.size(); ++c) {
+            next[producer_[captures_[c]]].insert(nodes + c);
+            for (size_t i = 0; i < nodes; ++i)
+                for (size_t p = 0; runs_[i] && p < sources_[i].size(); ++p)
+                    if (const auto input = pipeline_.nodes[i].ports[p].port->updated_input;
+                        input && sources_[i][p] == Source::internal &&
+                        pipeline_.nodes[i].ports[*input].resource == captures_[c])
+                        next[nodes + c].insert(i);
+        }
+        std::vector<size_t> waiting(next.size());
+        for (const std::set<size_t>& targets : next)
             for (const size_t to : targets) ++waiting[to];
         std::set<size_t> ready;
         for (size_t i = 0; i < waiting.size(); ++i)
-            if (waiting[i] == 0) ready.insert(i);
+            if (waiting[i] == 0 && (i >= nodes || runs_[i])) ready.insert(i);
         while (!ready.empty()) {
             const size_t i = *ready.begin();
             ready.erase(ready.begin());
-            for (const size_t to : edges[i])
+            for (const size_t to : next[i])
                 if (--waiting[to] == 0) ready.insert(to);
-            selection_.nodes.push_back(std::move(candidates_[i].selected));
+            if (i < nodes)
+                selection_.nodes.push_back({&pipeline_.nodes[i], no_resource, std::move(sources_[i])});
+            else
+                selection_.nodes.push_back({nullptr, captures_[i - nodes], {}});
         }
-        return std::move(selection_);
     }
 
     const CheckedPipeline& pipeline_;
-    const NodeSet& nodes_;
-    const Facts& facts_;
-    const std::set<std::string>& left_out_;
+    const size_t facts_;
+    const std::vector<bool>& left_out_;
     Diagnostics& diagnostics_;
     Selection selection_;
-    std::vector<Candidate> candidates_;
-    std::map<std::string, size_t> producer_;
+    std::vector<bool> runs_;
+    std::vector<std::vector<Source>> sources_;  // by node and port
+    std::vector<size_t> producer_;              // by resource
+    std::vector<uint32_t> captures_;
 };
 
 }  // namespace
 
-std::string kept_copy(const std::string& input) {
-    return input + "@copy";
-}
-
-std::optional<Selection> select(const CheckedPipeline& pipeline, const NodeSet& nodes, const Facts& facts,
-                                const std::set<std::string>& left_out,
-                                const std::vector<std::string>& captures, Diagnostics& diagnostics) {
-    return Selector(pipeline, nodes, facts, left_out, diagnostics).run(captures);
+std::optional<Selection> select(const CheckedPipeline& pipeline, size_t facts,
+                                const std::vector<bool>& left_out, const std::vector<std::string>& captures,
+                                Diagnostics& diagnostics) {
+    return Selector(pipeline, facts, left_out, diagnostics).run(captures);
 }
 
 }  // namespace penumbra

@@ -61,7 +61,8 @@ class FolderReader {
   private:
     std::optional<NodeEntry> read_node(const fs::path& file) {
         const auto json = read_json(file, diagnostics_);
-        auto type = json ? parse_node_type(*json, file.stem().string(), diagnostics_) : std::nullopt;
+        auto type =
+            json ? parse_node_type(*json, file.stem().string(), nodes_.domain(), diagnostics_) : std::nullopt;
         if (!type) return std::nullopt;
         const size_t errors = diagnostics_.size();
         const auto error = [&](const Json* at, const std::string& path, const std::string& message) {
@@ -127,7 +128,7 @@ bool add_user_nodes(NodeSet& nodes, const fs::path& folder, Diagnostics& diagnos
 
 bool compile_user_nodes(const NodeSet& nodes, const CheckedPipeline& pipeline, Diagnostics& diagnostics) {
     std::set<std::string> names;
-    for (const BoundNode& node : pipeline.nodes) names.insert(node.type->name);
+    for (const BoundNode& node : pipeline.nodes) names.insert(node.type().name);
     bool good = true;
     for (const std::string& name : names) {
         const NodeEntry* entry = nodes.find(name);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The variants of a node's shader: which there can be, and how each is told from the others. Declared in
-// interface.h.
+// interface.h; declarations are limited by it, the build compiles what it lists, plans choose from it.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "graph/interface.h"
@@ -11,113 +12,131 @@
 namespace penumbra {
 namespace {
 
-// Every value that the facts and constant parameters in the conditions of ports and tables can have, as text.
-std::map<std::string, std::vector<std::string>> choices_in_conditions(const NodeType& type) {
-    std::map<std::string, std::vector<std::string>> choices;
-    const auto add = [&](const Condition& condition) {
-        for (const Literal& literal : condition) {
-            std::vector<std::string>& values = choices[literal.name];
-            const Param* param = literal.value ? type.param(literal.name) : nullptr;
-            if (param && param->type == ParamType::enumeration)
-                values = param->values;
-            else if (!param || param->type == ParamType::boolean)
-                values = {"false", "true"};
-            else
-                values.insert(values.end(), {*literal.value, "another"});
-        }
-    };
-    for (const Port& port : type.ports) add(port.condition);
-    for (const Table& table : type.tables) add(table.condition);
-    return choices;
+// Values of a parameter that can make a difference to a comparison with `value`: it, and one on either side
+// of it.
+void add_around(const ParamValue& value, std::vector<ParamValue>& values) {
+    values.push_back(value);
+    if (const auto* number = std::get_if<int32_t>(&value)) {
+        if (*number > INT32_MIN) values.emplace_back(*number - 1);
+        if (*number < INT32_MAX) values.emplace_back(*number + 1);
+    } else if (const auto* word = std::get_if<uint32_t>(&value)) {
+        if (*word > 0) values.emplace_back(*word - 1);
+        if (*word < UINT32_MAX) values.emplace_back(*word + 1);
+    } else if (const auto* real = std::get_if<float>(&value)) {
+        values.emplace_back(std::nextafter(*real, -INFINITY));
+        values.emplace_back(std::nextafter(*real, INFINITY));
+    }
 }
 
-// Which conditional ports and tables can exist together; what exists under one condition exists together.
-std::set<std::map<std::string, bool>> possible_presences(const NodeType& type) {
-    std::vector<std::map<std::string, std::string>> worlds(1);
-    for (const auto& [name, values] : choices_in_conditions(type)) {
-        std::vector<std::map<std::string, std::string>> more;
+// For every parameter that the conditions of variant outputs ask for, the values that matter.
+std::map<std::string, std::vector<ParamValue>> values_in_conditions(const NodeType& type) {
+    std::map<std::string, std::vector<ParamValue>> values;
+    Diagnostics unused;
+    for (const Port& port : type.ports) {
+        if (!is_variant_output(type, port)) continue;
+        for (const auto& term : port.condition.terms)
+            for (const Atom& atom : term) {
+                if (atom.fact) continue;
+                const Param& param = *type.param(atom.name);
+                std::vector<ParamValue>& list = values[atom.name];
+                if (param.type == ParamType::boolean)
+                    list = {false, true};
+                else if (param.type == ParamType::enumeration)
+                    list.assign(param.values.begin(), param.values.end());
+                else if (const auto value = parse_param_text(param, atom.value, {}, "", unused))
+                    add_around(*value, list);
+            }
+        for (auto& [name, list] : values)
+            std::erase_if(list, [&](const ParamValue& value) { return !fits(*type.param(name), value); });
+    }
+    return values;
+}
+
+// Which outputs can exist together; what exists under one condition exists together.
+std::set<std::map<std::string, bool>> possible_outputs(const NodeType& type) {
+    std::vector<std::map<std::string, ParamValue>> worlds(1);
+    for (const auto& [name, values] : values_in_conditions(type)) {
+        std::vector<std::map<std::string, ParamValue>> more;
         for (const auto& world : worlds)
-            for (const std::string& value : values) more.emplace_back(world)[name] = value;
+            for (const ParamValue& value : values) more.emplace_back(world)[name] = value;
         worlds = std::move(more);
     }
-    std::set<std::map<std::string, bool>> presences;
+    std::set<std::map<std::string, bool>> sets;
+    Diagnostics unused;
     for (const auto& world : worlds) {
-        Facts facts;
-        std::map<std::string, ParamValue> params;
-        for (const auto& [name, value] : world) {
-            facts[name] = value == "true";
-            params[name] = value;
-        }
-        std::map<std::string, bool> present;
+        const auto find = [&](const Atom& atom) -> KnownParam {
+            return {.param = type.param(atom.name), .value = &world.at(atom.name)};
+        };
+        std::vector<std::pair<std::string, FactCases>> cases;
         for (const Port& port : type.ports)
-            if (!port.optional && !port.condition.empty())
-                present[port.name] = holds(port.condition, facts, params);
-        for (const Table& table : type.tables)
-            if (!table.condition.empty()) present[table.name] = holds(table.condition, facts, params);
-        presences.insert(std::move(present));
+            if (is_variant_output(type, port) && !port.optional)
+                cases.emplace_back(port.name, settle(port.condition, find, "", unused).value_or(FactCases()));
+        for (size_t c = 0; c < size_t{1} << type.domain->facts.size(); ++c) {
+            std::map<std::string, bool> outputs;
+            for (const auto& [name, exists] : cases) outputs[name] = exists[c];
+            sets.insert(std::move(outputs));
+        }
     }
-    return presences;
+    return sets;
 }
 
 }  // namespace
 
 bool has_format_choice(const Port& port) {
-    return port.kind == PortKind::image && port.storage && port.formats.size() > 1 && port.updates.empty();
+    const bool named =
+        port.kind == PortKind::image ? port.storage : port.kind == PortKind::texels && port.output;
+    return named && port.formats.size() > 1 && port.updates.empty();
 }
 
-const Param* backend_choice(const NodeType& type) {
-    return traces_scene(type) ? type.param(backend_param) : nullptr;
+bool is_variant_output(const NodeType& type, const Port& port) {
+    const Port& written = port.updater ? type.ports[*port.updater] : port;
+    return written.output && (written.optional || !written.condition.always());
 }
 
-bool traces_scene(const NodeType& type) {
-    return std::any_of(type.ports.begin(), type.ports.end(),
-                       [](const Port& port) { return port.kind == PortKind::scene; });
+const Param* backend_param(const NodeType& type, const Bundle& bundle) {
+    return type.param(bundle.param);
 }
 
-bool uses_ray_query(const Variant& variant) {
-    return variant.backend == "ray_query";
-}
-
-bool exists(const Variant& variant, const std::string& port_or_table) {
-    const auto found = variant.present.find(port_or_table);
-    return found == variant.present.end() || found->second;
+const Bundle::Backend& backend_of(const Variant& variant, const Bundle& bundle) {
+    const auto chosen = variant.backends.find(bundle.param);
+    if (chosen == variant.backends.end()) return bundle.backends.back();
+    return *std::ranges::find(bundle.backends, chosen->second, &Bundle::Backend::name);
 }
 
 std::string to_string(const Variant& variant) {
     std::string key;
-    for (const auto& [port, format] : variant.formats)
-        key += fmt::format("{}{}={}", key.empty() ? "" : ",", port, info(format).name);
-    for (const auto& [port, present] : variant.present)
-        key += fmt::format("{}{}={:d}", key.empty() ? "" : ",", port, present);
-    if (!variant.backend.empty())
-        key += fmt::format("{}{}={}", key.empty() ? "" : ",", backend_param, variant.backend);
-    if (variant.alpha) key += fmt::format("{}alpha=1", key.empty() ? "" : ",");
+    const auto add = [&](const std::string& name, std::string_view value) {
+        key += fmt::format("{}{}={}", key.empty() ? "" : ",", name, value);
+    };
+    for (const auto& [port, format] : variant.formats) add(port, info(format).name);
+    for (const auto& [port, present] : variant.outputs) add(port, present ? "1" : "0");
+    for (const auto& [param, backend] : variant.backends) add(param, backend);
     return key;
 }
 
 std::vector<Variant> all_variants(const NodeType& type) {
     std::vector<Variant> variants(1);
-    const auto multiply = [&](size_t choices, auto&& set) {
+    const auto multiply = [&](const auto& choices, auto&& set) {
         std::vector<Variant> next;
         for (const Variant& variant : variants)
-            for (size_t i = 0; i < choices; ++i) set(next.emplace_back(variant), i);
+            for (const auto& choice : choices) set(next.emplace_back(variant), choice);
         variants = std::move(next);
     };
     for (const Port& port : type.ports) {
         if (has_format_choice(port))
-            multiply(port.formats.size(),
-                     [&](Variant& v, size_t i) { v.formats[port.name] = port.formats[i]; });
-        if (port.optional) multiply(2, [&](Variant& v, size_t i) { v.present[port.name] = i == 1; });
+            multiply(port.formats, [&](Variant& v, Format format) { v.formats[port.name] = format; });
+        if (port.optional && is_variant_output(type, port))
+            multiply(std::array{false, true},
+                     [&](Variant& v, bool exists) { v.outputs[port.name] = exists; });
+        if (const Param* param = port.bundle ? backend_param(type, *port.bundle) : nullptr) {
+            std::vector<std::string> backends = param->values;
+            std::erase(backends, "auto");
+            multiply(backends, [&](Variant& v, const std::string& name) { v.backends[param->name] = name; });
+        }
     }
-    const std::set<std::map<std::string, bool>> presences = possible_presences(type);
-    const std::vector<std::map<std::string, bool>> list(presences.begin(), presences.end());
-    multiply(list.size(), [&](Variant& v, size_t i) { v.present.insert(list[i].begin(), list[i].end()); });
-    if (const Param* choice = backend_choice(type)) {
-        std::vector<std::string> backends = choice->values;
-        std::erase(backends, "auto");
-        multiply(backends.size(), [&](Variant& v, size_t i) { v.backend = backends[i]; });
-    }
-    if (traces_scene(type)) multiply(2, [&](Variant& v, size_t i) { v.alpha = i == 1; });
+    multiply(possible_outputs(type), [](Variant& v, const std::map<std::string, bool>& outputs) {
+        v.outputs.insert(outputs.begin(), outputs.end());
+    });
     return variants;
 }
 

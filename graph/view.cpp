@@ -8,43 +8,41 @@
 #include <algorithm>
 #include <cstring>
 #include <deque>
+#include <map>
+
+#include "graph/interface.h"
 
 namespace penumbra {
-namespace {
 
 // Collects descriptor writes; the infos they point to stay put until flush().
-class Writer {
+class View::Writer {
   public:
     explicit Writer(VkDevice device) : device_(device) {}
     ~Writer() { flush(); }
-    void image(VkDescriptorSet set, uint32_t binding, VkDescriptorType type,
-               const VkDescriptorImageInfo& info) {
-        write(set, binding, type).pImageInfo = &images_.emplace_back(info);
+    void image(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorImageInfo& info) {
+        write(set, b).pImageInfo = &images_.emplace_back(info);
     }
-    void buffer(VkDescriptorSet set, uint32_t binding, VkDescriptorType type,
-                const VkDescriptorBufferInfo& info) {
-        write(set, binding, type).pBufferInfo = &buffers_.emplace_back(info);
+    void buffer(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorBufferInfo& info) {
+        write(set, b).pBufferInfo = &buffers_.emplace_back(info);
     }
-    void texels(VkDescriptorSet set, uint32_t binding, VkBufferView view) {
-        write(set, binding, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER).pTexelBufferView =
-            &views_.emplace_back(view);
+    void texels(VkDescriptorSet set, const PlanBinding& b, VkBufferView view) {
+        write(set, b).pTexelBufferView = &views_.emplace_back(view);
     }
-    void tlas(VkDescriptorSet set, uint32_t binding, VkAccelerationStructureKHR handle) {
+    void structure(VkDescriptorSet set, const PlanBinding& b, VkAccelerationStructureKHR handle) {
         VkWriteDescriptorSetAccelerationStructureKHR structure{
             VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
         structure.accelerationStructureCount = 1;
         structure.pAccelerationStructures = &handles_.emplace_back(handle);
-        write(set, binding, VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR).pNext =
-            &structures_.emplace_back(structure);
+        write(set, b).pNext = &structures_.emplace_back(structure);
     }
 
   private:
-    VkWriteDescriptorSet& write(VkDescriptorSet set, uint32_t binding, VkDescriptorType type) {
+    VkWriteDescriptorSet& write(VkDescriptorSet set, const PlanBinding& b) {
         VkWriteDescriptorSet w{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
         w.dstSet = set;
-        w.dstBinding = binding;
+        w.dstBinding = b.binding;
         w.descriptorCount = 1;
-        w.descriptorType = type;
+        w.descriptorType = b.type;
         return writes_.emplace_back(w);
     }
     void flush() {
@@ -60,8 +58,18 @@ class Writer {
     std::deque<VkWriteDescriptorSetAccelerationStructureKHR> structures_;
 };
 
+namespace {
+
 uint32_t level_count(const PlanPass& pass) {
     return std::max(static_cast<uint32_t>(pass.level_groups.size()), 1u);
+}
+
+// Storage images are one level: a chain's finest for readers of one, its own for whoever writes level by
+// level.
+VkImageView view_of(const ResourceInstance& r, const PlanBinding& b, uint32_t level) {
+    if (b.type != VK_DESCRIPTOR_TYPE_STORAGE_IMAGE || r.level_views.empty()) return r.image_view.get();
+    if (b.level == PlanBinding::Level::finest) return r.level_views.front().get();
+    return r.level_views[b.level == PlanBinding::Level::finer && level > 0 ? level - 1 : level].get();
 }
 
 // A mip chain's finest level.
@@ -113,14 +121,7 @@ void View::make_descriptor_pool() {
         if (pass.kind != PassKind::compute) continue;
         const uint32_t levels = level_count(pass);
         sets += 2 * levels + n;
-        counts[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER] += n;
-        counts[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER] += n;
-        for (const Table& table : pass.entry->type.tables)
-            if (exists(pass.variant, table.name)) counts[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] += n;
-        for (const PlanBinding& binding : pass.bindings) {
-            counts[descriptor_type(plan(), pass, binding)] += binding.host ? n : 2 * levels;
-            if (writes_chain(binding)) counts[VK_DESCRIPTOR_TYPE_STORAGE_IMAGE] += 2 * levels;
-        }
+        for (const PlanBinding& b : pass.bindings) counts[b.type] += b.set == 1 ? n : 2 * levels;
     }
     if (sets == 0) return;
     std::vector<VkDescriptorPoolSize> sizes;
@@ -135,6 +136,18 @@ void View::make_descriptor_pool() {
     pool_ = {device, pool};
 }
 
+VkDescriptorSet View::allocate_set(size_t pass, size_t set) const {
+    const VkDescriptorSetLayout layout = program_->pass(pass).set_layouts[set].get();
+    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+    allocate.descriptorPool = pool_.get();
+    allocate.descriptorSetCount = 1;
+    allocate.pSetLayouts = &layout;
+    VkDescriptorSet handle = VK_NULL_HANDLE;
+    check(vkAllocateDescriptorSets(program_->handles().device, &allocate, &handle),
+          "vkAllocateDescriptorSets", plan().passes[pass].node);
+    return handle;
+}
+
 void View::make_internal_sets() {
     internal_sets_.resize(plan().passes.size());
     for (size_t p = 0; p < plan().passes.size(); ++p) {
@@ -146,43 +159,33 @@ void View::make_internal_sets() {
 }
 
 VkDescriptorSet View::make_internal_set(size_t p, uint32_t parity, uint32_t level) {
-    const VkDevice device = program_->handles().device;
-    const PlanPass& pass = plan().passes[p];
-    const VkDescriptorSetLayout layout = program_->pass(p).set_layouts[0].get();
-    VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-    allocate.descriptorPool = pool_.get();
-    allocate.descriptorSetCount = 1;
-    allocate.pSetLayouts = &layout;
-    VkDescriptorSet set = VK_NULL_HANDLE;
-    check(vkAllocateDescriptorSets(device, &allocate, &set), "vkAllocateDescriptorSets", pass.node);
-    Writer writer(device);
-    for (const PlanBinding& binding : pass.bindings) {
-        if (binding.host) continue;
-        const Port& port =
-            binding.port->updates.empty() ? *binding.port : *pass.entry->type.port(binding.port->updates);
-        const ResourceInstance& r = memory_.at(binding.index, binding.previous ? 1 - parity : parity);
-        const VkDescriptorType type = descriptor_type(plan(), pass, binding);
-        const auto image = [&](VkImageView view) {
-            return VkDescriptorImageInfo{program_->sampler(port.linear), view, VK_IMAGE_LAYOUT_GENERAL};
-        };
-        // A storage image is one level: the one that a dispatch writes, or a chain's finest for readers of
-        // one.
-        const auto level_view = [&](uint32_t l) {
-            return r.level_views.empty() ? r.image_view.get() : r.level_views[l].get();
-        };
-        if (r.image && type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE) {
-            writer.image(set, binding.binding, type, image(level_view(writes_chain(binding) ? level : 0)));
-            if (writes_chain(binding))
-                writer.image(set, binding.binding + 1, type, image(level_view(level > 0 ? level - 1 : 0)));
-        } else if (r.image) {
-            writer.image(set, binding.binding, type, image(r.image_view.get()));
-        } else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) {
-            writer.texels(set, binding.binding, r.buffer_view.get());
-        } else {
-            writer.buffer(set, binding.binding, type, {r.buffer.get(), 0, VK_WHOLE_SIZE});
-        }
+    const VkDescriptorSet set = allocate_set(p, 0);
+    Writer writer(program_->handles().device);
+    for (const PlanBinding& b : plan().passes[p].bindings) {
+        if (b.set != 0) continue;
+        const VkSampler sampler = program_->sampler(b.linear);
+        if (b.source == BindingSource::table)
+            writer.image(set, b,
+                         {sampler, program_->table(b.index), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+        else if (b.source == BindingSource::nothing)
+            write_absent(writer, set, b);
+        else if (const ResourceInstance& r = memory_.at(b.index, b.previous ? 1 - parity : parity); r.image)
+            writer.image(set, b, {sampler, view_of(r, b, level), VK_IMAGE_LAYOUT_GENERAL});
+        else if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+            writer.texels(set, b, r.buffer_view.get());
+        else
+            writer.buffer(set, b, {r.buffer.get(), 0, VK_WHOLE_SIZE});
     }
     return set;
+}
+
+void View::write_absent(Writer& writer, VkDescriptorSet set, const PlanBinding& b) const {
+    if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+        writer.texels(set, b, program_->absent_texels(b.format));
+    else if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER || b.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER)
+        writer.buffer(set, b, {program_->absent_buffer(), 0, VK_WHOLE_SIZE});
+    else
+        writer.image(set, b, {program_->sampler(false), program_->absent_image(b), VK_IMAGE_LAYOUT_GENERAL});
 }
 
 void View::make_slot(Slot& slot) {
@@ -207,35 +210,16 @@ void View::make_slot(Slot& slot) {
                                    captured_bytes(plan().resources[plan().passes[p].bindings.front().index]),
                                    VK_BUFFER_USAGE_TRANSFER_DST_BIT, "a capture of " + plan().passes[p].node);
     slot.sets.resize(passes);
+    Writer writer(handles.device);
     for (size_t p = 0; p < passes; ++p) {
         if (plan().passes[p].kind != PassKind::compute) continue;
-        const VkDescriptorSetLayout layout = program_->pass(p).set_layouts[1].get();
-        VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
-        allocate.descriptorPool = pool_.get();
-        allocate.descriptorSetCount = 1;
-        allocate.pSetLayouts = &layout;
-        check(vkAllocateDescriptorSets(handles.device, &allocate, &slot.sets[p]), "vkAllocateDescriptorSets",
-              plan().passes[p].node);
-    }
-    write_fixed_bindings(slot);
-}
-
-void View::write_fixed_bindings(const Slot& slot) {
-    Writer writer(program_->handles().device);
-    for (size_t p = 0; p < plan().passes.size(); ++p) {
-        const PlanPass& pass = plan().passes[p];
-        if (pass.kind != PassKind::compute) continue;
-        const NodeType& type = pass.entry->type;
-        writer.buffer(slot.sets[p], frame_binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
-                      {slot.frame_block.get(), 0, VK_WHOLE_SIZE});
-        writer.buffer(slot.sets[p], counters_binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                      {slot.counters.get(), 0, VK_WHOLE_SIZE});
-        for (uint32_t t = 0; t < type.tables.size(); ++t)
-            if (exists(pass.variant, type.tables[t].name))
-                writer.image(
-                    slot.sets[p], first_table_binding(type) + t, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-                    {program_->sampler(false), program_->table(type.name, type.tables[t].name).view.get(),
-                     VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+        slot.sets[p] = allocate_set(p, 1);
+        for (const PlanBinding& b : plan().passes[p].bindings) {
+            if (b.source == BindingSource::frame_block)
+                writer.buffer(slot.sets[p], b, {slot.frame_block.get(), 0, VK_WHOLE_SIZE});
+            if (b.source == BindingSource::counters)
+                writer.buffer(slot.sets[p], b, {slot.counters.get(), 0, VK_WHOLE_SIZE});
+        }
     }
 }
 
@@ -246,10 +230,10 @@ void View::check_slot_bindings(std::span<const SlotBinding> bindings) const {
     for (size_t i = 0; i < bindings.size(); ++i) {
         const SlotBinding& b = bindings[i];
         const PortKind kind = plan().slots[i].kind;
-        const bool bound = kind == PortKind::image    ? b.image != VK_NULL_HANDLE
-                           : kind == PortKind::texels ? b.texels != VK_NULL_HANDLE
-                           : kind == PortKind::scene  ? b.tlas != VK_NULL_HANDLE
-                                                      : b.buffer != VK_NULL_HANDLE;
+        const bool bound = kind == PortKind::image       ? b.image != VK_NULL_HANDLE
+                           : kind == PortKind::texels    ? b.texels != VK_NULL_HANDLE
+                           : kind == PortKind::structure ? b.structure != VK_NULL_HANDLE
+                                                         : b.buffer != VK_NULL_HANDLE;
         if (!bound)
             throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
                               fmt::format("nothing is bound to the slot \"{}\"", plan().slots[i].name));
@@ -261,22 +245,24 @@ void View::check_slot_bindings(std::span<const SlotBinding> bindings) const {
 void View::write_slot_bindings(const Slot& slot, std::span<const SlotBinding> bindings) {
     Writer writer(program_->handles().device);
     for (size_t p = 0; p < plan().passes.size(); ++p) {
-        const PlanPass& pass = plan().passes[p];
-        if (pass.kind != PassKind::compute) continue;
-        for (const PlanBinding& binding : pass.bindings) {
-            if (!binding.host) continue;
-            const SlotBinding& value = bindings[binding.index];
-            const uint32_t at = binding.binding;
-            const VkDescriptorType type = descriptor_type(plan(), pass, binding);
-            if (type == VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR)
-                writer.tlas(slot.sets[p], at, value.tlas);
-            else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
-                writer.texels(slot.sets[p], at, value.texels);
-            else if (type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER || type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
-                writer.buffer(slot.sets[p], at, type, {value.buffer, value.offset, value.range});
-            else
-                writer.image(slot.sets[p], at, type,
-                             {program_->sampler(binding.port->linear), value.image, value.layout});
+        if (plan().passes[p].kind != PassKind::compute) continue;
+        for (const PlanBinding& b : plan().passes[p].bindings) {
+            if (b.source != BindingSource::host) continue;
+            const SlotBinding& value = bindings[b.index];
+            switch (b.type) {
+                case VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR:
+                    writer.structure(slot.sets[p], b, value.structure);
+                    break;
+                case VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER:
+                    writer.texels(slot.sets[p], b, value.texels);
+                    break;
+                case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:
+                case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
+                    writer.buffer(slot.sets[p], b, {value.buffer, value.offset, value.range});
+                    break;
+                default:
+                    writer.image(slot.sets[p], b, {program_->sampler(b.linear), value.image, value.layout});
+            }
         }
     }
 }
@@ -285,19 +271,19 @@ const ResourceInstance& View::instance(const PlanBinding& binding) const {
     return memory_.at(binding.index, binding.previous ? 1 - parity_ : parity_);
 }
 
+bool View::set_param(size_t pass, size_t param, const ParamValue& value) {
+    const PlanParam& p = plan().passes.at(pass).params.at(param);
+    if (!fits(p.param, value)) return false;
+    const std::vector<std::byte> bytes = value_bytes(p.param, value);
+    std::memcpy(push_[pass].data() + p.offset, bytes.data(), bytes.size());
+    return true;
+}
+
 bool View::set_param(std::string_view node, std::string_view param, const ParamValue& value) {
-    for (size_t p = 0; p < plan().passes.size(); ++p) {
-        const PlanPass& pass = plan().passes[p];
-        if (pass.node != node || !pass.entry) continue;
-        const NodeType& type = pass.entry->type;
-        const PushConstants layout = push_constants(type);
-        for (size_t i = 0; i < type.params.size(); ++i)
-            if (type.params[i].name == param && layout.offsets[i] && fits(type.params[i], value)) {
-                const std::vector<std::byte> bytes = value_bytes(type.params[i], value);
-                std::memcpy(push_[p].data() + *layout.offsets[i], bytes.data(), bytes.size());
-                return true;
-            }
-    }
+    const PlanPass* pass = plan().pass(node);
+    for (size_t i = 0; pass && i < pass->params.size(); ++i)
+        if (pass->params[i].param.name == param)
+            return set_param(static_cast<size_t>(pass - plan().passes.data()), i, value);
     return false;
 }
 
@@ -326,8 +312,7 @@ std::vector<PassStatistics> View::statistics() const {
     for (size_t p = 0; p < result.size(); ++p) {
         if (timed)
             result[p].ms = static_cast<double>((ticks[2 * p + 1] - ticks[2 * p]) & tick_mask_) * ms_per_tick_;
-        if (!plan().passes[p].entry) continue;
-        result[p].counters.resize(plan().passes[p].entry->type.counters.size());
+        result[p].counters.resize(plan().passes[p].counters.size());
         std::memcpy(result[p].counters.data(),
                     slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t),
                     result[p].counters.size() * sizeof(uint32_t));

@@ -26,7 +26,7 @@ struct SlotBinding {
     VkBufferView texels = VK_NULL_HANDLE;  // kind texels
     VkBuffer buffer = VK_NULL_HANDLE;      // kinds buffer and block
     VkDeviceSize offset = 0, range = VK_WHOLE_SIZE;
-    VkAccelerationStructureKHR tlas = VK_NULL_HANDLE;  // kind scene
+    VkAccelerationStructureKHR structure = VK_NULL_HANDLE;  // kind structure
 };
 
 struct ViewOptions {
@@ -67,8 +67,10 @@ class View {
     void record_pass(VkCommandBuffer cmd, size_t pass);
     void end(VkCommandBuffer cmd);
 
-    // A dynamic parameter's value from the next frame on; false where there is no such node or dynamic
-    // parameter, or where the value is not of its type and range.
+    // The value of a parameter of Plan::passes[pass].params from the next frame on; false where it is not of
+    // its type and range.
+    bool set_param(size_t pass, size_t param, const ParamValue& value);
+    // The same by names; also false where there is no such node or dynamic parameter.
     bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
 
     // The most recently recorded frame's output (its image stays in VK_IMAGE_LAYOUT_GENERAL).
@@ -88,12 +90,14 @@ class View {
         std::vector<MappedBuffer> captures;  // parallel to capture_passes_
     };
 
+    class Writer;
     void make_descriptor_pool();
+    VkDescriptorSet allocate_set(size_t pass, size_t set) const;
     void make_internal_sets();
+    void write_absent(Writer& writer, VkDescriptorSet set, const PlanBinding& b) const;
     VkDescriptorSet make_internal_set(size_t pass, uint32_t parity, uint32_t level);
     void record_dispatches(VkCommandBuffer cmd, size_t pass) const;
     void make_slot(Slot& slot);
-    void write_fixed_bindings(const Slot& slot);
     void check_slot_bindings(std::span<const SlotBinding> bindings) const;
     void write_slot_bindings(const Slot& slot, std::span<const SlotBinding> bindings);
     void record_reset(VkCommandBuffer cmd);

@@ -96,9 +96,7 @@ void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& fra
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {
-    std::map<std::string, bool> facts = shot_facts(shot_, scene_);
-    facts["many_cascades"] = cascade_layers_ > 1;
-    return facts;
+    return shot_facts(shot_, scene_);
 }
 
 }  // namespace penumbra

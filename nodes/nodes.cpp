@@ -8,7 +8,7 @@
 
 #include "graph/embedded_file.h"
 #include "nodes/archive.h"
-#include "shaders/common/blocks.h"
+#include "nodes/domain.h"
 
 namespace penumbra {
 
@@ -27,7 +27,7 @@ NodeEntry load(const EmbeddedFile& declaration) {
     const std::string name = std::filesystem::path(declaration.name).stem().string();
     Diagnostics diagnostics;
     const auto json = parse_json(declaration.bytes, "nodes/" + name + ".json", diagnostics);
-    auto type = json ? parse_node_type(*json, name, diagnostics) : std::nullopt;
+    auto type = json ? parse_node_type(*json, name, shadow_domain(), diagnostics) : std::nullopt;
     if (!type) throw std::logic_error("an embedded declaration does not parse: " + diagnostics.text());
     NodeEntry entry{std::move(*type), {}, {}, {}};
     constexpr std::string_view variant = "variant ";
@@ -46,10 +46,7 @@ NodeEntry load(const EmbeddedFile& declaration) {
 }  // namespace
 
 NodeSet shadow_nodes() {
-    NodeSet set;
-    set.add_struct("Sun", sizeof(blocks::Sun));
-    set.add_struct("Scene", sizeof(blocks::Scene));
-    set.add_struct("Cascades", sizeof(blocks::Cascades));
+    NodeSet set(shadow_domain());
     for (const EmbeddedFile& file : node_files())
         if (file.name.ends_with(".json")) set.add(load(file));
     return set;

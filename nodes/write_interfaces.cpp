@@ -9,6 +9,7 @@
 
 #include "graph/interface.h"
 #include "nodes/archive.h"
+#include "nodes/domain.h"
 
 namespace {
 
@@ -44,7 +45,8 @@ int main(int argc, char** argv) {
         const fs::path declaration = argv[i], out = fs::path(argv[1]) / declaration.stem() += ".interface";
         const auto json = read_json(declaration, diagnostics);
         const auto type =
-            json ? parse_node_type(*json, declaration.stem().string(), diagnostics) : std::nullopt;
+            json ? parse_node_type(*json, declaration.stem().string(), shadow_domain(), diagnostics)
+                 : std::nullopt;
         if (type && !write_if_different(out, interface_text(*type)))
             diagnostics.add({out.string()}, "", "cannot be written");
     }

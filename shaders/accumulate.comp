@@ -20,9 +20,7 @@
 #include "common/previous_surface.glsl"
 #include "common/edge_pattern.glsl"
 #include "common/tiles.glsl"
-#if HAS_SUN && HAS_SUN_PREV
 #include "common/sun_change.glsl"
-#endif
 
 const float CAP = 32.0;                 // samples
 const float RESIDUAL_VARIANCE = 0.003;  // of a pixel that has always been lit, so that one surprise is not proof
@@ -68,7 +66,6 @@ bool history_at(ivec2 q, out float visibility) {
     return visibility >= 0.0 && visibility <= 1.0;
 }
 
-#if HAS_MOTION
 bool shows_plane(ivec2 q, vec3 here, vec3 n, float tolerance_m) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
     const float z = imageLoad(view_depth_prev, q).x;
@@ -115,22 +112,19 @@ Past past_of(ivec2 p, float z) {
     if (weights > 0.99 && high > low) past.visibility = sharper(corner, t, low, high, past.visibility);
     return past;
 }
-#else
 // Nothing moves: the pixel's past is its own. Where jitter moved an edge across it, the past is that of both surfaces,
 // as the picture is; a pixel that showed the sky has none, its count is 0.
-Past past_of(ivec2 p, float z) {
+Past own_past(ivec2 p) {
     float v = 0.0;
     if ((frame.flags & FRAME_RESET) != 0u || !history_at(p, v)) return NO_PAST;
     return Past(v, CAP * imageLoad(count_prev, p).x, 0.0);
 }
-#endif
 
 // A past that saw another sun.
 Past under_this_sun(Past past) {
-#if HAS_SUN && HAS_SUN_PREV
+    if (!HAS_SUN || !HAS_SUN_PREV) return past;
     past.count = samples_left(past.count, sun_share(sun, sun_prev));
     if (past.count <= 0.0) return NO_PAST;
-#endif
     return past;
 }
 
@@ -195,7 +189,11 @@ void main() {
             past[j] = NO_PAST;
             bit[j] = (around.lit[2 + (j >> 2)].y & mask) != 0u ? 1.0 : 0.0;
             if ((around.receivers[2 + (j >> 2)].y & mask) != 0u) {
-                past[j] = under_this_sun(past_of(p, imageLoad(view_depth, p).x));
+                if (HAS_MOTION)
+                    past[j] = past_of(p, imageLoad(view_depth, p).x);
+                else
+                    past[j] = own_past(p);
+                past[j] = under_this_sun(past[j]);
                 const Residuals r = residual(past[j], bit[j]);
                 if (j < 4) upper = Residuals(upper.sum + r.sum, upper.variance + r.variance);
                 else lower = Residuals(lower.sum + r.sum, lower.variance + r.variance);

@@ -51,7 +51,6 @@ void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts, out bool
     starts = Starts(axes * (0.5 * (box_lo + box_hi)) - base, axes[0] * half_box.x, axes[1] * half_box.y, axes[2] * half_box.z);
 }
 
-#if HAS_PROVED_BEFORE
 // Frames between two beams of a tile that was not decided: beside one that was, where what is proved grows, and elsewhere.
 const uint NEAR_TURN = 8u, FAR_TURN = 64u;
 const uint COMPANY = 4u;  // a walk is worth its while where one of so many tiles side by side was decided
@@ -70,7 +69,7 @@ bool in_company(ivec2 tile) {
 }
 
 bool worth_a_beam(ivec2 tile, bool listed) {
-    if (!listed) return false;
+    if (!listed || !HAS_PROVED_BEFORE) return listed;
     const bool again = was_proved(tile) && in_company(tile);
     const uint turn = uint(tile.x >> 3) + uint(tile.y) * 5u + frame.frame_index;
     if ((frame.flags & FRAME_RESET) != 0u || turn % FAR_TURN == 0u || again) return true;
@@ -78,9 +77,6 @@ bool worth_a_beam(ivec2 tile, bool listed) {
            (was_proved(tile + ivec2(-1, 0)) || was_proved(tile + ivec2(1, 0)) || was_proved(tile + ivec2(0, -1)) ||
             was_proved(tile + ivec2(0, 1)));
 }
-#else
-bool worth_a_beam(ivec2 tile, bool listed) { return listed; }
-#endif
 
 void main() {
     const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;

@@ -44,12 +44,12 @@ bool past_disagrees(ivec2 first, bool lit) {
     if ((frame.flags & FRAME_RESET) != 0u) return false;
     const ivec2 last = ivec2(frame.prev_size) - 1;
     ivec2 there = first;
-#if HAS_MOTION
-    const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
-    const Reprojection before = reproject(middle, texelFetch(motion, middle, 0).xy);
-    if (!before.on_screen) return false;
-    there += ivec2(floor(before.uv * vec2(frame.prev_size))) - middle;
-#endif
+    if (HAS_MOTION) {
+        const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
+        const Reprojection before = reproject(middle, texelFetch(motion, middle, 0).xy);
+        if (!before.on_screen) return false;
+        there += ivec2(floor(before.uv * vec2(frame.prev_size))) - middle;
+    }
     bool idled = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = clamp(there + (CELL - 1) * ivec2(i & 1, i >> 1), ivec2(0), last);
@@ -155,9 +155,8 @@ void work_on(uint at, ivec2 cell) {
     const uint asking = cell_asking[at];
     recall_rows(at);
     const uint lit = lit_or_sky(cell);
-#if HAS_MOTION
-    const ViewRays before = previous_rays(light);
-#endif
+    ViewRays before;
+    if (HAS_MOTION) before = previous_rays(light);
     const Penumbra penumbra = penumbra_of(at);
     const float rho = radius_m(penumbra);
 
@@ -183,12 +182,12 @@ void work_on(uint at, ivec2 cell) {
             Estimate now;
             if (asked) now = unpack_estimate(estimates[PIXELS * at + uint(i)]);
             for (int k = 0; k < (asked ? 0 : 1); ++k) now = agreement(r, reach_of(foot.s, penumbra).box);
-#if HAS_MOTION
-            const OffPlane then = off_plane(before, n_light, rays.o + z * rays.r);
-            Past past = under_this_sun(past_of(p, n, then, r.tolerance_m));
-#else
-            Past past = under_this_sun(past_of(p));
-#endif
+            Past past;
+            if (HAS_MOTION)
+                past = past_of(p, n, off_plane(before, n_light, rays.o + z * rays.r), r.tolerance_m);
+            else
+                past = past_of(p);
+            past = under_this_sun(past);
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             if (past.count < DOUBTED) past.own.count = 0.0;
@@ -232,10 +231,10 @@ void work_on(uint at, ivec2 cell) {
     // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
     float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
     uint past_kind = resampled ? PAST_RESAMPLED : PAST_WHOLE;
-#if !HAS_MOTION && !HAS_SUN_PREV
-    past_kind = PAST_CERTAIN;
-    sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
-#endif
+    if (!HAS_MOTION && !HAS_SUN_PREV) {
+        past_kind = PAST_CERTAIN;
+        sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
+    }
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
     const uint softening = pack_softening(ivec2(reach), past_kind, has_both(said_within(1)), tests, mean_bias(bias));
     cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, radius_px, uintBitsToFloat(softening));

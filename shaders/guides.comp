@@ -13,14 +13,13 @@
 
 float depth_at(ivec2 p) { return inside_frame(p) ? linear_depth(texelFetch(depth, p, 0).x) : 0.0; }
 
-#if HAS_NORMAL
-vec3 surface_normal(ivec2 p, float z) {
+vec3 given_normal(ivec2 p) {
     vec3 n = texelFetch(normal, p, 0).xyz;
     if (NORMAL_ENCODING == NORMAL_ENCODING_UNORM) n = 2.0 * n - 1.0;
     const float length2 = dot(n, n);
     return length2 > 1e-4 && length2 < 1e4 ? n * inversesqrt(length2) : frame.world_from_view[2];
 }
-#else
+
 // Along one axis, the step to the neighbour whose depth is nearer: the other one may lie across an edge.
 vec3 tangent(ivec2 p, ivec2 axis, float z) {
     const float before = depth_at(p - axis), after = depth_at(p + axis);
@@ -29,14 +28,18 @@ vec3 tangent(ivec2 p, ivec2 axis, float z) {
     return before > 0.0 ? position(p, z) - position(p - axis, before) : vec3(0.0);
 }
 
-vec3 surface_normal(ivec2 p, float z) {
+vec3 normal_of_depth(ivec2 p, float z) {
     const vec3 viewer = to_viewer(p);
     const vec3 n = cross(tangent(p, ivec2(1, 0), z), tangent(p, ivec2(0, 1), z));
     const float length2 = dot(n, n);
     if (!(length2 > 0.0 && length2 < 1e30)) return viewer;
     return n * inversesqrt(length2) * (dot(n, viewer) < 0.0 ? -1.0 : 1.0);
 }
-#endif
+
+vec3 surface_normal(ivec2 p, float z) {
+    if (HAS_NORMAL) return given_normal(p);
+    return normal_of_depth(p, z);
+}
 
 void for_pixel(ivec2 p) {
     const float z = depth_at(p);

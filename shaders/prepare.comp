@@ -5,14 +5,11 @@
 
 uint lit_pixels(ivec2 tile) {
     uint lit = 0u;
-#if HAS_HITS
-    lit = ~hits[tile_index(tile)];
-#endif
-#if HAS_MASK
+    if (HAS_HITS) lit = ~hits[tile_index(tile)];
+    if (!HAS_MASK) return lit;
     const uint pixels = inside_mask(tile);
     for (int i = 0; i < 32; ++i)  // a comparison that a NaN fails: no sample is no light
         if ((pixels >> i & 1u) != 0u && texelFetch(mask, tile * TILE + ivec2(i & 7, i >> 3), 0).x > 0.5) lit |= 1u << i;
-#endif
     return lit;
 }
 

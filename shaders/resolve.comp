@@ -8,14 +8,14 @@
 void for_pixel(ivec2 p) {
     const uint i = tile_index(p / TILE);
     float lit = (hits[i] & receiver_words[i] & pixel_bit(p)) == 0u ? 1.0 : 0.0;
-#if HAS_FRACTION
-    const float between = imageLoad(fraction, p).x;
-    if (between != 0.0) lit = between;
-#endif
-#if HAS_COVERAGE
-    const float share = imageLoad(coverage, p).x * (255.0 / 256.0);
-    if (share != 0.0) lit = share;
-#endif
+    if (HAS_FRACTION) {
+        const float between = imageLoad(fraction, p).x;
+        if (between != 0.0) lit = between;
+    }
+    if (HAS_COVERAGE) {
+        const float share = imageLoad(coverage, p).x * (255.0 / 256.0);
+        if (share != 0.0) lit = share;
+    }
     imageStore(visibility, p, vec4(lit));
 }
 

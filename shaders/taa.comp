@@ -104,7 +104,6 @@ vec3 clamp_to_neighbours(ivec2 p, vec3 past, float scale) {
     return BOX != BOX_RGB && inside == before ? past : from_box_axes(inside);
 }
 
-#if HAS_GUIDE_NORMAL
 // The history at a position, and for how many frames it stands; 0: there is none.
 struct Past {
     vec3 color;
@@ -114,7 +113,6 @@ struct Past {
 
 float frames_of(float alpha) { return floor(alpha * float(MAX_FRAMES) + 0.5); }
 
-#if HAS_VIEW_DEPTH_PREV
 // The plane of what a pixel shows: a point that the previous frame saw at `uv` (without jitter), z in front of the camera,
 // is off it by (z - depth_change) * (slope.z + slope.xy . uv) + offset.z + offset.xy . uv metres. Moved back by the surface's
 // own motion the point is one of the current view, where positions are linear in uv and bilinear with z.
@@ -173,7 +171,7 @@ bool was_thin(Seen seen, ivec2 t, ivec2 last) {
 
 // An edge of the picture alternates with the jitter between what is in front and what is behind, so a texel may have shown
 // either. Where one of the four around the position showed something else, the largest share of the others stands for all.
-Past past_at(vec2 texel, Around around) {
+Past past_among(vec2 texel, Around around) {
     const Seen seen = Seen(plane_at(around.nearest, around.nearest_depth), plane_at(around.farthest, around.farthest_depth),
                            around.farthest_depth > 0.0, around.sky);
     const ivec2 last = ivec2(frame.prev_size) - 1, base = ivec2(floor(texel - 0.5));
@@ -198,12 +196,13 @@ Past past_at(vec2 texel, Around around) {
     const bool between = best_share < 1.0 && shares == 1.0;
     return Past(between ? history_at(texel) : value.xyz, none && !thin ? 0.0 : frames_of(value.w), thin);
 }
-#else
+
+// Where nothing moves, the texel's own is all that is asked.
 Past past_at(vec2 texel, Around around) {
+    if (HAS_VIEW_DEPTH_PREV) return past_among(texel, around);
     const vec4 value = texelFetch(history, ivec2(texel), 0);
     return Past(value.xyz, frames_of(value.w), false);
 }
-#endif
 
 vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
     float frames = 1.0;
@@ -221,7 +220,6 @@ vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
     const vec3 out_color = expand(c);
     return vec4(round_to(out_color.xy, HALF_BITS), round_to(out_color.z, HALF_BITS), frames / float(MAX_FRAMES));
 }
-#endif
 
 vec4 published(ivec2 p, vec3 c, Reprojection there, vec2 v) {
     if (there.on_screen && (frame.flags & FRAME_RESET) == 0u) {
@@ -236,17 +234,12 @@ vec4 published(ivec2 p, vec3 c, Reprojection there, vec2 v) {
 void for_pixel(ivec2 p) {
     const vec3 c = current(p);
     const Around around = look_around(p);
-#if HAS_MOTION
-    const vec2 v = texelFetch(motion, around.nearest, 0).xy;
-#else
-    const vec2 v = vec2(0.0);
-#endif
+    const vec2 v = HAS_MOTION ? texelFetch(motion, around.nearest, 0).xy : vec2(0.0);
     const Reprojection there = reproject(p, v);
-#if HAS_GUIDE_NORMAL
-    imageStore(color, p, robust(p, c, around, there, v));
-#else
-    imageStore(color, p, published(p, c, there, v));
-#endif
+    if (HAS_GUIDE_NORMAL)
+        imageStore(color, p, robust(p, c, around, there, v));
+    else
+        imageStore(color, p, published(p, c, there, v));
 }
 
 void main() { for_each_pixel(); }

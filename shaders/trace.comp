@@ -7,9 +7,7 @@
 #include "common/camera.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
-#if HAS_BLUE_NOISE
 #include "common/sun_point.glsl"
-#endif
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #if HAS_BLOCKERS
@@ -47,7 +45,10 @@ void keep_point(ivec2 p, uint point) {
 // Of the k-th ray of a pixel. The first, whose point is kept, is the one that is cast where there is no other: who reads the
 // hit words knows where it went.
 vec3 ray_direction(ivec2 p, uint k) {
-#if HAS_BLUE_NOISE
+    if (!HAS_BLUE_NOISE) {
+        keep_point(p, 0u);  // the middle of a sun that is a point
+        return sun.to_sun;
+    }
     if (SAMPLING == SAMPLING_PUBLISHED) {
         const vec2 u = fract(noise_published(p, frame.frame_index, params.seed) + noise_unit(noise_step(k, RAYS)));
         if (k == 0u) keep_point(p, pack_point(concentric_disc(u)));
@@ -56,10 +57,6 @@ vec3 ray_direction(ivec2 p, uint k) {
     const vec2 point = sun_point(p, frame.frame_index, params.seed, k, RAYS);
     if (k == 0u) keep_point(p, pack_point(point));
     return sun_direction_through(sun.to_sun, sun.angular_radius, point);
-#else
-    keep_point(p, 0u);  // the middle of a sun that is a point
-    return sun.to_sun;
-#endif
 }
 
 // From the far end of a bounded ray to the surface: what stands near the sun's side is met first. The start and what the

@@ -6,37 +6,29 @@
 const uint EXPONENT = 0x7f800000u;  // of an infinity; a NaN's bits are greater
 const int ROW = 4096;               // elements of a buffer that are looked at as a row
 
-#if HAS_IMAGE
-int level_count() { return textureQueryLevels(image); }
-ivec3 extent(int level) { return ivec3(textureSize(image, level), 1); }
-vec4 value_at(ivec3 p, int level) { return texelFetch(image, p.xy, level); }
-#elif HAS_LAYERS
-int level_count() { return textureQueryLevels(layers); }
-ivec3 extent(int level) { return textureSize(layers, level); }
-vec4 value_at(ivec3 p, int level) { return texelFetch(layers, p, level); }
-#else
-// The last row of a buffer is cut off by row_length().
-int level_count() { return 1; }
-#if HAS_TEXELS
-int element_count() { return textureSize(texels); }
-vec4 value_at(ivec3 p, int level) { return texelFetch(texels, p.y * ROW + p.x); }
-#elif HAS_FLOATS
-int element_count() { return floats.length(); }
-vec4 value_at(ivec3 p, int level) { return vec4(floats[p.y * ROW + p.x], 0.0, 0.0, 1.0); }
-#else
-int element_count() { return vectors.length(); }
-vec4 value_at(ivec3 p, int level) { return vectors[p.y * ROW + p.x]; }
-#endif
-ivec3 extent(int level) { return ivec3(ROW, (element_count() + ROW - 1) / ROW, 1); }
-#endif
+bool is_buffer() { return OF != OF_IMAGE && OF != OF_LAYERS; }
 
-int row_length(ivec3 size, int y) {
-#if HAS_IMAGE || HAS_LAYERS
-    return size.x;
-#else
-    return min(ROW, element_count() - y * ROW);
-#endif
+int level_count() { return OF == OF_IMAGE ? textureQueryLevels(image) : OF == OF_LAYERS ? textureQueryLevels(layers) : 1; }
+
+int element_count() { return OF == OF_TEXELS ? textureSize(texels) : OF == OF_FLOATS ? floats.length() : vectors.length(); }
+
+ivec3 extent(int level) {
+    if (OF == OF_IMAGE) return ivec3(textureSize(image, level), 1);
+    if (OF == OF_LAYERS) return textureSize(layers, level);
+    return ivec3(ROW, (element_count() + ROW - 1) / ROW, 1);
 }
+
+vec4 value_at(ivec3 p, int level) {
+    if (OF == OF_IMAGE) return texelFetch(image, p.xy, level);
+    if (OF == OF_LAYERS) return texelFetch(layers, p, level);
+    const int i = p.y * ROW + p.x;
+    if (OF == OF_TEXELS) return texelFetch(texels, i);
+    if (OF == OF_FLOATS) return vec4(floats[i], 0.0, 0.0, 1.0);
+    return vectors[i];
+}
+
+// The last row of a buffer is cut off.
+int row_length(ivec3 size, int y) { return is_buffer() ? min(ROW, element_count() - y * ROW) : size.x; }
 
 struct Counts {
     uint checked, nan, inf, out_of_range;

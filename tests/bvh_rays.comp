@@ -12,6 +12,7 @@ layout(std430, set = 0, binding = 2) readonly buffer Rays { Ray rays[]; };
 layout(std430, set = 0, binding = 3) writeonly buffer Answers { uint answers[]; };
 layout(push_constant) uniform Push { uint count; };
 
+#define NO_SCENE_ALPHA
 #include "../shaders/common/bvh.glsl"
 
 void main() {

@@ -2,7 +2,7 @@
 // The node `validate` counts exactly what is bad, whatever kind, format, size, level or layer; a pipeline
 // that validates itself runs what it ran before and gives the same bits; and the shipped pipelines are clean
 // on the shots, over memory that is full of NaN.
-#include "graph/validate.h"
+#include "app/validate.h"
 
 #include <gtest/gtest.h>
 

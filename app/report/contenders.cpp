@@ -19,8 +19,8 @@ std::optional<std::string> obstacle(const CheckedPipeline& pipeline) {
     for (const HostInput& input : pipeline.inputs)
         if (!input.optional && !standalone_has_input(input.name))
             return fmt::format("takes \"{}\", which only an engine can bring", input.name);
-    if (std::find(pipeline.outputs.begin(), pipeline.outputs.end(), "visibility") == pipeline.outputs.end())
-        return "puts out no \"visibility\"";
+    const std::vector<std::string> outputs = pipeline.output_names();
+    if (std::ranges::find(outputs, "visibility") == outputs.end()) return "puts out no \"visibility\"";
     return std::nullopt;
 }
 

@@ -168,7 +168,7 @@ std::string passes_table(const Plan& plan) {
         {{"pass", false}, {"node type", false}, {"workgroups", false}, {"reads", false}, {"writes", false}});
     for (const PlanPass& pass : plan.passes) {
         if (pass.kind == PassKind::capture) continue;
-        table.row({escape(pass.node), escape(pass.entry->type.name),
+        table.row({escape(pass.node), escape(pass.type),
                    pass.kind == PassKind::host ? "host"
                    : pass.indirect
                        ? "indirect"

@@ -37,8 +37,7 @@ std::vector<bool> passes_of_mask(const Plan& plan) {
 uint64_t counted_rays(const Plan& plan, const FrameCost& cost) {
     uint64_t rays = 0;
     for (size_t p = 0; p < plan.passes.size(); ++p) {
-        if (!plan.passes[p].entry) continue;
-        const std::vector<std::string>& names = plan.passes[p].entry->type.counters;
+        const std::vector<std::string>& names = plan.passes[p].counters;
         for (size_t i = 0; i < names.size(); ++i)
             if (names[i] == "rays") rays += cost.passes[p].counters[i];
     }
@@ -81,7 +80,7 @@ std::unique_ptr<Runner> Runner::open(Device& device, const NodeSet& nodes, const
     for (size_t p = 0; p < plan.passes.size(); ++p) {
         if (plan.passes[p].kind == PassKind::capture) continue;
         const PlanPass& pass = plan.passes[p];
-        runner->passes_.push_back({pass.node, pass.entry->type.name, mask[p]});
+        runner->passes_.push_back({pass.node, pass.type, mask[p]});
         runner->plan_pass_.push_back(p);
     }
     return runner;

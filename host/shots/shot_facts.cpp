@@ -33,11 +33,8 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
             {"sun_disc", shot.sun_angular_radius_deg > 0},
             {"casters", !scene.instances().empty()},
             {"alpha", has_alpha(scene)},
-            {"many_cascades", false},
             {"moves", moves(shot)},
-            {"sun_moves", sun_moves(shot)},
-            {"motion_3d", true},
-            {"hdr", false}};
+            {"sun_moves", sun_moves(shot)}};
 }
 
 }  // namespace penumbra

@@ -3,7 +3,7 @@
 //
 // The walk itself is common/bvh_path.glsl's. docs/bvh.md has what was measured.
 //
-// Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves; with SCENE_ALPHA what common/bvh_alpha.glsl needs.
+// Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves; what common/bvh_alpha.glsl needs.
 #include "common/bvh_alpha.glsl"
 #include "common/bvh_path.glsl"
 #include "common/twofold.glsl"
@@ -133,17 +133,22 @@ bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit, out uint unsure) {
     BvhLeaf corners = bvh_leaf(leaf);
     vec3 a = bvh_shear(ray, corners.a), b = bvh_shear(ray, corners.b), c = bvh_shear(ray, corners.c), d = bvh_shear(ray, corners.d);
     float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
-#ifdef SCENE_ALPHA
-    float t_first = t_hit, t_second = t_hit;
-    uint first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_first),
-         second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_second);
-    if (first != BVH_MISS && !bvh_alpha_blocks(leaf, 0u, vec3(bc, ca, ab))) first = BVH_MISS;
-    if (second != BVH_MISS && !bvh_alpha_blocks(leaf, 1u, vec3(bd, dc, -bc))) second = BVH_MISS;
-    if (first == BVH_HIT) t_hit = t_first;
-    if (second == BVH_HIT) t_hit = t_second;
-#else
-    uint first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_hit), second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_hit);
+    uint first, second;
+#ifndef NO_SCENE_ALPHA
+    if (HAS_SCENE_ALPHA_UV) {
+        float t_first = t_hit, t_second = t_hit;
+        first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_first);
+        second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_second);
+        if (first != BVH_MISS && !bvh_alpha_blocks(leaf, 0u, vec3(bc, ca, ab))) first = BVH_MISS;
+        if (second != BVH_MISS && !bvh_alpha_blocks(leaf, 1u, vec3(bd, dc, -bc))) second = BVH_MISS;
+        if (first == BVH_HIT) t_hit = t_first;
+        if (second == BVH_HIT) t_hit = t_second;
+    } else
 #endif
+    {
+        first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_hit);
+        second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_hit);
+    }
     unsure = first >> 1 | second & 2u;
     return first == BVH_HIT || second == BVH_HIT;
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Which triangles of the tree are alpha-tested, and whether such a triangle blocks where it is hit. Layout:
-// host/scene/scene_alpha.h. In a scene without any, nothing is read and nothing compiled but a constant.
+// host/scene/scene_alpha.h. In a scene without any, nothing is read: HAS_SCENE_ALPHA_UV says so.
 //
-// Includer declares, where SCENE_ALPHA is defined: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map.
-#ifdef SCENE_ALPHA
+// Includer declares: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map; const bool HAS_SCENE_ALPHA_UV; or defines
+// NO_SCENE_ALPHA.
+#ifndef NO_SCENE_ALPHA
 #include "common/scene_alpha.glsl"
 
 // The word of triangle `which` (0: v0, v1, v2; 1: v2, v1, v3) of a leaf: 0 = opaque.
@@ -24,8 +25,8 @@ bool bvh_alpha_blocks(uint leaf, uint which, vec3 areas) {
 
 // Whether a triangle of a leaf may have holes: it can be touched, but what covers its outline is not covered by it.
 bool bvh_alpha_tested(uint leaf, uint which) {
-#ifdef SCENE_ALPHA
-    return bvh_alpha_word(leaf, which) != 0u;
+#ifndef NO_SCENE_ALPHA
+    return HAS_SCENE_ALPHA_UV && bvh_alpha_word(leaf, which) != 0u;
 #else
     return false;
 #endif

@@ -10,7 +10,7 @@
 // Rounding: with u = 2^-24 and r, s the distances of an edge's corners, V is off by 4 u r, an edge V x W by 12 u r s, and the line across the light
 // by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
 //
-// Includer has common/bvh.glsl and common/light_mask.glsl and declares, with SCENE_ALPHA: uniform sampler2D light_samples.
+// Includer has common/bvh.glsl and common/light_mask.glsl and declares: uniform sampler2D light_samples.
 const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
 
 // The start of a pixel's shadow rays, in the scene's frame, and the light's axes, z towards it: turned about z by another angle
@@ -55,7 +55,6 @@ Height height_for_sure(vec3 start, vec3 a, vec3 b, vec3 c) {
     return Height(abs(height) > displaced ? height : 0.0, 0.0);
 }
 
-#ifdef SCENE_ALPHA
 // Without the samples that are seen through a hole of triangle `which`; those in `known` are not asked for. `opposite`: the edges' lines, whose
 // values at a sample are the weights of the corners that they lie opposite to, so that the texture coordinate is a quotient of two such lines.
 LightMask without_holes(LightDisc disc, uint leaf, uint which, vec3 opposite[3], LightMask mask, LightMask known) {
@@ -73,7 +72,6 @@ LightMask without_holes(LightDisc disc, uint leaf, uint which, vec3 opposite[3],
     }
     return mask;
 }
-#endif
 
 // Adds to `hidden` what the leaf hides, where it is `wanted`. Loops that run once or not at all stand for branches: a device that has none
 // would do what is in them for every leaf.
@@ -113,10 +111,10 @@ void hide_by_leaf(Receiver r, LightDisc disc, uint leaf, bool wanted, inout Ligh
                                        mask_and(mask_flipped(positive_side(bd), below.y), mask_flipped(positive_side(dc), below.y)));
         by_first = mask_if(hides.x, by_first);
         by_second = mask_if(hides.y, by_second);
-#ifdef SCENE_ALPHA
-        by_first = without_holes(disc, leaf, 0u, vec3[3](bc_line, edge_line(c, a), edge_line(a, b)), by_first, hidden);
-        by_second = without_holes(disc, leaf, 1u, vec3[3](edge_line(b, d), edge_line(d, c), -bc_line), by_second, mask_or(hidden, by_first));
-#endif
+        if (HAS_SCENE_ALPHA_UV) {
+            by_first = without_holes(disc, leaf, 0u, vec3[3](bc_line, edge_line(c, a), edge_line(a, b)), by_first, hidden);
+            by_second = without_holes(disc, leaf, 1u, vec3[3](edge_line(b, d), edge_line(d, c), -bc_line), by_second, mask_or(hidden, by_first));
+        }
         hidden = mask_or(hidden, mask_or(by_first, by_second));
     }
 }

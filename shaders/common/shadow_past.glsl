@@ -5,9 +5,7 @@
 // Includer has previous_surface.glsl, shadow_state.glsl and light_space.glsl, and declares the images history
 // and, where things move, motion, view_depth_prev and guide_normal_prev.
 #include "common/cubic.glsl"
-#if HAS_SUN_PREV
 #include "common/sun_change.glsl"
-#endif
 
 const float SAME_FACE = 0.9;  // cosine, as near as 10 bits are to a unit vector: beyond a crease the sun stands differently
 
@@ -19,7 +17,6 @@ struct Past {
 };
 const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS, false);
 
-#if HAS_MOTION
 // What the previous frame's texels showed, from its first one on, in light space: previous_position() is linear in a texel's
 // place and depth. Taken over the whole image, differences do not round away.
 ViewRays previous_rays(mat3 light) {
@@ -95,22 +92,19 @@ Past past_of(ivec2 p, vec3 n, OffPlane plane, float tolerance_m) {
     return past;
 }
 
-#else
 // Nothing moves: the pixel's past is its own.
 Past past_of(ivec2 p) {
     const ShadowState s = unpack_state(imageLoad(history, p).x);
     if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
     return Past(s.visibility, s.count, s.residual, 0.0, s.own, false);
 }
-#endif
 
 // A past that saw another sun.
 Past under_this_sun(Past past) {
-#if HAS_SUN_PREV
+    if (!HAS_SUN_PREV) return past;
     const float share = sun_share(sun, sun_prev);
     past.count = samples_left(past.count, share);
     past.own.count = samples_left(past.own.count, share);
     if (past.count <= 0.0) return NO_PAST;
-#endif
     return past;
 }

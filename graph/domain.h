@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// What a node set is about, as data: the words that its declarations and pipelines may use beside the graph's
+// own. Everything in graph/ works for any domain; penumbra's own is nodes/domain.h.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "graph/format.h"
+
+namespace penumbra {
+
+// What a host may promise for a plan's lifetime; true where it says nothing.
+struct Fact {
+    std::string name, doc;
+};
+inline constexpr size_t max_facts = 10;
+
+// Kinds of what a shader binds. The first four are words of declarations; `bundle` stands for a domain's own
+// words, and `structure` (an acceleration structure) is a kind of host slot alone.
+enum class PortKind : uint8_t { image, texels, buffer, block, bundle, structure };
+const char* kind_name(PortKind kind);
+
+// A port kind of the domain's own: the host fills several slots in place of one. Which ones depends on the
+// backend, a constant enum parameter that node types with such a port may have; each backend is compiled on
+// its own.
+struct Bundle {
+    struct Backend {
+        std::string name;
+        std::string feature;    // of the device, which it takes; empty: none
+        bool gpu_only = false;  // `auto` leaves it on a CPU device
+        std::string glsl;       // what its shaders begin with
+    };
+    struct Part {
+        std::string name;  // the slot is PORT.name, PORT_name in GLSL; empty: PORT itself
+        PortKind kind = PortKind::texels;
+        Format format = Format::r8;  // texels
+        std::string element;         // block: the struct's name
+        std::string backend;         // exists with this one alone; empty: with every one
+        std::string fact;            // exists where it holds; empty: always. HAS_PORT_NAME in GLSL
+    };
+    std::string kind, doc;  // kind: the word in declarations
+    std::string param;      // of this name, with values of the backends' and "auto"
+    std::vector<Backend>
+        backends;  // `auto` takes the first that the device has; types without the parameter the last
+    std::vector<Part> parts;  // in the order of their bindings
+};
+
+struct Domain {
+    std::vector<Fact> facts;                  // at most max_facts
+    std::vector<std::string> features;        // what "needs" may ask of a device; the host says what it has
+    std::map<std::string, uint32_t> structs;  // of blocks and buffers: bytes
+    std::string structs_file;                 // what shaders include for them; empty: none
+    std::vector<Bundle> bundles;
+
+    std::vector<std::string> fact_list() const;
+};
+
+}  // namespace penumbra

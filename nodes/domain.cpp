@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#include "nodes/domain.h"
+
+#include "shaders/common/blocks.h"
+
+namespace penumbra {
+namespace {
+
+// What rays are traced against: penumbra's own tree, traversed in compute, or the driver's acceleration
+// structure. Ray queries of a CPU device are two orders of magnitude slower than the tree.
+Bundle scene() {
+    Bundle scene{.kind = "scene", .doc = "what rays are traced against", .param = "backend"};
+    scene.backends = {{.name = "ray_query",
+                       .feature = "ray_query",
+                       .gpu_only = true,
+                       .glsl = "#extension GL_EXT_ray_query : require\n"},
+                      {.name = "bvh"}};
+    scene.parts = {
+        {.name = "nodes", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh"},
+        {.name = "leaves", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh"},
+        {.name = "tlas", .kind = PortKind::structure, .backend = "ray_query"},
+        {.name = "alpha_uv", .kind = PortKind::texels, .format = Format::rgba32ui, .fact = "alpha"},
+        {.name = "alpha_map", .kind = PortKind::texels, .format = Format::r32ui, .fact = "alpha"},
+        {.name = "", .kind = PortKind::block, .element = "Scene"},
+    };
+    return scene;
+}
+
+}  // namespace
+
+std::shared_ptr<const Domain> shadow_domain() {
+    static const auto domain = std::make_shared<const Domain>(
+        Domain{.facts = {{"sun_up", "some part of the sun is above the horizon at some time"},
+                         {"sun_disc", "the sun is no point"},
+                         {"casters", "something can cast a shadow"},
+                         {"alpha", "some triangle's texture has holes"},
+                         {"moves", "the camera or an object moves"},
+                         {"sun_moves", "the sun moves"}},
+               .features = {"ray_query", "storage8"},
+               .structs = {{"Sun", sizeof(blocks::Sun)},
+                           {"Scene", sizeof(blocks::Scene)},
+                           {"Cascades", sizeof(blocks::Cascades)}},
+               .structs_file = "common/blocks.h",
+               .bundles = {scene()}});
+    return domain;
+}
+
+}  // namespace penumbra
