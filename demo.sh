@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and renders a colonnade and a real engine model into out/demo. Safe to repeat.
+# Installs what is missing, builds the program, and renders a colonnade and a real engine model into out/demo. Safe to repeat.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
@@ -29,6 +29,6 @@ EOF
 }
 
 scripts/setup.sh
-scripts/build.sh release
+scripts/build.sh release penumbra penumbra_make_scenes
 scripts/scenes.sh release
 main_job

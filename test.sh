@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs the tests: all on the default Vulkan driver, then those labelled gpu again on
+# Installs what is missing, builds everything, and runs the tests: all on the default Vulkan driver, then those labelled gpu again on
 # Debian 12's own Mesa 22.3.6, unless that is the default one. Arguments go to the first ctest: `./test.sh -R Pack`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Folders of rendered visibility against a folder of references: which files are read for which metric
-// (host/metrics.h), and the sums over frames. What the folders do not have the files for stays absent.
+// (host/metrics/metrics.h), and the sums over frames. What the folders do not have the files for stays
+// absent.
 #pragma once
 
 #include "app/commands.h"
 #include "app/mask_folder.h"
-#include "host/metrics.h"
+#include "host/metrics/metrics.h"
 
 namespace penumbra {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <string>
 
-#include "host/coverage.h"
+#include "host/truth/coverage.h"
 
 namespace penumbra {
 

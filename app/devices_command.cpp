@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
-#include "host/device.h"
+#include "host/device/device.h"
 
 namespace penumbra {
 

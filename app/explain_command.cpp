@@ -15,7 +15,7 @@
 #include "app/pipeline_file.h"
 #include "app/report/contenders.h"
 #include "app/session.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 #include "nodes/nodes.h"
 
 namespace penumbra {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 #include "host/metrics/contact.h"
 
 namespace penumbra {

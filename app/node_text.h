@@ -2,7 +2,9 @@
 // Ports and parameters of a declaration in words, for the `nodes` command and for schemas.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
 
 #include "graph/node_type.h"
 

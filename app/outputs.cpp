@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "host/texels.h"
+#include "host/images/texels.h"
 
 namespace penumbra {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/session.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 
 namespace penumbra {
 

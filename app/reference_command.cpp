@@ -9,7 +9,7 @@
 #include "app/outputs.h"
 #include "app/progress.h"
 #include "app/truth.h"
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 
 namespace penumbra {
 namespace {

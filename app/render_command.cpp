@@ -17,7 +17,7 @@
 #include "app/report.h"
 #include "app/session.h"
 #include "app/validation.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 
 namespace penumbra {
 namespace {

@@ -15,7 +15,7 @@
 #include "app/report/measure.h"
 #include "app/report/page.h"
 #include "app/report/parts.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 
 namespace penumbra {
 namespace {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "graph/graph.h"
-#include "host/cascade_maps.h"
-#include "host/device.h"
-#include "host/scene_bvh.h"
-#include "host/scene_tlas.h"
+#include "host/cascades/cascade_maps.h"
+#include "host/device/device.h"
+#include "host/scene/scene_bvh.h"
+#include "host/scene/scene_tlas.h"
 #include "host/standalone.h"
 
 namespace penumbra {

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "app/reference_pipeline.h"
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "nodes/nodes.h"
 
 namespace penumbra {

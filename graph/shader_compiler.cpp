@@ -15,8 +15,6 @@
 #include <spirv-tools/optimizer.hpp>
 #include <sstream>
 
-#include "graph/shared_glsl.h"
-
 namespace penumbra {
 namespace {
 
@@ -112,9 +110,8 @@ std::optional<IncludedText> resolve_include(const ShaderSource& source, const st
     for (const auto& dir : source.include_dirs)
         if (auto text = read_text(dir / name))
             return IncludedText{(dir / name).string(), std::move(*text), false};
-    for (const SharedGlsl& shared : shared_glsl())
-        if (shared.name == name) return IncludedText{name, std::string(shared.text), true};
-    return std::nullopt;
+    const EmbeddedFile* file = find_embedded(source.embedded, name);
+    return file ? std::optional(IncludedText{name, std::string(file->bytes), true}) : std::nullopt;
 }
 
 bool is_valid_spirv(std::span<const uint32_t> words) {

@@ -10,16 +10,17 @@
 #include <string>
 #include <vector>
 
-#include "graph/node_type.h"
+#include "graph/diagnostic.h"
+#include "graph/embedded_file.h"
 
 namespace penumbra {
 
 struct ShaderSource {
-    std::filesystem::path file;  // the .comp file
-    std::string node_glsl;       // what `#include "node.glsl"` stands for
-    std::vector<std::filesystem::path>
-        include_dirs;                 // for every other #include; then the embedded shared_glsl()
-    std::optional<std::string> text;  // the file's content, where it has been read already
+    std::filesystem::path file;                       // the .comp file
+    std::string node_glsl;                            // what `#include "node.glsl"` stands for
+    std::vector<std::filesystem::path> include_dirs;  // for every other #include
+    std::span<const EmbeddedFile> embedded = {};      // and for what no folder has (shared_glsl())
+    std::optional<std::string> text = {};             // the file's content, where it has been read already
 };
 
 struct CompiledShader {

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "graph/interface.h"
+#include "graph/shared_glsl.h"
 
 namespace penumbra {
 namespace {
@@ -28,8 +29,8 @@ struct UserShader {
         const std::string key = to_string(variant);
         const auto known = variants.find(key);
         if (known != variants.end()) return &known->second;
-        auto shader =
-            cache->compile({file, generate_glsl(type, variant), {file.parent_path()}, {}}, key, diagnostics);
+        auto shader = cache->compile(
+            {file, generate_glsl(type, variant), {file.parent_path()}, shared_glsl()}, key, diagnostics);
         return shader ? &variants.emplace(key, std::move(shader->spirv)).first->second : nullptr;
     }
 };

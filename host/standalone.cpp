@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/analytic.h"
-#include "host/gltf.h"
-#include "host/shot_facts.h"
+#include "host/models/gltf.h"
+#include "host/shots/shot_facts.h"
+#include "host/truth/analytic.h"
 
 namespace penumbra {
 namespace {

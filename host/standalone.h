@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "graph/frame_block.h"
-#include "host/cascade_fit.h"
-#include "host/gbuffer.h"
-#include "host/scene.h"
-#include "host/shot.h"
+#include "host/cascades/cascade_fit.h"
+#include "host/gbuffer/gbuffer.h"
+#include "host/scene/scene.h"
+#include "host/shots/shot.h"
 #include "shaders/common/blocks.h"
 
 namespace penumbra {

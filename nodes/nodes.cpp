@@ -1,58 +1,43 @@
 // SPDX-License-Identifier: MIT
-// The explicit table of node types.
+// Reads what the build has embedded (CMakeLists.txt lists the types).
 #include "nodes/nodes.h"
 
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
+#include "graph/embedded_file.h"
+#include "nodes/archive.h"
 #include "nodes/domain.h"
-#include "nodes/embedded.h"
 
 namespace penumbra {
 
-#define PENUMBRA_NODES(X) \
-    X(accumulate)         \
-    X(average)            \
-    X(beams)              \
-    X(cascade_pcf)        \
-    X(cascade_taps)       \
-    X(cascades)           \
-    X(classify)           \
-    X(clear)              \
-    X(cover)              \
-    X(drift)              \
-    X(filter)             \
-    X(gather)             \
-    X(guides)             \
-    X(prepare)            \
-    X(receivers)          \
-    X(reference)          \
-    X(resolve)            \
-    X(shade)              \
-    X(smooth)             \
-    X(soften)             \
-    X(taa)                \
-    X(tileclass)          \
-    X(trace)              \
-    X(validate)
-
-#define PENUMBRA_DECLARE(name) extern const EmbeddedNode embedded_##name;
-PENUMBRA_NODES(PENUMBRA_DECLARE)
-#undef PENUMBRA_DECLARE
+// Declarations (NAME.json), their shaders' variants (NAME.spv) and the tables that they name.
+std::span<const EmbeddedFile> node_files();
 
 namespace {
 
-NodeEntry load(const EmbeddedNode& embedded) {
+std::string_view file_bytes(const std::string& name) {
+    const EmbeddedFile* file = find_embedded(node_files(), name);
+    if (!file) throw std::logic_error("the build has not embedded " + name);
+    return file->bytes;
+}
+
+NodeEntry load(const EmbeddedFile& declaration) {
+    const std::string name = std::filesystem::path(declaration.name).stem().string();
     Diagnostics diagnostics;
-    const auto json =
-        parse_json(embedded.declaration, "nodes/" + std::string(embedded.name) + ".json", diagnostics);
-    auto type = json ? parse_node_type(*json, embedded.name, shadow_domain(), diagnostics) : std::nullopt;
+    const auto json = parse_json(declaration.bytes, "nodes/" + name + ".json", diagnostics);
+    auto type = json ? parse_node_type(*json, name, shadow_domain(), diagnostics) : std::nullopt;
     if (!type) throw std::logic_error("an embedded declaration does not parse: " + diagnostics.text());
     NodeEntry entry{std::move(*type), {}, {}, {}};
-    for (const EmbeddedVariant& variant : embedded.variants)
-        entry.shaders[variant.key].assign(variant.spirv.begin(), variant.spirv.end());
-    for (const EmbeddedTable& table : embedded.tables) {
-        const auto bytes = std::as_bytes(table.words);
+    constexpr std::string_view variant = "variant ";
+    for (const auto& [key, module] : read_archive(file_bytes(name + ".spv"))) {
+        std::vector<uint32_t>& words = entry.shaders[key.substr(variant.size())];
+        words.resize(module.size() / 4);
+        std::memcpy(words.data(), module.data(), module.size());
+    }
+    for (const Table& table : entry.type.tables) {
+        const auto bytes = std::as_bytes(std::span(file_bytes(table.file)));
         entry.tables.push_back({table.name, {bytes.begin(), bytes.end()}});
     }
     return entry;
@@ -62,9 +47,8 @@ NodeEntry load(const EmbeddedNode& embedded) {
 
 NodeSet shadow_nodes() {
     NodeSet set(shadow_domain());
-#define PENUMBRA_ADD(name) set.add(load(embedded_##name));
-    PENUMBRA_NODES(PENUMBRA_ADD)
-#undef PENUMBRA_ADD
+    for (const EmbeddedFile& file : node_files())
+        if (file.name.ends_with(".json")) set.add(load(file));
     return set;
 }
 

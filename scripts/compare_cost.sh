@@ -12,6 +12,8 @@ read -ra shots <<<"${SHOTS:-cards colonnade engine fan heightfield lamp trees}"
 read -ra pipelines <<<"${PIPELINES:-sheared shadows}"
 types=${TYPES:-trace prepare gather drift soften accumulate smooth tileclass filter}
 size=${SIZE:-640x360}
+build=$(dirname "$penumbra")/..
+[[ ! -f $build/build.ninja ]] || ninja -C "$build" native_pass_bench >&2 || : # built without tests there is none
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -20,7 +22,7 @@ echo "|---|---|---|---|---|"
 for shot in "${shots[@]}"; do
     : >"$work/native"
     for ((run = 0; run < ${RUNS:-3}; ++run)); do
-        "$(dirname "$penumbra")/../tests/native_pass_bench" "$size" >>"$work/native" || : # it says why
+        "$build/tests/native_pass_bench" "$size" >>"$work/native" || : # it says why
         for pipeline in "${pipelines[@]}"; do
             "$penumbra" render "pipelines/$pipeline.json" --shot "scenes/$shot.shot.json" --size "$size" \
                 --frames "${FRAMES:-0..11}" --every 11 --no-jitter --out "$work/$pipeline.$run" >"$work/log" 2>&1 ||

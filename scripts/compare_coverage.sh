@@ -60,7 +60,10 @@ with tempfile.TemporaryDirectory() as work:
         total = {n: sum(ms for (name, _), ms in cost.items() if name == n) for n in names}
         worth = {n: "exact" if e is None else f"{e:.3g}" for n, e in error.items()}  # no noise beyond the truth's own
         print(f"| {shot} | " + " | ".join(f"{total[n]:.0f} / {worth[n]}" for n in names) + " |", flush=True)
-bench = os.path.join(os.path.dirname(penumbra), "../tests/native_pass_bench")
+build = os.path.join(os.path.dirname(penumbra), "..")
+if os.path.exists(f"{build}/build.ninja"):
+    subprocess.run(["ninja", "-C", build, "native_pass_bench"], stdout=sys.stderr)  # built without tests there is none
+bench = f"{build}/tests/native_pass_bench"
 if os.path.exists(bench):
     print(f"\nA native pass: {float(run(bench, size)):.2f} ms")
 PYTHON

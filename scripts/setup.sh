@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what building and running penumbra takes, on Debian 12 or a relative: `scripts/setup.sh`; with --test also
-# chromium, in which a test opens the report's page; with --dev also clang, clang-format, clang-tidy and shellcheck. Does
-# nothing, quickly, where all is there.
+# Installs what building and running penumbra takes, on Debian 12 or a relative: `scripts/setup.sh`; with --test also what the
+# tests and the scripts that measure take; with --dev also ccache, clang, clang-format, clang-tidy and shellcheck. Does nothing,
+# quickly, where all is there.
 # The software Vulkan driver comes from bookworm-backports (Mesa 25) where that can be had, else from the release
 # (Mesa 22.3.6); both are tested. PENUMBRA_STOCK_MESA=1 leaves the system's Mesa alone; PENUMBRA_SKIP_SETUP=1 installs
 # nothing, for systems without apt that have all this already.
@@ -11,17 +11,22 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 source "$root/scripts/apt.sh"
 
 packages=(
-    g++ cmake ninja-build ccache
-    libvulkan-dev vulkan-validationlayers
+    g++ cmake ninja-build
+    libvulkan-dev
     glslang-dev glslang-tools # the library's CMake package insists on the tools
     spirv-tools               # libraries, CMake package and spirv-val in one
     libglm-dev nlohmann-json3-dev libfmt-dev libcli11-dev
     libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
-    python3                   # the scripts that compare classifiers
-    libembree-dev librapidcheck-dev libgtest-dev libvalijson-dev # the tests
 )
-[[ ${1:-} == --test || ${1:-} == --dev ]] && packages+=(chromium)
-[[ ${1:-} == --dev ]] && packages+=(clang-14 clang-format-14 clang-tidy-14 shellcheck)
+if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
+    packages+=(
+        libgtest-dev vulkan-validationlayers
+        libembree-dev libvalijson-dev # judges of rays and of JSON Schemas
+        chromium                      # opens the report's page
+        python3                       # scripts that compare
+    )
+fi
+[[ ${1:-} == --dev ]] && packages+=(ccache clang-14 clang-format-14 clang-tidy-14 shellcheck)
 driver="mesa-vulkan-drivers"
 
 if [[ ${PENUMBRA_SKIP_SETUP:-} == 1 ]]; then

@@ -7,9 +7,9 @@
 
 #include "app/gates/gates.h"
 #include "app/session.h"
-#include "host/analytic.h"
+#include "host/images/texels.h"
 #include "host/metrics/mask_error.h"
-#include "host/texels.h"
+#include "host/truth/analytic.h"
 #include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 

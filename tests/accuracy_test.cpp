@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "app/session.h"
-#include "host/analytic.h"
-#include "host/metrics.h"
+#include "host/metrics/metrics.h"
+#include "host/truth/analytic.h"
 #include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 

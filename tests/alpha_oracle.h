@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "host/scene.h"
+#include "host/scene/scene.h"
 #include "tests/bvh_oracle.h"
 
 namespace penumbra::test {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Analytic scenes: is what the shot says what the closed forms and the geometry show? (The forms themselves:
 // sun_visibility_test.)
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-#include "host/scene.h"
+#include "host/scene/scene.h"
 #include "host/standalone.h"
 
 namespace penumbra {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The node beams against Embree: every ray to the sun's disc from a pixel that it calls lit must be free, from
-// one that it calls shadowed must be blocked. And the rays that are left give what they give without it.
+// The node beams against Embree: every ray to the sun's disc from a pixel that it calls lit must be free,
+// from one that it calls shadowed must be blocked. And the rays that are left give what they give without it.
 #include <map>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 #include "nodes/nodes.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
@@ -40,14 +40,13 @@ Verdicts judge(Shot shot, double angle_deg, uint32_t side) {
     options.size = shot.size;
     options.optimum = false;
     options.jitter = false;
-    options.captures = {"view_depth", "receiver_normal", "receiver_words", "undecided_words",
-                        "preloaded_hits", "tile_list", "trace_args"};
+    options.captures = {"view_depth",     "receiver_normal", "receiver_words", "undecided_words",
+                        "preloaded_hits", "tile_list",       "trace_args"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session = Session::open(
-        gpu(), nodes(),
-        pipeline_named("many_rays", {"nodes.classify.out.undecided_words=undecided_words"}), shot, options,
-        diagnostics, warnings);
+        gpu(), nodes(), pipeline_named("many_rays", {"nodes.classify.out.undecided_words=undecided_words"}),
+        shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
 
@@ -118,8 +117,9 @@ TEST_P(BeamsOnShots, NeverContradictARay) {
     size_t lit = 0, shadowed = 0;
     for (const double angle_deg : {0.0, 0.25, 0.5, 1.0, 2.0, 10.0}) {
         const Verdicts v = judge(shipped(GetParam(), {320, 180}), angle_deg, 8);
-        std::printf("%s %.2f deg: receivers %zu, lit %zu, shadowed %zu, traced %.2f %%\n", GetParam(), angle_deg,
-                    v.receivers, v.lit, v.shadowed, 100.0 * double(v.traced) / double(v.receivers));
+        std::printf("%s %.2f deg: receivers %zu, lit %zu, shadowed %zu, traced %.2f %%\n", GetParam(),
+                    angle_deg, v.receivers, v.lit, v.shadowed,
+                    100.0 * double(v.traced) / double(v.receivers));
         EXPECT_EQ(v.wrong_lit, 0u) << angle_deg;
         EXPECT_EQ(v.wrong_shadowed, 0u) << angle_deg;
         lit += v.lit;

@@ -7,7 +7,7 @@
 
 #include <cstring>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 #include "tests/bvh_oracle.h"
 #include "tests/bvh_scenes.h"
 #include "tests/bvh_shipped_scenes.h"

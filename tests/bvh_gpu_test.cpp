@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 #include "tests/bvh_large_planes.h"
 #include "tests/bvh_oracle.h"
 #include "tests/bvh_scenes.h"

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <set>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 
 namespace penumbra {
 namespace {
@@ -38,7 +38,7 @@ struct Link {
     uint32_t leaf, which, corner, word;
 };
 
-// All words that belong to an edge of a triangle; see host/bvh.h.
+// All words that belong to an edge of a triangle; see host/bvh/bvh.h.
 std::vector<Link> links(const Bvh& bvh, const std::vector<Texel>& words) {
     std::vector<Link> out;
     for (uint32_t leaf = 0; leaf < words.size(); ++leaf) {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 
 namespace penumbra::test {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 
 namespace penumbra::test {
 

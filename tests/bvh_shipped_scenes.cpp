@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "host/gltf.h"
-#include "host/scene.h"
-#include "host/shot.h"
+#include "host/models/gltf.h"
+#include "host/scene/scene.h"
+#include "host/shots/shot.h"
 
 namespace penumbra::test {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The hierarchy by itself: nothing leaks between triangles, boxes never hide a triangle, special values do no
 // harm.
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 
 #include <gtest/gtest.h>
 

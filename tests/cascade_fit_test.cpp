@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Where shadow maps lie, for suns and scenes that make a hand-written look-at divide by zero: every answer is
 // finite, every slice of the view lies in its map, and texels stay in place while the camera moves.
-#include "host/cascade_fit.h"
+#include "host/cascades/cascade_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -13,10 +13,10 @@
 #include <random>
 
 #include "app/session.h"
-#include "host/cascade_maps.h"
-#include "host/glb_writer.h"
-#include "host/image_file.h"
-#include "host/shapes.h"
+#include "host/cascades/cascade_maps.h"
+#include "host/images/image_file.h"
+#include "host/models/glb_writer.h"
+#include "host/models/shapes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"

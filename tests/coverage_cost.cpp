@@ -13,9 +13,9 @@
 #include <iostream>
 
 #include "app/session.h"
-#include "host/glb_writer.h"
-#include "host/image_file.h"
-#include "host/model_builder.h"
+#include "host/images/image_file.h"
+#include "host/models/glb_writer.h"
+#include "host/models/model_builder.h"
 #include "nodes/nodes.h"
 
 namespace penumbra {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "tests/cover_run.h"
 
 namespace penumbra::test {

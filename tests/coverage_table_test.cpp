@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "host/coverage.h"
+#include "host/truth/coverage.h"
 
 namespace penumbra::test {
 namespace {

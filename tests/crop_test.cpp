@@ -9,7 +9,7 @@
 #include <glm/gtc/packing.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 #include "host/standalone.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"

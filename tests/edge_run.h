@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A straight shadow edge whose visibility is known in closed form, as real geometry through a whole shipped
-// pipeline, and effective samples per pixel (host/metrics.h) of what comes out.
+// pipeline, and effective samples per pixel (host/metrics/metrics.h) of what comes out.
 #pragma once
 
 #include <cstring>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "app/session.h"
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/view_run.h"

@@ -10,7 +10,7 @@
 #include <optional>
 #include <span>
 
-#include "host/bvh.h"
+#include "host/bvh/bvh.h"
 
 namespace penumbra::test {
 

@@ -7,7 +7,7 @@
 #include <regex>
 
 #include "app/outputs.h"
-#include "host/coverage.h"
+#include "host/truth/coverage.h"
 #include "nodes/nodes.h"
 #include "tests/cli_run.h"
 #include "tests/gpu_test.h"

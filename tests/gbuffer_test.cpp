@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The G-buffer against double-precision ray casting: depth, normals and motion of boxes that move, turn and
 // are mirrored, near the origin and a thousand kilometres away from it. Needs a Vulkan device.
-#include "host/gbuffer.h"
+#include "host/gbuffer/gbuffer.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <memory>
 
-#include "host/shapes.h"
+#include "host/models/shapes.h"
 #include "host/standalone.h"
 
 namespace penumbra {

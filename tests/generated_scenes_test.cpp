@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The scenes that the project makes itself: the same bytes every time, solids without holes, and shots in
 // scenes/ that find the objects they move.
-#include "host/generated_scenes.h"
+#include "host/generated/generated_scenes.h"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@
 #include <set>
 #include <sstream>
 
-#include "host/glb_writer.h"
-#include "host/scene.h"
-#include "host/scene_facts.h"
-#include "host/shapes.h"
+#include "host/models/glb_writer.h"
+#include "host/models/shapes.h"
+#include "host/scene/scene.h"
+#include "host/scene/scene_facts.h"
 #include "tests/bvh_scenes.h"
 
 namespace penumbra {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The glTF reader: the same triangles however a file stores them, double precision down the tree, and a
 // diagnostic for whatever is wrong. Files are made here; nothing is read from outside.
-#include "host/gltf.h"
+#include "host/models/gltf.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -16,10 +16,10 @@
 #include <random>
 #include <span>
 
-#include "host/colonnade.h"
-#include "host/glb_writer.h"
-#include "host/image_file.h"
-#include "host/scene.h"
+#include "host/generated/colonnade.h"
+#include "host/images/image_file.h"
+#include "host/models/glb_writer.h"
+#include "host/scene/scene.h"
 
 namespace penumbra {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/device.h"
+#include "host/device/device.h"
 
 namespace penumbra::test {
 

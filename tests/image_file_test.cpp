@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Image files come back as they were written, and a failure leaves neither a part of a file nor the loss of
 // an old one.
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "host/metrics.h"
+#include "host/metrics/metrics.h"
 #include "tests/penumbra_images.h"
 
 namespace penumbra::test {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "host/metrics.h"
+#include "host/metrics/metrics.h"
 #include "tests/penumbra_images.h"
 
 namespace penumbra::test {

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "host/analytic.h"
 #include "host/metrics/compared_frame.h"
+#include "host/truth/analytic.h"
 
 namespace penumbra::test {
 

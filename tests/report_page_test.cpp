@@ -14,7 +14,7 @@
 #include "app/report/page.h"
 #include "app/session.h"
 #include "graph/graph.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 #include "nodes/nodes.h"
 #include "tests/report_results.h"
 

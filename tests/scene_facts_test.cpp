@@ -12,9 +12,9 @@
 #include <sstream>
 
 #include "app/session.h"
-#include "host/analytic.h"
-#include "host/shapes.h"
-#include "host/shot_facts.h"
+#include "host/models/shapes.h"
+#include "host/shots/shot_facts.h"
+#include "host/truth/analytic.h"
 #include "nodes/domain.h"
 #include "nodes/nodes.h"
 #include "tests/plan_checks.h"

@@ -19,7 +19,7 @@
 
 #include "graph/check.h"
 #include "graph/user_nodes.h"
-#include "host/shot.h"
+#include "host/shots/shot.h"
 #include "nodes/domain.h"
 #include "nodes/nodes.h"
 #include "tests/golden_text.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "app/session.h"
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What the denoiser of shadows.json promises, on a straight shadow edge whose visibility is known in closed
 // form and that goes through the whole pipeline as real geometry: effective samples per pixel
-// (host/metrics.h) on the first frame, in the long run and behind a moving edge; exactness where nothing is
-// uncertain; no trace of garbage or of the borders.
+// (host/metrics/metrics.h) on the first frame, in the long run and behind a moving edge; exactness where
+// nothing is uncertain; no trace of garbage or of the borders.
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
@@ -10,7 +10,7 @@
 #include <random>
 
 #include "app/session.h"
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "nodes/nodes.h"
 #include "tests/edge_run.h"
 #include "tests/gpu_test.h"

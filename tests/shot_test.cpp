@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Shots: what their keys mean, and what is said about broken ones: tests/golden/broken_shots/NAME.shot.json
 // with NAME.txt. PENUMBRA_REWRITE_GOLDEN=1 rewrites the expectations.
-#include "host/shot.h"
+#include "host/shots/shot.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <fstream>
 #include <set>
 
-#include "host/model.h"
+#include "host/models/model.h"
 #include "tests/golden_text.h"
 
 namespace penumbra {

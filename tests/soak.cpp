@@ -7,7 +7,7 @@
 
 #include "app/session.h"
 #include "app/truth.h"
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "nodes/nodes.h"
 #include "tests/view_run.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The closed forms against counted directions: stratified over the sun's cap, met by plain geometry.
-#include "host/sun_visibility.h"
+#include "host/truth/sun_visibility.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "host/shot.h"
+#include "host/shots/shot.h"
 #include "shaders/common/blocks.h"
 #include "tests/gpu_test.h"
 #include "tests/view_run.h"

@@ -5,9 +5,9 @@
 
 #include <filesystem>
 
-#include "host/glb_writer.h"
-#include "host/image_file.h"
-#include "host/shapes.h"
+#include "host/images/image_file.h"
+#include "host/models/glb_writer.h"
+#include "host/models/shapes.h"
 
 namespace penumbra::test {
 namespace {

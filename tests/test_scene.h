@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "host/shot.h"
+#include "host/shots/shot.h"
 
 namespace penumbra::test {
 

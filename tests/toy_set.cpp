@@ -16,8 +16,7 @@ const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 NodeEntry compile_toy(const std::filesystem::path& file) {
     Diagnostics diagnostics;
     const auto json = read_json(file, diagnostics);
-    auto type =
-        json ? parse_node_type(*json, file.stem().string(), toy_domain(), diagnostics) : std::nullopt;
+    auto type = json ? parse_node_type(*json, file.stem().string(), toy_domain(), diagnostics) : std::nullopt;
     if (!type) throw std::runtime_error(diagnostics.text());
     NodeEntry entry;
     for (const Variant& variant : all_variants(*type)) {

@@ -8,7 +8,7 @@
 #include "app/commands.h"
 #include "graph/dump.h"
 #include "graph/interface.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 #include "nodes/domain.h"
 #include "nodes/nodes.h"
 #include "tests/alpha_oracle.h"

@@ -8,7 +8,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <random>
 
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "tests/alpha_oracle.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"

@@ -17,7 +17,7 @@
 
 #include "app/session.h"
 #include "app/validation.h"
-#include "host/gpu.h"
+#include "host/device/gpu.h"
 #include "tests/golden_text.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"

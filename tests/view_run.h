@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "graph/graph.h"
-#include "host/gpu.h"
-#include "host/texels.h"
+#include "host/device/gpu.h"
+#include "host/images/texels.h"
 
 namespace penumbra::test {
 

@@ -8,7 +8,7 @@
 
 #include "app/session.h"
 #include "graph/graph.h"
-#include "host/gpu.h"
+#include "host/device/gpu.h"
 #include "nodes/nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/toy_nodes.h"

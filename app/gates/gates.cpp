@@ -6,9 +6,9 @@
 
 #include "app/outputs.h"
 #include "app/truth.h"
-#include "host/analytic.h"
 #include "host/metrics/lag.h"
 #include "host/metrics/mask_error.h"
+#include "host/truth/analytic.h"
 
 namespace penumbra::gates {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 
 namespace penumbra::report {
 

@@ -13,7 +13,7 @@
 #include "app/report/memory_figure.h"
 #include "app/report/page_tables.h"
 #include "app/report/plots.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 
 namespace penumbra::report {
 namespace {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 
 namespace penumbra::report {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "app/report/results.h"
-#include "host/shot.h"
+#include "host/shots/shot.h"
 
 namespace penumbra::report {
 

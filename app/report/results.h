@@ -10,8 +10,8 @@
 #include "app/report/runner.h"
 #include "app/report/statistics.h"
 #include "app/report/study.h"
-#include "host/device.h"
-#include "host/metrics.h"
+#include "host/device/device.h"
+#include "host/metrics/metrics.h"
 
 namespace penumbra::report {
 

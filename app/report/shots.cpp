@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "host/image_file.h"
+#include "host/images/image_file.h"
 
 namespace penumbra::report {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/shot.h"
+#include "host/shots/shot.h"
 
 namespace penumbra::report {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One question to the hierarchy of host/bvh.h for many pixels at once: does the beam of all their shadow rays meet nothing, is it
+// One question to the hierarchy of host/bvh/bvh.h for many pixels at once: does the beam of all their shadow rays meet nothing, is it
 // blocked by a surface that closes it off (common/closing_patch.glsl), or neither? The beam is a cone that is as wide as the
 // pixels at its start and so contains the cones of all of them; whatever it does not meet, no ray of theirs meets. A beam that
 // has met something is followed along its axis only: what remains to be found is a cover.

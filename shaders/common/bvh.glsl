@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Shadow rays against the hierarchy of host/bvh.h (the texel layout is documented there): any hit ends the ray.
+// Shadow rays against the hierarchy of host/bvh/bvh.h (the texel layout is documented there): any hit ends the ray.
 //
 // The walk itself is common/bvh_path.glsl's. docs/bvh.md has what was measured.
 //
@@ -54,7 +54,7 @@ vec4 bvh_planes(uint word, float step, float base) {
     return vec4(uvec4(word, word >> 8, word >> 16, word >> 24) & 255u) * step + base;
 }
 
-// Children that the ray's box test passes, bit k for child k. The grid is conservative (host/bvh.cpp); the factor is Ize
+// Children that the ray's box test passes, bit k for child k. The grid is conservative (host/bvh/bvh.cpp); the factor is Ize
 // 2013, "Robust BVH Ray Traversal", widened to cover the shear's rounding too.
 uint bvh_hit_children(BvhRay ray, uvec4 n0, uvec4 n1, uvec4 n2) {
     vec3 step = uintBitsToFloat((uvec3(n0.w, n0.w >> 8, n0.w >> 16) & 255u) << 23) * ray.inverse;

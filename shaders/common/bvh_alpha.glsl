@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Which triangles of the tree are alpha-tested, and whether such a triangle blocks where it is hit. Layout:
-// host/scene_alpha.h. In a scene without any, nothing is read: HAS_SCENE_ALPHA_UV says so.
+// host/scene/scene_alpha.h. In a scene without any, nothing is read: HAS_SCENE_ALPHA_UV says so.
 //
 // Includer declares: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map; const bool HAS_SCENE_ALPHA_UV; or defines
 // NO_SCENE_ALPHA.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The corners of a leaf of the tree, as host/bvh.h lays them out.
+// The corners of a leaf of the tree, as host/bvh/bvh.h lays them out.
 //
 // Includer declares: uniform usamplerBuffer scene_leaves.
 

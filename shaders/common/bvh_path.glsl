@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a walk through the hierarchy of host/bvh.h is: what is pending, and the step on from it. The question that is asked
+// Where a walk through the hierarchy of host/bvh/bvh.h is: what is pending, and the step on from it. The question that is asked
 // of nodes and leaves is the includer's (common/bvh.glsl: a ray's; common/beam_query.glsl; cover.comp), which writes the loop
 //
 //     while (true) {
@@ -23,7 +23,7 @@ struct BvhPath {
     uint group;
     uint leaf_first, leaf_mask;
     uint away;                      // bit k: the direction rises along axis k
-    uvec4 top, second, third, last;  // pending groups, top.x the latest; max_bvh_depth - 2 at most (host/bvh.h)
+    uvec4 top, second, third, last;  // pending groups, top.x the latest; max_bvh_depth - 2 at most (host/bvh/bvh.h)
 };
 
 BvhPath bvh_path(vec3 direction) {

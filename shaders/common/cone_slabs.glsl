@@ -20,7 +20,7 @@ vec3 inverse_slope(vec3 slope) {
     return 1.0 / mix(signed_tiny, slope, greaterThanEqual(abs(slope), vec3(tiny)));
 }
 
-// Widened by what rounding does to a slope; boxes keep a distance of their own from their planes (host/bvh.cpp).
+// Widened by what rounding does to a slope; boxes keep a distance of their own from their planes (host/bvh/bvh.cpp).
 ConeSlabs cone_slabs(vec3 axis, float spread, float radius) {
     const vec3 tilt = sqrt(max(1.0 - axis * axis, vec3(0.0)));
     const vec3 across = (spread * 1.0001 + 1e-6) * tilt;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Alpha-tested triangles of the scene: the records and masks that host/scene_alpha.h lays out.
+// Alpha-tested triangles of the scene: the records and masks that host/scene/scene_alpha.h lays out.
 //
 // Includer declares: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map.
 #include "common/mask_texel.glsl"

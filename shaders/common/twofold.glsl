@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Three numbers at once as unevaluated sums hi + lo of two floats, for the rare question that one float cannot decide:
 // 47 bits from additions and products that are rounded correctly, which `precise` keeps from being fused or reordered.
-// Knuth 1969 (sum without error), Veltkamp and Dekker 1971 (product without error). host/twofold.h is its twin.
+// Knuth 1969 (sum without error), Veltkamp and Dekker 1971 (product without error). host/bvh/twofold.h is its twin.
 struct Twofold {
     vec3 hi, lo;
 };

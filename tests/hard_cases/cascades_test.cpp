@@ -7,7 +7,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <utility>
 
-#include "host/cascade_fit.h"
+#include "host/cascades/cascade_fit.h"
 #include "tests/hard_cases/hard_cases.h"
 
 namespace penumbra::test {

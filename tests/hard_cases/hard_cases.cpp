@@ -11,8 +11,8 @@
 #include <map>
 #include <set>
 
-#include "host/glb_writer.h"
-#include "host/image_file.h"
+#include "host/images/image_file.h"
+#include "host/models/glb_writer.h"
 #include "nodes/nodes.h"
 
 namespace penumbra::test {

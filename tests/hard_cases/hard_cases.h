@@ -11,7 +11,7 @@
 
 #include "app/session.h"
 #include "app/truth.h"
-#include "host/shapes.h"
+#include "host/models/shapes.h"
 #include "tests/gpu_test.h"
 #include "tests/view_run.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "tests/hard_cases/hard_cases.h"
 #include "tests/test_scene.h"
 

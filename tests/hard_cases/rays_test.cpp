@@ -9,8 +9,8 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
 
-#include "host/bvh.h"
-#include "host/noise.h"
+#include "host/bvh/bvh.h"
+#include "host/generated/noise.h"
 #include "tests/bvh_oracle.h"
 #include "tests/hard_cases/hard_cases.h"
 

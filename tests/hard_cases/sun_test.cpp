@@ -3,7 +3,7 @@
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "tests/hard_cases/hard_cases.h"
 #include "tests/test_scene.h"
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-#include "host/analytic.h"
+#include "host/truth/analytic.h"
 #include "tests/hard_cases/hard_cases.h"
 #include "tests/test_scene.h"
 

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Which triangles share an edge, for queries that walk from a triangle to the ones around it. Read from the
+// leaves alone, so it holds for the positions that are traced now, whatever moved since the build. Edges are
+// matched by position; of more than two triangles at one edge, those are joined whose windings run opposite
+// ways along it, as they do within a closed surface.
+#include <algorithm>
+#include <bit>
+
+#include "host/bvh/bvh.h"
+#include "host/bvh/bvh_internal.h"
+
+namespace penumbra {
+namespace {
+
+using namespace bvh_detail;
+
+struct Side {
+    uint64_t edge;      // both ends' numbers, the smaller first
+    uint32_t backward;  // whether the winding runs from the larger to the smaller
+    uint32_t triangle;  // leaf << 1 | which
+    uint32_t corner;    // of the triangle, opposite to the edge
+    friend auto operator<=>(const Side&, const Side&) = default;
+};
+
+// Corners of a leaf's triangles, as numbers of its vertices.
+constexpr uint32_t corner_vertex[2][3] = {{0, 1, 2}, {2, 1, 3}};
+
+uint32_t word_of(const Side& side, bool same_way) {
+    return side.triangle >> 1 << 4 | uint32_t(same_way) << 3 | (side.triangle & 1) << 2 | side.corner;
+}
+
+// Where a leaf's texel keeps what lies across the edge opposite to a corner; the edge that two triangles of a
+// leaf share needs no word.
+uint32_t slot_of(const Side& side, bool pair) {
+    if ((side.triangle & 1) == 0) return side.corner == 0 ? (pair ? ~0u : 2) : 2 - side.corner;
+    return side.corner == 2 ? ~0u : side.corner + 2;
+}
+
+}  // namespace
+
+std::vector<Texel> leaf_neighbours(const Bvh& bvh) {
+    const uint32_t leaves = uint32_t(bvh.leaves.size() / 3);
+    std::vector<std::array<float, 3>> positions(size_t(leaves) * 4);
+    for (size_t i = 0; i < positions.size(); ++i)
+        for (size_t a = 0; a < 3; ++a) {
+            const size_t word = i % 4 * 3 + a;
+            positions[i][a] = std::bit_cast<float>(bvh.leaves[i / 4 * 3 + word / 4][word % 4]);
+        }
+    const std::vector<uint32_t> number = position_numbers(positions);
+    const auto is_pair = [&](uint32_t leaf) { return number[leaf * 4 + 2] != number[leaf * 4 + 3]; };
+
+    std::vector<Side> sides;
+    sides.reserve(size_t(leaves) * 4);
+    for (uint32_t triangle = 0; triangle < leaves * 2; ++triangle) {
+        const uint32_t leaf = triangle >> 1;
+        if ((triangle & 1) != 0 && !is_pair(leaf)) continue;
+        for (uint32_t corner = 0; corner < 3; ++corner) {
+            const auto end = [&](uint32_t k) {
+                return number[leaf * 4 + corner_vertex[triangle & 1][(corner + k) % 3]];
+            };
+            const uint32_t a = end(1), b = end(2);
+            if (a == b || slot_of({0, 0, triangle, corner}, is_pair(leaf)) == ~0u) continue;
+            sides.push_back(
+                {uint64_t(std::min(a, b)) << 32 | std::max(a, b), uint32_t(a > b), triangle, corner});
+        }
+    }
+    std::sort(sides.begin(), sides.end());
+
+    std::vector<Texel> out(leaves, Texel{no_neighbour, no_neighbour, no_neighbour, no_neighbour});
+    const auto join = [&](const Side& from, const Side& to) {
+        const uint32_t leaf = from.triangle >> 1;
+        out[leaf][slot_of(from, is_pair(leaf))] = word_of(to, from.backward == to.backward);
+    };
+    for (size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+        while (end < sides.size() && sides[end].edge == sides[begin].edge) ++end;
+        size_t backward = begin;
+        while (backward < end && !sides[backward].backward) ++backward;
+        // Opposite windings first, in the order of the triangles; what is left over is joined among itself.
+        const size_t both = std::min(backward - begin, end - backward);
+        for (size_t i = 0; i < both; ++i) {
+            join(sides[begin + i], sides[backward + i]);
+            join(sides[backward + i], sides[begin + i]);
+        }
+        size_t rest = backward - begin > both ? begin + both : backward + both;
+        const size_t rest_end = backward - begin > both ? backward : end;
+        for (; rest + 1 < rest_end; rest += 2) {
+            join(sides[rest], sides[rest + 1]);
+            join(sides[rest + 1], sides[rest]);
+        }
+    }
+    return out;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// What the host's own pipelines bind: descriptor sets of one layout with their pool, and the pipeline's
+// layout. The graph's passes have theirs from their declarations (graph/program.h).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "host/device/gpu.h"
+
+namespace penumbra {
+
+struct DescriptorSets {
+    Owned<VkDescriptorSetLayout> layout;
+    Owned<VkDescriptorPool> pool;  // owns the sets
+    std::vector<VkDescriptorSet> sets;
+};
+
+// `count` sets, at least one, nothing written to any yet. `what`: for errors.
+DescriptorSets make_descriptor_sets(const Device& device,
+                                    std::span<const VkDescriptorSetLayoutBinding> bindings, uint32_t count,
+                                    const char* what);
+
+// A whole buffer, or an image in SHADER_READ_ONLY_OPTIMAL, for a binding of one descriptor.
+void write_buffer(const Device& device, VkDescriptorSet set, uint32_t binding, const GpuBuffer& buffer);
+void write_image(const Device& device, VkDescriptorSet set, uint32_t binding, VkSampler sampler,
+                 VkImageView view);
+
+// `constant_bytes` of push constants, which `stages` see.
+Owned<VkPipelineLayout> make_pipeline_layout(const Device& device,
+                                             std::span<const VkDescriptorSetLayout> sets,
+                                             VkShaderStageFlags stages, uint32_t constant_bytes,
+                                             const char* what);
+
+}  // namespace penumbra

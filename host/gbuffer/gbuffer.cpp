@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+// Per frame: one record per draw written in double precision, then all draws in one dynamic rendering.
+#include "host/gbuffer/gbuffer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <stdexcept>
+
+#include "host/gbuffer/gbuffer_pipeline.h"
+
+namespace penumbra {
+
+namespace {
+
+glm::dvec3 position_of(const Camera& camera) {
+    return glm::make_vec3(camera.position.data());
+}
+
+// Camera-relative metres in world axes -> clip.
+glm::dmat4 clip_from_rel(const Camera& camera) {
+    return glm::make_mat4(camera.clip_from_view.data()) *
+           glm::dmat4(glm::transpose(glm::make_mat3(camera.world_from_view.data())));
+}
+
+// The part's frame -> camera-relative metres: the difference of the two positions is taken before anything is
+// rounded.
+glm::dmat4 rel_from_local(const glm::dmat4& world, const glm::dvec3& part_origin, const glm::dvec3& origin,
+                          const Camera& camera) {
+    glm::dmat4 result = glm::translate(world, part_origin);
+    result[3] += glm::dvec4(origin - position_of(camera), 0);
+    return result;
+}
+
+glm::dmat3 cofactors(const glm::dmat3& m) {
+    return glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+}
+
+double largest_element(const glm::dmat3& m) {
+    double largest = 0;
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(m[c][r]));
+    return largest;
+}
+
+VkImageMemoryBarrier2 transition(const GpuImage& image, VkImageLayout from, VkImageLayout to) {
+    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    barrier.oldLayout = from;
+    barrier.newLayout = to;
+    barrier.srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    barrier.image = image.get();
+    barrier.subresourceRange = {
+        is_depth(image.format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    return barrier;
+}
+
+constexpr VkPipelineStageFlags2 depth_stages =
+    VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;
+
+void barriers(VkCommandBuffer commands, std::span<const VkImageMemoryBarrier2> list) {
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.imageMemoryBarrierCount = static_cast<uint32_t>(list.size());
+    dependency.pImageMemoryBarriers = list.data();
+    vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+// Old contents are dropped; readers of the previous frame (any stage) come first.
+void begin_writing(VkCommandBuffer commands, std::span<const GpuImage* const> images) {
+    std::vector<VkImageMemoryBarrier2> list;
+    for (const GpuImage* image : images) {
+        const bool depth = is_depth(image->format);
+        VkImageMemoryBarrier2& barrier = list.emplace_back(
+            transition(*image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL));
+        barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+        barrier.dstStageMask = depth ? depth_stages : VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+        barrier.dstAccessMask = depth ? VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
+                                            VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT
+                                      : VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+    }
+    barriers(commands, list);
+}
+
+void hand_over(VkCommandBuffer commands, std::span<const GpuImage* const> images) {
+    std::vector<VkImageMemoryBarrier2> list;
+    for (const GpuImage* image : images) {
+        const bool depth = is_depth(image->format);
+        VkImageMemoryBarrier2& barrier =
+            list.emplace_back(transition(*image, VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL, GBuffer::final_layout));
+        barrier.srcStageMask = depth ? depth_stages : VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+        barrier.srcAccessMask =
+            depth ? VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT : VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |
+                               VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT;
+        barrier.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
+    }
+    barriers(commands, list);
+}
+
+VkRenderingAttachmentInfo cleared_attachment(const GpuImage& image) {
+    VkRenderingAttachmentInfo info{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+    info.imageView = image.view.get();
+    info.imageLayout = VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL;
+    info.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;  // all zeros: reverse-Z's far end, no normal, no motion, black
+    info.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    return info;
+}
+
+}  // namespace
+
+GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight)
+    : device_(device), scene_(scene), textures_(device, scene.model().textures) {
+    const RasterGeometry geometry = make_raster_geometry(scene.model());
+    vertices_ = upload_buffer(device, std::as_bytes(std::span(geometry.vertices)),
+                              VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "vertices");
+    indices_ = upload_buffer(device, std::as_bytes(std::span(geometry.indices)),
+                             VK_BUFFER_USAGE_INDEX_BUFFER_BIT, "indices");
+    for (const Instance& instance : scene.instances()) {
+        const auto mesh = static_cast<size_t>(instance.mesh);
+        const std::vector<Part>& parts = scene.model().meshes[mesh].parts;
+        for (size_t i = 0; i < parts.size(); ++i) {
+            const int material = parts[i].material;
+            const uint32_t least_alpha =
+                is_alpha_tested(scene.model(), material)
+                    ? least_opaque_alpha(scene.model().materials[static_cast<size_t>(material)])
+                    : 0;
+            items_.push_back({instance, &parts[i], geometry.meshes[mesh][i], least_alpha});
+        }
+    }
+    create_images(extent);
+    create_draw_records(frames_in_flight);
+    create_pipeline();
+}
+
+void GBuffer::create_images(VkExtent2D extent) {
+    constexpr VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    constexpr VkImageUsageFlags color = read | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    images_.depth = make_image(device_, gbuffer_depth_format, extent, 1,
+                               read | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, "depth");
+    images_.normal = make_image(device_, gbuffer_color_formats[0], extent, 1, color, "normal");
+    images_.motion = make_image(device_, gbuffer_color_formats[1], extent, 1, color, "motion");
+    images_.albedo = make_image(device_, gbuffer_color_formats[2], extent, 1, color, "albedo");
+}
+
+void GBuffer::create_draw_records(uint32_t frames_in_flight) {
+    VkDescriptorSetLayoutBinding binding{};
+    binding.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    binding.descriptorCount = 1;
+    binding.stageFlags = VK_SHADER_STAGE_VERTEX_BIT;
+    draws_ = make_descriptor_sets(device_, {&binding, 1}, frames_in_flight, "draw records");
+    const VkDeviceSize bytes = std::max<size_t>(items_.size(), 1) * sizeof(DrawRecord);
+    for (uint32_t slot = 0; slot < frames_in_flight; ++slot) {
+        records_.push_back(
+            make_host_buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "draw records"));
+        write_buffer(device_, draws_.sets[slot], 0, records_.back());
+    }
+}
+
+void GBuffer::create_pipeline() {
+    const VkDescriptorSetLayout sets[] = {draws_.layout.get(), textures_.layout()};
+    pipeline_layout_ =
+        make_pipeline_layout(device_, sets, draw_constant_stages, sizeof(DrawConstants), "G-buffer");
+    const auto made = [&](bool alpha_tested) {
+        return make_gbuffer_pipeline(device_, pipeline_layout_.get(), images_.depth.extent, alpha_tested);
+    };
+    opaque_ = made(false);
+    if (std::ranges::any_of(items_, [](const DrawItem& item) { return item.least_alpha > 0; }))
+        alpha_tested_ = made(true);
+}
+
+void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
+                                 std::span<const glm::dmat4> prev_world, const glm::dvec3& origin,
+                                 size_t slot) {
+    const glm::dmat4 clip = clip_from_rel(frame.camera), prev_clip = clip_from_rel(frame.previous);
+    auto* records = static_cast<DrawRecord*>(records_[slot].mapped);
+    for (size_t i = 0; i < items_.size(); ++i) {
+        const DrawItem& item = items_[i];
+        const auto node = static_cast<size_t>(item.instance.node);
+        const glm::dmat4 rel = rel_from_local(world[node], item.part->origin, origin, frame.camera);
+        const glm::dmat4 prev_rel =
+            rel_from_local(prev_world[node], item.part->origin, origin, frame.previous);
+        const glm::dmat3 linear(rel);
+        const glm::dmat3 normals = cofactors(linear) / largest_element(cofactors(linear));
+        const glm::dvec3 camera = -(glm::inverse(linear) * glm::dvec3(rel[3]));
+
+        DrawRecord record{};
+        record.clip_from_local = glm::mat4(clip * rel);
+        record.prev_clip_from_local = glm::mat4(prev_clip * prev_rel);
+        for (int c = 0; c < 3; ++c) record.world_from_local[c] = glm::vec4(glm::vec3(normals[c]), 0);
+        record.camera_local = glm::vec4(glm::vec3(camera), glm::determinant(linear) < 0 ? -1 : 1);
+        record.base_color = glm::vec4(1);
+        if (item.part->material >= 0) {
+            record.base_color = glm::make_vec4(
+                scene_.model().materials[static_cast<size_t>(item.part->material)].base_color.data());
+        }
+        std::memcpy(records + i, &record, sizeof(record));
+    }
+}
+
+void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
+                     std::span<const glm::dmat4> world, std::span<const glm::dmat4> prev_world,
+                     const glm::dvec3& origin) {
+    const size_t nodes = scene_.model().nodes.size();
+    if (world.size() != nodes || prev_world.size() != nodes) {
+        throw std::invalid_argument("GBuffer::record: one transform per node is needed");
+    }
+    const size_t slot = frame.index % records_.size();
+    write_draw_records(frame, world, prev_world, origin, slot);
+
+    const GpuImage* all[] = {&images_.depth, &images_.normal, &images_.motion, &images_.albedo};
+    begin_writing(commands, all);
+    const VkRenderingAttachmentInfo depth = cleared_attachment(images_.depth);
+    const VkRenderingAttachmentInfo colors[] = {cleared_attachment(images_.normal),
+                                                cleared_attachment(images_.motion),
+                                                cleared_attachment(images_.albedo)};
+    VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+    rendering.renderArea = {{0, 0}, images_.depth.extent};
+    rendering.layerCount = 1;
+    rendering.colorAttachmentCount = 3;
+    rendering.pColorAttachments = colors;
+    rendering.pDepthAttachment = &depth;
+    vkCmdBeginRendering(commands, &rendering);
+    draw(commands, frame, slot);
+    vkCmdEndRendering(commands);
+    hand_over(commands, all);
+}
+
+void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const {
+    const VkExtent2D extent = images_.depth.extent;
+    const VkBuffer vertices = vertices_.get();
+    const VkDeviceSize zero = 0;
+    vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &zero);
+    vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 0, 1,
+                            &draws_.sets[slot], 0, nullptr);
+    VkDescriptorSet bound = VK_NULL_HANDLE;
+    VkPipeline drawn_with = VK_NULL_HANDLE;
+    DrawConstants constants{glm::vec2(2 * frame.jitter[0], 2 * frame.jitter[1]),
+                            glm::vec2(2.0 / extent.width, 2.0 / extent.height), 0, 0};
+    for (size_t i = 0; i < items_.size(); ++i) {
+        const DrawItem& item = items_[i];
+        const int material = item.part->material;
+        const VkDescriptorSet texture = textures_.set(
+            material < 0 ? -1 : scene_.model().materials[static_cast<size_t>(material)].texture);
+        if (texture != bound) {
+            vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 1, 1,
+                                    &texture, 0, nullptr);
+            bound = texture;
+        }
+        const VkPipeline pipeline = item.least_alpha > 0 ? alpha_tested_.get() : opaque_.get();
+        if (pipeline != drawn_with) {
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+            drawn_with = pipeline;
+        }
+        constants.draw = static_cast<uint32_t>(i);
+        constants.least_alpha = item.least_alpha;
+        vkCmdPushConstants(commands, pipeline_layout_.get(), draw_constant_stages, 0, sizeof(constants),
+                           &constants);
+        vkCmdDrawIndexed(commands, item.range.index_count, 1, item.range.first_index,
+                         item.range.vertex_offset, 0);
+    }
+}
+
+}  // namespace penumbra

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// Rasterises the host inputs depth, normal, motion and albedo (conventions in the formats' table of host
+// inputs). Transforms are made on the CPU in double precision, relative to the camera, and rounded once per
+// draw.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "graph/frame_block.h"
+#include "host/device/descriptor_sets.h"
+#include "host/device/gpu.h"
+#include "host/scene/geometry.h"
+#include "host/scene/scene.h"
+#include "host/scene/textures.h"
+
+namespace penumbra {
+
+struct GBufferImages {
+    GpuImage depth;   // d32: near / view depth, 0 = sky
+    GpuImage normal;  // rgba32f: a receiver's horizon is as exact as its normal
+    GpuImage motion;  // rgba16f
+    GpuImage albedo;  // rgba8
+};
+
+class GBuffer {
+  public:
+    // `scene` must outlive the G-buffer. `frames_in_flight`: how many recorded frames may be pending at once.
+    GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight);
+
+    // Records the frame into slot frame.index % frames_in_flight. `world` and `prev_world` are
+    // Scene::transforms() of this frame and the previous one; `origin` is the shot's. Afterwards the images
+    // are in SHADER_READ_ONLY_OPTIMAL, visible to shaders and copies that follow in the queue.
+    void record(VkCommandBuffer commands, const FrameDescription& frame, std::span<const glm::dmat4> world,
+                std::span<const glm::dmat4> prev_world, const glm::dvec3& origin);
+
+    const GBufferImages& images() const { return images_; }
+    static constexpr VkImageLayout final_layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+
+  private:
+    void create_images(VkExtent2D extent);
+    void create_draw_records(uint32_t frames_in_flight);
+    void create_pipeline();
+    void write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
+                            std::span<const glm::dmat4> prev_world, const glm::dvec3& origin, size_t slot);
+    void draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const;
+
+    // One part of one instance.
+    struct DrawItem {
+        Instance instance;
+        const Part* part = nullptr;
+        PartRange range;
+        uint32_t least_alpha = 0;  // 0: not alpha-tested
+    };
+
+    Device& device_;
+    const Scene& scene_;
+    GBufferImages images_;
+    GpuBuffer vertices_, indices_;
+    TextureSets textures_;
+    std::vector<DrawItem> items_;
+    std::vector<GpuBuffer> records_;  // per frame in flight
+    DescriptorSets draws_;            // of these
+    Owned<VkPipelineLayout> pipeline_layout_;
+    Owned<VkPipeline> opaque_, alpha_tested_;  // the second where the scene needs it
+};
+
+}  // namespace penumbra

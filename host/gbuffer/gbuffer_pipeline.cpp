@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// Vertices, formats and depth test of the G-buffer's pipeline.
+#include "host/gbuffer/gbuffer_pipeline.h"
+
+#include <cstddef>
+
+#include "host/device/raster_pipeline.h"
+#include "host/device/shader_module.h"
+#include "host/scene/geometry.h"
+
+namespace penumbra {
+
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, VkExtent2D area,
+                                        bool alpha_tested) {
+    const VkBool32 tested = alpha_tested;
+    const VkSpecializationMapEntry constant{0, 0, sizeof(tested)};  // ALPHA_TESTED
+    const VkSpecializationInfo specialization{1, &constant, sizeof(tested), &tested};
+    const VkVertexInputBindingDescription binding{0, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX};
+    const VkVertexInputAttributeDescription attributes[] = {
+        {0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RasterVertex, position)},
+        {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RasterVertex, winding_normal)},
+        {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(RasterVertex, uv)}};
+    RasterPipeline pipeline;
+    pipeline.vertex = host_shader("gbuffer.vert");
+    pipeline.fragment = host_shader("gbuffer.frag");
+    pipeline.fragment_constants = &specialization;
+    pipeline.input.vertexBindingDescriptionCount = 1;
+    pipeline.input.pVertexBindingDescriptions = &binding;
+    pipeline.input.vertexAttributeDescriptionCount = 3;
+    pipeline.input.pVertexAttributeDescriptions = attributes;
+    pipeline.layout = layout;
+    pipeline.area = area;
+    pipeline.colors = gbuffer_color_formats;
+    pipeline.depth = gbuffer_depth_format;
+    pipeline.passes = VK_COMPARE_OP_GREATER;  // reverse Z
+    return make_raster_pipeline(device, pipeline, "G-buffer");
+}
+
+}  // namespace penumbra

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// The graphics pipeline of the G-buffer, and what it shares with the code that records it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "host/device/device.h"
+
+namespace penumbra {
+
+inline constexpr VkFormat gbuffer_depth_format = VK_FORMAT_D32_SFLOAT;
+inline constexpr std::array<VkFormat, 3> gbuffer_color_formats{
+    VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM};
+
+// `Draw` of gbuffer.glsl, std430.
+struct DrawRecord {
+    glm::mat4 clip_from_local, prev_clip_from_local;
+    glm::vec4 world_from_local[3];  // a mat3: columns padded to 16 bytes
+    glm::vec4 camera_local;
+    glm::vec4 base_color;
+};
+static_assert(sizeof(DrawRecord) == 208);
+
+// `Constants` of gbuffer.glsl.
+struct DrawConstants {
+    glm::vec2 jitter_ndc;
+    glm::vec2 ndc_per_pixel;
+    uint32_t draw;
+    uint32_t least_alpha;
+};
+inline constexpr VkShaderStageFlags draw_constant_stages =
+    VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+
+// Reverse Z. `alpha_tested`: texels below
+// DrawConstants::least_alpha are discarded, which costs the depth test before the shader; other materials do
+// without.
+Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, VkExtent2D area,
+                                        bool alpha_tested);
+
+}  // namespace penumbra

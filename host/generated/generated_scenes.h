@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+// The list of scenes that the project makes itself: scenes/<name>.glb comes from make().
+#pragma once
+
+#include <array>
+
+#include "host/generated/colonnade.h"
+#include "host/generated/fan.h"
+#include "host/generated/heightfield.h"
+#include "host/generated/lamp.h"
+#include "host/generated/trees.h"
+
+namespace penumbra {
+
+struct GeneratedScene {
+    const char* name;
+    Model (*make)();
+};
+
+inline constexpr std::array<GeneratedScene, 6> generated_scenes{{{"cards", make_cards},
+                                                                 {"colonnade", make_colonnade},
+                                                                 {"fan", make_fan},
+                                                                 {"heightfield", make_heightfield},
+                                                                 {"lamp", make_lamp},
+                                                                 {"trees", make_trees}}};
+
+}  // namespace penumbra

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+// Encoders write to memory, so that there is one place where a file can fail (OpenEXR's own closes files in a
+// destructor, which cannot report a full disk).
+#include "host/images/image_file.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStdIO.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#include <stb/stb_image_write.h>
+
+namespace penumbra {
+
+namespace {
+
+Imf::PixelType pixel_type(PlaneType type) {
+    switch (type) {
+        case PlaneType::half:
+            return Imf::HALF;
+        case PlaneType::real:
+            return Imf::FLOAT;
+        case PlaneType::uint:
+            return Imf::UINT;
+    }
+    throw std::invalid_argument("pixel_type: not a plane type");
+}
+
+// A slice over a full plane whose first texel is `data`, for an image whose data window starts at (x0, y0).
+template <class T>
+Imf::Slice slice(Imf::PixelType type, T* data, size_t width, int64_t x0, int64_t y0) {
+    const auto offset = static_cast<ptrdiff_t>((y0 * static_cast<int64_t>(width) + x0) * int64_t(sizeof(T)));
+    char* base = const_cast<char*>(reinterpret_cast<const char*>(data)) - offset;
+    return {type, base, sizeof(T), sizeof(T) * width};
+}
+
+// IEC 61966-2-1.
+double to_srgb(double linear) {
+    return linear <= 0.0031308 ? linear * 12.92 : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+uint8_t to_byte(double value) {
+    return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
+}
+
+std::vector<std::byte> png_of(uint32_t width, uint32_t height, int channels,
+                              std::span<const uint8_t> texels) {
+    std::vector<std::byte> bytes;
+    const auto append = [](void* to, void* data, int size) {
+        const auto* from = static_cast<const std::byte*>(data);
+        static_cast<std::vector<std::byte>*>(to)->insert(static_cast<std::vector<std::byte>*>(to)->end(),
+                                                         from, from + size);
+    };
+    if (!stbi_write_png_to_func(append, &bytes, static_cast<int>(width), static_cast<int>(height), channels,
+                                texels.data(), static_cast<int>(width) * channels)) {
+        throw FileError(fmt::format("a PNG of {} x {} texels cannot be encoded", width, height));
+    }
+    return bytes;
+}
+
+void put(std::vector<uint8_t>& rgb, size_t pixel, bool nan, uint8_t r, uint8_t g, uint8_t b) {
+    rgb[3 * pixel] = nan ? 255 : r;
+    rgb[3 * pixel + 1] = nan ? 0 : g;
+    rgb[3 * pixel + 2] = nan ? 255 : b;
+}
+
+}  // namespace
+
+const Plane* PlanarImage::find(std::string_view name) const {
+    const auto found = std::ranges::find(planes, name, &Plane::name);
+    return found == planes.end() ? nullptr : &*found;
+}
+
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    std::filesystem::path part = path;
+    part += fmt::format(".{}.part", ::getpid());  // beside the file: a rename does not cross file systems
+    const auto fail = [&](const char* verb, const std::string& why) {
+        std::error_code ignored;
+        std::filesystem::remove(part, ignored);
+        throw FileError(fmt::format("{}: cannot be {}: {}", path.string(), verb, why));
+    };
+    std::ofstream stream(part, std::ios::binary);
+    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    stream.close();
+    if (!stream) fail("written", std::strerror(errno));
+    std::error_code failure;
+    std::filesystem::rename(part, path, failure);
+    if (failure) fail("put in place", failure.message());
+}
+
+void write_exr(const std::filesystem::path& path, const PlanarImage& image) {
+    const size_t texels = size_t(image.width) * image.height;
+    Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::FrameBuffer frame;
+    std::vector<std::vector<half>> halves;
+    halves.reserve(image.planes.size());
+    for (const Plane& plane : image.planes) {
+        const size_t size = plane.type == PlaneType::uint ? plane.words.size() : plane.values.size();
+        if (size != texels)
+            throw std::invalid_argument("write_exr: plane " + plane.name + " has the wrong size");
+        const Imf::PixelType type = pixel_type(plane.type);
+        header.channels().insert(plane.name, Imf::Channel(type));
+        switch (plane.type) {
+            case PlaneType::uint:
+                frame.insert(plane.name, slice(type, plane.words.data(), image.width, 0, 0));
+                break;
+            case PlaneType::real:
+                frame.insert(plane.name, slice(type, plane.values.data(), image.width, 0, 0));
+                break;
+            case PlaneType::half:
+                halves.emplace_back(plane.values.begin(), plane.values.end());
+                frame.insert(plane.name, slice(type, halves.back().data(), image.width, 0, 0));
+                break;
+        }
+    }
+    std::string bytes;
+    try {
+        Imf::StdOSStream stream;
+        {
+            Imf::OutputFile file(stream, header);
+            file.setFrameBuffer(frame);
+            file.writePixels(static_cast<int>(image.height));
+        }  // the table of lines is written here
+        bytes = stream.str();
+    } catch (const std::exception& error) {
+        throw FileError(fmt::format("{}: the EXR cannot be encoded: {}", path.string(), error.what()));
+    }
+    write_file(path, std::as_bytes(std::span(bytes)));
+}
+
+std::optional<PlanarImage> read_exr(const std::filesystem::path& path, Diagnostics& diagnostics) {
+    const Place place{path.string(), 0, 0};
+    if (std::error_code failure; !std::filesystem::is_regular_file(path, failure)) {
+        diagnostics.add(place, "", "no such file");
+        return std::nullopt;
+    }
+    try {
+        Imf::InputFile file(path.string().c_str());
+        const Imath::Box2i window = file.header().dataWindow();
+        const int64_t width = int64_t(window.max.x) - window.min.x + 1,
+                      height = int64_t(window.max.y) - window.min.y + 1;
+        constexpr int64_t largest = 1 << 16;
+        if (width < 1 || height < 1 || width > largest || height > largest) {
+            diagnostics.add(place, "",
+                            fmt::format("an image of {} x {} texels is not supported", width, height));
+            return std::nullopt;
+        }
+        PlanarImage image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
+        const size_t texels = size_t(image.width) * image.height;
+        const Imf::ChannelList& channels = file.header().channels();
+        for (auto channel = channels.begin(); channel != channels.end(); ++channel) {
+            if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
+                diagnostics.add(place, channel.name(), "sub-sampled channels are not supported");
+                return std::nullopt;
+            }
+            Plane& plane = image.planes.emplace_back();
+            plane.name = channel.name();
+            plane.type = channel.channel().type == Imf::HALF   ? PlaneType::half
+                         : channel.channel().type == Imf::UINT ? PlaneType::uint
+                                                               : PlaneType::real;
+            if (plane.type == PlaneType::uint) {
+                plane.words.resize(texels);
+            } else {
+                plane.values.resize(texels);
+            }
+        }
+        Imf::FrameBuffer frame;
+        for (Plane& plane : image.planes) {
+            if (plane.type == PlaneType::uint) {
+                frame.insert(plane.name,
+                             slice(Imf::UINT, plane.words.data(), image.width, window.min.x, window.min.y));
+            } else {  // OpenEXR widens halves
+                frame.insert(plane.name,
+                             slice(Imf::FLOAT, plane.values.data(), image.width, window.min.x, window.min.y));
+            }
+        }
+        file.setFrameBuffer(frame);
+        file.readPixels(window.min.y, window.max.y);
+        return image;
+    } catch (const std::exception& error) {
+        diagnostics.add(place, "", error.what());
+        return std::nullopt;
+    }
+}
+
+std::vector<std::byte> png_of_rgba(uint32_t width, uint32_t height, std::span<const uint8_t> rgba) {
+    if (rgba.size() != size_t{width} * height * 4)
+        throw std::invalid_argument("png_of_rgba: not four values per texel");
+    return png_of(width, height, 4, rgba);
+}
+
+void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t height,
+                     std::span<const float> rgb) {
+    const size_t texels = size_t(width) * height;
+    if (rgb.size() != texels * 3) throw std::invalid_argument("write_png_color: not three values per texel");
+    std::vector<uint8_t> bytes(texels * 3);
+    for (size_t i = 0; i < texels; ++i) {
+        const float r = rgb[3 * i], g = rgb[3 * i + 1], b = rgb[3 * i + 2];
+        const bool nan = std::isnan(r) || std::isnan(g) || std::isnan(b);
+        if (nan) {
+            put(bytes, i, true, 0, 0, 0);
+        } else {
+            put(bytes, i, false, to_byte(to_srgb(r)), to_byte(to_srgb(g)), to_byte(to_srgb(b)));
+        }
+    }
+    write_file(path, png_of(width, height, 3, bytes));
+}
+
+void write_png_linear(const std::filesystem::path& path, uint32_t width, uint32_t height,
+                      std::span<const float> values) {
+    const size_t texels = size_t(width) * height;
+    if (values.size() != texels) throw std::invalid_argument("write_png_linear: not one value per texel");
+    std::vector<uint8_t> bytes(texels * 3);
+    for (size_t i = 0; i < texels; ++i) {
+        const bool nan = std::isnan(values[i]);
+        const uint8_t grey = nan ? uint8_t(0) : to_byte(values[i]);
+        put(bytes, i, nan, grey, grey, grey);
+    }
+    write_file(path, png_of(width, height, 3, bytes));
+}
+
+}  // namespace penumbra

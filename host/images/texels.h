@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Texels as the graph stores them to planes of numbers, for files and statistics.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "graph/format.h"
+#include "host/images/image_file.h"
+
+namespace penumbra {
+
+// One plane per channel, named `names` (as many as the format has channels, or fewer to drop the last ones).
+// `texels` holds width * height tightly packed texels.
+PlanarImage decode_texels(Format format, uint32_t width, uint32_t height, std::span<const std::byte> texels,
+                          const std::vector<std::string>& names);
+
+}  // namespace penumbra

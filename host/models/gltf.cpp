@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: MIT
+// tinygltf parses; this file checks what it parsed and turns it into a Model. Reference: glTF 2.0
+// specification.
+#include "host/models/gltf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/gtc/type_ptr.hpp>
+#include <map>
+#include <set>
+
+#include "host/models/gltf_accessor.h"
+
+namespace penumbra {
+
+namespace {
+
+// Extensions that a file may require without changing where its triangles are.
+bool is_harmless(std::string_view extension) {
+    return extension.starts_with("KHR_materials_") || extension == "KHR_lights_punctual" ||
+           extension == "KHR_mesh_quantization";  // read_floats() takes every component type
+}
+
+class Loader {
+  public:
+    Loader(const tinygltf::Model& file, Model& model) : file_(file), model_(model) {}
+
+    void load() {
+        for (const std::string& extension : file_.extensionsRequired) {
+            if (!is_harmless(extension)) {
+                throw GltfError(
+                    fmt::format("the file requires the extension {}, which is not supported", extension));
+            }
+        }
+        for (const tinygltf::Image& image : file_.images) add_texture(image);
+        for (const tinygltf::Material& material : file_.materials) add_material(material);
+        for (const tinygltf::Mesh& mesh : file_.meshes) add_mesh(mesh);
+        add_scene();
+        if (model_.triangle_count() == 0) warn("there are no triangles");
+        if (!file_.animations.empty()) warn("animations are ignored");
+        if (model_.dropped_nonfinite)
+            warn(fmt::format("{} triangles with non-finite or huge coordinates dropped",
+                             model_.dropped_nonfinite));
+        if (model_.dropped_degenerate)
+            warn(fmt::format("{} degenerate triangles dropped", model_.dropped_degenerate));
+    }
+
+  private:
+    void warn(const std::string& text) {
+        if (warned_.insert(text).second) model_.warnings.push_back(text);
+    }
+
+    void add_texture(const tinygltf::Image& image) {
+        Texture& texture = model_.textures.emplace_back();
+        const size_t texels =
+            static_cast<size_t>(std::max(image.width, 0)) * static_cast<size_t>(std::max(image.height, 0));
+        const size_t step = static_cast<size_t>(image.bits) / 8;
+        if (texels == 0 || image.component != 4 || step == 0 || image.image.size() < texels * 4 * step)
+            return;
+        texture.width = static_cast<uint32_t>(image.width);
+        texture.height = static_cast<uint32_t>(image.height);
+        texture.rgba.resize(texels * 4);
+        // 16-bit images are little-endian here: the high byte is the last one.
+        for (size_t i = 0; i < texels * 4; ++i) texture.rgba[i] = image.image[i * step + step - 1];
+    }
+
+    void add_material(const tinygltf::Material& material) {
+        Material& out = model_.materials.emplace_back();
+        const auto& pbr = material.pbrMetallicRoughness;
+        for (size_t i = 0; i < std::min<size_t>(4, pbr.baseColorFactor.size()); ++i) {
+            const double value = pbr.baseColorFactor[i];
+            if (!(value >= 0 && value <= 1))
+                throw GltfError(
+                    fmt::format("material \"{}\": base colour {} is not in 0..1", material.name, value));
+            out.base_color[i] = static_cast<float>(value);
+        }
+        read_alpha_mode(material, out);
+        if (pbr.baseColorTexture.index < 0) return;
+        const tinygltf::Texture& texture = element(file_.textures, pbr.baseColorTexture.index, "texture");
+        if (pbr.baseColorTexture.texCoord != 0 ||
+            pbr.baseColorTexture.extensions.count("KHR_texture_transform")) {
+            warn(
+                "base colour textures with transforms or other than TEXCOORD_0 are ignored: the factor is "
+                "used");
+            return;
+        }
+        if (texture.source < 0) {
+            warn("textures without a core image are ignored: the factor is used");
+            return;
+        }
+        element(file_.images, texture.source, "image");
+        if (model_.textures[static_cast<size_t>(texture.source)].width == 0) {
+            warn(fmt::format("image {} cannot be read: the colour factor is used", texture.source));
+            return;
+        }
+        out.texture = texture.source;
+        if (!out.alpha_cutoff || texture.sampler < 0) return;
+        const tinygltf::Sampler& sampler = element(file_.samplers, texture.sampler, "sampler");
+        if (sampler.wrapS != TINYGLTF_TEXTURE_WRAP_REPEAT || sampler.wrapT != TINYGLTF_TEXTURE_WRAP_REPEAT)
+            warn("textures of alpha-tested materials are repeated, whatever their samplers say");
+    }
+
+    // Section 3.9.4. What is half transparent has no place in a shadow of ray hits.
+    void read_alpha_mode(const tinygltf::Material& material, Material& out) {
+        if (material.alphaMode == "MASK") {
+            if (!(material.alphaCutoff >= 0 && std::isfinite(material.alphaCutoff)))
+                throw GltfError(fmt::format("material \"{}\": alphaCutoff {} is not a number from 0 on",
+                                            material.name, material.alphaCutoff));
+            out.alpha_cutoff = material.alphaCutoff;
+        } else if (material.alphaMode == "BLEND") {
+            warn(
+                fmt::format("material \"{}\" has alphaMode BLEND: it is drawn and casts shadows as if opaque",
+                            material.name));
+        } else if (material.alphaMode != "OPAQUE") {
+            throw GltfError(fmt::format("material \"{}\": there is no alphaMode \"{}\"", material.name,
+                                        material.alphaMode));
+        }
+    }
+
+    void add_mesh(const tinygltf::Mesh& mesh) {
+        Mesh& out = model_.meshes.emplace_back();
+        for (size_t i = 0; i < mesh.primitives.size(); ++i) {
+            try {
+                add_primitive(out, mesh.primitives[i]);
+            } catch (const GltfError& error) {
+                throw GltfError(fmt::format("mesh \"{}\", primitive {}: {}", mesh.name, i, error.what()));
+            }
+        }
+    }
+
+    void add_primitive(Mesh& mesh, const tinygltf::Primitive& primitive) {
+        if (primitive.extensions.count("KHR_draco_mesh_compression")) {
+            throw GltfError("KHR_draco_mesh_compression is not supported");
+        }
+        const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+        if (mode < TINYGLTF_MODE_TRIANGLES) {
+            warn("points and lines are ignored: they cast no shadow");
+            return;
+        }
+        const auto position = primitive.attributes.find("POSITION");
+        if (position == primitive.attributes.end()) {
+            warn("a primitive without positions is ignored");
+            return;
+        }
+        if (!primitive.targets.empty()) warn("morph targets are ignored");
+        if (primitive.attributes.count("COLOR_0")) warn("vertex colours are ignored");
+        if (primitive.material >= 0) element(file_.materials, primitive.material, "material");
+
+        const std::vector<float> numbers = read_floats(file_, position->second, 3);
+        std::vector<glm::vec3> positions(numbers.size() / 3);
+        for (size_t i = 0; i < positions.size(); ++i) positions[i] = glm::make_vec3(&numbers[3 * i]);
+
+        std::vector<glm::vec2> uv;
+        const auto coordinates = primitive.attributes.find("TEXCOORD_0");
+        if (coordinates != primitive.attributes.end()) {
+            const std::vector<float> values = read_floats(file_, coordinates->second, 2);
+            if (values.size() / 2 != positions.size())
+                throw GltfError("TEXCOORD_0 and POSITION differ in count");
+            uv.resize(positions.size());
+            for (size_t i = 0; i < uv.size(); ++i) {
+                uv[i] = glm::make_vec2(&values[2 * i]);
+                if (std::isfinite(uv[i].x) && std::isfinite(uv[i].y)) continue;
+                warn("texture coordinates that are not finite are taken as 0");
+                uv[i] = glm::vec2(0);
+            }
+        }
+
+        std::vector<uint32_t> corners;
+        if (primitive.indices >= 0) {
+            corners = read_indices(file_, primitive.indices);
+            for (const uint32_t corner : corners) {
+                if (corner >= positions.size()) {
+                    throw GltfError(
+                        fmt::format("index {} is out of range ({} vertices)", corner, positions.size()));
+                }
+            }
+        } else {
+            corners.resize(positions.size());
+            for (size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<uint32_t>(i);
+        }
+        add_part(model_, mesh, std::move(positions), std::move(uv), to_triangles(corners, mode),
+                 primitive.material);
+    }
+
+    // Section 3.7.2.1: strips and fans to lists, with the winding kept.
+    static std::vector<uint32_t> to_triangles(const std::vector<uint32_t>& corners, int mode) {
+        std::vector<uint32_t> out;
+        if (mode == TINYGLTF_MODE_TRIANGLES) {
+            out = corners;
+            out.resize(corners.size() - corners.size() % 3);
+            return out;
+        }
+        for (size_t i = 2; i < corners.size(); ++i) {
+            if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
+                out.insert(out.end(), {corners[i - 1], corners[i], corners[0]});
+            } else {
+                const size_t odd = i & 1;
+                out.insert(out.end(), {corners[i - 2], corners[i - 1 + odd], corners[i - odd]});
+            }
+        }
+        return out;
+    }
+
+    void add_scene() {
+        if (file_.nodes.empty()) return;
+        if (file_.scenes.empty()) {
+            // Legal, and then every root is shown.
+            std::vector<bool> is_child(file_.nodes.size(), false);
+            for (const tinygltf::Node& node : file_.nodes)
+                for (const int child : node.children) {
+                    element(file_.nodes, child, "node");
+                    is_child[static_cast<size_t>(child)] = true;
+                }
+            for (size_t i = 0; i < is_child.size(); ++i)
+                if (!is_child[i]) add_node(static_cast<int>(i), -1);
+            return;
+        }
+        const int scene = file_.defaultScene < 0 ? 0 : file_.defaultScene;
+        for (const int root : element(file_.scenes, scene, "scene").nodes) add_node(root, -1);
+    }
+
+    // Depth first with a stack of our own: a chain of 1e5 nodes must not exhaust the program's.
+    void add_node(int root, int root_parent) {
+        std::vector<std::pair<int, int>> pending{{root, root_parent}};  // node, parent in the model
+        while (!pending.empty()) {
+            const auto [index, parent] = pending.back();
+            pending.pop_back();
+            const tinygltf::Node& node = element(file_.nodes, index, "node");
+            if (!visited_.insert(index).second) {
+                throw GltfError(fmt::format("node {} is reached twice: nodes must form trees", index));
+            }
+            Node& out = model_.nodes.emplace_back();
+            out.name = node.name;
+            out.parent = parent;
+            out.mesh = node.mesh;
+            if (node.mesh >= 0) element(file_.meshes, node.mesh, "mesh");
+            if (node.skin >= 0) warn("skins are ignored: meshes are shown in their rest pose");
+            if (node.extensions.count("EXT_mesh_gpu_instancing")) warn("EXT_mesh_gpu_instancing is ignored");
+            read_transform(node, out);
+            const int self = static_cast<int>(model_.nodes.size()) - 1;
+            const std::vector<int> last_first(node.children.rbegin(), node.children.rend());
+            for (const int child : last_first) pending.emplace_back(child, self);
+        }
+    }
+
+    static void read_transform(const tinygltf::Node& node, Node& out) {
+        const auto checked = [&](const std::vector<double>& values, size_t count) {
+            if (values.size() != count ||
+                !std::ranges::all_of(values, [](double v) { return std::isfinite(v); })) {
+                throw GltfError(fmt::format("node \"{}\" has a transform that is not {} finite numbers",
+                                            node.name, count));
+            }
+            return values.data();
+        };
+        if (!node.matrix.empty()) out.matrix = glm::make_mat4(checked(node.matrix, 16));
+        if (!node.translation.empty()) out.translation = glm::make_vec3(checked(node.translation, 3));
+        if (!node.scale.empty()) out.scale = glm::make_vec3(checked(node.scale, 3));
+        if (!node.rotation.empty()) {
+            const double* q = checked(node.rotation, 4);  // x, y, z, w
+            out.rotation = glm::dquat(q[3], q[0], q[1], q[2]);
+            const double length = glm::length(out.rotation);
+            if (!(length > 1e-6)) throw GltfError(fmt::format("node \"{}\" has a zero rotation", node.name));
+            out.rotation /= length;
+        }
+    }
+
+    const tinygltf::Model& file_;
+    Model& model_;
+    std::set<std::string> warned_;
+    std::set<int> visited_;
+};
+
+// Takes every image; one that cannot be decoded stays empty, and the materials that use it say so.
+bool decode_image(tinygltf::Image* image, const int index, std::string*, std::string*, int width, int height,
+                  const unsigned char* bytes, int size, void* options) {
+    std::string ignored_error, ignored_warning;
+    if (!tinygltf::LoadImageData(image, index, &ignored_error, &ignored_warning, width, height, bytes, size,
+                                 options)) {
+        image->width = image->height = 0;
+        image->image.clear();
+    }
+    return true;
+}
+
+std::string one_line(std::string text) {
+    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+    std::ranges::replace(text, '\n', ' ');
+    return text;
+}
+
+bool is_binary(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension == ".glb";
+}
+
+}  // namespace
+
+std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics) {
+    const Place place{path.string(), 0, 0};
+    std::error_code failure;
+    if (!std::filesystem::is_regular_file(path, failure)) {
+        diagnostics.add(place, "", "no such file");
+        return std::nullopt;
+    }
+    // Malformed JSON and absurd sizes reach us as exceptions of the JSON library and of the allocator.
+    try {
+        tinygltf::TinyGLTF loader;
+        loader.SetImageLoader(decode_image, nullptr);  // null: the default options, which convert to RGBA
+        tinygltf::Model file;
+        std::string error, warning;
+        const bool good = is_binary(path) ? loader.LoadBinaryFromFile(&file, &error, &warning, path.string())
+                                          : loader.LoadASCIIFromFile(&file, &error, &warning, path.string());
+        if (!good) {
+            diagnostics.add(place, "", "not a valid glTF 2.0 file: " + one_line(error));
+            return std::nullopt;
+        }
+        Model model;
+        if (!warning.empty()) model.warnings.push_back(one_line(warning));
+        Loader(file, model).load();
+        return model;
+    } catch (const std::exception& error) {
+        diagnostics.add(place, "", error.what());
+        return std::nullopt;
+    }
+}
+
+}  // namespace penumbra

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// A model's triangles as the raster wants them: indexed, with one flat normal per triangle. The normal sits
+// in the first (provoking) vertex, so every triangle is rotated, or given a copy, until its first vertex is
+// its own: about as many vertices as triangles, a third of what unindexed triangles would take.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/models/model.h"
+
+namespace penumbra {
+
+struct RasterVertex {
+    glm::vec3 position;        // relative to the part's origin
+    glm::vec3 winding_normal;  // unit; of the one triangle that has this vertex first
+    glm::vec2 uv;
+};
+
+// Where a part lies in the common buffers.
+struct PartRange {
+    uint32_t first_index = 0, index_count = 0;
+    int32_t vertex_offset = 0;
+};
+
+struct RasterGeometry {
+    std::vector<RasterVertex> vertices;
+    std::vector<uint32_t> indices;
+    std::vector<std::vector<PartRange>> meshes;  // as Model::meshes and its parts
+};
+
+RasterGeometry make_raster_geometry(const Model& model);
+
+}  // namespace penumbra

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// A model in motion: where each mesh stands in each frame of a shot, and its triangles for the BVH. World
+// positions here leave out the shot's origin; whoever subtracts a camera adds it, in double precision.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "host/bvh/bvh.h"
+#include "host/models/model.h"
+#include "host/shots/shot.h"
+
+namespace penumbra {
+
+// One mesh at one node.
+struct Instance {
+    int node = -1;
+    int mesh = -1;
+};
+
+class Scene {
+  public:
+    // check_objects() must have passed.
+    Scene(Model model, const Shot& shot);
+    Scene(Scene&&) = default;
+    Scene(const Scene&) = delete;  // motions_ points into objects_
+    Scene& operator=(const Scene&) = delete;
+
+    const Model& model() const { return model_; }
+    // Nodes with a mesh; those with a singular or non-finite transform show nothing and are left out (and
+    // counted).
+    const std::vector<Instance>& instances() const { return instances_; }
+    int dropped_instances() const { return dropped_instances_; }
+
+    // World transforms of all nodes at a frame, without the shot's origin.
+    std::vector<glm::dmat4> transforms(double frame) const;
+    // Whether any triangle stands elsewhere at frame b than at frame a.
+    bool moved(double a, double b) const;
+
+    // The BVH's frame: world axes about this point (the centre of the first frame's box), without the shot's
+    // origin.
+    const glm::dvec3& bvh_origin() const { return bvh_origin_; }
+    // All triangles relative to bvh_origin(), instance by instance; the count and the order never change.
+    std::vector<Triangle> triangles(double frame) const;
+    // Per triangle, the index of its instance: what build_bvh() calls its object.
+    std::vector<uint32_t> triangle_objects() const;
+    // Box of all triangles at the first frame, without the shot's origin.
+    const std::array<glm::dvec3, 2>& bounds() const { return bounds_; }
+    // A box that holds all triangles at a frame, without the shot's origin; made of the parts' boxes, so not
+    // always the tightest.
+    std::array<glm::dvec3, 2> box(double frame) const;
+
+  private:
+    Model model_;
+    std::vector<const ObjectMotion*> motions_;  // per node, null where it stands still
+    std::map<std::string, ObjectMotion> objects_;
+    std::vector<Instance> instances_;
+    int dropped_instances_ = 0;
+    glm::dvec3 bvh_origin_{0};
+    std::array<glm::dvec3, 2> bounds_{};
+    std::vector<std::array<glm::dvec3, 2>> mesh_boxes_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+// A scene's BVH on the device, as the texel buffers that a `scene` port reads: two, and two more where
+// triangles are alpha-tested (scene_alpha.h); and as those of the input `neighbours`. Follows moving objects:
+// refitted, and rebuilt where the old shape cannot hold them.
+#pragma once
+
+#include <optional>
+
+#include "host/bvh/bvh.h"
+#include "host/device/gpu.h"
+#include "host/scene/scene.h"
+#include "host/scene/scene_alpha.h"
+
+namespace penumbra {
+
+class SceneBvh {
+  public:
+    // Builds for the scene at `frame`, on request with leaf_neighbours(). `scene` must outlive the BVH.
+    SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours);
+
+    // Moves to another frame; nothing on the device may be reading the buffers.
+    void update(double frame);
+
+    VkBufferView nodes() const { return nodes_.view.get(); }
+    VkBufferView leaves() const { return leaves_.view.get(); }
+    VkBufferView neighbours() const { return neighbours_.view.get(); }  // null without them
+    // Null where nothing is alpha-tested.
+    VkBufferView alpha_uv() const { return alpha_uv_.view.get(); }
+    VkBufferView alpha_map() const { return alpha_map_.view.get(); }
+    const Bvh& bvh() const { return bvh_; }
+
+  private:
+    void build(const std::vector<Triangle>& triangles);
+    bool follow(const std::vector<Triangle>& triangles);
+    void upload_tree();
+
+    Device& device_;
+    const Scene& scene_;
+    Bvh bvh_;
+    bool with_neighbours_;
+    std::optional<SceneAlpha> alpha_;
+    GpuTexels nodes_, leaves_, alpha_uv_, alpha_map_, neighbours_;
+};
+
+}  // namespace penumbra

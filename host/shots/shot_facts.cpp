@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "host/shots/shot_facts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/scene/scene_alpha.h"
+
+namespace penumbra {
+
+namespace {
+
+// Between two keys below the horizon the sun's path, the shorter arc of a great circle, runs lower still:
+// keys suffice.
+bool sun_up(const Shot& shot) {
+    const int up = shot.analytic ? 2 : 1;  // the axis; analytic receivers face +z
+    const double lowest = -std::sin(glm::radians(shot.sun_angular_radius_deg));
+    return std::ranges::any_of(shot.sun,
+                               [&](const SunKey& key) { return glm::normalize(key.to_sun)[up] > lowest; });
+}
+
+bool sun_moves(const Shot& shot) {
+    const auto other_way = [](const SunKey& a, const SunKey& b) {
+        return glm::normalize(a.to_sun) != glm::normalize(b.to_sun);
+    };
+    return std::ranges::adjacent_find(shot.sun, other_way) != shot.sun.end();
+}
+
+}  // namespace
+
+std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
+    return {{"sun_up", sun_up(shot)},
+            {"sun_disc", shot.sun_angular_radius_deg > 0},
+            {"casters", !scene.instances().empty()},
+            {"alpha", has_alpha(scene)},
+            {"moves", moves(shot)},
+            {"sun_moves", sun_moves(shot)}};
+}
+
+}  // namespace penumbra

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: MIT
+// The shot's JSON: a closed set of keys, ranges, and errors with places. Every error of a file is reported.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+#include "graph/json_text.h"
+#include "host/shots/shot.h"
+#include "host/truth/analytic.h"
+
+namespace penumbra {
+
+namespace {
+
+constexpr double huge = 1e9;  // metres; positions beyond the solar system's inner part are mistakes
+
+class Reader {
+  public:
+    explicit Reader(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
+
+    // An object with no other keys than `known`.
+    bool object(const Json& json, const std::string& path, const std::vector<const char*>& known) {
+        if (json.kind != Json::Kind::object) {
+            error(json.place, path, fmt::format("expected an object, not {}", kind_name(json.kind)));
+            return false;
+        }
+        const std::vector<std::string> names(known.begin(), known.end());
+        for (const JsonMember& member : json.members) {
+            if (std::find(names.begin(), names.end(), member.key) != names.end()) continue;
+            error(member.key_place, join(path, member.key), "unknown key" + did_you_mean(member.key, names));
+        }
+        return true;
+    }
+
+    // The member, or an error at the object where it is required.
+    const Json* required(const Json& json, const std::string& path, const char* key) {
+        const Json* value = json.find(key);
+        if (!value) error(json.place, path, fmt::format("\"{}\" is missing", key));
+        return value;
+    }
+
+    void number(const Json& json, const std::string& path, double low, double high, double& out) {
+        if (!json.is_number()) {
+            error(json.place, path, fmt::format("expected a number, not {}", kind_name(json.kind)));
+        } else if (!(json.real >= low && json.real <= high)) {
+            error(json.place, path, fmt::format("{} is not in {} .. {}", json.real, low, high));
+        } else {
+            out = json.real;
+        }
+    }
+
+    void integer(const Json& json, const std::string& path, int64_t low, int64_t high, uint32_t& out) {
+        if (json.kind != Json::Kind::integer) {
+            error(json.place, path, fmt::format("expected an integer, not {}", kind_name(json.kind)));
+        } else if (json.integer < low || json.integer > high) {
+            error(json.place, path, fmt::format("{} is not in {} .. {}", json.integer, low, high));
+        } else {
+            out = static_cast<uint32_t>(json.integer);
+        }
+    }
+
+    void vector(const Json& json, const std::string& path, glm::dvec3& out) {
+        if (json.kind != Json::Kind::array || json.items.size() != 3) {
+            error(json.place, path, "expected three numbers");
+            return;
+        }
+        for (int i = 0; i < 3; ++i) {
+            number(json.items[static_cast<size_t>(i)], fmt::format("{}[{}]", path, i), -huge, huge, out[i]);
+        }
+    }
+
+    // "keys": a list of objects with rising "frame"; `read` fills the rest of a key.
+    template <class Key>
+    void keys(const Json& parent, const std::string& parent_path, std::initializer_list<const char*> known,
+              std::vector<Key>& out, auto read) {
+        const Json* list = required(parent, parent_path, "keys");
+        if (!list) return;
+        const std::string path = join(parent_path, "keys");
+        if (list->kind != Json::Kind::array || list->items.empty()) {
+            error(list->place, path, "expected a list of at least one key");
+            return;
+        }
+        for (size_t i = 0; i < list->items.size(); ++i) {
+            const Json& item = list->items[i];
+            const std::string item_path = fmt::format("{}[{}]", path, i);
+            if (!object(item, item_path, known)) continue;
+            Key key;
+            if (const Json* frame = required(item, item_path, "frame")) {
+                number(*frame, join(item_path, "frame"), 0, 1e6, key.frame);
+                if (!out.empty() && !(key.frame > out.back().frame)) {
+                    error(frame->place, join(item_path, "frame"), "frames of keys must rise");
+                }
+            }
+            read(item, item_path, key);
+            out.push_back(key);
+        }
+    }
+
+    void error(const Place& place, const std::string& path, const std::string& message) {
+        diagnostics_.add(place, path, message);
+    }
+
+    static std::string join(const std::string& path, std::string_view key) {
+        return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
+    }
+
+  private:
+    Diagnostics& diagnostics_;
+};
+
+// One of the analytic scenes: its name and the keys that it has besides those that place it.
+struct AnalyticKind {
+    const char* name;
+    bool hangs;  // so high that its penumbra is as wide as "penumbra_px"
+    bool moves;
+    AnalyticShape shape;
+    std::vector<const char*> keys;
+};
+
+const std::vector<AnalyticKind>& analytic_kinds() {
+    static const std::vector<AnalyticKind> kinds = {
+        {"half_plane", true, true, HalfPlane{}, {"tilt_deg"}},
+        {"slit", true, true, Slit{}, {"width_px"}},
+        {"fence", true, true, Fence{}, {"period_px", "duty"}},
+        {"polygon", true, true, Polygon{}, {"points"}},
+        {"sphere", true, true, Sphere{}, {"radius_px"}},
+        {"contact_point", false, true, ContactPoint{}, {"radius_px"}},
+        {"contact_wall", false, true, ContactWall{}, {"height"}},
+        {"terminator", true, false, Terminator{}, {}}};
+    return kinds;
+}
+
+const AnalyticKind* analytic_kind(Reader& reader, const Json& name) {
+    std::vector<std::string> names;
+    for (const AnalyticKind& kind : analytic_kinds()) {
+        if (name.kind == Json::Kind::string && name.string == kind.name) return &kind;
+        names.emplace_back(kind.name);
+    }
+    if (name.kind == Json::Kind::string)
+        reader.error(name.place, "scene.analytic",
+                     fmt::format("no analytic scene is named \"{}\"{}; there are {}", name.string,
+                                 did_you_mean(name.string, names), fmt::join(names, ", ")));
+    else
+        reader.error(name.place, "scene.analytic",
+                     fmt::format("expected a string, not {}", kind_name(name.kind)));
+    return nullptr;
+}
+
+void read_points(Reader& reader, const Json& list, std::vector<glm::dvec2>& out) {
+    const std::string path = "scene.points";
+    if (list.kind != Json::Kind::array || list.items.size() < 3 || list.items.size() > 256) {
+        reader.error(list.place, path, "expected a list of 3 to 256 points");
+        return;
+    }
+    for (size_t i = 0; i < list.items.size(); ++i) {
+        const Json& point = list.items[i];
+        const std::string at = fmt::format("{}[{}]", path, i);
+        if (point.kind != Json::Kind::array || point.items.size() != 2) {
+            reader.error(point.place, at, "expected [x, y]");
+            continue;
+        }
+        reader.number(point.items[0], at + "[0]", -1e5, 1e5, out.emplace_back().x);
+        reader.number(point.items[1], at + "[1]", -1e5, 1e5, out.back().y);
+    }
+}
+
+void read_analytic(Reader& reader, const Json& scene, Shot& shot) {
+    const Json* name = reader.required(scene, "scene", "analytic");
+    const AnalyticKind* kind = name ? analytic_kind(reader, *name) : nullptr;
+    if (!kind) return;
+    AnalyticScene& out = shot.analytic.emplace();
+    out.shape = kind->shape;
+    std::vector<const char*> known{"analytic"};
+    if (kind->hangs) known.push_back("penumbra_px");
+    if (kind->moves) known.insert(known.end(), {"edge_deg", "speed_px", "offset_px"});
+    known.insert(known.end(), kind->keys.begin(), kind->keys.end());
+    if (!reader.object(scene, "scene", known)) return;
+
+    const auto number = [&](const char* key, double low, double high, double& value) {
+        if (const Json* v = reader.required(scene, "scene", key))
+            reader.number(*v, std::string("scene.") + key, low, high, value);
+    };
+    const auto optional = [&](const char* key, double low, double high, double& value) {
+        if (kind->moves && scene.find(key)) number(key, low, high, value);
+    };
+    if (kind->hangs) number("penumbra_px", 0.5, 4096, out.penumbra_px);
+    optional("edge_deg", -360, 360, out.edge_deg);
+    optional("speed_px", -64, 64, out.speed_px);
+    optional("offset_px", -1e5, 1e5, out.offset_px);
+    if (auto* edge = std::get_if<HalfPlane>(&out.shape)) optional("tilt_deg", 0, 85, edge->tilt_deg);
+    if (auto* slit = std::get_if<Slit>(&out.shape)) number("width_px", 0.01, 1e4, slit->width_px);
+    if (auto* fence = std::get_if<Fence>(&out.shape)) {
+        number("period_px", 0.1, 1e4, fence->period_px);
+        number("duty", 0.01, 0.99, fence->duty);
+    }
+    if (auto* sphere = std::get_if<Sphere>(&out.shape)) number("radius_px", 0.1, 1e4, sphere->radius_px);
+    if (auto* point = std::get_if<ContactPoint>(&out.shape)) number("radius_px", 1, 1e4, point->radius_px);
+    if (auto* wall = std::get_if<ContactWall>(&out.shape)) number("height", 0.01, 1e3, wall->height);
+    if (auto* polygon = std::get_if<Polygon>(&out.shape))
+        if (const Json* points = reader.required(scene, "scene", "points"))
+            read_points(reader, *points, polygon->points);
+}
+
+void read_scene(Reader& reader, const Json& root, Shot& shot) {
+    const Json* scene = reader.required(root, "", "scene");
+    if (!scene) return;
+    if (scene->kind == Json::Kind::object) {
+        read_analytic(reader, *scene, shot);
+    } else if (scene->kind != Json::Kind::string || scene->string.empty()) {
+        reader.error(scene->place, "scene", "expected the name of a glTF file");
+    } else {
+        shot.model = shot.file.parent_path() / scene->string;
+    }
+}
+
+// Analytic scenes bring a camera and a motion of their own: what a shot says besides would not be heeded.
+void refuse_with_analytic(Reader& reader, const Json& root) {
+    for (const char* key : {"camera", "objects"})
+        if (const Json* value = root.find(key))
+            reader.error(value->place, key, "an analytic scene has its own");
+}
+
+void read_camera(Reader& reader, const Json& root, Shot& shot) {
+    const Json* camera = reader.required(root, "", "camera");
+    if (!camera || !reader.object(*camera, "camera", {"vertical_fov_deg", "near", "keys"})) return;
+    if (const Json* fov = camera->find("vertical_fov_deg")) {
+        reader.number(*fov, "camera.vertical_fov_deg", 0.01, 170, shot.vertical_fov_deg);
+    }
+    if (const Json* near = camera->find("near")) reader.number(*near, "camera.near", 1e-6, 1e6, shot.near);
+    reader.keys(*camera, "camera", {"frame", "position", "target", "up"}, shot.camera,
+                [&](const Json& item, const std::string& path, CameraKey& key) {
+                    if (const Json* v = reader.required(item, path, "position")) {
+                        reader.vector(*v, path + ".position", key.position);
+                    }
+                    if (const Json* v = reader.required(item, path, "target")) {
+                        reader.vector(*v, path + ".target", key.target);
+                    }
+                    if (const Json* v = item.find("up")) reader.vector(*v, path + ".up", key.up);
+                });
+}
+
+void read_sun(Reader& reader, const Json& root, Shot& shot) {
+    const Json* sun = reader.required(root, "", "sun");
+    if (!sun || !reader.object(*sun, "sun", {"angular_radius_deg", "keys"})) return;
+    if (const Json* radius = sun->find("angular_radius_deg")) {
+        reader.number(*radius, "sun.angular_radius_deg", 0, 45, shot.sun_angular_radius_deg);
+    }
+    reader.keys(*sun, "sun", {"frame", "to_sun"}, shot.sun,
+                [&](const Json& item, const std::string& path, SunKey& key) {
+                    const Json* v = reader.required(item, path, "to_sun");
+                    if (!v) return;
+                    reader.vector(*v, path + ".to_sun", key.to_sun);
+                    if (!(glm::length(key.to_sun) > 1e-6)) {
+                        reader.error(v->place, path + ".to_sun", "a direction may not be zero");
+                        key.to_sun = {0, 1, 0};
+                    }
+                });
+}
+
+void read_objects(Reader& reader, const Json& root, Shot& shot) {
+    const Json* objects = root.find("objects");
+    if (!objects) return;
+    if (objects->kind != Json::Kind::object) {
+        reader.error(objects->place, "objects", "expected an object of node names");
+        return;
+    }
+    for (const JsonMember& member : objects->members) {
+        const std::string path = "objects." + member.key;
+        ObjectMotion& motion = shot.objects[member.key];
+        motion.place = member.key_place;
+        if (!reader.object(member.value, path, {"keys"})) continue;
+        reader.keys(member.value, path, {"frame", "translation", "rotation_deg"}, motion.keys,
+                    [&](const Json& item, const std::string& key_path, ObjectKey& key) {
+                        if (const Json* v = item.find("translation")) {
+                            reader.vector(*v, key_path + ".translation", key.translation);
+                        }
+                        if (const Json* v = item.find("rotation_deg")) {
+                            reader.vector(*v, key_path + ".rotation_deg", key.rotation_deg);
+                        }
+                    });
+    }
+}
+
+// Keys that are good one by one may still meet on the way, so every frame is looked at.
+void check_frames(Reader& reader, const Json& root, const Shot& shot) {
+    const auto all_finite = [](const auto& list) {
+        for (const double value : list)
+            if (!std::isfinite(value)) return false;
+        return true;
+    };
+    const Place sun_place = root.find("sun")->find("keys")->place;
+    const Place camera_place = shot.analytic ? sun_place : root.find("camera")->find("keys")->place;
+    bool camera_good = true, sun_good = true;
+    for (uint32_t frame = 0; frame < shot.frames; ++frame) {
+        if (!shot.analytic && camera_good && !all_finite(camera_at(shot, frame, 1).world_from_view)) {
+            reader.error(
+                camera_place, "camera.keys",
+                fmt::format("at frame {} the target is at the camera, or `up` is along the view", frame));
+            camera_good = false;
+        }
+        const glm::dvec3 to_sun = sun_at(shot, frame).to_sun;
+        if (sun_good && !all_finite(std::array{to_sun.x, to_sun.y, to_sun.z})) {
+            reader.error(sun_place, "sun.keys",
+                         fmt::format("at frame {} the direction vanishes between keys", frame));
+            sun_good = false;
+        } else if (shot.analytic && sun_good) {
+            if (const auto problem = analytic_problem(shot, frame)) {
+                const bool of_sun = problem->key == std::string_view("sun.keys");
+                reader.error(of_sun ? sun_place : root.find("scene")->place, problem->key, problem->text);
+                sun_good = false;
+            }
+        }
+    }
+}
+
+std::string name_of(const std::filesystem::path& path) {
+    std::string name = path.filename().string();
+    constexpr std::string_view suffix = ".shot.json";
+    if (name.ends_with(suffix)) name.resize(name.size() - suffix.size());
+    return name;
+}
+
+}  // namespace
+
+std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics) {
+    const std::optional<Json> root = read_json(path, diagnostics);
+    if (!root) return std::nullopt;
+    const size_t before = diagnostics.size();
+    Reader reader(diagnostics);
+    if (!reader.object(*root, "",
+                       {"$schema", "penumbra_shot", "scene", "size", "frames", "fps", "camera", "sun",
+                        "objects", "origin", "seed"})) {
+        return std::nullopt;
+    }
+    Shot shot;
+    shot.file = path;
+    shot.name = name_of(path);
+    if (const Json* version = reader.required(*root, "", "penumbra_shot")) {
+        if (version->kind != Json::Kind::integer || version->integer != 1) {
+            reader.error(version->place, "penumbra_shot", "this program reads shots of version 1");
+        }
+    }
+    if (const Json* schema = root->find("$schema"); schema && schema->kind != Json::Kind::string)
+        reader.error(schema->place, "$schema", "expected the name of a JSON Schema, for editors");
+    read_scene(reader, *root, shot);
+    if (const Json* size = root->find("size")) {
+        if (size->kind == Json::Kind::array && size->items.size() == 2) {
+            for (size_t i = 0; i < 2; ++i) {
+                reader.integer(size->items[i], fmt::format("size[{}]", i), 1, 16384, shot.size[i]);
+            }
+        } else {
+            reader.error(size->place, "size", "expected [width, height]");
+        }
+    }
+    if (const Json* frames = root->find("frames")) reader.integer(*frames, "frames", 1, 100000, shot.frames);
+    if (const Json* fps = root->find("fps")) reader.number(*fps, "fps", 0.001, 10000, shot.fps);
+    const Json* scene = root->find("scene");
+    const bool analytic = scene && scene->kind == Json::Kind::object;
+    if (!analytic) read_camera(reader, *root, shot);
+    read_sun(reader, *root, shot);
+    if (!analytic) read_objects(reader, *root, shot);
+    if (analytic) refuse_with_analytic(reader, *root);
+    if (const Json* origin = root->find("origin")) reader.vector(*origin, "origin", shot.origin);
+    if (const Json* seed = root->find("seed")) {
+        reader.integer(*seed, "seed", 0, std::numeric_limits<uint32_t>::max(), shot.seed);
+    }
+    if (diagnostics.size() == before) check_frames(reader, *root, shot);
+    if (diagnostics.size() != before) return std::nullopt;
+    if (shot.analytic) add_analytic_motion(shot);
+    return shot;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+// Follows shaders/cover.comp and what it includes: ray_offset, blue_noise, sun_sample, light_mask,
+// leaf_cover.
+#include "host/truth/coverage.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/gtc/type_ptr.hpp>
+#include <numbers>
+
+#include "host/generated/noise.h"
+
+namespace penumbra {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double unit_rounding = 0x1p-24;  // of the floats that the corners are kept in
+
+glm::dvec3 vector(const float (&v)[3]) {
+    return {v[0], v[1], v[2]};
+}
+
+double taxi(const glm::dvec3& v) {
+    return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+}
+
+// The faces of an octahedron, the lower four folded out over the square's corners (receiver_normal.glsl).
+glm::dvec3 decode_normal(const std::array<float, 2>& e) {
+    glm::dvec3 n(e[0], e[1], 1 - std::abs(double(e[0])) - std::abs(double(e[1])));
+    const double fold = std::max(-n.z, 0.0);
+    n.x -= std::copysign(fold, n.x);
+    n.y -= std::copysign(fold, n.y);
+    return glm::normalize(n);
+}
+
+// sun_frame() of sun_sample.glsl.
+glm::dmat3 sun_frame(const glm::dvec3& s) {
+    const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;
+    return {glm::dvec3(1 + sign * s.x * s.x * a, sign * b, -sign * s.x),
+            glm::dvec3(b, sign + s.y * s.y * a, -s.y), s};
+}
+
+// noise_unit(noise_fixed()) of blue_noise.glsl.
+std::array<double, 2> noise(std::span<const uint32_t> tile, const std::array<uint32_t, 2>& pixel,
+                            uint32_t frame, uint32_t seed) {
+    const uint32_t x = pixel[0], y = pixel[1], shift = pcg(seed), first = pcg(seed ^ 0x9E3779B9u),
+                   second = pcg(first);
+    const uint32_t texel = tile[((y + (shift >> 7 & 127)) & 127) * 128 + ((x + (shift & 127)) & 127)];
+    const auto wave = [](uint32_t turns) { return turns < 1u << 31 ? turns : 0u - turns; };
+    const uint32_t u = (texel << 16) + 4 * wave(x * 15793805u) + 4 * wave(y * 15348762u) + x * 2717909u +
+                       y * 4291279664u + frame * 2512169321u + first,
+                   v = (texel & 0xFFFF0000u) + 4 * wave(x * 14621613u) + wave(y * 80021003u) +
+                       x * 4294306274u + y * 4294571354u + frame * 1316278627u + second;
+    return {(u >> 8) * 0x1p-24, (v >> 8) * 0x1p-24};
+}
+
+// A pixel's point as camera.glsl reconstructs it, relative to the camera, and how far off the surface rays
+// start (ray_offset.glsl).
+class Surface {
+  public:
+    Surface(const FrameDescription& frame, const CoveragePixel& pixel)
+        : frame_(frame),
+          clip_(glm::make_mat4(frame.camera.clip_from_view.data())),
+          world_(glm::make_mat3(frame.camera.world_from_view.data())),
+          pixel_(pixel),
+          depth_(pixel.view_depth) {}
+
+    glm::dvec3 relative() const { return at(depth_); }
+
+    double offset(const glm::dvec3& n, const glm::dvec3& in_scene) const {
+        const glm::dvec3 point = relative(), largest = glm::max(glm::abs(point), glm::abs(in_scene));
+        const glm::dvec3 viewer = orthographic() ? world_[2] : -glm::normalize(at(1));
+        const double across = std::abs(glm::dot(n, world_[0])) + std::abs(glm::dot(n, world_[1]));
+        const double span = 2 / (frame_.size[1] * std::abs(clip_[1].y)) * (orthographic() ? 1 : depth_);
+        return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) +
+               8 * depth_rounding() * std::abs(glm::dot(n, viewer)) + span * across * 0.5 / 256;
+    }
+
+  private:
+    bool orthographic() const { return (frame_.flags & frame_orthographic) != 0; }
+
+    glm::dvec3 at(double depth) const {
+        const glm::dvec2 uv =
+            (glm::dvec2(pixel_.at[0], pixel_.at[1]) + 0.5) / glm::dvec2(frame_.size[0], frame_.size[1]) -
+            glm::dvec2(frame_.jitter[0], frame_.jitter[1]);
+        const glm::dvec2 ndc = 2.0 * uv - 1.0, scale(clip_[0].x, clip_[1].y);
+        const glm::dvec2 xy = orthographic() ? (ndc - glm::dvec2(clip_[3])) / scale
+                                             : depth * (ndc + glm::dvec2(clip_[2])) / scale;
+        return world_ * glm::dvec3(xy, -depth);
+    }
+
+    double depth_rounding() const {
+        const double stored =
+            orthographic() ? clip_[3].z - clip_[2].z * depth_ : clip_[3].z / depth_ - clip_[2].z;
+        const double slope = orthographic() ? std::abs(clip_[2].z) : std::abs(clip_[3].z) / (depth_ * depth_);
+        return unit_rounding * stored / slope;
+    }
+
+    const FrameDescription& frame_;
+    glm::dmat4 clip_;
+    glm::dmat3 world_;
+    CoveragePixel pixel_;
+    double depth_;
+};
+
+// Whether a triangle's plane is within its corners' rounding of the start, and then hides nothing
+// (height_of() and height_for_sure() of leaf_cover.glsl). `a`, `b`, `c` relative to the start.
+bool plane_in_doubt(double height, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    if (std::abs(height) > 16 * unit_rounding * taxi(b - a) * taxi(c - a) * taxi(a)) return false;
+    const glm::dvec3 reach = glm::max(glm::max(glm::abs(a), glm::abs(b)), glm::abs(c));
+    const double extent = std::max({reach.x, reach.y, reach.z});
+    return !(std::abs(height) > 2 * unit_rounding * extent * taxi(glm::cross(b - a, c - a)));
+}
+
+struct Box {
+    glm::dvec3 lo, hi;
+};
+
+Box child_box(const Texel* node, uint32_t k) {
+    const uint32_t planes[3][2] = {
+        {node[1][2], node[1][3]}, {node[2][0], node[2][1]}, {node[2][2], node[2][3]}};
+    Box box{};
+    for (int a = 0; a < 3; ++a) {
+        const double origin = std::bit_cast<float>(node[0][a]),
+                     step = std::ldexp(1.0, static_cast<int>(node[0][3] >> (8 * a) & 255) - 127);
+        box.lo[a] = origin + step * (planes[a][0] >> (8 * k) & 255);
+        box.hi[a] = origin + step * (planes[a][1] >> (8 * k) & 255);
+    }
+    return box;
+}
+
+// Of a cone's start, axis and half angle: whether it may touch the box. The sphere around the box stands for
+// it.
+struct Cone {
+    glm::dvec3 start, axis;
+    double cosine, sine;
+
+    bool may_touch(const Box& box) const {
+        const double radius = 0.5 * glm::length(box.hi - box.lo);
+        const glm::dvec3 to = 0.5 * (box.lo + box.hi) - start;
+        const double along = glm::dot(to, axis), across = glm::length(to - along * axis);
+        return along >= -radius && across * cosine - along * sine <= radius;
+    }
+};
+
+}  // namespace
+
+CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
+                                   std::span<const uint32_t> blue_noise, const CoveragePixel& pixel) {
+    const Surface surface(frame.description, pixel);
+    CoverageReceiver r;
+    r.normal = decode_normal(pixel.normal);
+    const glm::dvec3 in_scene = surface.relative() + vector(frame.scene.camera_from_origin.v);
+    r.start = glm::vec3(in_scene + r.normal * surface.offset(r.normal, in_scene));  // floats, as the node's
+    const auto [turn, dither] = noise(blue_noise, pixel.at, frame.description.index, seed);
+    const glm::dmat3 axes = sun_frame(vector(frame.sun.to_sun.v));
+    const double c = std::cos(2 * pi * turn), s = std::sin(2 * pi * turn);
+    r.axes = {c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2]};
+    r.dither = 0.002 + 0.996 * dither;  // line_dither() of light_mask.glsl
+    r.angular_radius = frame.sun.angular_radius;
+    return r;
+}
+
+SampledSun::SampledSun(uint32_t count)
+    : samples_(light_samples(count)), half_planes_(half_plane_table(samples_)) {}
+
+std::array<double, 2> SampledSun::place(uint32_t sample, double angular_radius) const {
+    const auto [x, y] = samples_[sample];
+    const double scale = 1 - 0.25 * angular_radius * angular_radius * (1 - x * x - y * y);
+    return {x * scale, y * scale};
+}
+
+SampleMask SampledSun::positive_side(const glm::dvec3& line, double angular_radius, double dither) const {
+    const bool flip = (line.y != 0 ? line.y : line.x) < 0;
+    const glm::dvec3 e = flip ? -line : line;
+    const double size = std::max(std::abs(e.x) + e.y, 1e-300), p = e.x / size;
+    const double length = std::hypot(e.x, e.y) * std::tan(angular_radius);
+    const double c = std::clamp(e.z / std::max(length, 1e-300), -1.0, 1.0);
+    const double bulge = 0.25 * angular_radius * angular_radius;
+    const double wanted = std::floor(count() * half_disc_area(c + bulge * c * (1 - c * c)) + dither);
+    const auto k = static_cast<size_t>(std::clamp(wanted, 0.0, double(count())));
+    const auto bin = std::min(static_cast<uint32_t>((0.9999 * p + 1) * 0.5 * HALF_PLANE_DIRECTIONS),
+                              HALF_PLANE_DIRECTIONS - 1);
+    const uint32_t* entry = &half_planes_[(size_t{bin} * (count() + 1) + k) * (count() / 32)];
+    SampleMask mask;
+    for (uint32_t i = 0; i < count(); ++i) mask[i] = ((entry[i / 32] >> i % 32 & 1) != 0) != flip;
+    return mask;
+}
+
+uint32_t PixelCoverage::hiding() const {
+    return static_cast<uint32_t>(
+        std::ranges::count_if(triangles, [](const SeenTriangle& t) { return t.hidden.any(); }));
+}
+
+CoverageScene::CoverageScene(const Scene& scene, double frame)
+    : triangles_(scene.triangles(frame)), bvh_(build_bvh(triangles_, scene.triangle_objects())) {
+    if (has_alpha(scene)) alpha_ = make_scene_alpha(scene);
+}
+
+std::optional<SeenTriangle> CoverageScene::see(const SampledSun& sun, const CoverageReceiver& receiver,
+                                               uint32_t index) const {
+    const Triangle& corners = triangles_[index];
+    const glm::dvec3 a = vector(corners.v[0]) - receiver.start, b = vector(corners.v[1]) - receiver.start,
+                     c = vector(corners.v[2]) - receiver.start;
+    const double height = glm::dot(glm::cross(b - a, c - a), a);
+    if (height == 0 || plane_in_doubt(height, a, b, c)) return std::nullopt;
+    const glm::dmat3 to_axes = glm::transpose(receiver.axes);
+    const glm::dvec3 seen[3] = {to_axes * a, to_axes * b, to_axes * c};
+    SeenTriangle triangle;
+    triangle.index = index;
+    SampleMask mask;
+    mask.set();
+    for (size_t i = 0; i < 3; ++i) {  // opposite to corner i; det(V) has the sign of the height
+        const glm::dvec3 line = glm::cross(seen[(i + 1) % 3], seen[(i + 2) % 3]);
+        // The side of the line that the table knows, then turned: an edge's two triangles share its every
+        // sample once.
+        const SampleMask side = sun.positive_side(line, receiver.angular_radius, receiver.dither);
+        triangle.lines[i] = height < 0 ? -line : line;
+        mask &= height < 0 ? ~side : side;
+    }
+    for (uint32_t i = sun.count(); i < mask.size(); ++i) mask.reset(i);
+    triangle.alpha = alpha_ && alpha_->record_of[index] != 0;
+    if (triangle.alpha) {
+        const double radius = std::tan(receiver.angular_radius);
+        for (uint32_t i = 0; i < sun.count(); ++i) {
+            if (!mask[i]) continue;
+            const auto [x, y] = sun.place(i, receiver.angular_radius);
+            const glm::dvec3 direction(x * radius, y * radius, 1);
+            std::array<double, 3> weights{};
+            for (size_t k = 0; k < 3; ++k) weights[k] = glm::dot(triangle.lines[k], direction);
+            const double sum = weights[0] + weights[1] + weights[2];
+            for (double& weight : weights) weight /= sum;
+            if (!alpha_->blocks(alpha_->record_of[index] - 1, weights)) mask.reset(i);
+        }
+    }
+    triangle.hidden = mask;
+    return triangle;
+}
+
+PixelCoverage CoverageScene::cover(const SampledSun& sun, const CoverageReceiver& receiver,
+                                   double reach) const {
+    PixelCoverage out;
+    out.samples = sun.count();
+    out.surface_line = glm::transpose(receiver.axes) * receiver.normal;
+    out.by_surface = ~sun.positive_side(out.surface_line, receiver.angular_radius, receiver.dither);
+    for (uint32_t i = sun.count(); i < out.by_surface.size(); ++i) out.by_surface.reset(i);
+    out.hidden = out.by_surface;
+    const double tangent = reach * std::tan(receiver.angular_radius),
+                 cosine = 1 / std::sqrt(1 + tangent * tangent);
+    const Cone cone{receiver.start, receiver.axes[2], cosine, tangent * cosine};
+    const auto add = [&](uint32_t index) {
+        if (auto triangle = see(sun, receiver, index)) {
+            out.hidden |= triangle->hidden;
+            if (reach > 1 || triangle->hidden.any()) out.triangles.push_back(std::move(*triangle));
+        }
+    };
+    for (std::vector<uint32_t> stack{0}; !stack.empty();) {
+        const Texel* node = &bvh_.nodes[size_t{stack.back()} * 3];
+        stack.pop_back();
+        for (uint32_t k = 0; k < 4; ++k) {
+            const bool is_node = node[0][3] >> (24 + k) & 1, is_leaf = node[0][3] >> (28 + k) & 1;
+            if (!(is_node || is_leaf) || !cone.may_touch(child_box(node, k))) continue;
+            if (is_node) {
+                stack.push_back((node[1][0] >> 2) + k);
+                continue;
+            }
+            const std::array<uint32_t, 4>& c = bvh_.corners[node[1][1] + k];
+            add(c[0] / 3);
+            if (c[3] != c[2]) add(c[3] / 3);
+        }
+    }
+    return out;
+}
+
+}  // namespace penumbra

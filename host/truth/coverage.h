@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+// The node `cover` on the processor, a pixel at a time and in double precision: the same samples, tables,
+// turn and dither, so that a figure or a test can say of one pixel which triangle hides which samples. Areas
+// are exact here and within 2.2e-4 in the shader (shaders/common/light_mask.glsl), so that now and then a
+// line cuts off one sample more or less. docs/coverage.md.
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "host/bvh/bvh.h"
+#include "host/scene/scene.h"
+#include "host/scene/scene_alpha.h"
+#include "host/standalone.h"
+#include "nodes/light_samples.h"
+
+namespace penumbra {
+
+using SampleMask = std::bitset<256>;
+
+// What a pixel's coverage is asked from: where its shadow rays start, in the tree's frame, and the sun.
+struct CoverageReceiver {
+    glm::dvec3 start{0}, normal{0, 1, 0};
+    glm::dmat3 axes{1};  // columns: two across the sun, turned by the pixel's noise, and the one towards it
+    double dither = 0;   // 0 to 1: rounds a share of the samples up or down
+    double angular_radius = 0;  // radians
+};
+
+struct CoveragePixel {
+    std::array<uint32_t, 2> at{};
+    float view_depth = 0;           // metres; 0: no surface
+    std::array<float, 2> normal{};  // octahedral, as the node guides writes receiver_normal
+};
+
+// `blue_noise`: the 128 x 128 words of the node's table.
+CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
+                                   std::span<const uint32_t> blue_noise, const CoveragePixel& pixel);
+
+// A sun's samples and the table of half-planes across it.
+class SampledSun {
+  public:
+    // One of light_sample_counts; annealing them takes up to two seconds.
+    explicit SampledSun(uint32_t count);
+
+    uint32_t count() const { return static_cast<uint32_t>(samples_.size()); }
+    // Where a sample of a sun of this angular radius lies, in units of the tangent of that.
+    std::array<double, 2> place(uint32_t sample, double angular_radius) const;
+    // The samples at which line . (x, y, 1) >= 0, x and y in tangents of angles from the sun's middle.
+    SampleMask positive_side(const glm::dvec3& line, double angular_radius, double dither) const;
+
+  private:
+    std::vector<LightSample> samples_;
+    std::vector<uint32_t> half_planes_;
+};
+
+struct SeenTriangle {
+    uint32_t index = 0;               // of Scene::triangles()
+    std::array<glm::dvec3, 3> lines;  // it stands before the points with line . (x, y, 1) >= 0 for all three
+    bool alpha = false;               // has holes
+    SampleMask hidden;                // by it alone
+};
+
+struct PixelCoverage {
+    glm::dvec3 surface_line{0};  // the receiver's own plane hides what is on its negative side
+    SampleMask by_surface, hidden;
+    std::vector<SeenTriangle> triangles;  // in or near the sun's cone
+    uint32_t samples = 0;
+
+    uint32_t hiding() const;  // how many triangles hide a sample
+    double visibility() const { return 1 - double(hidden.count()) / samples; }
+};
+
+// A scene's triangles at one moment.
+class CoverageScene {
+  public:
+    CoverageScene(const Scene& scene, double frame);
+
+    // Triangles up to `reach` radii from the sun's middle are listed, whether they hide anything or not.
+    PixelCoverage cover(const SampledSun& sun, const CoverageReceiver& receiver, double reach = 1) const;
+
+  private:
+    std::optional<SeenTriangle> see(const SampledSun& sun, const CoverageReceiver& receiver,
+                                    uint32_t index) const;
+
+    std::vector<Triangle> triangles_;
+    Bvh bvh_;
+    std::optional<SceneAlpha> alpha_;
+};
+
+}  // namespace penumbra
