@@ -162,7 +162,7 @@ void work_on(uint at, ivec2 cell) {
     const float rho = radius_m(penumbra);
 
     Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    Bias bias = Bias(0.0, 0.0, 0.0);
+    Bias bias = Bias(0.0, 0.0, 0.0, 0.0);
     vec2 steps = vec2(1e9);  // light-space pixel sizes
     float largest = 0.0, seen_m2 = 0.0;  // by the sun, of the cell's pixels
     int pairs = 0, pasts = 0;
@@ -192,7 +192,7 @@ void work_on(uint at, ivec2 cell) {
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             if (past.count < DOUBTED) past.own.count = 0.0;
-            add_pixel(bias, past);
+            add_pixel(bias, past, now);
             resampled = resampled || past.resampled;
             past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
             past.own.count = min(past.own.count, OWN_SPREAD / max(resampling, 1e-6));

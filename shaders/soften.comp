@@ -25,9 +25,9 @@ const int R = 1;  // a pattern's
 const float SIDE = 0.75;             // kernel: .75, 1, .75 per axis
 const float NEIGHBOURS = 0.9;        // weight of the neighbours on the first frame,
 const float FADING = 0.3;            // and how fast it falls with the count
-// Radius of a penumbra in pixels: up to NARROW no neighbour's ray tests the pixel's disc, and the bits around say what they
-// say as a pattern; from WIDEST on, gather has asked them better.
-const float NARROW = 0.5, WIDEST = 1.0;
+// Radius of a penumbra in pixels, up to which the bits around are asked as a pattern; beyond it they fade out. From
+// OWN_RAY_PX on gather asks them, too, and what it says is worth as many rays as test the pixel's disc, but for some.
+const float NARROW = 1.5, WIDEST = 2.0, RAYS_LOST = 3.0;
 // Rays in the pixel's disc from which on the past is worth as much as the own ray where the edge is hard: where most of the
 // pixels at its sides say the same, and where they do not. Frames that the own rays have gone undoubted for, from which on
 // nothing moves there, by what the past is (shadow_state.glsl). All of them minimise the shots' error (docs/sheared.md).
@@ -95,6 +95,7 @@ struct Softening {
     float bias;
     float tests;       // rays per frame in a pixel's disc
     float by_unmoved;  // per frame that the own rays have gone undoubted
+    float rays;        // that a frame's word is worth beside a pattern's
     float fade;        // of the patterns, 0: they are not asked
 };
 
@@ -103,7 +104,10 @@ Softening softening_of(ivec2 cell) {
     const uint word = floatBitsToUint(size.y);
     // Where all bits agree, so do the patterns.
     const float fade = unlike_in(word) ? clamp((WIDEST - size.x) / (WIDEST - NARROW), 0.0, 1.0) : 0.0;
-    return Softening(steps_of(word), bias_of(word), tests_of(word), 1.0 / UNMOVED[past_kind_of(word)], fade);
+    const float tests = tests_of(word);
+    const bool asked = size.x > 0.0 && tests >= 3.1415927 * size.x * OWN_RAY_PX;  // by the disc's larger radius
+    return Softening(steps_of(word), bias_of(word), tests, 1.0 / UNMOVED[past_kind_of(word)],
+                     asked ? max(tests - RAYS_LOST, 1.0) : 1.0, fade);
 }
 
 bool is_settled(ivec2 cell, bool) {
@@ -135,7 +139,7 @@ void work_on(ivec2 cell) {
         for (int k = 0; k < (softens ? 1 : 0); ++k) v = softened(p, steps, own, rays);
         for (int k = 0; k < (bias > 0.0 ? 1 : 0); ++k)
             v += trust(own.count) * bias / (bias + mean_variance(own.own) + 1e-9) * (own.own.visibility - own.visibility);
-        float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), params.pattern_samples) : 0.0;
+        float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), s.rays, params.pattern_samples) : 0.0;
         if (share <= LEAST_SHARE) share = 0.0;
         const uvec2 nine = bits_of(offset);
         const bool mixed = (nine.x & nine.y) != 0u && (~nine.x & nine.y) != 0u;  // else the surface does not matter

@@ -36,8 +36,8 @@ uint surface_around(ivec2 p) {
     return surface;
 }
 
-// How much the pattern of bits counts beside an average over `samples` frames, whose variance falls as their -CONVERGENCEth
-// power.
-float share_of_pattern(float samples, float pattern_samples) {
-    return pattern_samples / (pattern_samples + pow(samples, CONVERGENCE) - 1.0 + 1e-6);
+// How much the pattern of bits counts beside an average over `frames` of some rays each, whose variance falls as the frames'
+// -CONVERGENCEth power.
+float share_of_pattern(float frames, float rays, float pattern_samples) {
+    return pattern_samples / (pattern_samples + rays * pow(frames, CONVERGENCE) - 1.0 + 1e-6);
 }

@@ -4,6 +4,8 @@
 // Includer has rounded.glsl, dithered.glsl and own_rays.glsl.
 
 const int CELL = 4;  // pixels whose residuals are summed, per axis
+// A disc's larger radius in pixels, up to which a handful of neighbours' rays would do the own one's average harm.
+const float OWN_RAY_PX = 1.25;
 
 struct ShadowState {
     float visibility;
@@ -78,7 +80,7 @@ Gathered unpack_gathered(uvec2 words) {
 
 // A cell's past: nothing can have moved; it need not have been resampled; it was.
 const uint PAST_CERTAIN = 0u, PAST_WHOLE = 1u, PAST_RESAMPLED = 2u;
-const float TESTS_STEPS = 8.0, TESTS_OCTAVES = 13.0;  // per octave, and below 1
+const float TESTS_STEPS = 7.0, TESTS_OCTAVES = 13.0;  // per octave, and below 1
 const uint MOST_TESTS = 127u;
 const float ALWAYS_TESTED = 1e9;
 

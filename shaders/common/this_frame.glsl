@@ -5,7 +5,6 @@
 // declares the images view_depth and sun_points and params.plane_tolerance.
 
 const float EQUAL_SHARE = 0.6;  // of the rays of a box that all say the same: what they count
-const float OWN_RAY_PX = 1.25;  // radius up to which a handful of neighbours' rays would do the own one's average harm
 
 // A pixel on its receiver's plane, as the sun sees it.
 struct Footprint {
