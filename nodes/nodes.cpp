@@ -11,7 +11,6 @@
 namespace penumbra {
 
 #define PENUMBRA_NODES(X) \
-    X(accumulate)         \
     X(average)            \
     X(beams)              \
     X(cascade_pcf)        \
@@ -28,13 +27,10 @@ namespace penumbra {
     X(gather)             \
     X(guides)             \
     X(prepare)            \
-    X(receivers)          \
     X(reference)          \
     X(resolve)            \
     X(shade)              \
-    X(smooth)             \
     X(soften)             \
-    X(sun_points)         \
     X(taa)                \
     X(tileclass)          \
     X(trace)              \

@@ -21,7 +21,7 @@ known = {
     "16 rays": ("many_rays", []),
     "64 rays": ("many_rays", per_pixel(64)),
     "published": ("fidelityfx", []),
-    "sheared": ("hybrid_sheared", []),
+    "shadows": ("shadows", []),
     "coverage 64": ("covered", samples(64)),
     "coverage 128": ("covered", []),
     "coverage 256": ("covered", samples(256)),
@@ -31,7 +31,7 @@ names = [n for n in os.environ.get("CONTENDERS", ",".join(known)).split(",") if 
 unknown = [n for n in names if n not in known]
 if unknown:
     sys.exit(f"compare_coverage.sh: no contender {unknown[0]!r}; there are {', '.join(known)}")
-counted = "beams cones cover trace prepare sun_points gather drift soften tileclass filter".split()
+counted = "beams cones cover trace prepare gather drift soften tileclass filter".split()
 
 
 def run(*command):

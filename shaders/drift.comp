@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Second pass of the sheared denoiser: how much of the past to keep. Where nothing moves, the differences between this
+// Second pass of the denoiser: how much of the past to keep. Where nothing moves, the differences between this
 // frame and the past are noise of a known size; sums over the surroundings, of the differences and of their running
 // means, with sign and squared, show when they are more than that. Pooled, because one pixel's difference proves nothing;
 // with sign, because noise cancels and a moving edge does not; squared, because two moving edges do. The count of frames

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
-// First pass of the sheared denoiser: what this frame's rays say about each pixel (common/this_frame.glsl), beside what the
+// First pass of the denoiser: what this frame's rays say about each pixel (common/this_frame.glsl), beside what the
 // previous frame knew about the same surface (common/shadow_past.glsl), and how the two differ, summed over cells of 4x4
 // pixels for the drift test. Cells with nothing but equal bits in reach are what these say. The others are looked at
 // (what blocks, which bits are around), then their pixels ask their neighbours, dealt out one by one because a cell has one
 // that asks or sixteen, and then their cells compare; an invocation owns a cell, and they wait for each other in between.
-#define READS_BLOCKERS
 #include "node.glsl"
 #include "common/tiles.glsl"
 #include "common/rounded.glsl"
-#include "common/blockers.glsl"
-#include "common/bit_window.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
@@ -25,12 +22,12 @@
 
 const int R = RADIUS;
 #include "common/bit_rows.glsl"
-#include "common/penumbra_around.glsl"
 #include "common/this_frame.glsl"
+#include "common/penumbra_around.glsl"
 #include "common/frame_residuals.glsl"
 
 // Of the variance between the texels that the past is resampled from: what resampling adds to its error. Over the
-// penumbra's radius in pixels; both numbers minimise the shots' error (docs/sheared.md).
+// penumbra's radius in pixels; both numbers minimise the shots' error (docs/denoiser.md).
 const float RESAMPLING_SHARE = 0.5, LARGEST_SHARE = 3.0;
 const float NARROW_PX = 0.75;    // radius below which a young past is judged by the edge beside it
 const float DOUBTED = 2.0;       // frames: a past that drift leaves fewer is one that it does not believe
@@ -93,22 +90,23 @@ void recall_rows(uint at) {
     [[unroll]] for (int i = 0; i < ROWS; ++i) rows[i] = cell_rows[at * uint(ROWS) + uint(i)];
 }
 
-// Is the penumbra so wide that it takes many rays? Told by one pixel: only who works beside whom depends on it.
-bool is_wide(ivec2 cell, Penumbra penumbra) {
+// Of one pixel of a cell.
+Footprint footprint_of_cell(ivec2 cell) {
     const ivec2 p = min(cell * CELL + CELL / 2, ivec2(frame.size) - 1);
-    const Footprint foot = footprint_of(rays_of(p), imageLoad(view_depth, p).x, light * normal_at(p));
-    return radius_m(penumbra) >= OWN_RAY_PX * foot.s.s2;
+    return footprint_of(rays_of(p), imageLoad(view_depth, p).x, light * normal_at(p));
 }
 
 void look_around(uint at, ivec2 cell) {
     load_rows(cell);
     [[unroll]] for (int i = 0; i < ROWS; ++i) cell_rows[at * uint(ROWS) + uint(i)] = rows[i];
-    const Penumbra penumbra = penumbra_at(cell);
+    const Footprint foot = footprint_of_cell(cell);
+    const Penumbra penumbra = penumbra_at(cell, foot);
     cell_penumbrae[at] = vec3(penumbra.distance_m, penumbra.tangent, penumbra.spread);
     uint asking = pixels_with_both();
     cell_asking[at] = asking;
     const uint n = uint(bitCount(asking));
-    uint next = is_wide(cell, penumbra) ? atomicAdd(wide_count, n) : MOST_PIXELS - n - atomicAdd(narrow_count, n);
+    const bool wide = radius_m(penumbra) >= OWN_RAY_PX * foot.s.s2;  // it takes many rays; only who works beside whom depends on it
+    uint next = wide ? atomicAdd(wide_count, n) : MOST_PIXELS - n - atomicAdd(narrow_count, n);
     for (; asking != 0u; asking &= asking - 1u) asking_pixels[next++] = PIXELS * at + uint(findLSB(asking));
 }
 

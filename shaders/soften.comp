@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Third pass of the sheared denoiser, not fed back: 3x3 taps a quarter of the penumbra's radius apart, which is too near
+// Third pass of the denoiser, not fed back: 3x3 taps a quarter of the penumbra's radius apart, which is too near
 // to blur it much, and fading as the past grows, which needs it less and less. Per image axis, because a penumbra on a
 // surface that is seen at a grazing angle is much narrower on one. Below a pixel, where there is nothing to blur and no
 // neighbour's ray to count, what 3x3 bits say together (common/edge_pattern.glsl). An invocation owns a cell of 4x4 pixels.
@@ -16,7 +16,6 @@
 #include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
 #include "common/tiles.glsl"
-#include "common/bit_window.glsl"
 #include "common/working_cells.glsl"
 
 const int R = 1;  // a pattern's
@@ -30,9 +29,10 @@ const float FADING = 0.3;            // and how fast it falls with the count
 const float NARROW = 1.5, WIDEST = 2.0, RAYS_LOST = 3.0;
 // Rays in the pixel's disc from which on the past is worth as much as the own ray where the edge is hard: where most of the
 // pixels at its sides say the same, and where they do not. Frames that the own rays have gone undoubted for, from which on
-// nothing moves there, by what the past is (shadow_state.glsl). All of them minimise the shots' error (docs/sheared.md).
+// nothing moves there, by what the past is (shadow_state.glsl). All of them minimise the shots' error (docs/denoiser.md).
 const float TESTS_WORTH_A_RAY = 0.19, TESTS_WORTH_AN_ODD_RAY = 0.04, UNMOVED[3] = float[3](1.0, 2.0, 9.0);
 const uint SIDES = 0x0aau;
+const float OWN_PLANE_PX = 0.5;
 
 // What the past says of an edge is as good as the number of rays that have tested the pixel's own disc. Where that is much
 // smaller than a pixel hardly any has, and what is there was resampled from pixels on either side of the edge. The own ray
@@ -68,7 +68,7 @@ float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     return sum / weights;
 }
 
-// Which of 3x3 pixels show the pixel's surface, as surface_around() has it, without its five unprojections.
+// Which of 3x3 pixels show the pixel's surface: the diagonal neighbours are asked, and stand for the sides next to them.
 uint surface_seen(ivec2 p, ViewRays rays) {
     const uint CORNERS[4] = uint[4](0x00bu, 0x026u, 0x0c8u, 0x1a0u);
     const float z = imageLoad(view_depth, p).x, tolerance_m = OWN_PLANE_PX * pixel_span_m(z);

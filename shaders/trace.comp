@@ -40,7 +40,7 @@ const uint RAYS = 1u;
 // For whoever counts this pixel's ray as a neighbour's.
 void keep_point(ivec2 p, uint point) {
 #if HAS_RAY_POINTS
-    imageStore(ray_points, p, uvec4(point, 0u, 0u, 0u));
+    ray_points[uint(p.y) * frame.size.x + uint(p.x)] = point;
 #endif
 }
 

@@ -271,15 +271,9 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     if (main) return needed;
     if (shadow == Shadow::hard) also("hard", "", "", "", "");
     if (shadow == Shadow::soft) {
-        if (pipeline == "shadows")
-            also("prepare accumulate smooth0 smooth1 smooth2",
-                 "visibility_words accumulated signal count tile_meta smoothed0 smoothed1",
-                 "accumulated count", "", "edge_patterns");
-        else
-            also(pipeline == "sheared" ? "prepare gather drift soften"
-                                       : "prepare sun_points gather drift soften",
-                 "visibility_words sunward_words sun_points blockers gathered cells idle_cells state",
-                 "state idle_cells", "", "edge_patterns");
+        also("prepare gather drift soften",
+             "visibility_words sunward_words ray_points blockers gathered cells idle_cells state",
+             "state idle_cells", "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");
         if (sun_moves) also("", "", "", "sun_prev", "");
     }
@@ -353,8 +347,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw",
-                                     "hybrid_sheared", "covered", "hybrid_shadows"}) {
+        for (const char* pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_cones_raw", "covered", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -386,7 +379,7 @@ TEST(SceneFacts, ProofsRunWhereTheyPay) {
                                          {16, {{"alpha", true}}, true},
                                          {64, {{"alpha", false}}, true},
                                          {64, {{"alpha", false}, {"sun_disc", false}}, false}};
-    for (const char* pipeline : {"hybrid_raw", "hybrid_sheared"})
+    for (const char* pipeline : {"hybrid_raw"})
         for (const Choice& c : choices) {
             SCOPED_TRACE(testing::Message() << pipeline << " with " << c.rays << " rays");
             const std::string patch =
@@ -412,8 +405,7 @@ std::string without_culled(const Plan& plan) {
 TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
-        for (const std::string pipeline : {"raw", "shadows", "sheared", "hybrid_raw", "hybrid_cones_raw",
-                                           "hybrid_sheared", "covered", "hybrid_shadows"}) {
+        for (const std::string pipeline : {"raw", "shadows", "hybrid_raw", "hybrid_cones_raw", "covered", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);

@@ -177,11 +177,11 @@ TEST_F(ShadowsSky, IsLit) {
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
                          ::testing::Values("raw", "hybrid_raw", "hybrid_cones_raw", "many_rays", "fidelityfx",
-                                           "shadows", "hybrid_sheared", "sheared", "covered",
+                                           "shadows", "covered",
                                            "hybrid_shadows"),
                          [](const auto& test) { return std::string(test.param); });
 INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline,
-                         ::testing::Values("raw", "fidelityfx", "shadows", "sheared"),
+                         ::testing::Values("raw", "fidelityfx", "shadows"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -7,7 +7,7 @@ const float SHARE_PER_RADIUS = 1.0;  // per pixel: of the pixels beside a narrow
 const float LEAST_SHARE = 0.02;
 const float KNOWN = 12.0;  // frames after which a past in a penumbra is taken at its word
 // Flips that a still edge shows, of what its length and width say (see flips_of), and how many a window may always show: one
-// surprise is no proof. Half of it follows a moving shadow best and is enough for one that stands still (docs/sheared.md).
+// surprise is no proof. Half of it follows a moving shadow best and is enough for one that stands still (docs/denoiser.md).
 const float FLIP_SHARE = 0.5, FEWEST_FLIPS = 0.8;
 const float PAIRS_PER_PX = 1.2732;  // of an edge, mean over its angles: 4 / pi
 const float CELLS_POOLED = 16.0;    // weight of drift's window in cells, so that it has all of FEWEST_FLIPS; see there

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a pixel's own rays have said, a part of the sheared denoiser's state. Their mean is noisier than what the
+// What a pixel's own rays have said, a part of the denoiser's state. Their mean is noisier than what the
 // neighbours' rays say together, but it is of this pixel alone: where the two stay apart for longer than noise explains,
 // the neighbours are wrong. And how often the bit flips tells a pixel in a penumbra, which goes on flipping, from one that a
 // shadow's edge has passed, which flips once.
@@ -53,7 +53,7 @@ float trust(float frames_believed) { return clamp(frames_believed / UNDOUBTED - 
 
 // v (1 - v), as far as it shows in flips beyond those of something thin that has passed, which are two. Random bits flip
 // 2 v (1 - v) of the time. Half of what that says, because blades that turn flip pixels, too, and are to be followed
-// (docs/sheared.md).
+// (docs/denoiser.md).
 float flipping(OwnRays o) {
     return 0.25 * max(o.flips - 2.0 / FLIP_FRAMES, 0.0);
 }

@@ -18,7 +18,3 @@ vec3 previous_position(ivec2 texel, float view_depth) {
     return -(x.w * yz + y.w * zx + z.w * xy) / dot(xy, z.xyz);
 }
 
-// Comparisons that a NaN fails.
-bool lies_on_plane(vec3 point, vec3 on_plane, vec3 unit_normal, float tolerance_m) {
-    return abs(dot(unit_normal, point - on_plane)) <= tolerance_m;
-}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the sheared denoiser keeps of a pixel from frame to frame, in 4 bytes, and what its passes hand on.
+// What the denoiser keeps of a pixel from frame to frame, in 4 bytes, and what its passes hand on.
 //
 // Includer has rounded.glsl, dithered.glsl and own_rays.glsl.
 
