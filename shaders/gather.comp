@@ -10,12 +10,11 @@
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
-#include "common/previous_surface.glsl"
 #include "common/dithered.glsl"
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"
-#include "common/sun_sample.glsl"
 #include "common/light_space.glsl"
+#include "common/corners.glsl"
 #include "common/shadow_past.glsl"
 #include "common/sheared_gather.glsl"
 #include "common/working_cells.glsl"
@@ -49,12 +48,12 @@ bool past_disagrees(ivec2 first, bool lit) {
 #endif
     bool idled = true;
     for (int i = 0; i < 4; ++i) {
-        const ivec2 q = clamp(there + (CELL - 1) * ivec2(i & 1, i >> 1), ivec2(0), last);
+        const ivec2 q = clamp(there + (CELL - 1) * corner(i), ivec2(0), last);
         idled = idled && idled_as(idle_cells_prev[cell_index(q / CELL, frame.prev_size)], lit);
     }
     bool unlike = false;
     for (int i = 0; i < (idled ? 0 : CELL * CELL); ++i) {
-        const ivec2 q = clamp(there + ivec2(i & 3, i >> 2), ivec2(0), last);
+        const ivec2 q = clamp(there + in_cell(i), ivec2(0), last);
         unlike = unlike || disagrees(imageLoad(history, q).x, lit);
     }
     return unlike;
@@ -113,7 +112,7 @@ void look_around(uint at, ivec2 cell) {
 void ask_around(uint asking) {
     const uint at = asking / PIXELS, pixel = asking % PIXELS;
     recall_rows(at);
-    const ivec2 offset = ivec2(pixel & 3u, pixel >> 2), p = cell_of(left_cells[at]) * CELL + offset;
+    const ivec2 offset = in_cell(int(pixel)), p = cell_of(left_cells[at]) * CELL + offset;
     const Receiver r = receiver_at(p, offset, imageLoad(view_depth, p).x, light * normal_at(p), rays_of(p));
     estimates[asking] = pack_estimate(this_frame(r, penumbra_of(at)));
 }
@@ -132,7 +131,7 @@ bool is_settled(ivec2 cell, bool below_last) {
     // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
     uint idle = 0u;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
-        const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
+        const ivec2 offset = in_cell(i), p = first + offset;
         const bool bit = (lit & pixel_bit(p)) != 0u, tests = is_tested(offset + R);
         idle |= ((bit ? 1u : 0u) | (tests ? 0x10000u : 0u)) << uint(i);
         // Packed when this is compiled.
@@ -168,7 +167,7 @@ void work_on(uint at, ivec2 cell) {
     int tested_pixels = 0;
     bool resampled = false;
     for (int i = 0; i < CELL * CELL; ++i) {
-        const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
+        const ivec2 offset = in_cell(i), p = first + offset;
         const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false, NO_RAYS);
         if (is_tested(offset + R)) {
@@ -182,8 +181,8 @@ void work_on(uint at, ivec2 cell) {
             if (asked) now = unpack_estimate(estimates[PIXELS * at + uint(i)]);
             for (int k = 0; k < (asked ? 0 : 1); ++k) now = agreement(r, reach_of(foot.s, penumbra).box);
 #if HAS_MOTION
-            const OffPlane then = off_plane(before, n_light, rays.o + z * rays.r);
-            Past past = under_this_sun(past_of(p, n, then, r.tolerance_m));
+            const Surface then = Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m);
+            Past past = under_this_sun(past_of(p, n, then));
 #else
             Past past = under_this_sun(past_of(p));
 #endif

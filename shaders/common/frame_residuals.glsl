@@ -17,8 +17,8 @@ const float NOISE_SHARE = 3.0;
 // Does the pixel next to this one, which the same ray of light could hit, say something else?
 int differs(Receiver r, ivec2 offset) {
     const ivec2 q = r.in_rows + offset;
-    const float off_m = metres_off(r.plane, vec2(offset), imageLoad(view_depth, r.p + offset).x);
-    return is_tested(q) && is_lit(q) != is_lit(r.in_rows) && abs(off_m) <= r.tolerance_m ? 1 : 0;
+    const bool same = shows(r.surface, vec2(offset), imageLoad(view_depth, r.p + offset).x);
+    return is_tested(q) && is_lit(q) != is_lit(r.in_rows) && same ? 1 : 0;
 }
 
 // In a narrow penumbra the bits are all there is, and a pixel of a young past says nothing of its own variance: it flips

@@ -27,6 +27,7 @@ uint pack_state(ShadowState s, uint thresholds) {
 }
 
 float visibility_in(uint word) { return float(int(word & 0x3ffu)) / VISIBILITY_STEPS; }
+float own_visibility_in(uint word) { return float(int(word >> 25)) / MEAN_STEPS; }
 bool has_count(uint word) { return (word & 0xfc00u) != 0u; }
 float count_in(uint word) {
     const float c = float(int(word >> 10 & 63u)) - 1.0;

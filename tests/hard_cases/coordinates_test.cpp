@@ -300,7 +300,7 @@ constexpr uint32_t looked_at = 12;  // frame; until then the samples' own noise 
 // what the denoiser is told of the previous camera.
 double ours_forgotten(const ViewedPlane& plane, const std::function<Camera(double)>& camera,
                       const std::function<Camera(double)>& believed) {
-    DenoiseRun run(shadow_pipeline_file("denoise"), wide, {"state"});
+    DenoiseRun run(denoiser(), wide, {"state"});
     for (uint32_t f = 0; f <= looked_at; ++f)
         run.frame(see_plane(plane, camera(f - 1.0), camera(f), wide), noise(wide, f),
                   frame_between(believed(f), camera(f), wide, f, f == 0));
@@ -368,7 +368,7 @@ TEST_F(HardCase, NoNormalKeepsAForeignHistory) {
     std::uniform_real_distribution<float> across(-1, 1),
         towards(0.6f, 2);  // no normal that the camera cannot see
     size_t naive = 0;
-    DenoiseRun run(shadow_pipeline_file("denoise"), wide, {"state"});
+    DenoiseRun run(denoiser(), wide, {"state"});
     for (uint32_t f = 0; f < 4; ++f) {
         PlaneImages images = see_plane({{0, 0, f < 3 ? -5.0 : -2.5}, {0, 0, 1}}, camera, camera, wide);
         for (auto& texel : images.normal) {
@@ -405,7 +405,7 @@ TEST_F(HardCase, ASteepPlaneIsFilteredLikeOneSeenFaceOn) {
     };
     const double naive = samples(published_denoiser(), 85) / samples(published_denoiser(), 0);
     const double ours =
-        samples(shadow_pipeline_file("denoise"), 85) / samples(shadow_pipeline_file("denoise"), 0);
+        samples(denoiser(), 85) / samples(denoiser(), 0);
     figure("case 10, N_eff at 85 degrees over face on", naive, ours);
     EXPECT_GT(ours, 0.5);
     EXPECT_LT(naive, 0.5);

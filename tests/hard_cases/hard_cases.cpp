@@ -209,10 +209,21 @@ ViewRunOptions denoise_options(std::vector<std::string> captures) {
     ViewRunOptions options;
     options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}, {"motion", Format::rg32f}};
     options.captures = std::move(captures);
+    options.facts = {{"sun_moves", false}};
     return options;
 }
 
 }  // namespace
+
+CheckedPipeline denoiser() {
+    const std::vector<std::string> wide = {"nodes.gather.params.distance_m=1000"};
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/denoise.json",
+                                        wide, diagnostics);
+    auto result = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
+    if (!result) throw std::runtime_error(diagnostics.text());
+    return std::move(*result);
+}
 
 DenoiseRun::DenoiseRun(const CheckedPipeline& pipeline, Extent extent, std::vector<std::string> captures)
     : run_(pipeline, extent, denoise_options(std::move(captures))) {}
@@ -225,7 +236,6 @@ void DenoiseRun::frame(const PlaneImages& images, const std::vector<uint32_t>& h
     run_.set("hits", hits);
     const blocks::Sun sun{{{0.14f, 0.7f, 0.7f}}, 0.00465f};
     run_.set("sun", std::vector<blocks::Sun>{sun});
-    run_.set("sun_prev", std::vector<blocks::Sun>{sun});
     run_.frame(description);
 }
 

@@ -83,7 +83,10 @@ PlaneImages see_plane(const ViewedPlane& plane, const Camera& previous, const Ca
 // Ray-hit words from a predicate "lit at pixel x, y".
 std::vector<uint32_t> hit_words(Extent extent, const std::function<bool(uint32_t, uint32_t)>& lit);
 
-// denoise.json, or what `text` says, on such images.
+// denoise.json told that penumbrae are wide, so that noise is what it may be.
+CheckedPipeline denoiser();
+
+// A denoiser on such images.
 class DenoiseRun {
   public:
     DenoiseRun(const CheckedPipeline& pipeline, Extent extent, std::vector<std::string> captures);

@@ -111,7 +111,7 @@ TEST(HardHistory, TheVarianceOfBitsNeedsNoDifferenceOfSquares) {
 TEST_F(HardCase, AnAverageInHalfFloatsReachesItsEnd) {
     const Extent extent{64, 32};
     const Camera camera = camera_at({0, 0, 0}, 0, extent);
-    DenoiseRun run(shadow_pipeline_file("denoise"), extent, {"state"});
+    DenoiseRun run(denoiser(), extent, {"state"});
     const PlaneImages wall = see_plane({{0, 0, -5}, {0, 0, 1}}, camera, camera, extent);
     const auto stays_dark = [](uint32_t x, uint32_t y) { return x % 8 == 3 && y % 8 == 5; };
     float naive = 0;
@@ -137,7 +137,7 @@ TEST_F(HardCase, TheFrameNumberMayWrap) {
     const Camera camera = camera_at({0, 0, 0}, 0, extent);
     const PlaneImages wall = see_plane({{0, 0, -5}, {0, 0, 1}}, camera, camera, extent);
     const auto counts_after = [&](uint32_t first) {
-        DenoiseRun run(shadow_pipeline_file("denoise"), extent, {"state"});
+        DenoiseRun run(denoiser(), extent, {"state"});
         std::mt19937 random(42);
         for (uint32_t f = 0; f < 12; ++f) {
             const auto words = hit_words(extent, [&](uint32_t, uint32_t) { return (random() & 1) != 0; });
@@ -273,7 +273,7 @@ TEST_F(HardCase, MotionThatIsNoMotionIsNoHistory) {
     const std::vector<std::array<float, 2>> broken = {{nan, 0},  {0, nan},        {inf, 0},   {0, -inf},
                                                       {1e6f, 0}, {-1e30f, 1e30f}, {nan, inf}, {2, 0}};
     const Camera camera = camera_at({0, 0, 0}, 0, extent);
-    DenoiseRun run(shadow_pipeline_file("denoise"), extent, {"state"});
+    DenoiseRun run(denoiser(), extent, {"state"});
     std::mt19937 random(45);
     std::vector<uint32_t> last;
     for (uint32_t f = 0; f < 12; ++f) {
@@ -312,8 +312,8 @@ TEST_F(HardCase, OneBrokenPixelStaysOnePixel) {
     const uint32_t centre = 32 * 96 + 48;
     const Camera camera = camera_at({0, 0, 0}, 0, extent);
     for (const int what : {0, 1, 2}) {
-        DenoiseRun harmed(shadow_pipeline_file("denoise"), extent, {"state"}),
-            unharmed(shadow_pipeline_file("denoise"), extent, {"state"});
+        DenoiseRun harmed(denoiser(), extent, {"state"}),
+            unharmed(denoiser(), extent, {"state"});
         std::mt19937 random(47);
         for (uint32_t f = 0; f < 10; ++f) {
             const PlaneImages wall = see_plane({{0, 0, -5}, {0, 0, 1}}, camera, camera, extent);
@@ -355,7 +355,7 @@ TEST_F(HardCase, ACheckerboardOfPixelsStaysOne) {
             worst = std::max(worst, std::abs(double(v[i]) - ((i % 64 + i / 64) % 2 == 0 ? 1 : 0)));
         return worst;
     };
-    const double naive = error(published_denoiser()), ours = error(shadow_pipeline_file("denoise"));
+    const double naive = error(published_denoiser()), ours = error(denoiser());
     figure("case 49, largest error of a checkerboard of pixels after 32 frames", naive, ours);
     EXPECT_LT(ours, 0.05);
     EXPECT_GT(naive, 0.05);
