@@ -57,7 +57,7 @@ struct Bias {
 void add_pixel(inout Bias b, Past past, Estimate now) {
     const float w = trust(past.count), d = past.own.visibility - past.visibility;
     b.differences += w * d * d;
-    b.noise += w * mean_variance(past.own);
+    b.noise += w * (past.elsewhere ? mean_variance_across(past.own) : mean_variance(past.own));
     if (now.rays > 1.0) b.past_noise += w * squared_error(now) / max(past.count, 1.0);
     b.n += w;
 }

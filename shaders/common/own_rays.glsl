@@ -48,6 +48,9 @@ float mean_variance(OwnRays o) {
     return v * (1.0 - v) * inversesqrt(n * n * n);
 }
 
+// The same of a surface that moves across the pixels and takes its samples from each: these do not repel each other.
+float mean_variance_across(OwnRays o) { return mean_variance(o) * sqrt(max(o.count, 1.0)); }
+
 // How far the own rays are asked, 0 to 1: not before the past has been believed for a while.
 float trust(float frames_believed) { return clamp(frames_believed / UNDOUBTED - 1.0, 0.0, 1.0); }
 

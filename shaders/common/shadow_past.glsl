@@ -15,9 +15,9 @@ struct Past {
     float visibility, count, residual;
     float variance;  // between the texels that it is resampled from; 0: it is one of them
     OwnRays own;
-    bool resampled;
+    bool resampled, elsewhere;  // between texels; not the pixel's own
 };
-const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS, false);
+const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS, false, false);
 
 #if HAS_MOTION
 // Camera-relative point, in the *current* camera's terms, that a texel of the previous frame showed at `view_depth`.
@@ -98,6 +98,7 @@ Past past_of(ivec2 p, vec3 n, Surface surface) {
         }
     }
     past.resampled = nearest < 0.999;
+    past.elsewhere = past.resampled || any(greaterThan(abs(at - vec2(p)), vec2(0.5)));
     const float by_weights = 1.0 / max(weights, 1e-3);  // none is less, but where there is none
     past.visibility *= by_weights;
     const ShadowState of_nearest = unpack_state(nearest_word);  // how far that is off, limits counts
@@ -117,7 +118,7 @@ Past past_of(ivec2 p, vec3 n, Surface surface) {
 Past past_of(ivec2 p) {
     const ShadowState s = unpack_state(imageLoad(history, p).x);
     if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
-    return Past(s.visibility, s.count, s.residual, 0.0, s.own, false);
+    return Past(s.visibility, s.count, s.residual, 0.0, s.own, false, false);
 }
 #endif
 

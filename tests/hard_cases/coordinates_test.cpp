@@ -405,7 +405,7 @@ TEST_F(HardCase, ASteepPlaneIsFilteredLikeOneSeenFaceOn) {
     };
     const double naive = samples(published_denoiser(), 85) / samples(published_denoiser(), 0);
     const double ours =
-        samples(denoiser(), 85) / samples(denoiser(), 0);
+        samples(shadow_pipeline_file("denoise"), 85) / samples(shadow_pipeline_file("denoise"), 0);
     figure("case 10, N_eff at 85 degrees over face on", naive, ours);
     EXPECT_GT(ours, 0.5);
     EXPECT_LT(naive, 0.5);
