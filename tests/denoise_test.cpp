@@ -32,7 +32,9 @@ CheckedPipeline denoise_pipeline(const std::vector<std::string>& settings = {}) 
 class ForeignRays {
   public:
     ForeignRays(const Edge& edge, const std::string& knows, const std::vector<std::string>& settings = {})
-        : shot_(shot_of(edge)), knows_(knows), run_(pipeline(knows, settings), extent_of(edge), run_options()) {
+        : shot_(shot_of(edge)),
+          knows_(knows),
+          run_(pipeline(knows, settings), extent_of(edge), run_options()) {
         SessionOptions options;
         options.size = edge.size;
         options.captures = {"hits", "blockers", "ray_points", "visibility"};
@@ -42,8 +44,8 @@ class ForeignRays {
         options.optimum = false;
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        tracer_ = Session::open(gpu(), test_nodes(), shadow_pipeline_file("shadows"), shot_, options, diagnostics,
-                                warnings);
+        tracer_ = Session::open(gpu(), test_nodes(), shadow_pipeline_file("shadows"), shot_, options,
+                                diagnostics, warnings);
         if (!tracer_) throw std::runtime_error(diagnostics.text());
     }
 

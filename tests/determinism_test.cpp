@@ -134,8 +134,7 @@ TEST_P(TraceBackends, GiveTheSamePicture) {
     size_t shadowed = 0;
     double squares = 0;
     for (uint32_t frame = 0; frame < 6; ++frame) {
-        for (Session* session : {query_run.get(), tree_run.get()})
-            session->run_frame(frame, frame == 0);
+        for (Session* session : {query_run.get(), tree_run.get()}) session->run_frame(frame, frame == 0);
         const auto v = [](const Session& session) {
             return captured_planes(session.view(), "visibility")[0];
         };

@@ -177,11 +177,9 @@ TEST_F(ShadowsSky, IsLit) {
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
                          ::testing::Values("raw", "hybrid_raw", "hybrid_cones_raw", "many_rays", "fidelityfx",
-                                           "shadows", "covered",
-                                           "hybrid_shadows"),
+                                           "shadows", "covered", "hybrid_shadows"),
                          [](const auto& test) { return std::string(test.param); });
-INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline,
-                         ::testing::Values("raw", "fidelityfx", "shadows"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

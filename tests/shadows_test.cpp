@@ -17,7 +17,7 @@ class Shadows : public GpuTest {};
 TEST_F(Shadows, ConvergeToTheTruth) {
     EXPECT_GT(n_eff({.width_px = 0.5}), 60);  // 2 where a young past is taken at its word
     EXPECT_GT(n_eff({.width_px = 1}), 60);
-    EXPECT_GT(n_eff({.width_px = 2}), 100);  // 63 with a handful of neighbours' rays
+    EXPECT_GT(n_eff({.width_px = 2}), 100);    // 63 with a handful of neighbours' rays
     EXPECT_GT(n_eff({.width_px = 2.5}), 250);  // 215 by these alone
     EXPECT_GT(n_eff({.width_px = 8}), 400);
     EXPECT_GT(n_eff({.width_px = 16}), 800);
@@ -27,7 +27,8 @@ TEST_F(Shadows, ConvergeToTheTruth) {
 TEST_F(Shadows, StartWell) {
     EXPECT_GT(n_eff({.width_px = 1, .last = 0}), 1.7);  // by the patterns: the rays alone give 1.07
     EXPECT_GT(n_eff({.width_px = 1.5, .last = 0}), 2.5);
-    EXPECT_GT(n_eff({.width_px = 2, .last = 0}), 2.8);  // .99 where nobody asks before eight neighbours test the disc
+    EXPECT_GT(n_eff({.width_px = 2, .last = 0}),
+              2.8);  // .99 where nobody asks before eight neighbours test the disc
     EXPECT_GT(n_eff({.width_px = 2.5, .last = 0}), 3);
     EXPECT_GT(n_eff({.width_px = 4, .last = 0}), 6);
     EXPECT_GT(n_eff({.width_px = 8, .last = 0}), 60);

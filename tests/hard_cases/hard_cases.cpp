@@ -241,7 +241,8 @@ void DenoiseRun::frame(const PlaneImages& images, const std::vector<uint32_t>& h
 
 std::vector<float> DenoiseRun::kept_visibility() {
     std::vector<float> v;
-    for (const uint32_t word : captured<uint32_t>(run_.view(), "state")) v.push_back(float(word & 0x3ff) / 1023);
+    for (const uint32_t word : captured<uint32_t>(run_.view(), "state"))
+        v.push_back(float(word & 0x3ff) / 1023);
     return v;
 }
 

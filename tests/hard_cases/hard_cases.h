@@ -92,7 +92,8 @@ class DenoiseRun {
     DenoiseRun(const CheckedPipeline& pipeline, Extent extent, std::vector<std::string> captures);
     void frame(const PlaneImages& images, const std::vector<uint32_t>& hits, FrameDescription description);
     std::vector<float> plane(const std::string& name, size_t channel = 0);
-    // Of the state that denoise.json keeps (shadow_state.glsl): the visibility, and the frames that it stands for.
+    // Of the state that denoise.json keeps (shadow_state.glsl): the visibility, and the frames that it stands
+    // for.
     std::vector<float> kept_visibility();
     std::vector<float> kept_frames();
     View& view() { return run_.view(); }

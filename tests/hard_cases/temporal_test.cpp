@@ -312,8 +312,7 @@ TEST_F(HardCase, OneBrokenPixelStaysOnePixel) {
     const uint32_t centre = 32 * 96 + 48;
     const Camera camera = camera_at({0, 0, 0}, 0, extent);
     for (const int what : {0, 1, 2}) {
-        DenoiseRun harmed(denoiser(), extent, {"state"}),
-            unharmed(denoiser(), extent, {"state"});
+        DenoiseRun harmed(denoiser(), extent, {"state"}), unharmed(denoiser(), extent, {"state"});
         std::mt19937 random(47);
         for (uint32_t f = 0; f < 10; ++f) {
             const PlaneImages wall = see_plane({{0, 0, -5}, {0, 0, 1}}, camera, camera, extent);
