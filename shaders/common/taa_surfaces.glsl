@@ -4,6 +4,7 @@
 // Includer has camera.glsl, guide_normal.glsl and taa_history.glsl, and declares the image history and, where things move, motion,
 // guide_normal and view_depth_prev.
 #include "common/corners.glsl"
+#include "common/view_rays.glsl"
 
 // The history at a position, and for how many frames it stands; 0: there is none.
 struct Past {
@@ -15,13 +16,12 @@ struct Past {
 float frames_of(float alpha) { return floor(alpha * float(MAX_FRAMES) + 0.5); }
 
 #if HAS_VIEW_DEPTH_PREV
-// The plane of what a pixel shows: a point that the previous frame saw at `uv` (without jitter), z in front of the camera,
-// is off it by (z - depth_change) * (slope.z + slope.xy . uv) + offset.z + offset.xy . uv metres. Moved back by the surface's
-// own motion the point is one of the current view, where positions are linear in uv and bilinear with z.
+// What a pixel shows, among points that the previous frame saw at some uv (without jitter), depth_change less in front of the
+// camera. Moved back by the surface's own motion such a point is one of the current view, where positions are linear in uv and
+// bilinear with depth.
 struct Plane {
-    vec3 slope, offset;
+    Surface surface;
     vec2 depth_change;  // previous - current view depth: of a still surface, and as the host's motion says (0 if it does not)
-    float tolerance_m;
 };
 
 Plane plane_at(ivec2 p, float z) {
@@ -33,15 +33,13 @@ Plane plane_at(ivec2 p, float z) {
     const vec3 both = vec3(dot(n, position_at(vec2(1.0, 0.0), 1.0) - corner1),
                            dot(n, position_at(vec2(0.0, 1.0), 1.0) - corner1), dot(n, corner1 - point));
     const vec3 slope = both - offset;
-    return Plane(slope - vec3(0.0, 0.0, dot(slope.xy, moved.xy)), offset - vec3(0.0, 0.0, dot(offset.xy, moved.xy)),
-                 vec2(previous_depth(point) - z, moved.z), params.plane_tolerance * pixel_span_m(z));
+    const OffPlane off = OffPlane(offset.z - dot(offset.xy, moved.xy), offset.x, offset.y,
+                                  slope.z - dot(slope.xy, moved.xy), slope.x, slope.y);
+    return Plane(Surface(off, params.plane_tolerance * pixel_span_m(z)), vec2(previous_depth(point) - z, moved.z));
 }
 
-// Comparisons that a NaN fails.
 bool was_seen(Plane plane, vec2 uv, float z) {
-    const float slope = plane.slope.z + dot(plane.slope.xy, uv), offset = plane.offset.z + dot(plane.offset.xy, uv);
-    const vec2 off = abs((z - plane.depth_change) * slope + offset);
-    return off.x <= plane.tolerance_m || off.y <= plane.tolerance_m;
+    return shows(plane.surface, uv, z - plane.depth_change.x) || shows(plane.surface, uv, z - plane.depth_change.y);
 }
 
 // What is seen around the pixel now: two surfaces and perhaps the sky.
