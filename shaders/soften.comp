@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Third pass of the denoiser, not fed back: 3x3 taps a quarter of the penumbra's radius apart, which is too near
 // to blur it much, and fading as the past grows, which needs it less and less. Per image axis, because a penumbra on a
-// surface that is seen at a grazing angle is much narrower on one. Below a pixel, where there is nothing to blur and no
-// neighbour's ray to count, what 3x3 bits say together (common/edge_pattern.glsl). An invocation owns a cell of 4x4 pixels.
+// surface that is seen at a grazing angle is much narrower on one. Where it is narrow, and no neighbour's ray or few to count,
+// what 3x3 bits say together (common/edge_pattern.glsl). An invocation owns a cell of 4x4 pixels.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
@@ -24,6 +24,7 @@ const int R = 1;  // a pattern's
 // Radius of a penumbra in pixels, up to which the bits around are asked as a pattern; beyond it they fade out. From
 // OWN_RAY_PX on gather asks them, too, and what it says is worth as many rays as test the pixel's disc, but for some.
 const float NARROW = 1.5, WIDEST = 2.0, RAYS_LOST = 3.0;
+
 // What there is to do in a cell.
 struct Softening {
     ivec2 steps;
