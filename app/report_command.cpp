@@ -26,7 +26,7 @@ using namespace report;
 // Quick reports look at these of what is shipped: rendering cascades on a software device takes longer than
 // all else.
 constexpr const char* quick_shots[] = {"colonnade", "engine"};
-constexpr const char* quick_pipelines[] = {"raw", "fidelityfx", "shadows", "sheared"};
+constexpr const char* quick_pipelines[] = {"raw", "fidelityfx", "shadows"};
 
 struct Job {
     fs::path folder;

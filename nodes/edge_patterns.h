@@ -16,7 +16,7 @@ using EdgePatterns = std::array<double, edge_pattern_count>;
 
 EdgePatterns edge_patterns();
 
-// The table of the node `accumulate`: pattern by pattern in 8 bits.
+// The table of the node `soften`: pattern by pattern in 8 bits.
 std::vector<uint8_t> edge_pattern_table();
 
 }  // namespace penumbra

@@ -2,15 +2,15 @@
 # What pipelines cost, as a Markdown table: CPU milliseconds of each pass of a type in TYPES on each shot, their sum, and how
 # many native passes (tests/native_pass.h: a 3x3 filter by hand, in the same minutes) that is, which carries over to other machines.
 #   scripts/compare_cost.sh
-# PIPELINES (sheared shadows), SHOTS, TYPES (trace and the denoisers' passes), FRAMES (0..11; each figure is a
+# PIPELINES (shadows fidelityfx), SHOTS, TYPES (trace and the denoisers' passes), FRAMES (0..11; each figure is a
 # median of all but the first two), RUNS (3, the pipelines in turn: of each pass the least counts, as other work on the
 # machine only adds), SIZE (640x360) and PENUMBRA may be set; VK_DRIVER_FILES chooses the driver, as scripts/mesa22.sh has it.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 penumbra=${PENUMBRA:-build/release/app/penumbra}
 read -ra shots <<<"${SHOTS:-cards colonnade engine fan heightfield lamp trees}"
-read -ra pipelines <<<"${PIPELINES:-sheared shadows}"
-types=${TYPES:-trace prepare gather drift soften accumulate smooth tileclass filter}
+read -ra pipelines <<<"${PIPELINES:-shadows fidelityfx}"
+types=${TYPES:-trace prepare gather drift soften tileclass filter}
 size=${SIZE:-640x360}
 build=$(dirname "$penumbra")/..
 [[ ! -f $build/build.ninja ]] || ninja -C "$build" native_pass_bench >&2 || : # built without tests there is none

@@ -21,7 +21,7 @@ known = {
     "16 rays": ("many_rays", []),
     "64 rays": ("many_rays", per_pixel(64)),
     "published": ("fidelityfx", []),
-    "sheared": ("sheared", []),
+    "shadows": ("shadows", []),
     "coverage 64": ("covered", samples(64)),
     "coverage 128": ("covered", []),
     "coverage 256": ("covered", samples(256)),

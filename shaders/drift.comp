@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Second pass of the sheared denoiser: how much of the past to keep. Where nothing moves, the differences between this
+// Second pass of the denoiser: how much of the past to keep. Where nothing moves, the differences between this
 // frame and the past are noise of a known size; sums over the surroundings, of the differences and of their running
 // means, with sign and squared, show when they are more than that. Pooled, because one pixel's difference proves nothing;
 // with sign, because noise cancels and a moving edge does not; squared, because two moving edges do. The count of frames
@@ -12,8 +12,7 @@
 #include "common/dithered.glsl"
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"
-#include "common/sun_sample.glsl"
-#include "common/light_space.glsl"
+#include "common/view_rays.glsl"
 #include "common/working_cells.glsl"
 
 const float RESIDUAL_VARIANCE = 0.2 / 1.8;  // of a running mean with weight .2, over that of one frame
@@ -45,17 +44,15 @@ float excess_at(ivec2 cell) {
 
 // Mean difference between frame and past over 3x3 taps of the same surface, `step` pixels apart; 0: nothing is asked.
 float surrounding_difference(ivec2 p, int step, ViewRays rays) {
-    const float z = imageLoad(view_depth, p).x, tolerance_m = params.plane_tolerance * pixel_span_m(z);
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
-    const OffPlane plane = off_plane(rays, n, rays.o + z * rays.r);
+    const Surface surface = surface_at(rays, n, imageLoad(view_depth, p).x, params.plane_tolerance);
     const ivec2 last = ivec2(frame.size) - 1;
     float sum = 0.0, weights = 0.0;
     for (int y = -1; y <= (step > 0 ? 1 : -2); ++y)
         for (int x = -1; x <= 1; ++x) {
             const ivec2 q = clamp(p + step * ivec2(x, y), ivec2(0), last);
             const Gathered g = unpack_gathered(imageLoad(gathered, q).xy);
-            const float off_m = metres_off(plane, vec2(q - p), imageLoad(view_depth, q).x);
-            const bool same = g.counts && g.count > 0.0 && abs(off_m) <= tolerance_m;
+            const bool same = g.counts && g.count > 0.0 && shows(surface, vec2(q - p), imageLoad(view_depth, q).x);
             const float w = same ? 1.0 / (g.error * g.error + 1e-4) : 0.0;
             sum += w * (g.now - g.past);
             weights += w;
@@ -73,7 +70,7 @@ bool is_settled(ivec2 cell, bool) {
         const uint count = (idle >> uint(i + 16) & 1u) != 0u
                                ? pack_state(ShadowState(0.0, IDLE_COUNT, 0.0, OwnRays(0.0, IDLE_COUNT, 0.0, false)), 0u)
                                : 0u;
-        imageStore(state, cell * CELL + ivec2(i & 3, i >> 2), uvec4(v | count, 0u, 0u, 0u));
+        imageStore(state, cell * CELL + in_cell(i), uvec4(v | count, 0u, 0u, 0u));
     }
     return is_idle(idle);
 }
@@ -85,7 +82,7 @@ void work_on(ivec2 cell) {
     const int step = clamp(int(0.5 * min(radius_px, 8.0) + 0.5), 1, 4);
     const ViewRays corner = view_rays(first, mat3(1.0));
     for (int i = 0; i < CELL * CELL; ++i) {
-        const ivec2 offset = ivec2(i & 3, i >> 2), p = first + offset;
+        const ivec2 offset = in_cell(i), p = first + offset;
         const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
         ShadowState s = ShadowState(g.now, g.counts ? 1.0 : 0.0, 0.0, g.own);
         if (g.counts && g.count > 0.0) {

@@ -6,6 +6,7 @@
 // above it.
 #include "node.glsl"
 #include "common/camera.glsl"
+#include "common/corners.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
@@ -73,7 +74,7 @@ vec2 quad_motion(ivec2 p) {
     ivec2 nearest = p;
     float z = imageLoad(view_depth, p).x;
     for (int i = 0; i < 4; ++i) {
-        const ivec2 q = (p & ~1) + ivec2(i & 1, i >> 1);
+        const ivec2 q = (p & ~1) + corner(i);
         const float z_q = inside_frame(q) ? imageLoad(view_depth, q).x : 0.0;
         if (z_q > 0.0 && z_q < z) {
             z = z_q;

@@ -160,12 +160,12 @@ INSTANTIATE_TEST_SUITE_P(Published, AccuracyGate,
                                            GateCase{"fidelityfx", "sphere", ball, 56, 85}),
                          scene_of);
 INSTANTIATE_TEST_SUITE_P(Ours, AccuracyGate,
-                         ::testing::Values(GateCase{"shadows", "edge", edge, 150, any},
-                                           GateCase{"shadows", "moving_edge", moving_edge, 52, any},
-                                           GateCase{"shadows", "slit", slit, 130, any},
-                                           GateCase{"shadows", "fence", fence, 192, any},
-                                           GateCase{"shadows", "sphere", ball, 67, any},
-                                           GateCase{"shadows", "wall", wall, 31, any}),
+                         ::testing::Values(GateCase{"shadows", "edge", edge, 1830, any},
+                                           GateCase{"shadows", "moving_edge", moving_edge, 155, any},
+                                           GateCase{"shadows", "slit", slit, 1870, any},
+                                           GateCase{"shadows", "fence", fence, 2100, any},
+                                           GateCase{"shadows", "sphere", ball, 1340, any},
+                                           GateCase{"shadows", "wall", wall, 88, any}),
                          scene_of);
 
 }  // namespace

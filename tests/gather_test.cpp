@@ -27,11 +27,10 @@ constexpr double middle_m = 10;  // view depth of the image's centre
 constexpr const char* gather_alone = R"({
   "penumbra": 1, "name": "gather_alone",
   "inputs": { "depth": {}, "normal": {}, "motion": {}, "sun": {}, "visibility_words": {}, "receiver_words": {},
-              "sunward_words": {}, "blockers": {}, "given_points": {} },
+              "sunward_words": {}, "blockers": {}, "ray_points": {} },
   "outputs": ["state"],
   "nodes": {
     "guides": { "type": "guides" },
-    "points": { "type": "hand_points" },
     "gather": { "type": "gather", "params": { "radius": RADIUS },
                 "in": { "history": "state@-1", "idle_cells_prev": "idle_cells@-1",
                         "view_depth_prev": "view_depth@-1", "guide_normal_prev": "guide_normal@-1" } },
@@ -217,7 +216,7 @@ Result gather(ViewRun& run, const Setting& setting) {
     run.set("receiver_words", receivers);
     run.set("sunward_words", sunward);
     run.set("blockers", blockers);
-    run.set("given_points", given);
+    run.set("ray_points", given);
     run.frame(frame_between(camera, camera, extent, setting.frame, setting.frame == 0));
     for (const auto& words : captured<std::array<uint32_t, 2>>(run.view(), "gathered")) {
         result.now.push_back((words[0] & 0x7ff) / 2046.0);
@@ -260,7 +259,7 @@ class Gather : public GpuTest {
     std::map<int, std::unique_ptr<ViewRun>> runs_;  // by the radius of the taps
 };
 
-// White noise: the shipped tracer's blue noise does better (docs/sheared.md).
+// White noise: the shipped tracer's blue noise does better (docs/denoiser.md).
 TEST_F(Gather, CountsItsNeighboursRaysAtEveryAngle) {
     for (const double angle : {0.0, 17.0, 45.0, 70.0, 90.0, 110.0, 135.0, 160.0}) {
         SCOPED_TRACE(angle);

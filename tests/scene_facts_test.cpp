@@ -270,14 +270,9 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     if (main) return needed;
     if (shadow == Shadow::hard) also("hard", "", "", "", "");
     if (shadow == Shadow::soft) {
-        if (pipeline == "shadows")
-            also("prepare accumulate smooth0 smooth1 smooth2",
-                 "visibility_words accumulated signal count tile_meta smoothed0 smoothed1",
-                 "accumulated count", "", "edge_patterns");
-        else
-            also("prepare gather drift soften",
-                 "visibility_words sunward_words sun_points blockers gathered cells idle_cells state",
-                 "state idle_cells", "", "edge_patterns");
+        also("prepare gather drift soften",
+             "visibility_words sunward_words ray_points blockers gathered cells idle_cells state",
+             "state idle_cells", "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");
         if (sun_moves) also("", "", "", "sun_prev", "");
     }
@@ -352,7 +347,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows", "sheared", "many_rays", "covered", "hybrid_shadows"}) {
+        for (const char* pipeline : {"raw", "shadows", "many_rays", "covered", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -383,7 +378,7 @@ TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
         for (const std::string pipeline :
-             {"raw", "shadows", "sheared", "many_rays", "covered", "hybrid_shadows"}) {
+             {"raw", "shadows", "many_rays", "covered", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);

@@ -176,11 +176,10 @@ TEST_F(ShadowsSky, IsLit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
-                         ::testing::Values("raw", "many_rays", "fidelityfx", "shadows", "sheared", "covered",
+                         ::testing::Values("raw", "many_rays", "fidelityfx", "shadows", "covered",
                                            "hybrid_shadows"),
                          [](const auto& test) { return std::string(test.param); });
-INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline,
-                         ::testing::Values("raw", "fidelityfx", "shadows", "sheared"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

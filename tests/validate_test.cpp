@@ -426,7 +426,7 @@ TEST_P(ValidatedShots, AreClean) {
 // Between them they have our denoisers, our classifiers and the published denoiser.
 INSTANTIATE_TEST_SUITE_P(Shipped, ValidatedShots,
                          ::testing::Values("cascades_only", "fidelityfx", "covered", "hybrid_cascades",
-                                           "hybrid_fidelityfx", "hybrid_shadows", "sheared"),
+                                           "hybrid_fidelityfx", "hybrid_shadows"),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -2,7 +2,7 @@
 // The bits of a cell's pixels and of those up to R around, as rows: what this frame's rays say, and of which pixels. Every
 // index is known when this is compiled, where it can be: software devices store to one that is not lane by lane.
 //
-// Includer has tiles.glsl, bit_window.glsl and shadow_state.glsl, defines the constant R and declares the buffers
+// Includer has tiles.glsl and shadow_state.glsl, defines the constant R and declares the buffers
 // visibility_words and sunward_words.
 
 const int ROWS = CELL + 2 * R;
@@ -12,6 +12,12 @@ const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
 // Lit pixels in the lower 16 bits, and in the upper ones those that look at the sun. Bit 0 is R pixels left of the cell, the
 // first row R above it.
 uint rows[ROWS];
+
+// 24 pixels of row `row` of a tile and of its neighbours; bit 0 is 8 pixels left of the tile's first.
+uint row_of(uvec3 words, int row) {
+    const uvec3 bytes = words >> uint(8 * row) & 0xffu;
+    return bytes.x | bytes.y << 8 | bytes.z << 16;
+}
 
 void load_tiles(ivec2 cell, const int first) {
     const ivec2 tile = ivec2(cell.x >> 1, cell.y), grid = tile_grid();

@@ -7,7 +7,7 @@ const float SHARE_PER_RADIUS = 1.0;  // per pixel: of the pixels beside a narrow
 const float LEAST_SHARE = 0.02;
 const float KNOWN = 12.0;  // frames after which a past in a penumbra is taken at its word
 // Flips that a still edge shows, of what its length and width say (see flips_of), and how many a window may always show: one
-// surprise is no proof. Half of it follows a moving shadow best and is enough for one that stands still (docs/sheared.md).
+// surprise is no proof. Half of it follows a moving shadow best and is enough for one that stands still (docs/denoiser.md).
 const float FLIP_SHARE = 0.5, FEWEST_FLIPS = 0.8;
 const float PAIRS_PER_PX = 1.2732;  // of an edge, mean over its angles: 4 / pi
 const float CELLS_POOLED = 16.0;    // weight of drift's window in cells, so that it has all of FEWEST_FLIPS; see there
@@ -17,8 +17,8 @@ const float NOISE_SHARE = 3.0;
 // Does the pixel next to this one, which the same ray of light could hit, say something else?
 int differs(Receiver r, ivec2 offset) {
     const ivec2 q = r.in_rows + offset;
-    const float off_m = metres_off(r.plane, vec2(offset), imageLoad(view_depth, r.p + offset).x);
-    return is_tested(q) && is_lit(q) != is_lit(r.in_rows) && abs(off_m) <= r.tolerance_m ? 1 : 0;
+    const bool same = shows(r.surface, vec2(offset), imageLoad(view_depth, r.p + offset).x);
+    return is_tested(q) && is_lit(q) != is_lit(r.in_rows) && same ? 1 : 0;
 }
 
 // In a narrow penumbra the bits are all there is, and a pixel of a young past says nothing of its own variance: it flips
@@ -46,15 +46,22 @@ struct Sums {
 // What the past is wrong by, squared: its differences from what the pixels' own rays have said, beyond the noise of these.
 // Over a cell, because one pixel's difference proves little. What is shrunk by it (soften) is at no place much worse than
 // either of the two: James and Stein 1961, "Estimation with Quadratic Loss", with the noise taken to be larger than it is.
+// To it comes a part of the past's own noise: a handful of neighbours' rays per frame averages out more slowly than the
+// own ones, which repel each other in time. All of it would cost a twentieth where a penumbra has many rays.
+const float PAST_NOISE_SHARE = 0.5;
+
 struct Bias {
-    float differences, noise, n;
+    float differences, noise, past_noise, n;
 };
 
-void add_pixel(inout Bias b, Past past) {
+void add_pixel(inout Bias b, Past past, Estimate now) {
     const float w = trust(past.count), d = past.own.visibility - past.visibility;
     b.differences += w * d * d;
-    b.noise += w * mean_variance(past.own);
+    b.noise += w * (past.elsewhere ? mean_variance_across(past.own) : mean_variance(past.own));
+    if (now.rays > 1.0) b.past_noise += w * squared_error(now) / max(past.count, 1.0);
     b.n += w;
 }
 
-float mean_bias(Bias b) { return max(b.differences - NOISE_SHARE * b.noise, 0.0) / max(b.n, 1.0); }
+float mean_bias(Bias b) {
+    return (max(b.differences - NOISE_SHARE * b.noise, 0.0) + PAST_NOISE_SHARE * b.past_noise) / max(b.n, 1.0);
+}

@@ -3,51 +3,8 @@
 // the light, z towards the sun, camera-relative. A ray to the sun's point xi (a disc of radius 1) of a receiver at L, z
 // passes height h at L + (h - z) tan(angular radius) xi.
 //
-// Includer has camera.glsl and sun_sample.glsl.
-
-// The points that pixels around some pixel see: o + x ox + y oy + depth (r + x rx + y ry) for the pixel x, y away.
-struct ViewRays {
-    vec3 o, ox, oy, r, rx, ry;
-};
-
-// Taken over the whole image, differences do not round away.
-ViewRays view_rays(ivec2 p, mat3 rotation) {
-    const vec2 uv = pixel_uv(p) - frame.jitter, by_size = 1.0 / vec2(frame.size);
-    const vec3 o = position_at(uv, 0.0), ox = position_at(uv + vec2(1.0, 0.0), 0.0), oy = position_at(uv + vec2(0.0, 1.0), 0.0);
-    const vec3 r = position_at(uv, 1.0) - o, rx = position_at(uv + vec2(1.0, 0.0), 1.0) - ox,
-               ry = position_at(uv + vec2(0.0, 1.0), 1.0) - oy;
-    return ViewRays(rotation * o, rotation * (ox - o) * by_size.x, rotation * (oy - o) * by_size.y, rotation * r,
-                    rotation * (rx - r) * by_size.x, rotation * (ry - r) * by_size.y);
-}
-
-ViewRays moved(ViewRays v, vec2 px) {
-    v.o += px.x * v.ox + px.y * v.oy;
-    v.r += px.x * v.rx + px.y * v.ry;
-    return v;
-}
-
-vec3 seen_at(ViewRays v, vec2 offset_px, float view_depth) {
-    return v.o + offset_px.x * v.ox + offset_px.y * v.oy + view_depth * (v.r + offset_px.x * v.rx + offset_px.y * v.ry);
-}
-
-// In units of 1 / scale metres.
-ViewRays scaled(ViewRays v, float scale) {
-    return ViewRays(scale * v.o, scale * v.ox, scale * v.oy, scale * v.r, scale * v.rx, scale * v.ry);
-}
-
-// How far what those pixels see lies off a plane: linear in their offset and in their depth, so that a pixel that asks
-// several neighbours pays for the plane once.
-struct OffPlane {
-    float o, ox, oy, r, rx, ry;
-};
-
-OffPlane off_plane(ViewRays v, vec3 n, vec3 on_plane) {
-    return OffPlane(dot(n, v.o - on_plane), dot(n, v.ox), dot(n, v.oy), dot(n, v.r), dot(n, v.rx), dot(n, v.ry));
-}
-
-float metres_off(OffPlane v, vec2 offset_px, float view_depth) {
-    return v.o + offset_px.x * v.ox + offset_px.y * v.oy + view_depth * (v.r + offset_px.x * v.rx + offset_px.y * v.ry);
-}
+#include "common/sun_sample.glsl"
+#include "common/view_rays.glsl"
 
 // How the seen point moves per pixel along x and y if the surface is the plane with this normal. Seen edge-on, a plane
 // has no such derivative; the limit is that of 1 degree.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a pixel's own rays have said, a part of the sheared denoiser's state. Their mean is noisier than what the
+// What a pixel's own rays have said, a part of the denoiser's state. Their mean is noisier than what the
 // neighbours' rays say together, but it is of this pixel alone: where the two stay apart for longer than noise explains,
 // the neighbours are wrong. And how often the bit flips tells a pixel in a penumbra, which goes on flipping, from one that a
 // shadow's edge has passed, which flips once.
@@ -48,12 +48,15 @@ float mean_variance(OwnRays o) {
     return v * (1.0 - v) * inversesqrt(n * n * n);
 }
 
+// The same of a surface that moves across the pixels and takes its samples from each: these do not repel each other.
+float mean_variance_across(OwnRays o) { return mean_variance(o) * sqrt(max(o.count, 1.0)); }
+
 // How far the own rays are asked, 0 to 1: not before the past has been believed for a while.
 float trust(float frames_believed) { return clamp(frames_believed / UNDOUBTED - 1.0, 0.0, 1.0); }
 
 // v (1 - v), as far as it shows in flips beyond those of something thin that has passed, which are two. Random bits flip
 // 2 v (1 - v) of the time. Half of what that says, because blades that turn flip pixels, too, and are to be followed
-// (docs/sheared.md).
+// (docs/denoiser.md).
 float flipping(OwnRays o) {
     return 0.25 * max(o.flips - 2.0 / FLIP_FRAMES, 0.0);
 }

@@ -3,7 +3,7 @@
 // common/blue_noise.glsl). A sun that is a point takes no noise.
 //
 // Includer has common/camera.glsl, common/receiver_normal.glsl and common/ray_origin.glsl and declares: RAYS, how many a pixel
-// has; constants ORIGIN and SAMPLING; image ray_points, where HAS_RAY_POINTS.
+// has; constants ORIGIN and SAMPLING; buffer ray_points, where HAS_RAY_POINTS.
 #include "common/sun_point.glsl"
 
 struct ShadowRay {
@@ -20,7 +20,7 @@ float nearest_hit_m(float t_min) { return ORIGIN == ORIGIN_PUBLISHED ? max(t_min
 // For whoever counts this pixel's ray as a neighbour's.
 void keep_point(ivec2 p, uint point) {
 #if HAS_RAY_POINTS
-    imageStore(ray_points, p, uvec4(point, 0u, 0u, 0u));
+    ray_points[uint(p.y) * frame.size.x + uint(p.x)] = point;
 #endif
 }
 

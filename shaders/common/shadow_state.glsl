@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// What the sheared denoiser keeps of a pixel from frame to frame, in 4 bytes, and what its passes hand on.
+// What the denoiser keeps of a pixel from frame to frame, in 4 bytes, and what its passes hand on.
 //
 // Includer has rounded.glsl, dithered.glsl and own_rays.glsl.
 
 const int CELL = 4;  // pixels whose residuals are summed, per axis
+// A disc's larger radius in pixels, up to which a handful of neighbours' rays would do the own one's average harm.
+const float OWN_RAY_PX = 1.25;
 
 struct ShadowState {
     float visibility;
@@ -25,6 +27,7 @@ uint pack_state(ShadowState s, uint thresholds) {
 }
 
 float visibility_in(uint word) { return float(int(word & 0x3ffu)) / VISIBILITY_STEPS; }
+float own_visibility_in(uint word) { return float(int(word >> 25)) / MEAN_STEPS; }
 bool has_count(uint word) { return (word & 0xfc00u) != 0u; }
 float count_in(uint word) {
     const float c = float(int(word >> 10 & 63u)) - 1.0;
@@ -78,7 +81,7 @@ Gathered unpack_gathered(uvec2 words) {
 
 // A cell's past: nothing can have moved; it need not have been resampled; it was.
 const uint PAST_CERTAIN = 0u, PAST_WHOLE = 1u, PAST_RESAMPLED = 2u;
-const float TESTS_STEPS = 8.0, TESTS_OCTAVES = 13.0;  // per octave, and below 1
+const float TESTS_STEPS = 7.0, TESTS_OCTAVES = 13.0;  // per octave, and below 1
 const uint MOST_TESTS = 127u;
 const float ALWAYS_TESTED = 1e9;
 

@@ -56,10 +56,12 @@ struct Horizon {
     float middle;   // of what is above, along `up`
 };
 
+const Horizon NO_HORIZON = Horizon(vec2(0.0), 1.0, 1.0, 0.0);
+
 // `n`: the receiver's normal in light space.
 Horizon horizon_of(vec3 n, float tangent) {
     const float across = length(n.xy), d = n.z / max(across * tangent, 1e-9);
-    if (d >= 1.0) return Horizon(vec2(0.0), 1.0, 1.0, 0.0);
+    if (d >= 1.0) return NO_HORIZON;
     const float c = max(d, -1.0), s = sqrt(max(1.0 - c * c, 0.0));
     const float above = 0.5 + (asin(c) + c * s) * 0.31830989;
     return Horizon(n.xy / across, c, above, 0.21220659 * s * s * s / max(above, 1e-3));
@@ -82,6 +84,12 @@ Window window_of(Penumbra p, float limit, float covered_m) {
     const float by_radius = 1.0 / max(radius_m(p), 1e-9), c = clamp(covered_m * by_radius, 1e-3, 1.0);
     const float by_limit = limit * by_radius, per_eta = 0.5 + UNEVEN * c;
     return Window(by_radius, p.tangent, p.distance_m * by_radius, by_limit * by_limit, c, c + per_eta * (1.0 - c), per_eta);
+}
+
+// Of rays that are all worth the same.
+Window even_window(Penumbra p, float limit) {
+    const float by_radius = 1.0 / max(radius_m(p), 1e-9), by_limit = limit * by_radius;
+    return Window(by_radius, p.tangent, p.distance_m * by_radius, by_limit * by_limit, 1.0, 1.0, 0.0);
 }
 
 // `at`: the neighbour, light space, relative to the pixel, in radii of the disc; `point`: of the sun, that its ray went to.

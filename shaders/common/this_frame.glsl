@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What this frame's rays say about a receiver: its own, and its neighbours' that test what its own sun would be hidden by.
+// Where nobody knows which point of the sun a ray went to (no buffer ray_points), it is taken for a test of its own pixel's
+// whole disc: that of pixels near by is much the same, and regression on their places takes out what changes across them.
 //
-// Includer has camera.glsl, light_space.glsl, sun_sample.glsl, sheared_gather.glsl, bit_rows.glsl and rounded.glsl, and
-// declares the images view_depth and sun_points and params.plane_tolerance.
+// Includer has camera.glsl, light_space.glsl, corners.glsl, sheared_gather.glsl, bit_rows.glsl and rounded.glsl, and
+// declares the image view_depth, params.plane_tolerance and, perhaps, the buffer ray_points.
 
 const float EQUAL_SHARE = 0.6;  // of the rays of a box that all say the same: what they count
-const float OWN_RAY_PX = 1.25;  // radius up to which a handful of neighbours' rays would do the own one's average harm
+const float UNSHEARED_SHARE = 0.7, UNSHEARED_PX = 2.8;  // of the disc's radius, and at most: how far rays of unknown points are asked
 
 // A pixel on its receiver's plane, as the sun sees it.
 struct Footprint {
@@ -23,8 +25,7 @@ struct Receiver {
     ivec2 p, in_rows;
     vec3 n;             // light space
     ViewRays rays;      // around it, from it on
-    OffPlane plane;     // its own
-    float tolerance_m;  // off the plane
+    Surface surface;    // its own
     Footprint foot;
 };
 
@@ -32,7 +33,8 @@ Receiver receiver_at(ivec2 p, ivec2 offset, float z, vec3 n, ViewRays rays) {
     const vec3 here = rays.o + z * rays.r;
     const Footprint foot = footprint_of(rays, z, n);
     rays.o -= here;
-    return Receiver(p, offset + R, n, rays, off_plane(rays, n, vec3(0.0)), params.plane_tolerance * pixel_span_m(z), foot);
+    const Surface surface = Surface(off_plane(rays, n, vec3(0.0)), params.plane_tolerance * pixel_span_m(z));
+    return Receiver(p, offset + R, n, rays, surface, foot);
 }
 
 // How far a receiver looks.
@@ -58,8 +60,8 @@ Estimate agreement(Receiver r, ivec2 box) {
     bool flat_box = true;
     const ivec2 last = ivec2(frame.size) - 1;
     for (int i = 0; i < 4; ++i) {
-        const ivec2 q = clamp(r.p + box * (2 * ivec2(i & 1, i >> 1) - 1), ivec2(0), last);
-        flat_box = flat_box && abs(metres_off(r.plane, vec2(q - r.p), imageLoad(view_depth, q).x)) <= r.tolerance_m;
+        const ivec2 q = clamp(r.p + box * diagonal(i), ivec2(0), last);
+        flat_box = flat_box && shows(r.surface, vec2(q - r.p), imageLoad(view_depth, q).x);
     }
     const float n = flat_box ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
     return Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, n, max(0.4, min(1.0, 3.0 / n)));
@@ -67,10 +69,19 @@ Estimate agreement(Receiver r, ivec2 box) {
 
 // What the rays around say that hit the receiver's disc; `otherwise` where they are too few.
 Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate otherwise) {
+#if HAS_RAY_POINTS
     const Window window = window_of(penumbra, reach.limit_m, sqrt(reach.b1 * r.foot.s.s1 * reach.b2 * r.foot.s.s2));
     const Horizon horizon = horizon_of(r.n, penumbra.tangent);
+#else
+    const float most_m = UNSHEARED_PX * sqrt(r.foot.s.s1 * r.foot.s.s2);
+    const Window window = even_window(penumbra, min(UNSHEARED_SHARE * reach.limit_m, most_m));
+    const Horizon horizon = NO_HORIZON;
+#endif
     const ViewRays around = scaled(r.rays, window.by_radius);
-    const float tolerance = r.tolerance_m * window.by_radius;
+    const float tolerance = r.surface.tolerance_m * window.by_radius;
+#if HAS_RAY_POINTS
+    const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
+#endif
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     for (int dy = -reach.box.y; dy <= reach.box.y; ++dy) {  // a disc of pixels, cut off at the box
         const uint row = rows[r.in_rows.y + dy] >> uint(r.in_rows.x - R);
@@ -79,7 +90,11 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
         for (int dx = -half_width; dx <= half_width; ++dx) {
             const vec3 at = seen_at(of_row, vec2(float(dx), 0.0), imageLoad(view_depth, r.p + ivec2(dx, dy)).x);
             const bool usable = (row >> uint(dx + R + 16) & 1u) != 0u && abs(dot(r.n, at)) <= tolerance;
-            const vec2 point = unpack_point(imageLoad(sun_points, r.p + ivec2(dx, dy)).x);
+#if HAS_RAY_POINTS
+            const vec2 point = unpack_point(ray_points[clamp(at_p + dy * int(frame.size.x) + dx, 0, last)]);
+#else
+            const vec2 point = vec2(0.0);
+#endif
             add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, at, point, window, horizon);
         }
     }

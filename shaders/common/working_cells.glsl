@@ -14,6 +14,9 @@ const uint MOST_CELLS = 64u;
 shared uint left_count;
 shared uint left_cells[MOST_CELLS];  // their numbers in the workgroup
 
+// Pixel i of a cell, from its first one.
+ivec2 in_cell(int i) { return ivec2(i & 3, i >> 2); }
+
 ivec2 cell_of(uint number) {
     return CELLS_ACROSS * ivec2(gl_WorkGroupID.xy) + ivec2(number % uint(CELLS_ACROSS), number / uint(CELLS_ACROSS));
 }

@@ -300,11 +300,11 @@ constexpr uint32_t looked_at = 12;  // frame; until then the samples' own noise 
 // what the denoiser is told of the previous camera.
 double ours_forgotten(const ViewedPlane& plane, const std::function<Camera(double)>& camera,
                       const std::function<Camera(double)>& believed) {
-    DenoiseRun run(shadow_pipeline_file("denoise"), wide, {"count"});
+    DenoiseRun run(denoiser(), wide, {"state"});
     for (uint32_t f = 0; f <= looked_at; ++f)
         run.frame(see_plane(plane, camera(f - 1.0), camera(f), wide), noise(wide, f),
                   frame_between(believed(f), camera(f), wide, f, f == 0));
-    const std::vector<float> count = run.plane("count");
+    const std::vector<float> count = run.kept_frames();
     const PlaneImages images = see_plane(plane, camera(looked_at - 1), camera(looked_at), wide);
     size_t seen = 0, forgotten = 0;
     for (size_t i = 0; i < count.size(); ++i) {
@@ -312,7 +312,7 @@ double ours_forgotten(const ViewedPlane& plane, const std::function<Camera(doubl
                             (double(i / wide.width) + 0.5) / wide.height + images.motion[i][1]);
         if (!(images.depth[i] > 0) || uv.x < 0.02 || uv.y < 0.02 || uv.x > 0.98 || uv.y > 0.98) continue;
         ++seen;
-        forgotten += count[i] < 1.5f / 32;
+        forgotten += count[i] < 1.5f;
     }
     return share(forgotten, seen);
 }
@@ -368,7 +368,7 @@ TEST_F(HardCase, NoNormalKeepsAForeignHistory) {
     std::uniform_real_distribution<float> across(-1, 1),
         towards(0.6f, 2);  // no normal that the camera cannot see
     size_t naive = 0;
-    DenoiseRun run(shadow_pipeline_file("denoise"), wide, {"count"});
+    DenoiseRun run(denoiser(), wide, {"state"});
     for (uint32_t f = 0; f < 4; ++f) {
         PlaneImages images = see_plane({{0, 0, f < 3 ? -5.0 : -2.5}, {0, 0, 1}}, camera, camera, wide);
         for (auto& texel : images.normal) {
@@ -380,8 +380,8 @@ TEST_F(HardCase, NoNormalKeepsAForeignHistory) {
         }
         run.frame(images, noise(wide, f), frame_between(camera, camera, wide, f, f == 0));
     }
-    const std::vector<float> count = run.plane("count");
-    const size_t ghosts = count_if(count, [](float c) { return c > 1.5f / 32; });
+    const std::vector<float> count = run.kept_frames();
+    const size_t ghosts = count_if(count, [](float c) { return c > 1.5f; });
     figure("case 8, share of pixels that keep what a wall hides", share(naive, count.size()),
            share(ghosts, count.size()));
     EXPECT_GT(naive, count.size() / 20);

@@ -209,10 +209,21 @@ ViewRunOptions denoise_options(std::vector<std::string> captures) {
     ViewRunOptions options;
     options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}, {"motion", Format::rg32f}};
     options.captures = std::move(captures);
+    options.facts = {{"sun_moves", false}};
     return options;
 }
 
 }  // namespace
+
+CheckedPipeline denoiser() {
+    const std::vector<std::string> wide = {"nodes.gather.params.distance_m=1000"};
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/denoise.json",
+                                        wide, diagnostics);
+    auto result = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
+    if (!result) throw std::runtime_error(diagnostics.text());
+    return std::move(*result);
+}
 
 DenoiseRun::DenoiseRun(const CheckedPipeline& pipeline, Extent extent, std::vector<std::string> captures)
     : run_(pipeline, extent, denoise_options(std::move(captures))) {}
@@ -223,7 +234,25 @@ void DenoiseRun::frame(const PlaneImages& images, const std::vector<uint32_t>& h
     run_.set("normal", images.normal);
     run_.set("motion", images.motion);
     run_.set("hits", hits);
+    const blocks::Sun sun{{{0.14f, 0.7f, 0.7f}}, 0.00465f};
+    run_.set("sun", std::vector<blocks::Sun>{sun});
     run_.frame(description);
+}
+
+std::vector<float> DenoiseRun::kept_visibility() {
+    std::vector<float> v;
+    for (const uint32_t word : captured<uint32_t>(run_.view(), "state"))
+        v.push_back(float(word & 0x3ff) / 1023);
+    return v;
+}
+
+std::vector<float> DenoiseRun::kept_frames() {
+    std::vector<float> frames;
+    for (const uint32_t word : captured<uint32_t>(run_.view(), "state")) {
+        const float c = float(word >> 10 & 63) - 1;
+        frames.push_back(c < 0 ? 0 : 1 + c * c / 63);
+    }
+    return frames;
 }
 
 std::vector<float> DenoiseRun::plane(const std::string& name, size_t channel) {
@@ -232,10 +261,10 @@ std::vector<float> DenoiseRun::plane(const std::string& name, size_t channel) {
 
 CheckedPipeline published_denoiser(const std::string& tileclass_params) {
     return shadow_pipeline(R"({
-      "penumbra": 1, "name": "published", "inputs": { "depth": {}, "normal": {}, "motion": {}, "hits": {} },
+      "penumbra": 1, "name": "published", "inputs": { "depth": {}, "normal": {}, "motion": {}, "sun": {}, "hits": {} },
       "outputs": ["visibility"], "resources": { "visibility": { "format": "r16f" } },
       "nodes": {
-        "guides": { "type": "guides" }, "receivers": { "type": "receivers" }, "prepare": { "type": "prepare" },
+        "guides": { "type": "guides" }, "classify": { "type": "classify" }, "prepare": { "type": "prepare" },
         "tileclass": { "type": "tileclass", "in": { "history": "filtered0@-1", "moments_prev": "moments@-1",
                        "view_depth_prev": "view_depth@-1" }, "params": )" +
                            tileclass_params + R"( },

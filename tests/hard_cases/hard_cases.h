@@ -83,12 +83,19 @@ PlaneImages see_plane(const ViewedPlane& plane, const Camera& previous, const Ca
 // Ray-hit words from a predicate "lit at pixel x, y".
 std::vector<uint32_t> hit_words(Extent extent, const std::function<bool(uint32_t, uint32_t)>& lit);
 
-// denoise.json, or what `text` says, on such images.
+// denoise.json told that penumbrae are wide, so that noise is what it may be.
+CheckedPipeline denoiser();
+
+// A denoiser on such images.
 class DenoiseRun {
   public:
     DenoiseRun(const CheckedPipeline& pipeline, Extent extent, std::vector<std::string> captures);
     void frame(const PlaneImages& images, const std::vector<uint32_t>& hits, FrameDescription description);
     std::vector<float> plane(const std::string& name, size_t channel = 0);
+    // Of the state that denoise.json keeps (shadow_state.glsl): the visibility, and the frames that it stands
+    // for.
+    std::vector<float> kept_visibility();
+    std::vector<float> kept_frames();
     View& view() { return run_.view(); }
 
   private:

@@ -137,7 +137,6 @@ TEST_F(HardCase, AContactShadowOfOnePixelSurvivesTheDenoiser) {
         const std::string after = " after frames: " + std::to_string(frames);
         figure(("case 56, brightest pixel of a contact shadow" + after).c_str(),
                brightest("fidelityfx", frames), brightest("shadows", frames));
-        figure(("case 56, the same by sheared" + after).c_str(), NAN, brightest("sheared", frames));
         figure(("case 56, of the rays" + after).c_str(), NAN, brightest("raw", frames));
     }
     const float naive = brightest("fidelityfx", 16), ours = brightest("shadows", 16);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// sheared.json on shots that come with the project, standing still: what many rays per pixel say is reached
-// better than by shadows.json, also where gathering the neighbours' rays has a bias (leaves in several
-// layers, curved surfaces): a pixel's own rays know. Without that, trees at 192x108 read 64 after 64 frames
-// instead of 257, and shadows.json 90.
+// shadows.json on shots that come with the project. Standing still: what many rays per pixel say is reached,
+// also where gathering the neighbours' rays has a bias (leaves in several layers, curved surfaces): a pixel's
+// own rays know. Without that, trees at 192x108 read 64 after 64 frames instead of 257.
 #include <cstring>
 #include <glm/gtc/packing.hpp>
 
@@ -34,7 +33,7 @@ Truth truth_of(const Shot& shot) {
 
 // Of the last of 48 frames, every eighth: one frame is as good as its luck. `facts`: what the pipeline is
 // told whatever the scene says.
-double n_eff(const Shot& shot, const Truth& truth, const char* pipeline, const Facts& facts) {
+double n_eff(const Shot& shot, const Truth& truth, const Facts& facts) {
     constexpr uint32_t frames = 48, judged = 16;
     SessionOptions options;
     options.size = shot.size;
@@ -44,7 +43,7 @@ double n_eff(const Shot& shot, const Truth& truth, const char* pipeline, const F
     options.optimum = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(pipeline), shot, options,
+    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file("shadows"), shot, options,
                                        diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     double signal = 0, error = 0;
@@ -64,16 +63,16 @@ double n_eff(const Shot& shot, const Truth& truth, const char* pipeline, const F
     return signal / error;
 }
 
-class ShearedShots : public GpuTest, public ::testing::WithParamInterface<const char*> {};
+class ShadowsOfShots : public GpuTest {};
 
-TEST_P(ShearedShots, StandingStillBeatsTheOtherDenoiser) {
-    const Shot shot = still_shot(GetParam());
+TEST_F(ShadowsOfShots, StandingStillReachWhatManyRaysSay) {
+    const Shot shot = still_shot("trees");
     const Truth truth = truth_of(shot);
-    const Facts still{}, may_move{{"moves", true}};
-    const double other = n_eff(shot, truth, "shadows", still);
-    EXPECT_GT(other, 30);
-    EXPECT_GT(n_eff(shot, truth, "sheared", still), 1.3 * other);
-    EXPECT_GT(n_eff(shot, truth, "sheared", may_move), 1.3 * other);  // the drift test doubts nothing
+    const double still = n_eff(shot, truth, {}), may_move = n_eff(shot, truth, {{"moves", true}});
+    RecordProperty("still", std::to_string(still));
+    RecordProperty("may_move", std::to_string(may_move));
+    EXPECT_GT(still, 100);
+    EXPECT_GT(may_move, 100);  // the drift test doubts nothing
 }
 
 // A camera that moves resamples the past of edges that are narrower than a pixel, and a shadow that moves
@@ -111,21 +110,18 @@ double moving_error(const char* name, const char* pipeline) {
     return error;
 }
 
-class ShearedMoving : public GpuTest, public ::testing::WithParamInterface<std::pair<const char*, double>> {};
+class ShadowsOfMovingShots : public GpuTest,
+                             public ::testing::WithParamInterface<std::pair<const char*, double>> {};
 
-// Mean squared error of shadows.json's: .55 and .41 while the past of a hard edge was taken at its word, .41
-// and .27 now.
-TEST_P(ShearedMoving, HasLessThanHalfOfTheOtherDenoisersError) {
-    const auto& [shot, share] = GetParam();
-    EXPECT_LT(moving_error(shot, "sheared"), share * moving_error(shot, "shadows"));
+// Summed squared error: 18 and 21 while the past of a hard edge was taken at its word.
+TEST_P(ShadowsOfMovingShots, DoNotTrustThePastOfAHardEdge) {
+    const auto& [shot, most] = GetParam();
+    EXPECT_LT(moving_error(shot, "shadows"), most);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shots, ShearedMoving,
-                         ::testing::Values(std::pair{"engine", 0.49}, std::pair{"lamp", 0.35}),
+INSTANTIATE_TEST_SUITE_P(Shots, ShadowsOfMovingShots,
+                         ::testing::Values(std::pair{"engine", 15.5}, std::pair{"lamp", 16.5}),
                          [](const auto& test) { return std::string(test.param.first); });
-
-INSTANTIATE_TEST_SUITE_P(Shots, ShearedShots, ::testing::Values("trees"),
-                         [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
 }  // namespace penumbra::test

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Last phase of gather: this frame beside the past, pixel by pixel, and what of their differences a cell hands on to drift and
+// soften.
+//
+// Includer has shadow_past.glsl, this_frame.glsl and frame_residuals.glsl, and defines what gather.comp knows of its cells.
+
+// Of the variance between the texels that the past is resampled from: what resampling adds to its error. Over the
+// penumbra's radius in pixels; both numbers minimise the shots' error (docs/denoiser.md).
+const float RESAMPLING_SHARE = 0.5, LARGEST_SHARE = 3.0;
+const float NARROW_PX = 0.75;    // radius below which a young past is judged by the edge beside it
+const float DOUBTED = 2.0;       // frames: a past that drift leaves fewer is one that it does not believe
+const float OWN_SPREAD = 0.005;  // v (1 - v) to hold against what resampling does to the own rays' mean
+const float NEW_RESIDUAL = 0.2;  // weight of a frame in the running mean of the residual
+
+void compare_cell(uint at, ivec2 cell) {
+    const ivec2 first = cell * CELL;
+    const uint asking = cell_asking[at];
+    recall_rows(at);
+    const uint lit = lit_or_sky(cell);
+#if HAS_MOTION
+    const ViewRays before = previous_rays(light);
+#endif
+    const Penumbra penumbra = penumbra_of(at);
+    const float rho = radius_m(penumbra);
+
+    Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+    Bias bias = Bias(0.0, 0.0, 0.0, 0.0);
+    vec2 steps = vec2(1e9);  // light-space pixel sizes
+    float largest = 0.0, seen_m2 = 0.0;  // by the sun, of the cell's pixels
+    int pairs = 0, pasts = 0;
+    float radii = 0.0, by_counts = 0.0;  // over these
+    int tested_pixels = 0;
+    bool resampled = false;
+    for (int i = 0; i < CELL * CELL; ++i) {
+        const ivec2 offset = in_cell(i), p = first + offset;
+        const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
+        Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false, NO_RAYS);
+        if (is_tested(offset + R)) {
+            const float z = imageLoad(view_depth, p).x;
+            const vec3 n = normal_at(p), n_light = light * n;
+            const ViewRays rays = rays_of(p);
+            const Receiver r = receiver_at(p, offset, z, n_light, rays);
+            const Footprint foot = r.foot;
+            const bool asked = (asking >> uint(i) & 1u) != 0u;
+            Estimate now;
+            if (asked) now = unpack_estimate(estimates[PIXELS * at + uint(i)]);
+            for (int k = 0; k < (asked ? 0 : 1); ++k) now = agreement(r, reach_of(foot.s, penumbra).box);
+#if HAS_MOTION
+            const Surface then = Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m);
+            Past past = under_this_sun(past_of(p, n, then));
+#else
+            Past past = under_this_sun(past_of(p));
+#endif
+            const float radius_px = rho / max(foot.s.s1, 1e-9);
+            const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
+            if (past.count < DOUBTED) past.own.count = 0.0;
+            add_pixel(bias, past, now);
+            resampled = resampled || past.resampled;
+            past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
+            past.own.count = min(past.own.count, OWN_SPREAD / max(resampling, 1e-6));
+            steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
+            largest = max(largest, foot.s.s1);
+            ++tested_pixels;
+            seen_m2 += foot.s.s1 * foot.s.s2;
+            pairs += differs(r, ivec2(1, 0)) + differs(r, ivec2(0, 1));
+
+            g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
+                         sqrt(squared_error(now)), true, with_ray(past.own, bit > 0.5));
+            if (past.count > 0.0) {
+                const float d = g.now - g.past;
+                g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
+                const float variance = null_variance(now, past, rho / max(foot.s.s2, 1e-9));
+                ++pasts;
+                radii += rho / max(foot.s.s2, 1e-9);
+                by_counts += 1.0 / past.count;
+                sums.d += d;
+                sums.e += g.residual;
+                sums.v += variance;
+                sums.d2 += d * d;
+                sums.e2 += g.residual * g.residual;
+                sums.c += variance * (1.0 + 0.5 * (now.rays - 1.0));
+            }
+        }
+        imageStore(gathered, p, uvec4(pack_gathered(g, thresholds_at(p)), 0u, 0u));
+    }
+    const float by_pasts = 1.0 / float(max(pasts, 1));
+    if (pasts > 0 && radii * by_pasts < NARROW_PX) {
+        const float flips = flips_of(pairs, radii * by_pasts, by_counts * by_pasts);
+        sums.c += max(flips - sums.v, 0.0);  // where it counts there is one ray
+        sums.v = max(sums.v, flips);
+    }
+    const vec2 reach = rho > 0.0 ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
+    const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
+    // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
+    float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
+    uint past_kind = resampled ? PAST_RESAMPLED : PAST_WHOLE;
+#if !HAS_MOTION && !HAS_SUN_PREV
+    past_kind = PAST_CERTAIN;
+    sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
+#endif
+    cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
+    const uint softening = pack_softening(ivec2(reach), past_kind, has_both(said_within(1)), tests, mean_bias(bias));
+    cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, radius_px, uintBitsToFloat(softening));
+}

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// First phase of gather: cells with nothing but equal bits in reach, whose past has said nothing else, are what these say.
+//
+// Includer has working_cells.glsl, bit_rows.glsl, corners.glsl, shadow_state.glsl and lit_or_sky(), and declares the images history, gathered and,
+// where things move, motion, and the buffers idle_cells, idle_cells_prev and cells.
+
+// Have the rays of some pixel of a cell, all of which say `lit` now, said something else? Then there is a thin or faint
+// penumbra, and one frame's agreement is no reason to forget it. One motion serves the whole cell: under a camera that moves
+// hardly anything stays faint for long. Cells that were idle know without a look at their pixels.
+bool past_disagrees(ivec2 first, bool lit) {
+    if ((frame.flags & FRAME_RESET) != 0u) return false;
+    const ivec2 last = ivec2(frame.prev_size) - 1;
+    ivec2 there = first;
+#if HAS_MOTION
+    const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
+    const Reprojection before = reproject(middle, texelFetch(motion, middle, 0).xy);
+    if (!before.on_screen) return false;
+    there += ivec2(floor(before.uv * vec2(frame.prev_size))) - middle;
+#endif
+    bool idled = true;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 q = clamp(there + (CELL - 1) * corner(i), ivec2(0), last);
+        idled = idled && idled_as(idle_cells_prev[cell_index(q / CELL, frame.prev_size)], lit);
+    }
+    bool unlike = false;
+    for (int i = 0; i < (idled ? 0 : CELL * CELL); ++i) {
+        const ivec2 q = clamp(there + in_cell(i), ivec2(0), last);
+        unlike = unlike || disagrees(imageLoad(history, q).x, lit);
+    }
+    return unlike;
+}
+
+bool is_settled(ivec2 cell, bool below_last) {
+    const ivec2 first = cell * CELL;
+    if (below_last)
+        load_rows_below(cell);
+    else
+        load_rows(cell);
+    const uint said = said_within(R);
+    bool works = has_both(said);
+    for (int i = 0; i < (!works && said != 0u ? 1 : 0); ++i) works = past_disagrees(first, (said & 0xffffu) != 0u);
+
+    const uint lit = lit_or_sky(cell);
+    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    uint idle = 0u;
+    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
+        const ivec2 offset = in_cell(i), p = first + offset;
+        const bool bit = (lit & pixel_bit(p)) != 0u, tests = is_tested(offset + R);
+        idle |= ((bit ? 1u : 0u) | (tests ? 0x10000u : 0u)) << uint(i);
+        // Packed when this is compiled.
+        const uvec2 g = bit ? pack_gathered(Gathered(1.0, 1.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 0u)
+                            : pack_gathered(Gathered(0.0, 0.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 0u);
+        imageStore(gathered, p, uvec4(g | uvec2(0u, tests ? TESTED : 0u), 0u, 0u));
+    }
+    idle_cells[cell_index(cell)] = works ? NOT_IDLE : idle;
+    if (!works) {  // nothing to doubt
+        cells[2u * cell_index(cell)] = vec4(0.0);
+        cells[2u * cell_index(cell) + 1u] = vec4(0.0);
+    }
+    return !works;
+}

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+// denoise.json, for hosts that trace by themselves: on trace's own rays as if they were a host's, by how much
+// is known of them; and on images of the test's making, in every form that the host's samples may come in.
+#include <cstring>
+#include <glm/gtc/packing.hpp>
+#include <limits>
+#include <random>
+
+#include "app/session.h"
+#include "host/truth/analytic.h"
+#include "nodes/nodes.h"
+#include "tests/edge_run.h"
+#include "tests/gpu_test.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+class Denoise : public GpuTest {};
+
+CheckedPipeline denoise_pipeline(const std::vector<std::string>& settings = {}) {
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/denoise.json",
+                                        settings, diagnostics);
+    auto result = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
+    if (!result) throw std::runtime_error(diagnostics.text());
+    return std::move(*result);
+}
+
+// The rays of shadows.json on a straight edge, handed to denoise.json frame by frame. `knows`: gather's
+// parameter rays.
+class ForeignRays {
+  public:
+    ForeignRays(const Edge& edge, const std::string& knows, const std::vector<std::string>& settings = {})
+        : shot_(shot_of(edge)),
+          knows_(knows),
+          run_(pipeline(knows, settings), extent_of(edge), run_options()) {
+        SessionOptions options;
+        options.size = edge.size;
+        options.captures = {"hits", "blockers", "ray_points", "visibility"};
+        options.seed = 1;
+        options.facts = {{"moves", true}};  // as the other knows it
+        options.jitter = false;
+        options.optimum = false;
+        Diagnostics diagnostics;
+        std::vector<std::string> warnings;
+        tracer_ = Session::open(gpu(), test_nodes(), shadow_pipeline_file("shadows"), shot_, options,
+                                diagnostics, warnings);
+        if (!tracer_) throw std::runtime_error(diagnostics.text());
+    }
+
+    // What denoise.json makes of them, and what shadows.json does.
+    struct Images {
+        std::vector<float> foreign, own;
+    };
+    Images up_to(uint32_t last) {
+        for (uint32_t index = 0; index <= last; ++index) {
+            tracer_->run_frame(index, index == 0);
+            const StandaloneFrame frame = tracer_->host().frame(index, index == 0);
+            const GBufferImages& images = tracer_->host().images();
+            hand_over("depth", images.depth);
+            hand_over("normal", images.normal);
+            hand_over("motion", images.motion);
+            run_.set("sun", std::vector<blocks::Sun>{frame.sun});
+            run_.set("sun_prev", std::vector<blocks::Sun>{frame.sun});
+            run_.set("hits", captured<uint32_t>(tracer_->view(), "hits"));
+            if (knows_ != "bits") run_.set("blockers", captured<uint32_t>(tracer_->view(), "blockers"));
+            if (knows_ == "known") run_.set("ray_points", captured<uint32_t>(tracer_->view(), "ray_points"));
+            run_.frame(frame.description);
+        }
+        return {captured_planes(run_.view(), "visibility").at(0),
+                captured_planes(tracer_->view(), "visibility").at(0)};
+    }
+
+  private:
+    static Extent extent_of(const Edge& edge) { return {edge.size[0], edge.size[1]}; }
+    static CheckedPipeline pipeline(const std::string& knows, std::vector<std::string> settings) {
+        settings.push_back("nodes.gather.params.rays=" + knows);
+        if (knows != "bits") settings.emplace_back("inputs.blockers={}");
+        if (knows == "known") settings.emplace_back("inputs.ray_points={}");
+        return denoise_pipeline(settings);
+    }
+    static ViewRunOptions run_options() {
+        ViewRunOptions options;
+        options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba32f}, {"motion", Format::rgba16f}};
+        return options;
+    }
+    void hand_over(const char* name, const GpuImage& image) {
+        run_.set(name, read_image(gpu(), image.get(), image.format, image.extent, GBuffer::final_layout));
+    }
+
+    Shot shot_;
+    std::string knows_;
+    ViewRun run_;
+    std::unique_ptr<Session> tracer_;
+};
+
+// A host that knows as much of its rays as trace does gets what shadows.json makes of them, bit for bit.
+TEST_F(Denoise, WithAllThatIsKnownOfRaysIsShadows) {
+    for (const double speed : {0.0, 0.5}) {
+        const Edge edge{.width_px = 8, .speed_px = speed, .last = 9};
+        const auto images = ForeignRays(edge, "known").up_to(edge.last);
+        EXPECT_TRUE(images.foreign == images.own) << speed;
+    }
+}
+
+double n_eff(const Edge& edge, const std::string& knows, const std::vector<std::string>& settings = {}) {
+    return n_eff_inside(edge, ForeignRays(edge, knows, settings).up_to(edge.last).foreign);
+}
+
+// Gates are about half of what is reached (docs/denoiser.md); the rays themselves have 1.
+TEST_F(Denoise, KnowsPenumbraeByTheirBlockersDistances) {
+    EXPECT_GT(n_eff({.width_px = 2, .last = 0}, "distances"), 2.8);
+    EXPECT_GT(n_eff({.width_px = 8, .last = 0}, "distances"), 17);
+    EXPECT_GT(n_eff({.width_px = 32, .last = 0}, "distances"), 100);
+    EXPECT_GT(n_eff({.width_px = 8, .speed_px = 0.5, .last = 24}, "distances"), 12);
+    EXPECT_GT(n_eff({.width_px = 16, .last = 63}, "distances"), 1000);
+}
+
+TEST_F(Denoise, OfBareBitsIsNoWorseThanAveragingThem) {
+    for (const double width : {2.0, 8.0, 32.0}) {
+        EXPECT_GT(n_eff({.width_px = width, .last = 0}, "bits"), 2.5) << width;
+        EXPECT_GT(n_eff({.width_px = width, .last = 63}, "bits"), 300) << width;
+    }
+    EXPECT_GT(n_eff({.width_px = 8, .speed_px = 0.5, .last = 24}, "bits"), 1.8);
+}
+
+// denoise.json on images that a host hands over: a wall seen face on, and noise that thickens to the right.
+class WallHost {
+  public:
+    explicit WallHost(const CheckedPipeline& pipeline, std::optional<uint32_t> poison = 0, bool alias = true)
+        : run_(pipeline, extent, options(poison, alias)) {}
+
+    // `broken` is what half of every image holds instead.
+    std::vector<float> frame(uint32_t index, std::optional<float> broken = {}) {
+        const size_t n = size_t(extent.width) * extent.height;
+        std::vector<float> depth(n, 0.01f);  // near / view depth
+        std::vector<uint64_t> normal(n, glm::packHalf4x16({0, 0, 1, 0})), motion(n, 0);
+        std::vector<uint32_t> hits(size_t(extent.width / 8) * (extent.height / 4), 0);
+        std::vector<uint8_t> mask(n);
+        std::mt19937 random(index + 1);
+        for (uint32_t i = 0; i < n; ++i) {
+            const uint32_t x = i % extent.width, y = i / extent.width;
+            const bool lit = random() % extent.width >= x;
+            mask[i] = lit ? 255 : 0;
+            if (!lit) hits[y / 4 * (extent.width / 8) + x / 8] |= 1u << (y % 4 * 8 + x % 8);
+            if (broken && y < extent.height / 2) {
+                depth[i] = *broken;
+                normal[i] = motion[i] = glm::packHalf4x16(glm::vec4(*broken));
+            }
+        }
+        run_.set("depth", depth);
+        run_.set("normal", normal);
+        run_.set("motion", motion);
+        run_.set("sun", std::vector<blocks::Sun>{{{{0, 0.6f, 0.8f}}, 0.00465f}});
+        run_.set("sun_prev", std::vector<blocks::Sun>{{{{0, 0.6f, 0.8f}}, 0.00465f}});
+        if (image_)
+            run_.set("mask", mask);
+        else
+            run_.set("hits", hits);
+        const Camera camera = camera_at({0, 0, 0}, 0, extent);
+        run_.frame(frame_between(camera, camera, extent, index, index == 0 || index == reset_at_));
+        return captured_planes(run_.view(), "visibility").at(0);
+    }
+    WallHost& with_mask() {
+        image_ = true;
+        return *this;
+    }
+    WallHost& with_reset_at(uint32_t index) {
+        reset_at_ = index;
+        return *this;
+    }
+
+  private:
+    static constexpr Extent extent{96, 64};
+    static ViewRunOptions options(std::optional<uint32_t> poison, bool alias) {
+        ViewRunOptions options;
+        options.poison = poison;
+        options.alias = alias;
+        options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}, {"motion", Format::rgba16f}};
+        return options;
+    }
+    ViewRun run_;
+    bool image_ = false;
+    uint32_t reset_at_ = 0;
+};
+
+CheckedPipeline by_input(bool mask) {
+    if (!mask) return denoise_pipeline();
+    return denoise_pipeline({"inputs.hits=null", "inputs.mask={}", "nodes.prepare.params.source=image"});
+}
+
+TEST_F(Denoise, ComesFromAHostsBitsAndFromItsMaskAlike) {
+    WallHost words(by_input(false)), image(by_input(true));
+    image.with_mask();
+    for (uint32_t index = 0; index < 4; ++index)
+        EXPECT_TRUE(words.frame(index) == image.frame(index)) << index;
+}
+
+// The denoiser alone, by either input: memory sharing and garbage do not show. A reset in the middle makes
+// garbage history likelier to show.
+TEST_F(Denoise, DoesNotShowAliasingOrPoison) {
+    for (const bool mask : {false, true}) {
+        const auto frames = [&](std::optional<uint32_t> poison, bool alias) {
+            WallHost host(by_input(mask), poison, alias);
+            if (mask) host.with_mask();
+            host.with_reset_at(5);
+            std::vector<std::vector<float>> out;
+            for (uint32_t index = 0; index < 8; ++index) out.push_back(host.frame(index));
+            return out;
+        };
+        const auto expected = frames(std::nullopt, false);
+        for (const uint32_t poison : {0u, 1u})
+            for (const bool alias : {true, false})
+                EXPECT_TRUE(frames(poison, alias) == expected)
+                    << "mask " << mask << " poison " << poison << " alias " << alias;
+    }
+}
+
+// What a broken frame leaves behind is a shorter history, in the part that was broken and around it.
+TEST_F(Denoise, SurvivesABrokenFrame) {
+    for (const float broken :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e30f}) {
+        WallHost host(by_input(false)), unharmed(by_input(false));
+        for (uint32_t index = 0; index < 8; ++index) {
+            SCOPED_TRACE(testing::Message() << broken << ", frame " << index);
+            const std::vector<float> image =
+                host.frame(index, index == 3 ? std::optional(broken) : std::nullopt);
+            const std::vector<float> expected = unharmed.frame(index);
+            for (const float v : image) ASSERT_TRUE(v >= 0 && v <= 1);
+            for (size_t i = 96 * (32 + 16); i < image.size(); ++i)
+                ASSERT_NEAR(image[i], expected[i], 0.05) << i;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace penumbra::test
