@@ -51,7 +51,6 @@ Around look_around(ivec2 p) {
 
 #include "common/taa_history.glsl"
 #include "common/taa_box.glsl"
-#if HAS_GUIDE_NORMAL
 #include "common/taa_surfaces.glsl"
 
 vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
@@ -70,7 +69,6 @@ vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
     const vec3 out_color = expand(c);
     return vec4(round_to(out_color.xy, HALF_BITS), round_to(out_color.z, HALF_BITS), frames / float(MAX_FRAMES));
 }
-#endif
 
 vec4 published(ivec2 p, vec3 c, Reprojection there, vec2 v) {
     if (there.on_screen && (frame.flags & FRAME_RESET) == 0u) {
@@ -85,17 +83,12 @@ vec4 published(ivec2 p, vec3 c, Reprojection there, vec2 v) {
 void for_pixel(ivec2 p) {
     const vec3 c = current(p);
     const Around around = look_around(p);
-#if HAS_MOTION
-    const vec2 v = texelFetch(motion, around.nearest, 0).xy;
-#else
-    const vec2 v = vec2(0.0);
-#endif
+    const vec2 v = HAS_MOTION ? texelFetch(motion, around.nearest, 0).xy : vec2(0.0);
     const Reprojection there = reproject(p, v);
-#if HAS_GUIDE_NORMAL
-    imageStore(color, p, robust(p, c, around, there, v));
-#else
-    imageStore(color, p, published(p, c, there, v));
-#endif
+    if (HAS_GUIDE_NORMAL)
+        imageStore(color, p, robust(p, c, around, there, v));
+    else
+        imageStore(color, p, published(p, c, there, v));
 }
 
 void main() { for_each_pixel(); }

@@ -65,7 +65,7 @@ class Lanes : public GpuTest {};
 // Few pixels of a tile need rays, so that how they are shared out matters; sizes that leave half tiles.
 TEST_F(Lanes, HowADeviceGroupsThemDoesNotShow) {
     const Shot shot = plaza_shot({203, 117}, 3);
-    for (const Case& c : {Case{"sheared", {}, {"hits", "blockers"}}, Case{"raw", {}, {"hits"}},
+    for (const Case& c : {Case{"shadows", {}, {"hits", "blockers"}}, Case{"raw", {}, {"hits"}},
                           Case{"raw", {"nodes.trace.params.rays_per_pixel=5"}, {"hits", "fraction"}},
                           Case{"hybrid_shadows",
                                {"nodes.cover.params.budget=16"},
@@ -84,7 +84,7 @@ TEST_F(SubgroupsOf, FourAndOfEightGiveTheSameBits) {
     if (gpu().info().driver.find("llvmpipe") == std::string::npos)
         GTEST_SKIP() << "sizes of Mesa's CPU device";
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
-    for (const char* pipeline : {"sheared", "hybrid_shadows"}) {
+    for (const char* pipeline : {"shadows", "hybrid_shadows"}) {
         std::map<std::string, std::string> images[2];
         for (const int bits : {128, 256}) {
             setenv("LP_NATIVE_VECTOR_WIDTH", std::to_string(bits).c_str(), 1);
@@ -92,7 +92,7 @@ TEST_F(SubgroupsOf, FourAndOfEightGiveTheSameBits) {
             ASSERT_NE(devices.out.find("subgroup " + std::to_string(bits / 32)), std::string::npos)
                 << devices.out;
             const fs::path out = folder_ / (pipeline + std::to_string(bits));
-            const std::string blockers = pipeline == std::string("sheared") ? ",blockers" : ",coverage";
+            const std::string blockers = pipeline == std::string("shadows") ? ",blockers" : ",coverage";
             const Result result =
                 run("render pipelines/" + std::string(pipeline) +
                     ".json --shot scenes/lamp.shot.json --size 100x60 --frames 0..2 --capture hits" +

@@ -17,9 +17,8 @@ void compare_cell(uint at, ivec2 cell) {
     const uint asking = cell_asking[at];
     recall_rows(at);
     const uint lit = lit_or_sky(cell);
-#if HAS_MOTION
-    const ViewRays before = previous_rays(light);
-#endif
+    ViewRays before;
+    if (HAS_MOTION) before = previous_rays(light);
     const Penumbra penumbra = penumbra_of(at);
     const float rho = radius_m(penumbra);
 
@@ -45,12 +44,12 @@ void compare_cell(uint at, ivec2 cell) {
             Estimate now;
             if (asked) now = unpack_estimate(estimates[PIXELS * at + uint(i)]);
             for (int k = 0; k < (asked ? 0 : 1); ++k) now = agreement(r, reach_of(foot.s, penumbra).box);
-#if HAS_MOTION
-            const Surface then = Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m);
-            Past past = under_this_sun(past_of(p, n, then));
-#else
-            Past past = under_this_sun(past_of(p));
-#endif
+            Past past;
+            if (HAS_MOTION)
+                past = past_of(p, n, Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m));
+            else
+                past = past_of(p);
+            past = under_this_sun(past);
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             if (past.count < DOUBTED) past.own.count = 0.0;
@@ -94,10 +93,10 @@ void compare_cell(uint at, ivec2 cell) {
     // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
     float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
     uint past_kind = resampled ? PAST_RESAMPLED : PAST_WHOLE;
-#if !HAS_MOTION && !HAS_SUN_PREV
-    past_kind = PAST_CERTAIN;
-    sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
-#endif
+    if (!HAS_MOTION && !HAS_SUN_PREV) {
+        past_kind = PAST_CERTAIN;
+        sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
+    }
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
     const uint softening = pack_softening(ivec2(reach), past_kind, has_both(said_within(1)), tests, mean_bias(bias));
     cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, radius_px, uintBitsToFloat(softening));

@@ -4,11 +4,10 @@
 // than it is blurs details, and how much the bits vary does not tell noise from leaves.
 //
 // Includer has tiles.glsl, shadow_state.glsl, rounded.glsl and this_frame.glsl, and declares the block sun.
-#if HAS_BLOCKERS
 #define READS_BLOCKERS
 #include "common/blockers.glsl"
 
-Penumbra penumbra_at(ivec2 cell, Footprint) {
+Penumbra penumbra_by_blockers(ivec2 cell) {
     const vec2 centre = (vec2(cell * CELL) + 0.5 * float(CELL)) / vec2(BLOCK);
     const ivec2 first = ivec2(floor(centre - 0.5)) - 1, grid = tile_grid();
     vec3 sums = vec3(0.0);  // hits, log2 of the distance, its square
@@ -30,12 +29,12 @@ Penumbra penumbra_at(ivec2 cell, Footprint) {
     const float deviation = sqrt(max(sums.z / sums.x - octaves * octaves, 0.0));
     return Penumbra(exp2(octaves), tan(sun.angular_radius), 0.6931472 * deviation);
 }
-#else
+
 const float NARROW_PENUMBRA_PX = 0.3;  // radius
 
-Penumbra penumbra_at(ivec2, Footprint foot) {
+Penumbra penumbra_at(ivec2 cell, Footprint foot) {
+    if (HAS_BLOCKERS) return penumbra_by_blockers(cell);
     const float tangent = tan(sun.angular_radius), narrow_m = NARROW_PENUMBRA_PX * sqrt(foot.s.s1 * foot.s.s2);
     if (tangent <= 0.0) return Penumbra(0.0, 0.0, 0.0);
     return Penumbra(params.distance_m > 0.0 ? params.distance_m : narrow_m / tangent, tangent, 0.0);
 }
-#endif

@@ -11,12 +11,12 @@ bool past_disagrees(ivec2 first, bool lit) {
     if ((frame.flags & FRAME_RESET) != 0u) return false;
     const ivec2 last = ivec2(frame.prev_size) - 1;
     ivec2 there = first;
-#if HAS_MOTION
-    const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
-    const Reprojection before = reproject(middle, texelFetch(motion, middle, 0).xy);
-    if (!before.on_screen) return false;
-    there += ivec2(floor(before.uv * vec2(frame.prev_size))) - middle;
-#endif
+    if (HAS_MOTION) {
+        const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
+        const Reprojection before = reproject(middle, texelFetch(motion, middle, 0).xy);
+        if (!before.on_screen) return false;
+        there += ivec2(floor(before.uv * vec2(frame.prev_size))) - middle;
+    }
     bool idled = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = clamp(there + (CELL - 1) * corner(i), ivec2(0), last);

@@ -5,9 +5,7 @@
 // Includer has shadow_state.glsl, view_rays.glsl and corners.glsl, and declares the images history
 // and, where things move, motion, view_depth_prev and guide_normal_prev.
 #include "common/cubic.glsl"
-#if HAS_SUN_PREV
 #include "common/sun_change.glsl"
-#endif
 
 const float SAME_FACE = 0.9;  // cosine, as near as 10 bits are to a unit vector: beyond a crease the sun stands differently
 
@@ -19,7 +17,6 @@ struct Past {
 };
 const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS, false, false);
 
-#if HAS_MOTION
 // Camera-relative point, in the *current* camera's terms, that a texel of the previous frame showed at `view_depth`.
 // The texel's centre and its depth are three linear equations in the point; Cramer's rule solves them.
 vec3 previous_position(ivec2 texel, float view_depth) {
@@ -113,22 +110,19 @@ Past past_of(ivec2 p, vec3 n, Surface surface) {
     return past;
 }
 
-#else
 // Nothing moves: the pixel's past is its own.
 Past past_of(ivec2 p) {
     const ShadowState s = unpack_state(imageLoad(history, p).x);
     if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
     return Past(s.visibility, s.count, s.residual, 0.0, s.own, false, false);
 }
-#endif
 
 // A past that saw another sun.
 Past under_this_sun(Past past) {
-#if HAS_SUN_PREV
+    if (!HAS_SUN_PREV) return past;
     const float share = sun_share(sun, sun_prev);
     past.count = samples_left(past.count, share);
     past.own.count = samples_left(past.own.count, share);
     if (past.count <= 0.0) return NO_PAST;
-#endif
     return past;
 }

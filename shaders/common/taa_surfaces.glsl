@@ -15,7 +15,6 @@ struct Past {
 
 float frames_of(float alpha) { return floor(alpha * float(MAX_FRAMES) + 0.5); }
 
-#if HAS_VIEW_DEPTH_PREV
 // What a pixel shows, among points that the previous frame saw at some uv (without jitter), depth_change less in front of the
 // camera. Moved back by the surface's own motion such a point is one of the current view, where positions are linear in uv and
 // bilinear with depth.
@@ -71,7 +70,7 @@ bool was_thin(Seen seen, ivec2 t, ivec2 last) {
 
 // An edge of the picture alternates with the jitter between what is in front and what is behind, so a texel may have shown
 // either. Where one of the four around the position showed something else, the largest share of the others stands for all.
-Past past_at(vec2 texel, Around around) {
+Past past_among(vec2 texel, Around around) {
     const Seen seen = Seen(plane_at(around.nearest, around.nearest_depth), plane_at(around.farthest, around.farthest_depth),
                            around.farthest_depth > 0.0, around.sky);
     const ivec2 last = ivec2(frame.prev_size) - 1, base = ivec2(floor(texel - 0.5));
@@ -96,9 +95,10 @@ Past past_at(vec2 texel, Around around) {
     const bool between = best_share < 1.0 && shares == 1.0;
     return Past(between ? history_at(texel) : value.xyz, none && !thin ? 0.0 : frames_of(value.w), thin);
 }
-#else
+
+// Where nothing moves, the texel's own is all that is asked.
 Past past_at(vec2 texel, Around around) {
+    if (HAS_VIEW_DEPTH_PREV) return past_among(texel, around);
     const vec4 value = texelFetch(history, ivec2(texel), 0);
     return Past(value.xyz, frames_of(value.w), false);
 }
-#endif

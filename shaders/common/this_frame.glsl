@@ -69,19 +69,18 @@ Estimate agreement(Receiver r, ivec2 box) {
 
 // What the rays around say that hit the receiver's disc; `otherwise` where they are too few.
 Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate otherwise) {
-#if HAS_RAY_POINTS
-    const Window window = window_of(penumbra, reach.limit_m, sqrt(reach.b1 * r.foot.s.s1 * reach.b2 * r.foot.s.s2));
-    const Horizon horizon = horizon_of(r.n, penumbra.tangent);
-#else
-    const float most_m = UNSHEARED_PX * sqrt(r.foot.s.s1 * r.foot.s.s2);
-    const Window window = even_window(penumbra, min(UNSHEARED_SHARE * reach.limit_m, most_m));
-    const Horizon horizon = NO_HORIZON;
-#endif
+    Window window;
+    Horizon horizon = NO_HORIZON;
+    if (HAS_RAY_POINTS) {
+        window = window_of(penumbra, reach.limit_m, sqrt(reach.b1 * r.foot.s.s1 * reach.b2 * r.foot.s.s2));
+        horizon = horizon_of(r.n, penumbra.tangent);
+    } else {
+        const float most_m = UNSHEARED_PX * sqrt(r.foot.s.s1 * r.foot.s.s2);
+        window = even_window(penumbra, min(UNSHEARED_SHARE * reach.limit_m, most_m));
+    }
     const ViewRays around = scaled(r.rays, window.by_radius);
     const float tolerance = r.surface.tolerance_m * window.by_radius;
-#if HAS_RAY_POINTS
     const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
-#endif
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     for (int dy = -reach.box.y; dy <= reach.box.y; ++dy) {  // a disc of pixels, cut off at the box
         const uint row = rows[r.in_rows.y + dy] >> uint(r.in_rows.x - R);
@@ -90,11 +89,8 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
         for (int dx = -half_width; dx <= half_width; ++dx) {
             const vec3 at = seen_at(of_row, vec2(float(dx), 0.0), imageLoad(view_depth, r.p + ivec2(dx, dy)).x);
             const bool usable = (row >> uint(dx + R + 16) & 1u) != 0u && abs(dot(r.n, at)) <= tolerance;
-#if HAS_RAY_POINTS
-            const vec2 point = unpack_point(ray_points[clamp(at_p + dy * int(frame.size.x) + dx, 0, last)]);
-#else
-            const vec2 point = vec2(0.0);
-#endif
+            vec2 point = vec2(0.0);
+            if (HAS_RAY_POINTS) point = unpack_point(ray_points[clamp(at_p + dy * int(frame.size.x) + dx, 0, last)]);
             add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, at, point, window, horizon);
         }
     }
