@@ -303,7 +303,7 @@ TEST(ValidateNode, WrongUseIsExplained) {
         Diagnostics diagnostics;
         const auto pipeline = parse_pipeline(R"({ "penumbra": 1, "name": "bad", "outputs": ["receiver_words"],
             "inputs": { "depth": {}, "sun": {} }, "nodes": { "guides": { "type": "guides" },
-            "receivers": { "type": "receivers" }, "look": )" +
+            "classify": { "type": "classify" }, "look": )" +
                                                  look + "} }",
                                              "bad.json", {}, diagnostics);
         if (pipeline) check(*pipeline, test_nodes(), diagnostics);

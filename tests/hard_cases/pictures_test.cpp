@@ -94,7 +94,7 @@ TEST_F(HardCase, ABrightSunsPenumbraIsAsBrightAsItIs) {
         return std::abs(sum / expected - 1);
     };
     // Naive: the noisy rays are shaded, and anti-aliasing averages them after c / (1 + c).
-    const double naive = error({"nodes.smooth2=null", "nodes.hard.if=sun_up & casters"});
+    const double naive = error({"nodes.soften=null", "nodes.hard.if=sun_up & casters"});
     const double ours = error({});
     figure("case 53, error of a penumbra's brightness under a sun of 256 times the sky", naive, ours);
     EXPECT_LT(ours, 0.02);
