@@ -5,7 +5,7 @@
 #include "app/commands.h"
 #include "app/node_folders.h"
 #include "app/pipeline_file.h"
-#include "graph/user_nodes.h"
+#include "penumbra/user_nodes.h"
 
 namespace penumbra {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/diagnostic.h"
+#include "penumbra/diagnostic.h"
 
 namespace penumbra {
 

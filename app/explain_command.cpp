@@ -16,7 +16,7 @@
 #include "app/report/contenders.h"
 #include "app/session.h"
 #include "host/images/image_file.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "graph/json_text.h"
+#include "penumbra/json_text.h"
 
 namespace penumbra {
 

@@ -3,15 +3,15 @@
 
 #include <iostream>
 
-#include "graph/user_nodes.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
+#include "penumbra/user_nodes.h"
 
 namespace penumbra {
 
 std::optional<NodeSet> open_nodes(const std::vector<std::string>& folders) {
     NodeSet nodes = shadow_nodes();
     const auto warn = [](const std::string& message) { std::cerr << "warning: " << message << "\n"; };
-    const auto cache = std::make_shared<ShaderCache>(default_shader_cache(), warn);
+    const auto cache = open_shader_cache(default_shader_cache(), warn);
     Diagnostics diagnostics;
     for (const std::string& folder : folders) add_user_nodes(nodes, folder, diagnostics, cache);
     if (diagnostics.empty()) return nodes;

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/node_set.h"
+#include "penumbra/node_set.h"
 
 namespace penumbra {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/node_type.h"
+#include "penumbra/node_type.h"
 
 namespace penumbra {
 

@@ -81,7 +81,7 @@ float metres_of_depth(const Camera& camera, float depth) {
     if (!(depth > 0)) return 0;
     const auto& m = camera.clip_from_view;
     const bool orthographic = m[15] == 1;
-    return static_cast<float>(orthographic ? (m[14] - depth) / m[10] : camera.near / depth);
+    return static_cast<float>(orthographic ? (m[14] - depth) / m[10] : camera.near_m / depth);
 }
 
 Texels host_texels(Device& device, const Session& session, const std::string& name) {

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "graph/plan.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 

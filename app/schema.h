@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "graph/node_set.h"
+#include "penumbra/node_set.h"
 
 namespace penumbra {
 

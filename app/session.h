@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "graph/graph.h"
 #include "host/cascades/cascade_maps.h"
 #include "host/device/device.h"
 #include "host/scene/scene_bvh.h"
 #include "host/scene/scene_tlas.h"
 #include "host/standalone.h"
+#include "penumbra/graph.h"
 
 namespace penumbra {
 

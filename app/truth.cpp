@@ -10,7 +10,7 @@
 
 #include "app/reference_pipeline.h"
 #include "host/truth/analytic.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cfloat>
 
-#include "graph/node_set.h"
+#include "penumbra/node_set.h"
 
 namespace penumbra {
 namespace {

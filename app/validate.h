@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "graph/check.h"
-#include "graph/plan.h"
+#include "penumbra/check.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/validate.h"
-#include "graph/view.h"
+#include "penumbra/view.h"
 
 namespace penumbra {
 

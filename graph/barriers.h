@@ -2,7 +2,7 @@
 // Dependencies of a plan's passes, from declared uses alone. Pure.
 #pragma once
 
-#include "graph/plan.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 

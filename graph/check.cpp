@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Resolves a pipeline's names against a node set: types, parameters, ports, resources. Whether both ends of a
 // wire fit is check_wires.cpp's part, what depends on facts and on order check_dataflow.cpp's.
-#include "graph/check.h"
+#include "penumbra/check.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "graph/check_dataflow.h"
-#include "graph/condition.h"
 #include "graph/json_reader.h"
+#include "penumbra/condition.h"
 
 namespace penumbra {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/check.h"
+#include "penumbra/check.h"
 
 namespace penumbra {
 

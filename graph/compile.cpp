@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Selected nodes to passes: resources with formats, extents and lifetimes on the circle of two frames,
 // offsets from the packer, constants and dispatch sizes, then the dependencies.
-#include "graph/compile.h"
+#include "penumbra/compile.h"
 
 #include <fmt/format.h>
 

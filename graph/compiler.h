@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "graph/compile.h"
 #include "graph/host_inputs.h"
 #include "graph/interface.h"
 #include "graph/select.h"
+#include "penumbra/compile.h"
 
 namespace penumbra {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Parsing and settling are apart because the first needs one file and the second the whole pipeline: the node
 // that a comparison names may stand further down, and its parameter may be set on the command line.
-#include "graph/condition.h"
+#include "penumbra/condition.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "graph/json_reader.h"
-#include "graph/node_type.h"
+#include "penumbra/node_type.h"
 
 namespace penumbra {
 

@@ -3,7 +3,7 @@
 // 4 KiB.
 #include <algorithm>
 
-#include "graph/plan.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 

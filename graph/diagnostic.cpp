@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How a diagnostic reads, and the suggestion for a misspelt name (edit distance with transpositions: the
 // optimal string alignment form of Damerau 1964 / Levenshtein 1966).
-#include "graph/diagnostic.h"
+#include "penumbra/diagnostic.h"
 
 #include <fmt/format.h>
 

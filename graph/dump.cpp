@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The text form shows everything that decides correctness (order, bindings, lifetimes, offsets, dependencies)
 // and nothing that depends on the machine, so that a change shows up as a readable difference.
-#include "graph/dump.h"
+#include "penumbra/dump.h"
 
 #include <fmt/format.h>
 

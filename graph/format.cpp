@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The table of texel formats: Vulkan's name, size, and the GLSL layout qualifier (GLSL 4.60, section 4.4.7).
 // Depth formats have no qualifier: D16 and D32 may not be storage images.
-#include "graph/format.h"
+#include "penumbra/format.h"
 
 #include <array>
 

@@ -2,7 +2,7 @@
 // Reprojection is formed as P_prev * R_prev^-1 * T(current - previous) with every factor in double precision
 // and only the product rounded: an fp32 product of absolute matrices is wrong by 20 px at 10^5 m from the
 // origin.
-#include "graph/frame_block.h"
+#include "penumbra/frame_block.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,7 +50,7 @@ FrameBlock make_frame_block(const FrameDescription& frame) {
         to_block(prev_clip_from_view * glm::dmat4(glm::transpose(prev_world_from_view)) *
                  glm::translate(glm::dmat4(1.0), -delta));
     for (int i = 0; i < 3; ++i) block.camera_delta.v[i] = static_cast<float>(delta[i]);
-    block.near = static_cast<float>(frame.camera.near);
+    block.near_m = static_cast<float>(frame.camera.near_m);
     block.jitter = to_block(frame.jitter);
     block.prev_jitter = to_block(frame.prev_jitter);
     for (int i = 0; i < 2; ++i) {

@@ -327,7 +327,7 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "#extension GL_EXT_control_flow_attributes : require\n";
     for (const Port& port : type.ports)
         if (port.bundle) text += backend_of(variant, *port.bundle).glsl;
-    text += "#include \"graph/frame_block.glsl\"\n";
+    text += "#include \"penumbra/frame_block.glsl\"\n";
     if (!type.domain->structs_file.empty())
         text += fmt::format("#include \"{}\"\n", type.domain->structs_file);
     text += fmt::format(

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "graph/format.h"
-#include "graph/json_text.h"
+#include "penumbra/format.h"
+#include "penumbra/json_text.h"
 
 namespace penumbra {
 

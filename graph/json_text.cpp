@@ -2,7 +2,7 @@
 // JSON with places. nlohmann-json's SAX parser judges the text and delivers values, but not where they stand;
 // scan() walks over the same text and lists where each token begins. Both see the same tokens in the same
 // order, so the handler takes one place from the list per event.
-#include "graph/json_text.h"
+#include "penumbra/json_text.h"
 
 #include <fmt/format.h>
 

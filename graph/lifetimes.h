@@ -5,7 +5,7 @@
 // heaps.
 #pragma once
 
-#include "graph/plan.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sizes are asked from the device before anything is created (vkGetDevice*MemoryRequirements, Vulkan 1.3), so
 // that a plan for a device is final before its memory exists.
-#include "graph/memory.h"
+#include "penumbra/memory.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // Reading the parameters of a declaration (node_type.cpp reads the rest).
 #pragma once
 
-#include "graph/node_type.h"
+#include "penumbra/node_type.h"
 
 namespace penumbra {
 

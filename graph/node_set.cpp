@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The table of node types.
-#include "graph/node_set.h"
+#include "penumbra/node_set.h"
 
 #include <stdexcept>
 

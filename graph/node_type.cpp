@@ -2,7 +2,7 @@
 // A node declaration read from JSON (docs: formats of node declarations); ports are read by node_port.cpp,
 // parameters by node_param.cpp. Every rule that one declaration can break by itself is checked here, so that
 // later phases need not look again.
-#include "graph/node_type.h"
+#include "penumbra/node_type.h"
 
 #include <fmt/format.h>
 

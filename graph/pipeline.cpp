@@ -2,7 +2,7 @@
 // Pipelines from JSON: `extends` is resolved first (RFC 7396, merge patch), settings follow in order, and
 // what comes out is read once against the closed vocabulary. Every value still knows which file and line it
 // came from.
-#include "graph/pipeline.h"
+#include "penumbra/pipeline.h"
 
 #include <fmt/format.h>
 

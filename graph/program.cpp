@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One pipeline per compute pass, specialised with the plan's constants; set 0 holds internal resources, set 1
 // the frame block, counters, host slots and tables.
-#include "graph/program.h"
+#include "penumbra/program.h"
 
 #include <fmt/format.h>
 

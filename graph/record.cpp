@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-#include "graph/view.h"
+#include "penumbra/view.h"
 
 namespace penumbra {
 namespace {

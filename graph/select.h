@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "graph/check.h"
-#include "graph/plan.h"
+#include "penumbra/check.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 

@@ -11,12 +11,9 @@
 #include <mutex>
 
 #include "graph/shader_compiler.h"
+#include "penumbra/user_nodes.h"
 
 namespace penumbra {
-
-// $XDG_CACHE_HOME/penumbra, or ~/.cache/penumbra; empty (no cache) where neither variable is an absolute
-// path.
-std::filesystem::path default_shader_cache();
 
 class ShaderCache {
   public:

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "graph/diagnostic.h"
 #include "graph/embedded_file.h"
+#include "penumbra/diagnostic.h"
 
 namespace penumbra {
 

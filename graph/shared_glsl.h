@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The GLSL that every node may include (shaders/common/*, graph/frame_block.glsl), embedded by the build: a
-// user's node compiles without penumbra's source tree. Names are as an #include spells them.
+// The GLSL that every node may include (shaders/common/*, penumbra/frame_block.glsl), embedded by the build:
+// a user's node compiles without penumbra's source tree. Names are as an #include spells them.
 #pragma once
 
 #include "graph/embedded_file.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Declarations are read when the folder is added, shaders when they are needed: a folder of many nodes costs
 // its JSON.
-#include "graph/user_nodes.h"
+#include "penumbra/user_nodes.h"
 
 #include <fmt/format.h>
 
@@ -9,6 +9,7 @@
 #include <set>
 
 #include "graph/interface.h"
+#include "graph/shader_cache.h"
 #include "graph/shared_glsl.h"
 
 namespace penumbra {
@@ -115,6 +116,11 @@ class FolderReader {
 };
 
 }  // namespace
+
+std::shared_ptr<ShaderCache> open_shader_cache(const fs::path& folder,
+                                               std::function<void(const std::string&)> warn) {
+    return std::make_shared<ShaderCache>(folder, std::move(warn));
+}
 
 bool add_user_nodes(NodeSet& nodes, const fs::path& folder, Diagnostics& diagnostics,
                     std::shared_ptr<ShaderCache> cache) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A view's objects: immutable descriptor sets of internal resources per parity, and per frame in flight the
 // sets that hold what the host passes.
-#include "graph/view.h"
+#include "penumbra/view.h"
 
 #include <fmt/format.h>
 

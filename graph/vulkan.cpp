@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Names of results, for errors a person can act on.
-#include "graph/vulkan.h"
+#include "penumbra/vulkan.h"
 
 namespace penumbra {
 namespace {
@@ -47,6 +47,28 @@ std::string result_name(VkResult result) {
 }
 
 }  // namespace
+
+#define PENUMBRA_DESTROYER(Handle, function)          \
+    template <>                                       \
+    void destroy<Handle>(VkDevice device, Handle h) { \
+        function(device, h, nullptr);                 \
+    }
+PENUMBRA_DESTROYER(VkBuffer, vkDestroyBuffer)
+PENUMBRA_DESTROYER(VkBufferView, vkDestroyBufferView)
+PENUMBRA_DESTROYER(VkCommandPool, vkDestroyCommandPool)
+PENUMBRA_DESTROYER(VkDescriptorPool, vkDestroyDescriptorPool)
+PENUMBRA_DESTROYER(VkDescriptorSetLayout, vkDestroyDescriptorSetLayout)
+PENUMBRA_DESTROYER(VkDeviceMemory, vkFreeMemory)
+PENUMBRA_DESTROYER(VkFence, vkDestroyFence)
+PENUMBRA_DESTROYER(VkImage, vkDestroyImage)
+PENUMBRA_DESTROYER(VkImageView, vkDestroyImageView)
+PENUMBRA_DESTROYER(VkPipeline, vkDestroyPipeline)
+PENUMBRA_DESTROYER(VkPipelineCache, vkDestroyPipelineCache)
+PENUMBRA_DESTROYER(VkPipelineLayout, vkDestroyPipelineLayout)
+PENUMBRA_DESTROYER(VkQueryPool, vkDestroyQueryPool)
+PENUMBRA_DESTROYER(VkSampler, vkDestroySampler)
+PENUMBRA_DESTROYER(VkShaderModule, vkDestroyShaderModule)
+#undef PENUMBRA_DESTROYER
 
 void check(VkResult result, const char* call, std::string_view what) {
     if (result == VK_SUCCESS) return;

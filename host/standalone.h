@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "graph/frame_block.h"
 #include "host/cascades/cascade_fit.h"
 #include "host/gbuffer/gbuffer.h"
 #include "host/scene/scene.h"
 #include "host/shots/shot.h"
+#include "penumbra/frame_block.h"
 #include "shaders/common/blocks.h"
 
 namespace penumbra {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "nodes/domain.h"
-
+#include "penumbra/shadow_nodes.h"
 #include "shaders/common/blocks.h"
 
 namespace penumbra {

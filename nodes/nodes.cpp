@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Reads what the build has embedded (CMakeLists.txt lists the types).
-#include "nodes/nodes.h"
-
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
 #include "graph/embedded_file.h"
 #include "nodes/archive.h"
-#include "nodes/domain.h"
+#include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 

@@ -9,7 +9,7 @@
 
 #include "graph/interface.h"
 #include "nodes/archive.h"
-#include "nodes/domain.h"
+#include "penumbra/shadow_nodes.h"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include "host/images/texels.h"
 #include "host/metrics/mask_error.h"
 #include "host/truth/analytic.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 
 namespace penumbra::test {

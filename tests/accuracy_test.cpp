@@ -7,7 +7,7 @@
 #include "app/session.h"
 #include "host/metrics/metrics.h"
 #include "host/truth/analytic.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 
 namespace penumbra::test {

@@ -10,13 +10,13 @@
 #include <random>
 
 #include "app/session.h"
-#include "graph/dump.h"
 #include "host/generated/leaf_card.h"
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/models/gltf.h"
 #include "host/scene/scene_alpha.h"
-#include "nodes/nodes.h"
+#include "penumbra/dump.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"

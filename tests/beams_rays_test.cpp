@@ -4,7 +4,7 @@
 #include <map>
 
 #include "host/bvh/bvh.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "app/session.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"

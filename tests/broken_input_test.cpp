@@ -10,7 +10,7 @@
 #include <fstream>
 #include <random>
 
-#include "graph/check.h"
+#include "penumbra/check.h"
 #include "tests/golden_text.h"
 #include "tests/toy_nodes.h"
 

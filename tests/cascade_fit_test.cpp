@@ -21,7 +21,7 @@ Camera camera_at_point(const glm::dvec3& position, double yaw, double near = 0.0
     std::copy_n(glm::value_ptr(axes), 9, camera.world_from_view.begin());
     camera.position = {position.x, position.y, position.z};
     camera.clip_from_view = perspective(glm::radians(fov_deg), 16.0 / 9, near);
-    camera.near = near;
+    camera.near_m = near;
     return camera;
 }
 

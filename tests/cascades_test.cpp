@@ -260,7 +260,7 @@ class WallTest {
         const size_t pixels = size_t{extent.width} * extent.height;
         const Camera camera = camera_at({0, 0, 0}, 0, extent);
         run_.set("depth",
-                 std::vector<float>(pixels, static_cast<float>(camera.near / 10)));  // ten metres away
+                 std::vector<float>(pixels, static_cast<float>(camera.near_m / 10)));  // ten metres away
         run_.set("normal", std::vector<std::array<uint16_t, 4>>(pixels, to_half4({0, 0, 1, 0})));
         run_.set("sun", std::vector<blocks::Sun>{{{{0, 0, 1}}, 0.005f}});
         block_.count = 1;

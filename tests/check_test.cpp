@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // check() on valid pipelines, and the rules whose borders matter. Messages are in tests/golden/broken.
-#include "graph/check.h"
+#include "penumbra/check.h"
 
 #include <gtest/gtest.h>
 

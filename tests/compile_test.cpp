@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "graph/graph.h"
 #include "graph/interface.h"
+#include "penumbra/graph.h"
 #include "tests/plan_checks.h"
 #include "tests/toy_nodes.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/node_set.h"
+#include "penumbra/node_set.h"
 #include "shaders/common/blocks.h"
 
 namespace penumbra::test {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/cover_model.h"
 #include "tests/coverage_oracle.h"
 #include "tests/hard_cases/hard_cases.h"

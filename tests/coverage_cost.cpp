@@ -16,7 +16,7 @@
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/models/model_builder.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 namespace {

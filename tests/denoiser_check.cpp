@@ -37,7 +37,7 @@ glm::dmat3 matrix(const std140::mat3& m) {
 
 // View depth of the infinite reverse-Z perspective; 0 for all that is none.
 double linear_depth(const FrameBlock& block, float depth) {
-    return depth > 0 && depth < 1 ? static_cast<double>(block.near) / static_cast<double>(depth) : 0;
+    return depth > 0 && depth < 1 ? static_cast<double>(block.near_m) / static_cast<double>(depth) : 0;
 }
 
 // Distance between neighbouring numbers of an r11g11b10f channel.

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "app/session.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/denoiser_check.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
@@ -217,7 +217,7 @@ TEST_P(DenoiserNodes, ComputeWhatTheModelSaysOfRandomImages) {
                 camera_at({0.02 * index, 0.01 * index, 0.03 * index}, 0.005 * index, extent);
             FrameDescription frame = frame_between(previous, camera, extent, index, index == 0 || index == 6);
             frame.jitter = {0.3 / extent.width, -0.2 / extent.height};
-            HostFrame host = random.frame(camera.near);
+            HostFrame host = random.frame(camera.near_m);
             host.whole_disc = std::string(terminator) == "disc";
             run.set("depth", host.depth);
             run.set("normal", half_texels(host.normal));

@@ -11,7 +11,7 @@
 
 #include "app/session.h"
 #include "host/truth/analytic.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/view_run.h"
 

@@ -7,8 +7,8 @@
 
 #include "app/commands.h"
 #include "app/session.h"
-#include "graph/user_nodes.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
+#include "penumbra/user_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
 
@@ -23,7 +23,7 @@ TEST_F(Example, InvertIsOneMinusVisibilityTimesGain) {
     NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    ASSERT_TRUE(add_user_nodes(nodes, example / "nodes", diagnostics, std::make_shared<ShaderCache>("")))
+    ASSERT_TRUE(add_user_nodes(nodes, example / "nodes", diagnostics, open_shader_cache("")))
         << diagnostics.text();
     const std::vector<std::string> settings = {"nodes.invert.params.gain=0.5",
                                                "resources.visibility={\"format\": \"r16f\"}"};

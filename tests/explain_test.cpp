@@ -8,7 +8,7 @@
 
 #include "app/outputs.h"
 #include "host/truth/coverage.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/cli_run.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"

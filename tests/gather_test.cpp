@@ -165,7 +165,7 @@ Result gather(ViewRun& run, const Setting& setting) {
             const glm::dvec3 way(ndc.x / camera.clip_from_view[0], ndc.y / camera.clip_from_view[5], -1);
             const double step = setting.step_m ? setting.step_m(int(x), int(y)) : 0;
             const double z = (n.z * -middle_m + step) / glm::dot(n, way);
-            depth[i] = static_cast<float>(camera.near / z);
+            depth[i] = static_cast<float>(camera.near_m / z);
             const glm::dvec3 at = glm::transpose(axes) * (z * way) - centre;
             const glm::dvec2 point = glm::unpackSnorm2x16(points[i]);
             bool hit = false;

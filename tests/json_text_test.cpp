@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // JSON text: every value knows its line and column, and nothing malformed gets through.
-#include "graph/json_text.h"
+#include "penumbra/json_text.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "app/session.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/cli_run.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"

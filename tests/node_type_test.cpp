@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Declarations and conditions on valid input; what is rejected, and how, is in tests/golden/broken.
-#include "graph/node_type.h"
+#include "penumbra/node_type.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
 
-#include "graph/condition.h"
+#include "penumbra/condition.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra {

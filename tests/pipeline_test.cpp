@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Loading pipelines: extends, settings and the places that survive both.
-#include "graph/pipeline.h"
+#include "penumbra/pipeline.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

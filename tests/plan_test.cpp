@@ -6,8 +6,8 @@
 
 #include <filesystem>
 
-#include "graph/graph.h"
-#include "nodes/nodes.h"
+#include "penumbra/graph.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/golden_text.h"
 #include "tests/plan_checks.h"
 #include "tests/toy_set.h"

@@ -7,10 +7,9 @@
 #include <fstream>
 
 #include "graph/interface.h"
-#include "graph/pipeline.h"
-#include "graph/user_nodes.h"
-#include "nodes/domain.h"
-#include "nodes/nodes.h"
+#include "penumbra/pipeline.h"
+#include "penumbra/shadow_nodes.h"
+#include "penumbra/user_nodes.h"
 
 namespace penumbra {
 namespace {
@@ -74,8 +73,7 @@ TEST(Readme, ExamplesWork) {
     ASSERT_GE(declarations, 1);
     NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
-    ASSERT_TRUE(add_user_nodes(nodes, folder, diagnostics, std::make_shared<ShaderCache>("")))
-        << diagnostics.text();
+    ASSERT_TRUE(add_user_nodes(nodes, folder, diagnostics, open_shader_cache(""))) << diagnostics.text();
     for (const std::string& name : nodes.names()) {
         const NodeEntry& entry = *nodes.find(name);
         for (const Variant& variant : all_variants(entry.type))

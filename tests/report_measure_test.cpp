@@ -12,7 +12,7 @@
 
 #include "app/commands.h"
 #include "app/report/measure.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 
 namespace penumbra::report {

@@ -13,9 +13,9 @@
 #include "app/report/memory_figure.h"
 #include "app/report/page.h"
 #include "app/session.h"
-#include "graph/graph.h"
 #include "host/images/image_file.h"
-#include "nodes/nodes.h"
+#include "penumbra/graph.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/report_results.h"
 
 namespace penumbra::report {

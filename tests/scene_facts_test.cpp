@@ -15,8 +15,7 @@
 #include "host/models/shapes.h"
 #include "host/shots/shot_facts.h"
 #include "host/truth/analytic.h"
-#include "nodes/domain.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/plan_checks.h"
 
 namespace penumbra::test {

@@ -17,11 +17,10 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
-#include "graph/check.h"
-#include "graph/user_nodes.h"
 #include "host/shots/shot.h"
-#include "nodes/domain.h"
-#include "nodes/nodes.h"
+#include "penumbra/check.h"
+#include "penumbra/shadow_nodes.h"
+#include "penumbra/user_nodes.h"
 #include "tests/golden_text.h"
 #include "tests/toy_nodes.h"
 #include "tests/toy_set.h"

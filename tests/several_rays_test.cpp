@@ -6,7 +6,7 @@
 
 #include "app/session.h"
 #include "host/truth/analytic.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"

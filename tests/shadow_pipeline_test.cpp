@@ -9,7 +9,7 @@
 #include "app/outputs.h"
 #include "app/session.h"
 #include "host/images/texels.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
 

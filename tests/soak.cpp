@@ -8,7 +8,7 @@
 #include "app/session.h"
 #include "app/truth.h"
 #include "host/truth/analytic.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {

@@ -6,7 +6,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "nodes/domain.h"
+#include "penumbra/shadow_nodes.h"
 
 namespace penumbra::test {
 

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "graph/node_set.h"
+#include "penumbra/node_set.h"
 
 namespace penumbra::test {
 

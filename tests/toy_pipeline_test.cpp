@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "app/session.h"
-#include "graph/graph.h"
+#include "penumbra/graph.h"
 #include "tests/gpu_test.h"
 #include "tests/toy_set.h"
 

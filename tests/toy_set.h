@@ -3,8 +3,8 @@
 // numbers.
 #pragma once
 
-#include "graph/check.h"
-#include "graph/node_set.h"
+#include "penumbra/check.h"
+#include "penumbra/node_set.h"
 
 namespace penumbra::test {
 

@@ -6,11 +6,10 @@
 #include <bit>
 
 #include "app/commands.h"
-#include "graph/dump.h"
 #include "graph/interface.h"
 #include "host/images/image_file.h"
-#include "nodes/domain.h"
-#include "nodes/nodes.h"
+#include "penumbra/dump.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"

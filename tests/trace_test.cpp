@@ -4,7 +4,7 @@
 // the two differ, double precision must say that the ray passes an edge, or the border of an alpha mask's
 // texel, within rounding. A ray that points into its own surface meets it, whatever Embree finds behind its
 // offset origin.
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A user's nodes: found, compiled once, compiled again when anything they came from changes, and explained
 // where they are wrong, in the file that the user wrote.
-#include "graph/user_nodes.h"
+#include "penumbra/user_nodes.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,10 +10,11 @@
 #include <fstream>
 
 #include "app/commands.h"
-#include "graph/compile.h"
 #include "graph/interface.h"
-#include "graph/pipeline.h"
-#include "nodes/nodes.h"
+#include "graph/shader_cache.h"
+#include "penumbra/compile.h"
+#include "penumbra/pipeline.h"
+#include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 namespace {

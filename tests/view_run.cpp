@@ -7,8 +7,8 @@
 #include <stdexcept>
 
 #include "app/session.h"
-#include "graph/user_nodes.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
+#include "penumbra/user_nodes.h"
 #include "tests/gpu_test.h"
 
 namespace penumbra::test {
@@ -61,7 +61,7 @@ const NodeSet& test_nodes() {
         NodeSet all = shadow_nodes();
         Diagnostics diagnostics;
         if (!add_user_nodes(all, std::filesystem::path(PENUMBRA_SOURCE_DIR) / "tests/nodes", diagnostics,
-                            std::make_shared<ShaderCache>("")))
+                            open_shader_cache("")))
             throw std::runtime_error(diagnostics.text());
         return all;
     }();
@@ -124,7 +124,8 @@ Camera camera_at(std::array<double, 3> position, double yaw_rad, Extent extent) 
     camera.position = position;
     const double c = std::cos(yaw_rad), s = std::sin(yaw_rad);
     camera.world_from_view = {c, 0, -s, 0, 1, 0, s, 0, c};
-    camera.clip_from_view = perspective(1.0, static_cast<double>(extent.width) / extent.height, camera.near);
+    camera.clip_from_view =
+        perspective(1.0, static_cast<double>(extent.width) / extent.height, camera.near_m);
     return camera;
 }
 

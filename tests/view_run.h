@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "graph/graph.h"
 #include "host/device/gpu.h"
 #include "host/images/texels.h"
+#include "penumbra/graph.h"
 
 namespace penumbra::test {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // A view's promises to its host: frames that overlap in flight, history of host images through the built-in
 // copy, resets in mid-stream, callbacks of host nodes, and errors for what the host forgets.
-#include "graph/view.h"
+#include "penumbra/view.h"
 
 #include <algorithm>
 #include <cstring>
 
 #include "app/session.h"
-#include "graph/graph.h"
 #include "host/device/gpu.h"
-#include "nodes/nodes.h"
+#include "penumbra/graph.h"
+#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/toy_nodes.h"
 #include "tests/toy_set.h"

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "graph/check.h"
-#include "graph/node_set.h"
+#include "penumbra/check.h"
+#include "penumbra/node_set.h"
 
 namespace penumbra::report {
 

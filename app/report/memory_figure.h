@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "graph/plan.h"
+#include "penumbra/plan.h"
 
 namespace penumbra::report {
 

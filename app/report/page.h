@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/report/results.h"
-#include "graph/plan.h"
+#include "penumbra/plan.h"
 
 namespace penumbra::report {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/report/results.h"
-#include "graph/plan.h"
+#include "penumbra/plan.h"
 
 namespace penumbra::report {
 

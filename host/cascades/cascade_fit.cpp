@@ -60,7 +60,7 @@ double farthest(const CascadeRequest& request) {
                            corner & 2 ? request.high.y : request.low.y,
                            corner & 4 ? request.high.z : request.low.z};
         distance = std::max(distance, glm::distance(p, position));
-        ahead = ahead || glm::dot(forward, p - position) > request.camera.near;
+        ahead = ahead || glm::dot(forward, p - position) > request.camera.near_m;
     }
     return ahead ? distance : 0;
 }
@@ -127,9 +127,9 @@ CascadeFit fit_cascades(const CascadeRequest& request) {
     fit.areas[0] = whole;
     fit.count = usable(whole) ? 1 : 0;
     const double far = farthest(request);
-    if (request.orthographic || !(far > request.camera.near)) return fit;
+    if (request.orthographic || !(far > request.camera.near_m)) return fit;
 
-    const double end = stable_length(far), begin = std::max(request.camera.near, least_near * end);
+    const double end = stable_length(far), begin = std::max(request.camera.near_m, least_near * end);
     const auto* clip = request.camera.clip_from_view.data();
     const double spread = 1 / (clip[0] * clip[0]) + 1 / (clip[5] * clip[5]);
     const glm::dvec3 forward = -glm::make_vec3(request.camera.world_from_view.data() + 6);
@@ -139,7 +139,7 @@ CascadeFit fit_cascades(const CascadeRequest& request) {
     for (uint32_t i = 0; i < max_cascades; ++i) {
         const double share = double(i + 1) / max_cascades;
         slice = {
-            i == 0 ? request.camera.near : slice.end,
+            i == 0 ? request.camera.near_m : slice.end,
             glm::mix(begin + (end - begin) * share, begin * std::pow(end / begin, share), split_logarithmic)};
         const Sphere sphere = sphere_about(slice, spread);
         const glm::dvec3 centre = fit.light.of(camera + forward * sphere.distance);

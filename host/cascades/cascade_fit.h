@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 
-#include "graph/frame_block.h"
+#include "penumbra/frame_block.h"
 #include "shaders/common/blocks.h"
 
 namespace penumbra {

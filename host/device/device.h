@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/vulkan.h"
+#include "penumbra/vulkan.h"
 
 namespace penumbra {
 

@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "graph/frame_block.h"
 #include "host/device/descriptor_sets.h"
 #include "host/device/gpu.h"
 #include "host/scene/geometry.h"
 #include "host/scene/scene.h"
 #include "host/scene/textures.h"
+#include "penumbra/frame_block.h"
 
 namespace penumbra {
 

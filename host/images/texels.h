@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "graph/format.h"
 #include "host/images/image_file.h"
+#include "penumbra/format.h"
 
 namespace penumbra {
 

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "graph/diagnostic.h"
 #include "host/models/model.h"
+#include "penumbra/diagnostic.h"
 
 namespace penumbra {
 

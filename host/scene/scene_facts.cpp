@@ -125,11 +125,11 @@ class Measurer {
                 const size_t i = size_t(y) * now.width + x;
                 if (!(now.depth[i] > 0)) continue;
                 ++tally.receivers;
-                const double z = description.camera.near / now.depth[i];
+                const double z = description.camera.near_m / now.depth[i];
                 const glm::dvec2 uv((x + 0.5) / now.width, (y + 0.5) / now.height);
                 const glm::dvec4 motion(now.motion[i]);
                 tally.disoccluded +=
-                    !has_history(previous, description.camera.near, uv + glm::dvec2(motion), z + motion.z);
+                    !has_history(previous, description.camera.near_m, uv + glm::dvec2(motion), z + motion.z);
                 const glm::dvec3 view(z * (2 * uv.x - 1) / clip[0], z * (2 * uv.y - 1) / clip[5], -z);
                 const glm::dvec3 n = glm::normalize(glm::dvec3(now.normal[i]));
                 tally.penumbra += in_penumbra(casters, camera + world_from_view * view, n, z, sun,

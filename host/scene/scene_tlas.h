@@ -16,12 +16,10 @@ namespace penumbra {
 
 // An extension's function: asked for by name, which happens once per object.
 template <>
-struct Destroyer<VkAccelerationStructureKHR> {
-    static void destroy(VkDevice device, VkAccelerationStructureKHR handle) {
-        reinterpret_cast<PFN_vkDestroyAccelerationStructureKHR>(
-            vkGetDeviceProcAddr(device, "vkDestroyAccelerationStructureKHR"))(device, handle, nullptr);
-    }
-};
+inline void destroy<VkAccelerationStructureKHR>(VkDevice device, VkAccelerationStructureKHR handle) {
+    reinterpret_cast<PFN_vkDestroyAccelerationStructureKHR>(
+        vkGetDeviceProcAddr(device, "vkDestroyAccelerationStructureKHR"))(device, handle, nullptr);
+}
 
 class SceneTlas {
   public:

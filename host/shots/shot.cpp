@@ -66,7 +66,7 @@ Camera camera_at(const Shot& shot, double frame, double aspect) {
     std::copy_n(glm::value_ptr(world_from_view), 9, camera.world_from_view.begin());
     for (int i = 0; i < 3; ++i) camera.position[static_cast<size_t>(i)] = shot.origin[i] + position[i];
     camera.clip_from_view = perspective(glm::radians(shot.vertical_fov_deg), aspect, shot.near);
-    camera.near = shot.near;
+    camera.near_m = shot.near;
     return camera;
 }
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "graph/diagnostic.h"
-#include "graph/frame_block.h"
 #include "host/truth/analytic_scene.h"
+#include "penumbra/diagnostic.h"
+#include "penumbra/frame_block.h"
 
 namespace penumbra {
 

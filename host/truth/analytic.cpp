@@ -262,10 +262,10 @@ Camera analytic_camera(const Shot& shot) {
     for (int i = 0; i < 3; ++i)
         camera.position[static_cast<size_t>(i)] = shot.origin[i] + above * backward[i];
     if (sine > 0) camera.world_from_view = {1, 0, 0, 0, cosine, sine, 0, -sine, cosine};
-    camera.near = 0.5 * above;
+    camera.near_m = 0.5 * above;
     const double x = 2 / (shot.size[0] * analytic_pixel_m), y = 2 / (shot.size[1] * analytic_pixel_m);
     camera.clip_from_view = {
-        x, 0, 0, 0, 0, -y, 0, 0, 0, 0, 1 / (far - camera.near), 0, 0, 0, far / (far - camera.near), 1};
+        x, 0, 0, 0, 0, -y, 0, 0, 0, 0, 1 / (far - camera.near_m), 0, 0, 0, far / (far - camera.near_m), 1};
     return camera;
 }
 

@@ -32,7 +32,7 @@ Camera looking(glm::dvec3 eye, glm::dvec3 target, double fov_rad, Extent extent,
     std::copy_n(glm::value_ptr(axes), 9, camera.world_from_view.begin());
     camera.position = {eye.x, eye.y, eye.z};
     camera.clip_from_view = perspective(fov_rad, double(extent.width) / extent.height, near);
-    camera.near = near;
+    camera.near_m = near;
     return camera;
 }
 
@@ -209,11 +209,11 @@ TEST_F(HardCase, WhatIsNoDepthIsSky) {
     const std::vector<float> z = run.plane("view_depth");
     size_t naive = 0;
     for (const float d : depth) {
-        const float position = float(camera.near) / d;
+        const float position = float(camera.near_m) / d;
         naive += d != 0.25f && !(std::isfinite(position) && position > 0 && d < 1);
     }
     for (size_t i = 0; i + 1 < depth.size(); ++i) EXPECT_EQ(z[i], 0) << depth[i];
-    EXPECT_FLOAT_EQ(z.back(), float(camera.near) / 0.25f);
+    EXPECT_FLOAT_EQ(z.back(), float(camera.near_m) / 0.25f);
     figure("case 5, values that become no finite positive distance", double(naive), double(nonfinite(z)));
     for (size_t channel = 0; channel < 4; ++channel)
         EXPECT_EQ(nonfinite(run.plane("guide_normal", channel)), 0u);

@@ -13,7 +13,7 @@
 
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
-#include "nodes/nodes.h"
+#include "penumbra/shadow_nodes.h"
 
 namespace penumbra::test {
 namespace {
@@ -187,7 +187,7 @@ PlaneImages see_plane(const ViewedPlane& plane, const Camera& previous, const Ca
         const Projected before = project(previous, eye + z * ray);
         const glm::dvec2 motion = before.view_depth > 0 ? before.uv - uv : glm::dvec2(4);
         images.view_depth[i] = static_cast<float>(z);
-        images.depth[i] = static_cast<float>(camera.near / z);
+        images.depth[i] = static_cast<float>(camera.near_m / z);
         images.normal[i] = to_half4({plane.normal.x, plane.normal.y, plane.normal.z, 0});
         images.motion[i] = {static_cast<float>(motion.x), static_cast<float>(motion.y)};
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a node set is about, as data: the words that its declarations and pipelines may use beside the graph's
-// own. Everything in graph/ works for any domain; penumbra's own is nodes/domain.h.
+// own. Everything in graph/ works for any domain; penumbra's own is shadow_nodes.h.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "graph/format.h"
+#include "penumbra/format.h"
 
 namespace penumbra {
 

@@ -6,8 +6,8 @@
 #include <map>
 #include <optional>
 
-#include "graph/check.h"
-#include "graph/plan.h"
+#include "penumbra/check.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 

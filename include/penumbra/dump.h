@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "graph/plan.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 

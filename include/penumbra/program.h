@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "graph/memory.h"
-#include "graph/plan.h"
-#include "graph/vulkan.h"
+#include "penumbra/memory.h"
+#include "penumbra/plan.h"
+#include "penumbra/vulkan.h"
 
 namespace penumbra {
 

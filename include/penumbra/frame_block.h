@@ -25,7 +25,7 @@ struct alignas(16) mat3 {
 struct alignas(16) mat4 {
     float columns[4][4];
 };
-#include "graph/frame_block.glsl"
+#include "penumbra/frame_block.glsl"
 static_assert(sizeof(FrameBlock) == 64 * 3 + 48 + 16 + 32 + 16);
 }  // namespace std140
 
@@ -38,11 +38,11 @@ struct Camera {
     std::array<double, 3> position{0, 0, 0};                           // metres, world
     std::array<double, 9> world_from_view{1, 0, 0, 0, 1, 0, 0, 0, 1};  // columns: right, up, back
     std::array<double, 16> clip_from_view{};  // columns; unjittered, Vulkan clip (y down)
-    double near = 0.05;                       // metres
+    double near_m = 0.05;
 };
 
-// Infinite reverse-Z perspective: depth = near / view_depth. aspect = width / height.
-std::array<double, 16> perspective(double vertical_fov_rad, double aspect, double near);
+// Infinite reverse-Z perspective: depth = near_m / view_depth. aspect = width / height.
+std::array<double, 16> perspective(double vertical_fov_rad, double aspect, double near_m);
 
 struct FrameDescription {
     Camera camera, previous;

@@ -26,31 +26,10 @@ class VulkanError : public std::runtime_error {
 // Throws VulkanError unless `result` is VK_SUCCESS. `call` is the function's name, `what` the object or pass.
 void check(VkResult result, const char* call, std::string_view what);
 
-// The function that destroys a handle whose parent is a VkDevice.
+// Destroys a handle whose parent is a VkDevice; of the types that vulkan.cpp lists. No Vulkan function is called from a
+// header: a host that loads them by itself has no prototypes.
 template <class Handle>
-struct Destroyer;
-
-#define PENUMBRA_DESTROYER(Handle, function)                                             \
-    template <>                                                                          \
-    struct Destroyer<Handle> {                                                           \
-        static void destroy(VkDevice device, Handle h) { function(device, h, nullptr); } \
-    }
-PENUMBRA_DESTROYER(VkBuffer, vkDestroyBuffer);
-PENUMBRA_DESTROYER(VkBufferView, vkDestroyBufferView);
-PENUMBRA_DESTROYER(VkCommandPool, vkDestroyCommandPool);
-PENUMBRA_DESTROYER(VkDescriptorPool, vkDestroyDescriptorPool);
-PENUMBRA_DESTROYER(VkDescriptorSetLayout, vkDestroyDescriptorSetLayout);
-PENUMBRA_DESTROYER(VkDeviceMemory, vkFreeMemory);
-PENUMBRA_DESTROYER(VkFence, vkDestroyFence);
-PENUMBRA_DESTROYER(VkImage, vkDestroyImage);
-PENUMBRA_DESTROYER(VkImageView, vkDestroyImageView);
-PENUMBRA_DESTROYER(VkPipeline, vkDestroyPipeline);
-PENUMBRA_DESTROYER(VkPipelineCache, vkDestroyPipelineCache);
-PENUMBRA_DESTROYER(VkPipelineLayout, vkDestroyPipelineLayout);
-PENUMBRA_DESTROYER(VkQueryPool, vkDestroyQueryPool);
-PENUMBRA_DESTROYER(VkSampler, vkDestroySampler);
-PENUMBRA_DESTROYER(VkShaderModule, vkDestroyShaderModule);
-#undef PENUMBRA_DESTROYER
+void destroy(VkDevice device, Handle handle);
 
 // Sole owner of a device object; moves, never copies.
 template <class Handle>
@@ -66,7 +45,7 @@ class Owned {
         return *this;
     }
     ~Owned() {
-        if (handle_ != VK_NULL_HANDLE) Destroyer<Handle>::destroy(device_, handle_);
+        if (handle_ != VK_NULL_HANDLE) destroy(device_, handle_);
     }
     Handle get() const { return handle_; }
     explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }

@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
-#include "graph/frame_block.h"
-#include "graph/program.h"
+#include "penumbra/frame_block.h"
+#include "penumbra/program.h"
 
 namespace penumbra {
 

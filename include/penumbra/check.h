@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "graph/node_set.h"
-#include "graph/pipeline.h"
+#include "penumbra/node_set.h"
+#include "penumbra/pipeline.h"
 
 namespace penumbra {
 

@@ -4,11 +4,23 @@
 // (shader_cache.h).
 #pragma once
 
-#include "graph/check.h"
-#include "graph/node_set.h"
-#include "graph/shader_cache.h"
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "penumbra/check.h"
+#include "penumbra/node_set.h"
 
 namespace penumbra {
+
+// What has been compiled, on disk. `warn` is told what had to be thrown away and that a folder cannot be written.
+class ShaderCache;
+// $XDG_CACHE_HOME/penumbra, or ~/.cache/penumbra; empty where neither variable is an absolute path.
+std::filesystem::path default_shader_cache();
+// In a folder of the host's; nowhere for an empty path.
+std::shared_ptr<ShaderCache> open_shader_cache(const std::filesystem::path& folder,
+                                               std::function<void(const std::string&)> warn = {});
 
 // Adds every NAME.json of the folder (but *.schema.json, which an editor may want there). A name that the set
 // has already is an error: a pipeline must not change its meaning by the folder it is run with. Where

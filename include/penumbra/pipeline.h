@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "graph/node_type.h"
+#include "penumbra/node_type.h"
 
 namespace penumbra {
 

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "graph/condition.h"
-#include "graph/format.h"
+#include "penumbra/condition.h"
+#include "penumbra/format.h"
 
 namespace penumbra {
 

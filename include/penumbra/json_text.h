@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "graph/diagnostic.h"
+#include "penumbra/diagnostic.h"
 
 namespace penumbra {
 

@@ -6,8 +6,8 @@
 #include <array>
 #include <vector>
 
-#include "graph/plan.h"
-#include "graph/vulkan.h"
+#include "penumbra/plan.h"
+#include "penumbra/vulkan.h"
 
 namespace penumbra {
 

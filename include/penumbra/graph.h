@@ -5,7 +5,7 @@
 //
 // clang-format off
 //     Diagnostics errors;
-//     NodeSet nodes = shadow_nodes();  // nodes/nodes.h, or a set of your own
+//     NodeSet nodes = shadow_nodes();  // penumbra/shadow_nodes.h, or a set of your own
 //     auto pipeline = load_pipeline("pipelines/fidelityfx.json", {}, errors);
 //     auto checked  = check(*pipeline, nodes, errors);
 //     auto plan     = compile(*checked, {.extent = {1280, 720}, .device = device_table(device)}, {}, errors);
@@ -15,11 +15,11 @@
 // clang-format on
 #pragma once
 
-#include "graph/check.h"
-#include "graph/compile.h"
-#include "graph/dump.h"
-#include "graph/node_set.h"
-#include "graph/pipeline.h"
-#include "graph/plan.h"
-#include "graph/program.h"
-#include "graph/view.h"
+#include "penumbra/check.h"
+#include "penumbra/compile.h"
+#include "penumbra/dump.h"
+#include "penumbra/node_set.h"
+#include "penumbra/pipeline.h"
+#include "penumbra/plan.h"
+#include "penumbra/program.h"
+#include "penumbra/view.h"

@@ -14,8 +14,8 @@
 #include <variant>
 #include <vector>
 
-#include "graph/domain.h"
-#include "graph/json_text.h"
+#include "penumbra/domain.h"
+#include "penumbra/json_text.h"
 
 namespace penumbra {
 
