@@ -62,7 +62,8 @@ TEST(House, TheGraphKnowsNothingOfShadows) {
 }
 
 TEST(House, TheExampleOfTheGraphCompiles) {
-    const std::string header = read(root / "include/penumbra/graph.h"), here = read(__FILE__);
+    const std::string header = read(root / "include/penumbra/graph.h"),
+                      here = read(root / "tests/house_test.cpp");
     std::istringstream lines(header);
     size_t found = 0;
     for (std::string line; std::getline(lines, line);) {

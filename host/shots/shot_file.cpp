@@ -230,7 +230,7 @@ void read_camera(Reader& reader, const Json& root, Shot& shot) {
     if (const Json* fov = camera->find("vertical_fov_deg")) {
         reader.number(*fov, "camera.vertical_fov_deg", 0.01, 170, shot.vertical_fov_deg);
     }
-    if (const Json* near = camera->find("near")) reader.number(*near, "camera.near_m", 1e-6, 1e6, shot.near);
+    if (const Json* near = camera->find("near")) reader.number(*near, "camera.near", 1e-6, 1e6, shot.near);
     reader.keys(*camera, "camera", {"frame", "position", "target", "up"}, shot.camera,
                 [&](const Json& item, const std::string& path, CameraKey& key) {
                     if (const Json* v = reader.required(item, path, "position")) {

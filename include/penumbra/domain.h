@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What a node set is about, as data: the words that its declarations and pipelines may use beside the graph's
-// own. Everything in graph/ works for any domain; penumbra's own is shadow_nodes.h.
+// own. Everything in graph/ works for any domain; a host's or a library's is its own.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The node types a pipeline may name: declarations with their compiled shaders. An explicit table that a host
-// fills (penumbra/shadow_nodes.h has penumbra's own); no static registration, which would vanish from a static library.
+// fills (shadow_nodes() are penumbra's own); no static registration, which would vanish from a static library.
 #pragma once
 
 #include <cstddef>
