@@ -55,6 +55,12 @@ bool is_id(std::string_view name) {
     return !name.empty() && name.size() <= 64 && letter(name.front()) && std::ranges::all_of(name, rest);
 }
 
+static bool is_struct_name(std::string_view name) {
+    const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
+    const auto rest = [&](char c) { return upper(c) || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+    return !name.empty() && name.size() <= 64 && upper(name.front()) && std::ranges::all_of(name, rest);
+}
+
 const char* glsl_name_problem(std::string_view name) {
     if (std::ranges::binary_search(reserved_words, name)) return "a reserved word of GLSL";
     if (std::ranges::binary_search(builtin_functions, name)) return "a built-in function of GLSL";
@@ -124,18 +130,37 @@ const Json* ObjectReader::find(std::string_view key) const {
     return object_.find(key, scope_) ? json_.find(key) : nullptr;
 }
 
+// What is wrong with a text, or nothing.
+static std::string text_problem(const Key& key, const std::string& text) {
+    const auto first_of = [&](const char* characters) {
+        return text.find_first_of(characters) != std::string::npos;
+    };
+    const std::vector<std::string> words = split_words(key.words);
+    switch (key.holds) {
+        case Holds::file:
+            return text.empty() ? "the name is empty" : "";
+        case Holds::shader:
+            if (!first_of("/\\") && text.size() > 5 && text.ends_with(".comp")) return "";
+            return fmt::format("\"{}\" is no file name that ends in .comp", text);
+        case Holds::line:
+            return first_of("\r\n") ? "must be one line" : "";
+        case Holds::structure:
+            if (is_struct_name(text) || std::ranges::find(words, text) != words.end()) return "";
+            if (words.empty()) return fmt::format("\"{}\" is no struct's name (like \"Light\")", text);
+            return fmt::format("\"{}\" is no struct's name and none of {}{}", text, join(words),
+                               did_you_mean(text, words));
+        default:
+            return "";
+    }
+}
+
 std::string ObjectReader::text(std::string_view key, const char* fallback) const {
     const Json* value = find(key);
     if (!value || !expect(*value, Json::Kind::string, path(key), diagnostics_)) return fallback;
-    const Holds holds = object_.find(key, scope_)->holds;
-    if (holds == Holds::id && !expect_id(value->string, value->place, path(key), diagnostics_))
+    const Key& row = *object_.find(key, scope_);
+    if (row.holds == Holds::id && !expect_id(value->string, value->place, path(key), diagnostics_))
         return fallback;
-    if (holds == Holds::file && value->string.empty()) error(key, "the name is empty");
-    const bool plain = value->string.find_first_of("/\\") == std::string::npos && value->string.size() > 5;
-    if (holds == Holds::shader && !(plain && value->string.ends_with(".comp")))
-        error(key, fmt::format("\"{}\" is no file name that ends in .comp", value->string));
-    if (holds == Holds::line && value->string.find_first_of("\r\n") != std::string::npos)
-        error(key, "must be one line");
+    if (const std::string problem = text_problem(row, value->string); !problem.empty()) error(key, problem);
     return value->string;
 }
 

@@ -14,13 +14,6 @@ namespace penumbra {
 namespace {
 
 constexpr size_t max_variants = 24;
-const std::vector<std::string> elements = {"u32", "uvec2", "uvec4", "f32", "vec4"};
-
-bool is_struct_name(std::string_view name) {
-    const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
-    const auto rest = [&](char c) { return upper(c) || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
-    return !name.empty() && name.size() <= 64 && upper(name.front()) && std::ranges::all_of(name, rest);
-}
 
 void read_formats(const ObjectReader& reader, Port& port) {
     const auto integer = [](Format format) { return info(format).kind == FormatClass::uint; };
@@ -41,16 +34,6 @@ void read_access(const ObjectReader& reader, Port& port) {
     if (port.storage && reader.find("filter")) reader.error("filter", "only sampled images are filtered");
     if (port.storage && !port.output && port.levels)
         reader.error("levels", "a mip chain is read through a sampler");
-}
-
-void read_element(const ObjectReader& reader, Port& port) {
-    port.element = reader.text("element");
-    if (port.element.empty() || is_struct_name(port.element)) return;
-    if (port.kind == PortKind::block)
-        reader.error("element", fmt::format("\"{}\" is no struct's name (like \"Light\")", port.element));
-    else if (std::ranges::find(elements, port.element) == elements.end())
-        reader.error("element", fmt::format("\"{}\" is no struct's name and none of {}{}", port.element,
-                                            join(elements), did_you_mean(port.element, elements)));
 }
 
 // One range for every channel, or a list with one per channel.
@@ -107,13 +90,14 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     Port port{.name = member.key, .output = output, .place = member.key_place};
     port.kind = static_cast<PortKind>(std::min(kind, static_cast<size_t>(PortKind::bundle)));
     // Which keys apply depends on the kind. Where that is wrong, it alone is worth a word.
-    const bool from_host = output && (port.kind == PortKind::block || port.kind == PortKind::bundle);
-    Scope scope{.kinds = unknown_kind, .output = output, .updating = output && member.value.find("updates")};
-    if (kind < words.size() && !from_host) {
-        scope.kinds = bit(port.kind);
+    Scope scope{
+        .kinds = bit(port.kind), .output = output, .updating = output && member.value.find("updates")};
+    const bool from_host = !vocabulary::port.find("kind", scope);
+    if (kind == words.size() || from_host)
+        scope.kinds = unknown_kind;
+    else
         scope.owner = fmt::format("an {} of kind {}{}", output ? "output" : "input", words[kind],
                                   scope.updating ? " that updates an input" : "");
-    }
     const std::string path = fmt::format("{}.{}", output ? "outputs" : "inputs", member.key);
     const ObjectReader reader(member.value, path, vocabulary::port, diagnostics, scope);
     if (!reader.word("kind", words)) return;
@@ -129,7 +113,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     read_formats(reader, port);
     if (port.linear && !port.formats.empty() && info(port.formats[0]).kind == FormatClass::uint)
         reader.error("filter", "integer formats cannot be filtered");
-    read_element(reader, port);
+    port.element = reader.text("element");
     port.extent = read_extent(reader, diagnostics);
     if (reader.find("count")) port.count = read_count(reader, diagnostics);
     port.indirect = reader.flag("indirect");

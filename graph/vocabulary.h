@@ -41,16 +41,13 @@ enum class Holds : uint8_t {
     storable,   // a format that is no depth format
     formats,    // a format, or a list of different ones
     storables,  // the same without depth formats
-    element,    // a number's or vector's type, or a struct's name
     structure,  // a struct's name
     condition,  // condition.h
-    pipeline_condition,
-    value,   // of the parameter's type
-    values,  // parameter: its value
-    inward,
-    outward,  // port: resource
-    object,   // with keys of its own
-    objects   // id: such an object
+    value,      // of the parameter's type
+    values,     // parameter: its value
+    wires,      // port: resource
+    object,     // with keys of its own
+    objects     // id: such an object
 };
 
 // Where a key applies: bits of PortKind, or of ParamType.
