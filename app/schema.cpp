@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/node_text.h"
@@ -137,14 +138,19 @@ class Maker {
             if (key.required && beside.empty()) required.push_back(name);
             if (key.required && !beside.empty()) needs[beside].push_back(name);
         }
-        Schema schema = {{"type", "object"}, {"properties", std::move(properties)}};
-        // A null for a key that does not exist removes nothing.
-        schema["additionalProperties"] = patch_ ? Schema{{"type", "null"}} : Schema(false);
+        Schema schema = closed(std::move(properties), required);
         if (patch_) return schema;
-        if (!required.empty()) schema["required"] = required;
         if (!needs.empty()) schema["dependencies"] = needs;
         for (const std::string& form : split_words(object.exactly_one))
             schema["oneOf"].push_back({{"required", {form}}});
+        return schema;
+    }
+
+    // An object of no other keys. A null for one that does not exist removes nothing.
+    Schema closed(Schema properties, const std::vector<std::string>& required = {}) const {
+        Schema schema = {{"type", "object"}, {"properties", std::move(properties)}};
+        schema["additionalProperties"] = patch_ ? Schema{{"type", "null"}} : Schema(false);
+        if (!required.empty() && !patch_) schema["required"] = required;
         return schema;
     }
 
@@ -174,58 +180,32 @@ class Maker {
     }
 
     Schema plain(const Key& key) const {
-        const Schema number = {{"type", "number"}};
-        switch (key.holds) {
-            case Holds::file:
-                return {{"type", "string"}, {"minLength", 1}};
-            case Holds::shader:
-                return text("^[^/\\\\]+\\.comp$");
-            case Holds::line:
-                return use("line");
-            case Holds::id:
-                return use("id");
-            case Holds::ids:
-                return different(list_of(use("id"), key.min_items, 0));
-            case Holds::flag:
-                return {{"type", "boolean"}};
-            case Holds::yes:
-                return {{"const", true}};
-            case Holds::version:
-                return {{"const", 1}};
-            case Holds::whole:
-                return whole(key);
-            case Holds::wholes:
-                return list_of(whole(key), key.min_items, key.max_items);
-            case Holds::range:
-                return list_of(number, 2, 2);
-            case Holds::ranges:
-                return use("ranges");
-            case Holds::kind:
-                return words(kind_words(domain_));
-            case Holds::needs:
-                return different(list_of(words(need_words(domain_)), 0, 0));
-            case Holds::format:
-                return use("format");
-            case Holds::storable:
-                return use("storable");
-            case Holds::formats:
-                return use("formats");
-            case Holds::storables:
-                return use("storables");
-            case Holds::structure:
-                return text("^[A-Z][A-Za-z0-9]{0,63}$");
-            case Holds::condition:
-                return use("condition");
-            case Holds::wires:
-            case Holds::values:
-                return {{"type", "object"}};
-            case Holds::objects:
-                return members(key);
-            case Holds::value:
-                return Schema::object();
-            default:
-                return {{"type", "string"}};
-        }
+        static const std::map<Holds, Schema> always = {{Holds::text, {{"type", "string"}}},
+                                                       {Holds::file, {{"type", "string"}, {"minLength", 1}}},
+                                                       {Holds::shader, text("^[^/\\\\]+\\.comp$")},
+                                                       {Holds::line, use("line")},
+                                                       {Holds::id, use("id")},
+                                                       {Holds::flag, {{"type", "boolean"}}},
+                                                       {Holds::yes, {{"const", true}}},
+                                                       {Holds::version, {{"const", 1}}},
+                                                       {Holds::range, list_of({{"type", "number"}}, 2, 2)},
+                                                       {Holds::ranges, use("ranges")},
+                                                       {Holds::node_type, {{"type", "string"}}},
+                                                       {Holds::format, use("format")},
+                                                       {Holds::storable, use("storable")},
+                                                       {Holds::formats, use("formats")},
+                                                       {Holds::storables, use("storables")},
+                                                       {Holds::structure, text("^[A-Z][A-Za-z0-9]{0,63}$")},
+                                                       {Holds::condition, use("condition")},
+                                                       {Holds::value, Schema::object()},
+                                                       {Holds::values, {{"type", "object"}}},
+                                                       {Holds::wires, {{"type", "object"}}}};
+        if (key.holds == Holds::whole) return whole(key);
+        if (key.holds == Holds::wholes) return list_of(whole(key), key.min_items, key.max_items);
+        if (key.holds == Holds::ids) return different(list_of(use("id"), key.min_items, 0));
+        if (key.holds == Holds::kind) return words(kind_words(domain_));
+        if (key.holds == Holds::needs) return different(list_of(words(need_words(domain_)), 0, 0));
+        return key.holds == Holds::objects ? members(key) : always.at(key.holds);
     }
 
     static Schema whole(const Key& key) {
@@ -279,14 +259,7 @@ class PipelineMaker {
         return described(std::move(schema), describe(port) + doc);
     }
 
-    // The ports and parameters of a node type, which the vocabulary cannot know.
-    Schema named(Schema properties, const std::vector<std::string>& required) const {
-        Schema schema = {{"type", "object"}, {"properties", std::move(properties)}};
-        schema["additionalProperties"] = maker_.patch() ? Schema{{"type", "null"}} : Schema(false);
-        if (!required.empty() && !maker_.patch()) schema["required"] = required;
-        return maker_.value(std::move(schema));
-    }
-
+    // What only a node's type knows of it: its ports and parameters.
     Schema node_type(const NodeType& type) const {
         Schema in = Schema::object(), out = Schema::object(), params = Schema::object();
         std::vector<std::string> required;
@@ -300,9 +273,10 @@ class PipelineMaker {
             const std::string unit = p.unit.empty() ? "" : " [" + p.unit + "]";
             params[p.name] = described(std::move(params[p.name]), p.doc + unit);
         }
-        Schema schema = {
-            {"properties",
-             {{"in", named(in, required)}, {"out", named(out, {})}, {"params", named(params, {})}}}};
+        Schema schema = {{"properties",
+                          {{"in", maker_.value(maker_.closed(in, required))},
+                           {"out", maker_.value(maker_.closed(out))},
+                           {"params", maker_.value(maker_.closed(params))}}}};
         if (!required.empty() && !maker_.patch()) schema["required"] = {"in"};
         return schema;
     }
@@ -337,11 +311,11 @@ class PipelineMaker {
         return schema;
     }
 
+    // A file with "extends" is a patch, and no patch of itself takes the key away.
     Schema pipeline() const {
         Schema schema = maker_.object(vocabulary::pipeline);
-        // Only a patch extends; and then the key cannot be taken away.
-        if (!maker_.patch()) schema["properties"].erase("extends");
-        if (maker_.patch()) schema["properties"]["extends"] = {{"type", "string"}, {"minLength", 1}};
+        Schema& extends = schema["properties"]["extends"];
+        if (maker_.patch()) extends = described(extends["anyOf"][0], vocabulary::pipeline.at("extends").doc);
         return schema;
     }
 
@@ -409,9 +383,8 @@ class DeclarationMaker {
         const auto scope_of = [&](size_t i) {
             return Scope{.kinds = bit(std::min(i, static_cast<size_t>(PortKind::bundle))), .output = output};
         };
-        std::vector<std::string> kinds;
-        for (const std::string& kind : kind_words(domain_))
-            if (vocabulary::port.find("kind", scope_of(kinds.size()))) kinds.push_back(kind);
+        std::vector<std::string> kinds = kind_words(domain_);
+        while (!vocabulary::port.find("kind", scope_of(kinds.size() - 1))) kinds.pop_back();
         return selected(vocabulary::port, kinds, [&](size_t i) {
             Scope scope = scope_of(i);
             Schema whole = branch(vocabulary::port, scope);

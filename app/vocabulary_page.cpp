@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "app/node_text.h"
 #include "graph/format.h"
@@ -25,59 +26,33 @@ std::string numbers(const Key& key) {
 }
 
 std::string plain(const Key& key, const Domain& domain) {
-    switch (key.holds) {
-        case Holds::file:
-            return "file name";
-        case Holds::shader:
-            return "NAME.comp";
-        case Holds::line:
-            return "one line";
-        case Holds::id:
-            return "id";
-        case Holds::ids:
-            return "list of ids";
-        case Holds::flag:
-            return "`true` `false`";
-        case Holds::yes:
-            return "`true`";
-        case Holds::version:
-            return "`1`";
-        case Holds::whole:
-        case Holds::wholes:
-            return numbers(key);
-        case Holds::range:
-            return "[least, greatest]";
-        case Holds::ranges:
-            return "[least, greatest], or a list with one for each channel";
-        case Holds::kind:
-            return quoted(kind_words(domain));
-        case Holds::needs:
-            return "list of " + quoted(need_words(domain));
-        case Holds::node_type:
-            return "node type";
-        case Holds::format:
-            return "format";
-        case Holds::storable:
-            return "format, none of depth";
-        case Holds::formats:
-            return "format, or a list";
-        case Holds::storables:
-            return "format, or a list, none of depth";
-        case Holds::structure:
-            return "struct's name";
-        case Holds::condition:
-            return "condition";
-        case Holds::value:
-            return "of its type";
-        case Holds::values:
-            return "{ parameter: value }";
-        case Holds::wires:
-            return "{ port: name }";
-        case Holds::objects:
-            return fmt::format("{{ id: [{0}](#{0}) }}", key.object->name);
-        default:
-            return "text";
-    }
+    static const std::map<Holds, const char*> always = {
+        {Holds::text, "text"},
+        {Holds::file, "file name"},
+        {Holds::shader, "NAME.comp"},
+        {Holds::line, "one line"},
+        {Holds::id, "id"},
+        {Holds::ids, "list of ids"},
+        {Holds::flag, "`true` `false`"},
+        {Holds::yes, "`true`"},
+        {Holds::version, "`1`"},
+        {Holds::range, "[least, greatest]"},
+        {Holds::ranges, "[least, greatest], or a list with one for each channel"},
+        {Holds::node_type, "node type"},
+        {Holds::format, "format"},
+        {Holds::storable, "format, none of depth"},
+        {Holds::formats, "format, or a list"},
+        {Holds::storables, "format, or a list, none of depth"},
+        {Holds::structure, "struct's name"},
+        {Holds::condition, "condition"},
+        {Holds::value, "of its type"},
+        {Holds::values, "{ parameter: value }"},
+        {Holds::wires, "{ port: name }"}};
+    if (key.holds == Holds::whole || key.holds == Holds::wholes) return numbers(key);
+    if (key.holds == Holds::kind) return quoted(kind_words(domain));
+    if (key.holds == Holds::needs) return "list of " + quoted(need_words(domain));
+    if (key.holds == Holds::objects) return fmt::format("{{ id: [{0}](#{0}) }}", key.object->name);
+    return always.at(key.holds);
 }
 
 std::string value_of(const Key& key, const Domain& domain) {

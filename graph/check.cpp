@@ -77,10 +77,12 @@ class Checker {
             return error(input.kind_place, path + ".kind",
                          fmt::format("no value \"{}\" (values: {}){}", input.kind_word, join(words),
                                      did_you_mean(input.kind_word, words)));
-        if (*input.kind == PortKind::image || *input.kind == PortKind::texels) return;
-        const std::string message = "does not apply to kind " + input.kind_word;
-        if (input.format_place) error(*input.format_place, path + ".format", message);
-        if (input.extent_place) error(*input.extent_place, path + ".extent", message);
+        const auto refuse = [&](const char* key, const std::optional<Place>& place) {
+            if (place && !vocabulary::input.find(key, {.kinds = bit(*input.kind)}))
+                error(*place, path + "." + key, "does not apply to kind " + input.kind_word);
+        };
+        refuse("format", input.format_place);
+        refuse("extent", input.extent_place);
     }
 
     void find_type(const PipelineNode& node) {

@@ -55,12 +55,6 @@ bool is_id(std::string_view name) {
     return !name.empty() && name.size() <= 64 && letter(name.front()) && std::ranges::all_of(name, rest);
 }
 
-static bool is_struct_name(std::string_view name) {
-    const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
-    const auto rest = [&](char c) { return upper(c) || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
-    return !name.empty() && name.size() <= 64 && upper(name.front()) && std::ranges::all_of(name, rest);
-}
-
 const char* glsl_name_problem(std::string_view name) {
     if (std::ranges::binary_search(reserved_words, name)) return "a reserved word of GLSL";
     if (std::ranges::binary_search(builtin_functions, name)) return "a built-in function of GLSL";
@@ -82,6 +76,53 @@ bool expect_id(const std::string& name, const Place& place, const std::string& p
     diagnostics.add(place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", name));
     return false;
 }
+
+namespace {
+
+bool is_struct_name(std::string_view name) {
+    const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
+    const auto rest = [&](char c) { return upper(c) || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+    return !name.empty() && name.size() <= 64 && upper(name.front()) && std::ranges::all_of(name, rest);
+}
+
+// What is wrong with a text, or nothing.
+std::string text_problem(const Key& key, const std::string& text) {
+    const auto first_of = [&](const char* characters) {
+        return text.find_first_of(characters) != std::string::npos;
+    };
+    const std::vector<std::string> words = split_words(key.words);
+    switch (key.holds) {
+        case Holds::file:
+            return text.empty() ? "the name is empty" : "";
+        case Holds::shader:
+            if (!first_of("/\\") && text.size() > 5 && text.ends_with(".comp")) return "";
+            return fmt::format("\"{}\" is no file name that ends in .comp", text);
+        case Holds::line:
+            return first_of("\r\n") ? "must be one line" : "";
+        case Holds::structure:
+            if (is_struct_name(text) || std::ranges::find(words, text) != words.end()) return "";
+            if (words.empty()) return fmt::format("\"{}\" is no struct's name (like \"Light\")", text);
+            return fmt::format("\"{}\" is no struct's name and none of {}{}", text, join(words),
+                               did_you_mean(text, words));
+        default:
+            return "";
+    }
+}
+
+std::optional<uint32_t> read_whole(const Json& json, const Key& key, const std::string& path,
+                                   Diagnostics& diagnostics) {
+    if (!expect(json, Json::Kind::integer, path, diagnostics)) return std::nullopt;
+    if (json.integer < key.least || json.integer > key.greatest)
+        diagnostics.add(json.place, path,
+                        fmt::format("{} is outside {} .. {}", json.integer, key.least, key.greatest));
+    else if (json.integer % key.multiple != 0)
+        diagnostics.add(json.place, path, fmt::format("must be a multiple of {}", key.multiple));
+    else
+        return static_cast<uint32_t>(json.integer);
+    return std::nullopt;
+}
+
+}  // namespace
 
 ObjectReader::ObjectReader(const Json& json, std::string path, const Object& object, Diagnostics& diagnostics,
                            Scope scope)
@@ -130,30 +171,6 @@ const Json* ObjectReader::find(std::string_view key) const {
     return object_.find(key, scope_) ? json_.find(key) : nullptr;
 }
 
-// What is wrong with a text, or nothing.
-static std::string text_problem(const Key& key, const std::string& text) {
-    const auto first_of = [&](const char* characters) {
-        return text.find_first_of(characters) != std::string::npos;
-    };
-    const std::vector<std::string> words = split_words(key.words);
-    switch (key.holds) {
-        case Holds::file:
-            return text.empty() ? "the name is empty" : "";
-        case Holds::shader:
-            if (!first_of("/\\") && text.size() > 5 && text.ends_with(".comp")) return "";
-            return fmt::format("\"{}\" is no file name that ends in .comp", text);
-        case Holds::line:
-            return first_of("\r\n") ? "must be one line" : "";
-        case Holds::structure:
-            if (is_struct_name(text) || std::ranges::find(words, text) != words.end()) return "";
-            if (words.empty()) return fmt::format("\"{}\" is no struct's name (like \"Light\")", text);
-            return fmt::format("\"{}\" is no struct's name and none of {}{}", text, join(words),
-                               did_you_mean(text, words));
-        default:
-            return "";
-    }
-}
-
 std::string ObjectReader::text(std::string_view key, const char* fallback) const {
     const Json* value = find(key);
     if (!value || !expect(*value, Json::Kind::string, path(key), diagnostics_)) return fallback;
@@ -171,23 +188,6 @@ bool ObjectReader::flag(std::string_view key) const {
         error(key, "only true may be written; leave the key out");
     return value->boolean;
 }
-
-namespace {
-
-std::optional<uint32_t> read_whole(const Json& json, const Key& key, const std::string& path,
-                                   Diagnostics& diagnostics) {
-    if (!expect(json, Json::Kind::integer, path, diagnostics)) return std::nullopt;
-    if (json.integer < key.least || json.integer > key.greatest)
-        diagnostics.add(json.place, path,
-                        fmt::format("{} is outside {} .. {}", json.integer, key.least, key.greatest));
-    else if (json.integer % key.multiple != 0)
-        diagnostics.add(json.place, path, fmt::format("must be a multiple of {}", key.multiple));
-    else
-        return static_cast<uint32_t>(json.integer);
-    return std::nullopt;
-}
-
-}  // namespace
 
 uint32_t ObjectReader::whole(std::string_view key, uint32_t fallback) const {
     const Json* value = find(key);
@@ -237,29 +237,27 @@ std::optional<size_t> ObjectReader::word(std::string_view key, std::span<const s
 
 // One, or where the vocabulary says so a list of different ones.
 std::vector<Format> ObjectReader::formats(std::string_view key) const {
-    std::vector<Format> formats;
     const Json* value = find(key);
-    if (!value) return formats;
+    if (!value) return {};
     const Holds holds = object_.find(key, scope_)->holds;
-    const bool list =
-        value->kind == Json::Kind::array && (holds == Holds::formats || holds == Holds::storables);
-    const bool sampled = holds == Holds::formats || holds == Holds::format;
-    if (list && value->items.empty()) error(key, "the list is empty");
-    for (size_t i = 0; i < (list ? value->items.size() : 1); ++i) {
-        const Json& item = list ? value->items[i] : *value;
-        const std::string item_path = list ? fmt::format("{}[{}]", path(key), i) : path(key);
-        if (!expect(item, Json::Kind::string, item_path, diagnostics_)) continue;
-        const std::optional<Format> format = format_named(item.string);
+    const bool many = holds == Holds::formats || holds == Holds::storables;
+    const bool stored = holds == Holds::storable || holds == Holds::storables;
+    std::vector<Item> items;
+    if (many && value->kind == Json::Kind::array)
+        items = list(key);
+    else if (expect(*value, Json::Kind::string, path(key), diagnostics_))
+        items.push_back({value->string, path(key), value->place});
+    std::vector<Format> formats;
+    for (const Item& item : items) {
+        const std::optional<Format> format = format_named(item.text);
         if (!format)
-            diagnostics_.add(item.place, item_path,
-                             fmt::format("no format \"{}\" (formats: {}){}", item.string,
-                                         join(format_names()), did_you_mean(item.string, format_names())));
-        else if (std::ranges::find(formats, *format) != formats.end())
-            diagnostics_.add(item.place, item_path, fmt::format("\"{}\" is listed twice", item.string));
-        else if (!sampled && !info(*format).glsl)
-            diagnostics_.add(item.place, item_path,
-                             fmt::format("{} cannot be held here: depth formats are only sampled, as images",
-                                         item.string));
+            diagnostics_.add(item.place, item.path,
+                             fmt::format("no format \"{}\" (formats: {}){}", item.text, join(format_names()),
+                                         did_you_mean(item.text, format_names())));
+        else if (stored && !info(*format).glsl)
+            diagnostics_.add(
+                item.place, item.path,
+                fmt::format("{} cannot be held here: depth formats are only sampled, as images", item.text));
         else
             formats.push_back(*format);
     }

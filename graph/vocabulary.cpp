@@ -21,7 +21,8 @@ constexpr Kinds truth = bit(ParamType::boolean), chosen = bit(ParamType::enumera
 constexpr uint32_t max_factor = 1u << 16;  // far beyond any image, and products fit 64 bits
 constexpr uint32_t max_count = 1u << 28;
 
-// clang-format off: a row is a key.
+// A row is a key.
+// clang-format off
 constexpr auto declaration_keys = std::to_array<Key>({
     {"$schema", Holds::text, "nodes/node.schema.json as seen from the file, for editors"},
     {"node", Holds::id, "the type's name, equal to the file's without .json", {.required = true}},
@@ -29,120 +30,78 @@ constexpr auto declaration_keys = std::to_array<Key>({
     {"shader", Holds::shader, "the compute shader beside the declaration"},
     {"host", Holds::yes, "a program's callback records the node instead of a shader"},
     {"needs", Holds::needs, "what the device must have, and what the host must do"},
-    {"inputs",
-     Holds::objects,
+    {"inputs", Holds::objects,
      "read only; a port's name is its name in GLSL and the resource it binds to by default",
      {.object = &port}},
     {"outputs", Holds::objects, "written; a node without any counts what it reads", {.object = &port}},
     {"tables", Holds::objects, "static data beside the declaration, uploaded once", {.object = &table}},
     {"params", Holds::objects, "what a pipeline may set", {.object = &param}},
-    {"dispatch",
-     Holds::object,
-     "how many threads run",
+    {"dispatch", Holds::object, "how many threads run",
      {.required = true, .object = &dispatch, .beside = "shader"}},
     {"classes", Holds::object, "other constants or group sizes by the device's class", {.object = &classes}},
     {"counters", Holds::ids, "sums that the shader counts by count_NAME(n), reported per pass"},
 });
 
 constexpr auto port_keys = std::to_array<Key>({
-    {"kind",
-     Holds::kind,
+    {"kind", Holds::kind,
      "image: 2D. texels: a linear buffer with format and extent. buffer: of `element`. block: uniform, the "
      "host's. Others: what the host hands over as several slots",
      {.required = true, .out = memory | unknown_kind}},
-    {"format",
-     Holds::formats,
-     "what is accepted, the default first",
-     {.required = true, .in = image, .out = none}},
-    {"format",
-     Holds::storables,
+    {"format", Holds::formats, "what is accepted, the default first",
+     {.required = true, .min_items = 1, .in = image, .out = none}},
+    {"format", Holds::storables,
      "the default first; one SPIR-V is compiled for each that the shader must name. Input: what is accepted",
-     {.required = true, .in = texels, .out = image | texels, .updating = false}},
-    {"as",
-     Holds::word,
-     "how the shader sees it; default: sampled",
+     {.required = true, .min_items = 1, .in = texels, .out = image | texels, .updating = false}},
+    {"as", Holds::word, "how the shader sees it; default: sampled",
      {.words = "sampled storage", .in = image, .out = none}},
     {"as", Holds::word, "how the shader sees it", {.words = "storage", .in = none, .out = image}},
-    {"filter",
-     Holds::word,
-     "of a sampled image of real numbers; default: nearest",
+    {"filter", Holds::word, "of a sampled image of real numbers; default: nearest",
      {.words = "nearest linear", .in = image, .out = none}},
-    {"layers",
-     Holds::flag,
+    {"layers", Holds::flag,
      "a 2D array; an output takes the extent, and their number, of a port with layers",
      {.in = image, .out = image, .updating = false}},
-    {"levels",
-     Holds::flag,
+    {"levels", Holds::flag,
      "a mip chain; an output's is written level by level, a dispatch over it for each",
      {.in = image, .out = image, .updating = false}},
-    {"element",
-     Holds::structure,
-     "of the array",
-     {.required = true, .words = "u32 uvec2 uvec4 f32 vec4", .in = buffer, .out = buffer, .updating = false}},
+    {"element", Holds::structure, "of the array", {.required = true, .words = "u32 uvec2 uvec4 f32 vec4",
+     .in = buffer, .out = buffer, .updating = false}},
     {"element", Holds::structure, "that the block holds", {.required = true, .in = block, .out = none}},
-    {"extent",
-     Holds::id,
-     "\"frame\" (default), or a port whose extent it has",
+    {"extent", Holds::id, "\"frame\" (default), or a port whose extent it has",
      {.object = &extent, .in = none, .out = image | texels, .updating = false}},
-    {"count",
-     Holds::whole,
-     "elements",
-     {.required = true,
-      .object = &count,
-      .least = 1,
-      .greatest = max_count,
-      .in = none,
-      .out = buffer,
-      .updating = false}},
-    {"writes",
-     Holds::word,
+    {"count", Holds::whole, "elements", {.required = true, .object = &count, .least = 1,
+     .greatest = max_count, .in = none, .out = buffer, .updating = false}},
+    {"writes", Holds::word,
      "default: all. tiles: what is not written is never read. some: cleared first. kept: what is not "
      "written stays as in the frame before, 0 after a reset",
      {.words = "all tiles some kept", .in = none, .out = memory, .updating = false}},
-    {"memo",
-     Holds::flag,
+    {"memo", Holds::flag,
      "what frames before left in it, kept or read as @-1, spares work and changes nothing that a pipeline "
-     "puts out",
-     {.in = none, .out = memory, .updating = false}},
-    {"updates",
-     Holds::id,
-     "input whose memory it takes over, with kind, format and extent",
+     "puts out", {.in = none, .out = memory, .updating = false}},
+    {"updates", Holds::id, "input whose memory it takes over, with kind, format and extent",
      {.in = none, .out = memory}},
-    {"first",
-     Holds::word,
-     "what a reader of @-1 sees on the first frame; default: any",
+    {"first", Holds::word, "what a reader of @-1 sees on the first frame; default: any",
      {.words = "any clear", .in = none, .out = memory}},
     {"previous", Holds::flag, "must be bound to NAME@-1", {.in = memory, .out = none}},
     {"indirect", Holds::flag, "holds dispatch arguments", {.in = buffer, .out = buffer}},
-    {"range",
-     Holds::ranges,
-     "what its numbers keep to; null: no end. Integers have none",
+    {"range", Holds::ranges, "what its numbers keep to; null: no end. Integers have none",
      {.in = none, .out = memory}},
     {"optional", Holds::flag, "may be unbound; GLSL gets HAS_PORT", {.in = memory | block, .out = memory}},
-    {"if",
-     Holds::condition,
-     "the port exists only where this holds; GLSL gets HAS_PORT",
+    {"if", Holds::condition, "the port exists only where this holds; GLSL gets HAS_PORT",
      {.in = memory | block, .out = memory}},
     {"doc", Holds::line, "what it holds", {.out = memory}},
 });
 
 constexpr auto extent_keys = std::to_array<Key>({
     {"of", Holds::id, "\"frame\" or a port", {.required = true}},
-    {"div",
-     Holds::wholes,
-     "default: [1, 1]",
+    {"div", Holds::wholes, "default: [1, 1]",
      {.least = 1, .greatest = max_factor, .min_items = 2, .max_items = 2}},
-    {"mul",
-     Holds::wholes,
-     "default: [1, 1]",
+    {"mul", Holds::wholes, "default: [1, 1]",
      {.least = 1, .greatest = max_factor, .min_items = 2, .max_items = 2}},
 });
 
 constexpr auto count_keys = std::to_array<Key>({
     {"of", Holds::id, "\"frame\" or a port", {.required = true}},
-    {"div",
-     Holds::wholes,
-     "default: [1, 1]",
+    {"div", Holds::wholes, "default: [1, 1]",
      {.least = 1, .greatest = max_factor, .min_items = 2, .max_items = 2}},
     {"mul", Holds::whole, "default: 1", {.least = 1, .greatest = max_factor}},
     {"add", Holds::whole, "default: 0", {.least = 0, .greatest = max_count}},
@@ -151,28 +110,21 @@ constexpr auto count_keys = std::to_array<Key>({
 constexpr auto table_keys = std::to_array<Key>({
     {"file", Holds::file, "relative to the declaration", {.required = true}},
     {"format", Holds::storable, "of its texels", {.required = true}},
-    {"extent",
-     Holds::wholes,
-     "in texels",
+    {"extent", Holds::wholes, "in texels",
      {.required = true, .least = 1, .greatest = 16384, .min_items = 2, .max_items = 2}},
     {"if", Holds::condition, "the table exists only where this holds; GLSL gets HAS_TABLE"},
 });
 
 constexpr auto param_keys = std::to_array<Key>({
-    {"type",
-     Holds::word,
-     "of its values",
+    {"type", Holds::word, "of its values",
      {.required = true, .words = "bool int uint float vec2 vec3 vec4 enum"}},
     {"default", Holds::value, "where a pipeline sets none", {.required = true}},
     {"doc", Holds::line, "what it does", {.required = true}},
     {"unit", Holds::line, "of its values"},
-    {"range",
-     Holds::range,
-     "of every component, ends included",
+    {"range", Holds::range, "of every component, ends included",
      {.in = every_kind & ~(truth | chosen | unknown_kind)}},
     {"values", Holds::ids, "that it may have", {.required = true, .min_items = 1, .in = chosen}},
-    {"constant",
-     Holds::flag,
+    {"constant", Holds::flag,
      "a specialisation constant, part of the plan; otherwise it may change per frame",
      {.in = every_kind & ~(vectors | unknown_kind)}},
 });
@@ -190,13 +142,9 @@ constexpr Key beside_over(Key key) {
 constexpr auto dispatch_keys = std::to_array<Key>({
     {"over", Holds::id, "\"frame\" or a port that has an extent: its texels"},
     {"indirect", Holds::id, "an input with `indirect`, whose numbers are the workgroups"},
-    {"groups",
-     Holds::wholes,
-     "so many workgroups",
+    {"groups", Holds::wholes, "so many workgroups",
      {.least = 1, .greatest = 65535, .min_items = 3, .max_items = 3}},
-    {"offset",
-     Holds::whole,
-     "of the arguments, in bytes",
+    {"offset", Holds::whole, "of the arguments, in bytes",
      {.least = 0, .greatest = 1u << 16, .multiple = 4, .beside = "indirect"}},
     group,
     beside_over(per_thread),
@@ -217,9 +165,7 @@ constexpr auto pipeline_keys = std::to_array<Key>({
     {"extends", Holds::file, "a file that this one patches (RFC 7396)"},
     {"inputs", Holds::objects, "what the host hands over each frame", {.object = &input}},
     {"outputs", Holds::ids, "what the host gets", {.required = true, .min_items = 1}},
-    {"nodes",
-     Holds::objects,
-     "in any order: the dataflow decides",
+    {"nodes", Holds::objects, "in any order: the dataflow decides",
      {.required = true, .object = &node, .min_items = 1}},
     {"resources", Holds::objects, "settings of what nodes write", {.object = &resource}},
 });
@@ -227,15 +173,8 @@ constexpr auto pipeline_keys = std::to_array<Key>({
 constexpr auto input_keys = std::to_array<Key>({
     {"kind", Holds::kind, "default: what the readers take"},
     {"format", Holds::format, "default: what the host brings and the readers take", {.in = image | texels}},
-    {"extent",
-     Holds::wholes,
-     "default: frame",
-     {.words = "frame any",
-      .least = 1,
-      .greatest = 1u << 16,
-      .min_items = 2,
-      .max_items = 2,
-      .in = image | texels}},
+    {"extent", Holds::wholes, "default: frame", {.words = "frame any", .least = 1, .greatest = 1u << 16,
+     .min_items = 2, .max_items = 2, .in = image | texels}},
     {"history", Holds::word, "the host also brings the value for @-1", {.words = "host"}},
     {"optional", Holds::flag, "the host may leave it out"},
 });
@@ -253,38 +192,24 @@ constexpr auto resource_keys = std::to_array<Key>({
     {"format", Holds::format, "one of those that its writer offers"},
     {"first", Holds::word, "what a reader of @-1 sees on the first frame", {.words = "any clear"}},
 });
-// clang-format on
-
 }  // namespace
 
-constexpr Object declaration = {.name = "declaration",
-                                .doc = "nodes/NAME.json. It writes an output, or its shader counts.",
-                                .keys = declaration_keys,
-                                .exactly_one = "shader host"};
-constexpr Object port = {
-    .name = "port", .doc = "One member of `inputs` or `outputs`.", .keys = port_keys, .selector = "kind"};
-constexpr Object extent = {
-    .name = "extent", .doc = "ceil(of / div) * mul on both axes, at least 1.", .keys = extent_keys};
-constexpr Object count = {
-    .name = "count", .doc = "ceil(x / div[0]) * ceil(y / div[1]) * mul + add.", .keys = count_keys};
-constexpr Object table = {.name = "table", .doc = "One member of `tables`.", .keys = table_keys};
-constexpr Object param = {
-    .name = "param", .doc = "One member of `params`.", .keys = param_keys, .selector = "type"};
-constexpr Object dispatch = {.name = "dispatch",
-                             .doc = "What a shader runs over.",
-                             .keys = dispatch_keys,
-                             .exactly_one = "over indirect groups"};
-constexpr Object classes = {.name = "classes", .doc = "CPU devices, or all others.", .keys = classes_keys};
-constexpr Object device_class = {.name = "class",
-                                 .doc =
-                                     "Also constant parameters, with other values than their default. What "
-                                     "a class changes may change no image beyond rounding.",
-                                 .keys = device_class_keys};
-constexpr Object pipeline = {.name = "pipeline", .doc = "pipelines/NAME.json.", .keys = pipeline_keys};
-constexpr Object input = {
-    .name = "input", .doc = "One member of a pipeline's `inputs`.", .keys = input_keys, .selector = "kind"};
-constexpr Object node = {.name = "node", .doc = "One member of `nodes`.", .keys = node_keys};
-constexpr Object resource = {.name = "resource", .doc = "One member of `resources`.", .keys = resource_keys};
+constexpr Object declaration = {"declaration", "nodes/NAME.json. It writes an output, or its shader counts.",
+                                declaration_keys, "shader host"};
+constexpr Object port = {"port", "A member of `inputs` or `outputs`.", port_keys, "", "kind"};
+constexpr Object extent = {"extent", "ceil(of / div) * mul on both axes, at least 1.", extent_keys};
+constexpr Object count = {"count", "ceil(x / div[0]) * ceil(y / div[1]) * mul + add.", count_keys};
+constexpr Object table = {"table", "A member of `tables`.", table_keys};
+constexpr Object param = {"param", "A member of `params`.", param_keys, "", "type"};
+constexpr Object dispatch = {"dispatch", "What a shader runs over.", dispatch_keys, "over indirect groups"};
+constexpr Object classes = {"classes", "CPU devices, or all others.", classes_keys};
+constexpr Object device_class = {"class", "Also constant parameters, with other values than their default. No "
+                                 "image may change by it beyond rounding.", device_class_keys};
+constexpr Object pipeline = {"pipeline", "pipelines/NAME.json.", pipeline_keys};
+constexpr Object input = {"input", "A member of a pipeline's `inputs`.", input_keys, "", "kind"};
+constexpr Object node = {"node", "A member of `nodes`.", node_keys};
+constexpr Object resource = {"resource", "A member of `resources`.", resource_keys};
+// clang-format on
 
 std::span<const Object* const> objects() {
     static constexpr const Object* all[] = {&declaration, &port,     &extent,  &count,        &table,

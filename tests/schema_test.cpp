@@ -20,6 +20,7 @@
 #include "app/vocabulary_page.h"
 #include "graph/check.h"
 #include "graph/user_nodes.h"
+#include "graph/vocabulary.h"
 #include "host/shot.h"
 #include "nodes/domain.h"
 #include "nodes/nodes.h"
@@ -247,6 +248,70 @@ TEST(Schema, BrokenInputsAreRejected) {
         EXPECT_TRUE(accepted.contains(name)) << name << " is rejected: delist it";
 }
 
+// Every place in a document.
+std::vector<json::json_pointer> places(const json& document) {
+    std::vector<json::json_pointer> list;
+    const json flat = document.flatten();
+    for (const auto& [pointer, value] : flat.items())
+        for (json::json_pointer at(pointer); !at.empty(); at = at.parent_pointer())
+            if (std::ranges::find(list, at) == list.end()) list.push_back(at);
+    return list;
+}
+
+// A key that no reader asks for would take any value; one that does not apply is refused anyway.
+TEST(Schema, EveryKeyOfTheVocabularyIsRead) {
+    const json wrong = json::array({{{"x", 3}}});
+    const NodeSet nodes = test::toy_nodes();
+    int tried = 0;
+    const auto try_keys = [&](const json& document, const std::string& place, const Object& object,
+                              const auto& loads) {
+        const json::json_pointer at(place);
+        if (!document.contains(at) || !document[at].is_object()) return;
+        for (const Key& key : object.keys) {
+            json changed = document;
+            changed[at][std::string(key.name)] = wrong;
+            EXPECT_FALSE(loads(changed)) << place << "/" << key.name;
+            ++tried;
+        }
+    };
+    for (const std::string& name : nodes.names()) {
+        const json document = json::parse(test::toy_declaration(name));
+        const auto loads = [&](const json& changed) {
+            Diagnostics d;
+            const auto parsed = parse_json(changed.dump(), "n.json", d);
+            return parse_node_type(*parsed, name, test::toy_domain(), d).has_value();
+        };
+        ASSERT_TRUE(loads(document)) << name;
+        try_keys(document, "", vocabulary::declaration, loads);
+        try_keys(document, "/dispatch", vocabulary::dispatch, loads);
+        try_keys(document, "/classes", vocabulary::classes, loads);
+        try_keys(document, "/classes/cpu", vocabulary::device_class, loads);
+        try_keys(document, "/tables/noise", vocabulary::table, loads);
+        for (const json::json_pointer& place : places(document)) {
+            const std::string path = place.to_string(), parent = place.parent_pointer().to_string();
+            if (parent == "/inputs" || parent == "/outputs") {
+                try_keys(document, path, vocabulary::port, loads);
+                try_keys(document, path + "/extent", vocabulary::extent, loads);
+                try_keys(document, path + "/count", vocabulary::count, loads);
+            }
+            if (parent == "/params") try_keys(document, path, vocabulary::param, loads);
+        }
+    }
+    EXPECT_GT(tried, 1000);
+    json pipeline = json::parse(test::toy_pipeline());
+    pipeline["resources"]["half"] = json::object();
+    const auto loads = [&](const json& changed) {
+        Diagnostics d;
+        const auto parsed = parse_pipeline(changed.dump(), "p.json", {}, d);
+        return parsed && check(*parsed, nodes, d);
+    };
+    ASSERT_TRUE(loads(pipeline));
+    try_keys(pipeline, "", vocabulary::pipeline, loads);
+    try_keys(pipeline, "/inputs/depth", vocabulary::input, loads);
+    try_keys(pipeline, "/nodes/filter0", vocabulary::node, loads);
+    try_keys(pipeline, "/resources/half", vocabulary::resource, loads);
+}
+
 // --- The loader and the schema side by side
 // -------------------------------------------------------------------------
 
@@ -353,16 +418,6 @@ std::string called(const json& document) {
     for (const char* key : {"name", "node", "scene", "extends"})
         if (document.contains(key)) return document[key].dump();
     return "?";
-}
-
-// Every place in a document.
-std::vector<json::json_pointer> places(const json& document) {
-    std::vector<json::json_pointer> list;
-    const json flat = document.flatten();
-    for (const auto& [pointer, value] : flat.items())
-        for (json::json_pointer at(pointer); !at.empty(); at = at.parent_pointer())
-            if (std::ranges::find(list, at) == list.end()) list.push_back(at);
-    return list;
 }
 
 TEST_F(SchemaAndLoader, StartFromGoodDocuments) {
