@@ -71,7 +71,7 @@ CountRule read_count(const ObjectReader& reader, Diagnostics& diagnostics) {
     CountRule rule;
     const Json* json = reader.find("count");
     if (!json || json->kind != Json::Kind::object) {
-        rule.add = reader.whole("count", 1);
+        rule.add = reader.whole("count", rule.add);
         return rule;
     }
     const ObjectReader count(*json, reader.path("count"), vocabulary::count, diagnostics);
@@ -115,7 +115,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
         reader.error("filter", "integer formats cannot be filtered");
     port.element = reader.text("element");
     port.extent = read_extent(reader, diagnostics);
-    if (reader.find("count")) port.count = read_count(reader, diagnostics);
+    port.count = read_count(reader, diagnostics);
     port.indirect = reader.flag("indirect");
     port.previous = reader.flag("previous");
     port.optional = reader.flag("optional");

@@ -203,8 +203,9 @@ constexpr Object table = {"table", "A member of `tables`.", table_keys};
 constexpr Object param = {"param", "A member of `params`.", param_keys, "", "type"};
 constexpr Object dispatch = {"dispatch", "What a shader runs over.", dispatch_keys, "over indirect groups"};
 constexpr Object classes = {"classes", "CPU devices, or all others.", classes_keys};
-constexpr Object device_class = {"class", "Also constant parameters, with other values than their default. No "
-                                 "image may change by it beyond rounding.", device_class_keys};
+constexpr Object device_class = {
+    "class", "Also constant parameters, with other values than their default. No image may change by it beyond "
+    "rounding.", device_class_keys};
 constexpr Object pipeline = {"pipeline", "pipelines/NAME.json.", pipeline_keys};
 constexpr Object input = {"input", "A member of a pipeline's `inputs`.", input_keys, "", "kind"};
 constexpr Object node = {"node", "A member of `nodes`.", node_keys};

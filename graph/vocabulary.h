@@ -15,8 +15,8 @@
 
 namespace penumbra {
 
-inline constexpr uint32_t max_group_threads =
-    1024;  // Vulkan guarantees 128; every device of the last decade has 1024
+// Vulkan guarantees 128; every device of the last decade has 1024.
+inline constexpr uint32_t max_group_threads = 1024;
 inline constexpr size_t max_channels = 4;
 
 enum class Holds : uint8_t {
@@ -41,7 +41,7 @@ enum class Holds : uint8_t {
     storable,   // a format that is no depth format
     formats,    // a format, or a list of different ones
     storables,  // the same without depth formats
-    structure,  // a struct's name
+    structure,  // a struct's name, or one of `words`
     condition,  // condition.h
     value,      // of the parameter's type
     values,     // parameter: its value
@@ -63,8 +63,8 @@ struct Object;
 // What can be said of a key beside what it holds.
 struct Rules {
     bool required = false;
-    std::string_view words = {};      // what it may be, or may be as well; with blanks between
-    const Object* object = nullptr;   // the same
+    std::string_view words = {};      // with blanks between; of what is no Holds::word: may stand instead
+    const Object* object = nullptr;   // of what is no Holds::object(s): may stand instead
     int64_t least = 0, greatest = 0;  // of whole numbers
     int64_t multiple = 1;             // of which they are
     size_t min_items = 0, max_items = 0;
@@ -82,14 +82,14 @@ struct Key : Rules {
         : Rules(rules), name(key), holds(value), doc(meaning) {}
 };
 
-// Which rows of an object's table apply to one object, and what is said where that is violated.
+// Which rows of a table apply to one object, and what is said where the object breaks them.
 struct Scope {
     Kinds kinds = every_kind;
     bool output = false;
     bool updating = false;
-    std::string owner = {};               // whom a key does not apply to; empty: not worth a word
+    std::string owner = {};               // what a key does not apply to; empty: that goes without a word
     std::vector<std::string> names = {};  // keys beside the table's
-    std::string hint = {};                // to whom a key is missing
+    std::string hint = {};                // to a key that is missing
 
     bool has(const Key& key) const {
         return (kinds & (output ? key.out : key.in)) != 0 && (!updating || key.updating);
