@@ -111,7 +111,7 @@ Schema value_of(const Param& param) {
         default:
             break;
     }
-    const size_t components = 2 + static_cast<size_t>(param.type) - static_cast<size_t>(ParamType::vec2);
+    const size_t components = layout_of(param.type).size / sizeof(float);
     return list_of(number("number", -most, most), components, components);
 }
 

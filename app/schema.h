@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The JSON Schemas (draft 7) of pipelines over a node set and of node declarations: editors complete keys,
-// types, ports and parameters from them, with their docs. They accept everything that the loader accepts; of
-// what the loader rejects they find what is wrong with a value by itself, not with names that point elsewhere.
+// types, ports and parameters from them, with their docs. They accept everything that the loader accepts;
+// of what it rejects they find what is wrong with a value by itself, not with names that point elsewhere.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

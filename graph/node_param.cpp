@@ -63,19 +63,6 @@ std::optional<ParamValue> read_integer(const Param& param, const Json& json, con
     return static_cast<Integer>(json.integer);
 }
 
-size_t components(ParamType type) {
-    switch (type) {
-        case ParamType::vec2:
-            return 2;
-        case ParamType::vec3:
-            return 3;
-        case ParamType::vec4:
-            return 4;
-        default:
-            return 1;
-    }
-}
-
 void read_param(const JsonMember& member, NodeType& type, Diagnostics& diagnostics) {
     const std::vector<std::string> types = param_type_words();
     const Json* given = member.value.find("type");
@@ -170,7 +157,7 @@ std::optional<ParamValue> parse_param_value(const Param& param, const Json& json
         default:
             break;
     }
-    const size_t size = components(param.type);
+    const size_t size = layout_of(param.type).size / sizeof(float);
     if (!expect(json, Json::Kind::array, path, diagnostics)) return std::nullopt;
     if (json.items.size() != size) {
         diagnostics.add(json.place, path,
