@@ -175,8 +175,10 @@ int main(int argc, char** argv) {
     add_node_folders(checking, check.node_folders);
     CLI::App* n = app.add_subcommand("nodes", "list the node types, or describe one");
     n->add_option("type", nodes.type, "a node type");
-    n->add_option("--format", nodes.format, "text, json, md, or schema (a JSON Schema of pipelines)")
-        ->check(CLI::IsMember({"text", "json", "md", "schema"}));
+    n->add_option("--format", nodes.format,
+                  "text, json, md, schema or node-schema (JSON Schemas of pipelines and of declarations), or "
+                  "vocabulary (a page of the keys of both)")
+        ->check(CLI::IsMember({"text", "json", "md", "schema", "node-schema", "vocabulary"}));
     add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
     try {

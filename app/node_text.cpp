@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "graph/vocabulary.h"
+
 namespace penumbra {
 namespace {
 
@@ -21,9 +23,8 @@ std::string describe_ranges(const std::vector<std::array<double, 2>>& ranges) {
 
 }  // namespace
 
-const char* type_name(ParamType type) {
-    constexpr const char* names[] = {"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"};
-    return names[static_cast<int>(type)];
+std::string type_name(ParamType type) {
+    return param_type_words()[static_cast<size_t>(type)];
 }
 
 nlohmann::ordered_json json_of(const ParamValue& value) {

@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-const char* type_name(ParamType type);  // as declarations spell it
+std::string type_name(ParamType type);  // as declarations spell it
 nlohmann::ordered_json json_of(const ParamValue& value);
 std::vector<std::string> format_names_of(const Port& port);
 std::string joined(const std::vector<std::string>& words, const char* separator);

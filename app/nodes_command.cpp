@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // penumbra nodes: the node types as text, Markdown, JSON or the JSON Schema of pipelines, all from their
-// declarations.
+// declarations; and what declarations may say, as a JSON Schema or a page.
 #include <fmt/format.h>
 
 #include <iostream>
@@ -10,6 +10,7 @@
 #include "app/node_folders.h"
 #include "app/node_text.h"
 #include "app/schema.h"
+#include "app/vocabulary_page.h"
 
 namespace penumbra {
 namespace {
@@ -68,13 +69,19 @@ int run_nodes(const NodesArguments& arguments) {
     const auto nodes = open_nodes(arguments.node_folders);
     if (!nodes) return exit_wrong;
     std::vector<std::string> names = nodes->names();
-    if (arguments.format == "schema") {
+    const bool of_all =
+        arguments.format == "schema" || arguments.format == "node-schema" || arguments.format == "vocabulary";
+    if (of_all) {
         if (!arguments.type.empty()) {
-            std::cerr << "--format schema: a pipeline's schema is made of all types; leave \""
-                      << arguments.type << "\" out\n";
+            std::cerr << "--format " << arguments.format << " is about all types; leave \"" << arguments.type
+                      << "\" out\n";
             return exit_wrong;
         }
-        std::cout << schema_text(pipeline_schema(*nodes));
+        if (arguments.format == "vocabulary")
+            std::cout << vocabulary_page(*nodes->domain());
+        else
+            std::cout << schema_text(arguments.format == "schema" ? pipeline_schema(*nodes)
+                                                                  : declaration_schema(*nodes->domain()));
         return exit_good;
     }
     if (!arguments.type.empty()) {

@@ -67,25 +67,22 @@ class Checker {
     void find_kind(HostInput& input) {
         const std::string path = "inputs." + input.name;
         if (input.kind_word.empty()) return;
-        std::vector<std::string> words;
-        for (const PortKind kind : {PortKind::image, PortKind::texels, PortKind::buffer, PortKind::block}) {
-            words.emplace_back(kind_name(kind));
-            if (input.kind_word == words.back()) input.kind = kind;
-        }
-        for (const Bundle& bundle : result_.domain->bundles) {
-            words.push_back(bundle.kind);
-            if (input.kind_word != bundle.kind) continue;
-            input.kind = PortKind::bundle;
-            input.bundle = &bundle;
-        }
+        const std::vector<std::string> words = kind_words(*result_.domain);
+        const auto found = std::ranges::find(words, input.kind_word) - words.begin();
+        constexpr auto bundles = static_cast<std::ptrdiff_t>(PortKind::bundle);
+        if (found < std::ssize(words)) input.kind = static_cast<PortKind>(std::min(found, bundles));
+        if (input.kind == PortKind::bundle)
+            input.bundle = &result_.domain->bundles[static_cast<size_t>(found - bundles)];
         if (!input.kind)
             return error(input.kind_place, path + ".kind",
                          fmt::format("no value \"{}\" (values: {}){}", input.kind_word, join(words),
                                      did_you_mean(input.kind_word, words)));
-        if (*input.kind == PortKind::image || *input.kind == PortKind::texels) return;
-        const std::string message = "does not apply to kind " + input.kind_word;
-        if (input.format_place) error(*input.format_place, path + ".format", message);
-        if (input.extent_place) error(*input.extent_place, path + ".extent", message);
+        const auto refuse = [&](const char* key, const std::optional<Place>& place) {
+            if (place && !vocabulary::input.find(key, {.kinds = bit(*input.kind)}))
+                error(*place, path + "." + key, "does not apply to kind " + input.kind_word);
+        };
+        refuse("format", input.format_place);
+        refuse("extent", input.extent_place);
     }
 
     void find_type(const PipelineNode& node) {

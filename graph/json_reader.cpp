@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Reading objects of a closed vocabulary, and which names generated GLSL can carry.
+// Reading objects of the vocabulary, and which names generated GLSL can carry.
 #include "graph/json_reader.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace penumbra {
 
@@ -69,116 +70,243 @@ bool expect(const Json& json, Json::Kind kind, const std::string& path, Diagnost
     return false;
 }
 
-ObjectReader::ObjectReader(const Json& json, std::string path, std::span<const std::string> keys,
-                           Diagnostics& diagnostics)
-    : json_(json), path_(std::move(path)), diagnostics_(diagnostics) {
-    expect(json_, Json::Kind::object, path_, diagnostics_);
-    for (const JsonMember& member : json_.members) {
-        if (std::ranges::find(keys, member.key) != keys.end()) continue;
-        diagnostics_.add(member.key_place, path_,
-                         fmt::format("unknown key \"{}\"{}", member.key, did_you_mean(member.key, keys)));
+bool expect_id(const std::string& name, const Place& place, const std::string& path,
+               Diagnostics& diagnostics) {
+    if (is_id(name)) return true;
+    diagnostics.add(place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", name));
+    return false;
+}
+
+namespace {
+
+bool is_struct_name(std::string_view name) {
+    const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
+    const auto rest = [&](char c) { return upper(c) || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
+    return !name.empty() && name.size() <= 64 && upper(name.front()) && std::ranges::all_of(name, rest);
+}
+
+// What is wrong with a text, or nothing.
+std::string text_problem(const Key& key, const std::string& text) {
+    const auto first_of = [&](const char* characters) {
+        return text.find_first_of(characters) != std::string::npos;
+    };
+    const std::vector<std::string> words = split_words(key.words);
+    switch (key.holds) {
+        case Holds::file:
+            return text.empty() ? "the name is empty" : "";
+        case Holds::shader:
+            if (!first_of("/\\") && text.size() > 5 && text.ends_with(".comp")) return "";
+            return fmt::format("\"{}\" is no file name that ends in .comp", text);
+        case Holds::line:
+            return first_of("\r\n") ? "must be one line" : "";
+        case Holds::structure:
+            if (is_struct_name(text) || std::ranges::find(words, text) != words.end()) return "";
+            if (words.empty()) return fmt::format("\"{}\" is no struct's name (like \"Light\")", text);
+            return fmt::format("\"{}\" is no struct's name and none of {}{}", text, join(words),
+                               did_you_mean(text, words));
+        default:
+            return "";
     }
+}
+
+std::optional<uint32_t> read_whole(const Json& json, const Key& key, const std::string& path,
+                                   Diagnostics& diagnostics) {
+    if (!expect(json, Json::Kind::integer, path, diagnostics)) return std::nullopt;
+    if (json.integer < key.least || json.integer > key.greatest)
+        diagnostics.add(json.place, path,
+                        fmt::format("{} is outside {} .. {}", json.integer, key.least, key.greatest));
+    else if (json.integer % key.multiple != 0)
+        diagnostics.add(json.place, path, fmt::format("must be a multiple of {}", key.multiple));
+    else
+        return static_cast<uint32_t>(json.integer);
+    return std::nullopt;
+}
+
+}  // namespace
+
+ObjectReader::ObjectReader(const Json& json, std::string path, const Object& object, Diagnostics& diagnostics,
+                           Scope scope)
+    : json_(json),
+      path_(std::move(path)),
+      object_(object),
+      diagnostics_(diagnostics),
+      scope_(std::move(scope)) {
+    if (!expect(json_, Json::Kind::object, path_, diagnostics_)) return;
+    std::vector<std::string> names = object.names();
+    names.insert(names.end(), scope_.names.begin(), scope_.names.end());
+    for (const JsonMember& member : json_.members) {
+        const auto complain = [&](const std::string& message) {
+            diagnostics_.add(member.key_place, path_, fmt::format("key \"{}\" {}", member.key, message));
+        };
+        const Key* key = object.find(member.key, scope_);
+        if (std::ranges::find(names, member.key) == names.end())
+            diagnostics_.add(
+                member.key_place, path_,
+                fmt::format("unknown key \"{}\"{}", member.key, did_you_mean(member.key, names)));
+        else if (key && !key->beside.empty() && !json_.find(key->beside))
+            complain(fmt::format("does not apply without \"{}\"", key->beside));
+        else if (!key && !scope_.owner.empty())
+            complain("does not apply to " + scope_.owner);
+    }
+    for (const Key& key : object.keys)
+        if (key.required && scope_.has(key) && !json_.find(key.name) &&
+            (key.beside.empty() || json_.find(key.beside)))
+            diagnostics_.add(json_.place, path_,
+                             fmt::format("key \"{}\" is missing{}", key.name, scope_.hint));
+    const std::vector<std::string> forms = split_words(object.exactly_one);
+    if (!forms.empty() && std::ranges::count_if(forms, [&](const auto& f) { return json_.find(f); }) != 1)
+        diagnostics_.add(json_.place, path_, fmt::format("expected exactly one of the keys {}", join(forms)));
 }
 
 std::string ObjectReader::path(std::string_view key) const {
     return path_.empty() ? std::string(key) : fmt::format("{}.{}", path_, key);
 }
 
-void ObjectReader::error(const Json& at, std::string_view key, std::string message) const {
-    diagnostics_.add(at.place, path(key), std::move(message));
+void ObjectReader::error(std::string_view key, std::string message) const {
+    const Json* value = json_.find(key);
+    diagnostics_.add(value ? value->place : json_.place, path(key), std::move(message));
 }
 
-const Json* ObjectReader::require(std::string_view key) const {
-    const Json* value = find(key);
-    if (!value && is_object())
-        diagnostics_.add(json_.place, path_, fmt::format("key \"{}\" is missing", key));
-    return value;
+const Json* ObjectReader::find(std::string_view key) const {
+    return object_.find(key, scope_) ? json_.find(key) : nullptr;
 }
 
-std::optional<std::string> ObjectReader::text(std::string_view key) const {
+std::string ObjectReader::text(std::string_view key, const char* fallback) const {
     const Json* value = find(key);
-    if (!value || !expect(*value, Json::Kind::string, path(key), diagnostics_)) return std::nullopt;
+    if (!value || !expect(*value, Json::Kind::string, path(key), diagnostics_)) return fallback;
+    const Key& row = *object_.find(key, scope_);
+    if (row.holds == Holds::id && !expect_id(value->string, value->place, path(key), diagnostics_))
+        return fallback;
+    if (const std::string problem = text_problem(row, value->string); !problem.empty()) error(key, problem);
     return value->string;
-}
-
-std::string ObjectReader::one_line(std::string_view key) const {
-    const std::string line = text(key).value_or("");
-    if (line.find_first_of("\r\n") != std::string::npos) error(*find(key), key, "must be one line");
-    return line;
 }
 
 bool ObjectReader::flag(std::string_view key) const {
     const Json* value = find(key);
-    return value && expect(*value, Json::Kind::boolean, path(key), diagnostics_) && value->boolean;
+    if (!value || !expect(*value, Json::Kind::boolean, path(key), diagnostics_)) return false;
+    if (!value->boolean && object_.find(key, scope_)->holds == Holds::yes)
+        error(key, "only true may be written; leave the key out");
+    return value->boolean;
 }
 
-std::optional<uint32_t> ObjectReader::whole(std::string_view key, uint32_t min, uint32_t max) const {
+uint32_t ObjectReader::whole(std::string_view key, uint32_t fallback) const {
     const Json* value = find(key);
-    return value ? read_whole(*value, min, max, path(key), diagnostics_) : std::nullopt;
+    if (!value) return fallback;
+    return read_whole(*value, *object_.find(key, scope_), path(key), diagnostics_).value_or(fallback);
 }
 
-std::optional<std::vector<uint32_t>> ObjectReader::wholes(std::string_view key, size_t min_items,
-                                                          size_t max_items, uint32_t min,
-                                                          uint32_t max) const {
+std::vector<uint32_t> ObjectReader::wholes(std::string_view key) const {
     const Json* value = find(key);
-    if (!value || !expect(*value, Json::Kind::array, path(key), diagnostics_)) return std::nullopt;
-    if (value->items.size() < min_items || value->items.size() > max_items) {
-        const std::string wanted = min_items == max_items ? fmt::format("{}", min_items)
-                                                          : fmt::format("{} to {}", min_items, max_items);
-        error(*value, key,
-              fmt::format("expected {} whole numbers, got {} items", wanted, value->items.size()));
-        return std::nullopt;
+    if (!value || !expect(*value, Json::Kind::array, path(key), diagnostics_)) return {};
+    const Key& row = *object_.find(key, scope_);
+    if (value->items.size() < row.min_items || value->items.size() > row.max_items) {
+        const std::string wanted = row.min_items == row.max_items
+                                       ? fmt::format("{}", row.min_items)
+                                       : fmt::format("{} to {}", row.min_items, row.max_items);
+        error(key, fmt::format("expected {} whole numbers, got {} items", wanted, value->items.size()));
+        return {};
     }
     std::vector<uint32_t> numbers;
-    for (size_t i = 0; i < value->items.size(); ++i) {
-        const std::string item_path = fmt::format("{}[{}]", path(key), i);
-        if (const auto number = read_whole(value->items[i], min, max, item_path, diagnostics_))
+    for (size_t i = 0; i < value->items.size(); ++i)
+        if (const auto number =
+                read_whole(value->items[i], row, fmt::format("{}[{}]", path(key), i), diagnostics_))
             numbers.push_back(*number);
-    }
-    if (numbers.size() != value->items.size()) return std::nullopt;
+    if (numbers.size() != value->items.size()) return {};
     return numbers;
 }
 
-std::optional<std::array<uint32_t, 2>> ObjectReader::pair(std::string_view key, uint32_t min,
-                                                          uint32_t max) const {
-    const auto numbers = wholes(key, 2, 2, min, max);
-    if (!numbers) return std::nullopt;
-    return std::array<uint32_t, 2>{(*numbers)[0], (*numbers)[1]};
+std::array<uint32_t, 2> ObjectReader::pair(std::string_view key, std::array<uint32_t, 2> fallback) const {
+    const std::vector<uint32_t> numbers = wholes(key);
+    return numbers.empty() ? fallback : std::array{numbers[0], numbers[1]};
 }
 
-std::optional<size_t> ObjectReader::choice(std::string_view key, std::span<const std::string> words) const {
-    const std::optional<std::string> word = text(key);
-    if (!word) return std::nullopt;
-    const auto found = std::ranges::find(words, *word);
+std::optional<size_t> ObjectReader::word(std::string_view key) const {
+    if (!find(key)) return std::nullopt;
+    return word(key, split_words(object_.find(key, scope_)->words));
+}
+
+std::optional<size_t> ObjectReader::word(std::string_view key, std::span<const std::string> words) const {
+    const Json* value = find(key);
+    if (!value || !expect(*value, Json::Kind::string, path(key), diagnostics_)) return std::nullopt;
+    const auto found = std::ranges::find(words, value->string);
     if (found != words.end()) return static_cast<size_t>(found - words.begin());
-    error(*find(key), key,
-          fmt::format("no value \"{}\" (values: {}){}", *word, join(words), did_you_mean(*word, words)));
+    error(key, fmt::format("no value \"{}\" (values: {}){}", value->string, join(words),
+                           did_you_mean(value->string, words)));
     return std::nullopt;
 }
 
-std::optional<Format> ObjectReader::format(std::string_view key) const {
+// One, or where the vocabulary says so a list of different ones.
+std::vector<Format> ObjectReader::formats(std::string_view key) const {
     const Json* value = find(key);
-    return value ? read_format(*value, path(key), diagnostics_) : std::nullopt;
-}
-
-std::optional<Format> read_format(const Json& json, const std::string& path, Diagnostics& diagnostics) {
-    if (!expect(json, Json::Kind::string, path, diagnostics)) return std::nullopt;
-    const std::optional<Format> format = format_named(json.string);
-    if (!format)
-        diagnostics.add(json.place, path,
-                        fmt::format("no format \"{}\" (formats: {}){}", json.string, join(format_names()),
-                                    did_you_mean(json.string, format_names())));
-    return format;
-}
-
-std::optional<uint32_t> read_whole(const Json& json, uint32_t min, uint32_t max, const std::string& path,
-                                   Diagnostics& diagnostics) {
-    if (!expect(json, Json::Kind::integer, path, diagnostics)) return std::nullopt;
-    if (json.integer < min || json.integer > max) {
-        diagnostics.add(json.place, path, fmt::format("{} is outside {} .. {}", json.integer, min, max));
-        return std::nullopt;
+    if (!value) return {};
+    const Holds holds = object_.find(key, scope_)->holds;
+    const bool many = holds == Holds::formats || holds == Holds::storables;
+    const bool stored = holds == Holds::storable || holds == Holds::storables;
+    std::vector<Item> items;
+    if (many && value->kind == Json::Kind::array)
+        items = list(key);
+    else if (expect(*value, Json::Kind::string, path(key), diagnostics_))
+        items.push_back({value->string, path(key), value->place});
+    std::vector<Format> formats;
+    for (const Item& item : items) {
+        const std::optional<Format> format = format_named(item.text);
+        if (!format)
+            diagnostics_.add(item.place, item.path,
+                             fmt::format("no format \"{}\" (formats: {}){}", item.text, join(format_names()),
+                                         did_you_mean(item.text, format_names())));
+        else if (stored && !info(*format).glsl)
+            diagnostics_.add(
+                item.place, item.path,
+                fmt::format("{} cannot be held here: depth formats are only sampled, as images", item.text));
+        else
+            formats.push_back(*format);
     }
-    return static_cast<uint32_t>(json.integer);
+    return formats;
+}
+
+std::optional<Format> ObjectReader::format(std::string_view key) const {
+    const std::vector<Format> one = formats(key);
+    return one.empty() ? std::nullopt : std::optional(one.front());
+}
+
+std::vector<ObjectReader::Item> ObjectReader::list(std::string_view key) const {
+    std::vector<Item> list;
+    const Json* value = find(key);
+    if (!value || !expect(*value, Json::Kind::array, path(key), diagnostics_)) return list;
+    const Key& row = *object_.find(key, scope_);
+    if (value->items.size() < row.min_items) error(key, "the list is empty");
+    for (size_t i = 0; i < value->items.size(); ++i) {
+        const Json& item = value->items[i];
+        const std::string item_path = fmt::format("{}[{}]", path(key), i);
+        if (!expect(item, Json::Kind::string, item_path, diagnostics_)) continue;
+        if (row.holds == Holds::ids && !expect_id(item.string, item.place, item_path, diagnostics_)) continue;
+        if (std::ranges::find(list, item.string, &Item::text) != list.end())
+            diagnostics_.add(item.place, item_path, fmt::format("\"{}\" is listed twice", item.string));
+        else
+            list.push_back({item.string, item_path, item.place});
+    }
+    return list;
+}
+
+std::optional<std::array<double, 2>> read_range(const Json& json, bool open, const std::string& path,
+                                                Diagnostics& diagnostics) {
+    std::array<double, 2> range = {-std::numeric_limits<double>::infinity(),
+                                   std::numeric_limits<double>::infinity()};
+    bool good = json.kind == Json::Kind::array && json.items.size() == 2;
+    for (size_t end = 0; good && end < 2; ++end) {
+        const Json& item = json.items[end];
+        good = item.is_number() || (open && item.kind == Json::Kind::null);
+        if (item.is_number()) range[end] = item.real;
+    }
+    if (!good)
+        diagnostics.add(json.place, path,
+                        fmt::format("expected the least and the greatest value{}",
+                                    open ? ", null where there is none" : ""));
+    else if (range[0] > range[1])
+        diagnostics.add(json.place, path, "the least value exceeds the greatest");
+    else
+        return range;
+    return std::nullopt;
 }
 
 std::string join(std::span<const std::string> words) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reads the members of one JSON object against a closed vocabulary: every unknown key, wrong type and value
-// out of range becomes a diagnostic with its place. What declarations and pipelines are read with.
+// Reads the members of one JSON object against its table in the vocabulary: every unknown key, wrong type and
+// value out of range becomes a diagnostic with its place. What declarations and pipelines are read with.
 #pragma once
 
 #include <array>
@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "graph/vocabulary.h"
 #include "penumbra/format.h"
 #include "penumbra/json_text.h"
 
@@ -25,45 +26,53 @@ const char* glsl_name_problem(std::string_view name);
 // Reports `json` unless it is of this kind.
 bool expect(const Json& json, Json::Kind kind, const std::string& path, Diagnostics& diagnostics);
 
+// The same for a name that is no id.
+bool expect_id(const std::string& name, const Place& place, const std::string& path,
+               Diagnostics& diagnostics);
+
 class ObjectReader {
   public:
-    // Reports `json` if it is no object (every lookup then finds nothing), and its unknown keys.
-    ObjectReader(const Json& json, std::string path, std::span<const std::string> keys,
-                 Diagnostics& diagnostics);
+    // Reports `json` if it is no object (every lookup then finds nothing), keys that the vocabulary does not
+    // have or that do not apply, and keys that are missing.
+    ObjectReader(const Json& json, std::string path, const Object& object, Diagnostics& diagnostics,
+                 Scope scope = {});
 
     bool is_object() const { return json_.kind == Json::Kind::object; }
-    const Json& json() const { return json_; }
     const std::string& path() const { return path_; }
     std::string path(std::string_view key) const;
-    Diagnostics& diagnostics() const { return diagnostics_; }
-    void error(const Json& at, std::string_view key, std::string message) const;
+    // At the key's value, or at the object where the key is not given.
+    void error(std::string_view key, std::string message) const;
 
-    const Json* find(std::string_view key) const { return json_.find(key); }
-    const Json* require(std::string_view key) const;  // reports a missing key
+    const Json* find(std::string_view key) const;  // nullptr too where the key does not apply
 
-    // Each returns nothing where the key is missing (not an error here) or its value is wrong (reported).
-    std::optional<std::string> text(std::string_view key) const;
-    std::string one_line(std::string_view key) const;  // "" where missing
-    bool flag(std::string_view key) const;             // false where missing
-    std::optional<uint32_t> whole(std::string_view key, uint32_t min, uint32_t max) const;
-    std::optional<std::vector<uint32_t>> wholes(std::string_view key, size_t min_items, size_t max_items,
-                                                uint32_t min, uint32_t max) const;
-    std::optional<size_t> choice(std::string_view key, std::span<const std::string> words) const;  // index
+    // Each reads the key as the vocabulary has it. Where it is missing, the result is empty or the fallback;
+    // where its value is wrong, the same after a report.
+    std::string text(std::string_view key, const char* fallback = "") const;
+    bool flag(std::string_view key) const;
+    uint32_t whole(std::string_view key, uint32_t fallback) const;
+    std::vector<uint32_t> wholes(std::string_view key) const;
+    std::array<uint32_t, 2> pair(std::string_view key, std::array<uint32_t, 2> fallback) const;
+    std::optional<size_t> word(std::string_view key) const;  // its index
+    std::optional<size_t> word(std::string_view key, std::span<const std::string> words) const;
+    std::vector<Format> formats(std::string_view key) const;
     std::optional<Format> format(std::string_view key) const;
-    std::optional<std::array<uint32_t, 2>> pair(std::string_view key, uint32_t min, uint32_t max) const;
+    struct Item {
+        std::string text, path;
+        Place place;
+    };
+    std::vector<Item> list(std::string_view key) const;  // of different strings
 
   private:
     const Json& json_;
     std::string path_;
+    const Object& object_;
     Diagnostics& diagnostics_;
+    Scope scope_;
 };
 
-// A format's name as a value; reports anything else.
-std::optional<Format> read_format(const Json& json, const std::string& path, Diagnostics& diagnostics);
-
-// A whole number in [min, max]; reports anything else.
-std::optional<uint32_t> read_whole(const Json& json, uint32_t min, uint32_t max, const std::string& path,
-                                   Diagnostics& diagnostics);
+// [least, greatest]; `open`: null stands for infinity.
+std::optional<std::array<double, 2>> read_range(const Json& json, bool open, const std::string& path,
+                                                Diagnostics& diagnostics);
 
 // "a, b, c"
 std::string join(std::span<const std::string> words);

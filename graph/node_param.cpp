@@ -19,8 +19,6 @@ namespace {
 
 constexpr uint32_t max_push_bytes = 128;  // guaranteed by every Vulkan device
 
-const std::vector<std::string> type_words = {"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"};
-
 std::string number_text(double value) {
     return fmt::format("{}", value);
 }
@@ -65,81 +63,25 @@ std::optional<ParamValue> read_integer(const Param& param, const Json& json, con
     return static_cast<Integer>(json.integer);
 }
 
-size_t components(ParamType type) {
-    switch (type) {
-        case ParamType::vec2:
-            return 2;
-        case ParamType::vec3:
-            return 3;
-        case ParamType::vec4:
-            return 4;
-        default:
-            return 1;
-    }
-}
-
-void read_values(const ObjectReader& reader, Param& param) {
-    Diagnostics& diagnostics = reader.diagnostics();
-    const Json* json = reader.find("values");
-    if (param.type != ParamType::enumeration) {
-        if (json) reader.error(*json, "values", "only an enum has values");
-        return;
-    }
-    if (!reader.require("values")) return;
-    if (!expect(*json, Json::Kind::array, reader.path("values"), diagnostics)) return;
-    if (json->items.empty()) reader.error(*json, "values", "the list is empty");
-    for (size_t i = 0; i < json->items.size(); ++i) {
-        const Json& item = json->items[i];
-        const std::string path = fmt::format("{}[{}]", reader.path("values"), i);
-        if (!expect(item, Json::Kind::string, path, diagnostics)) continue;
-        if (!is_id(item.string))
-            diagnostics.add(item.place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", item.string));
-        else if (std::ranges::find(param.values, item.string) != param.values.end())
-            diagnostics.add(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
-        else
-            param.values.push_back(item.string);
-    }
-}
-
-void read_range(const ObjectReader& reader, Param& param) {
-    Diagnostics& diagnostics = reader.diagnostics();
-    const Json* json = reader.find("range");
-    if (!json) return;
-    if (param.type == ParamType::boolean || param.type == ParamType::enumeration) {
-        reader.error(*json, "range", "only numbers have a range");
-        return;
-    }
-    if (!expect(*json, Json::Kind::array, reader.path("range"), diagnostics)) return;
-    if (json->items.size() != 2 || !json->items[0].is_number() || !json->items[1].is_number()) {
-        reader.error(*json, "range", "expected two numbers, the least and the greatest value");
-        return;
-    }
-    const std::array<double, 2> range = {json->items[0].real, json->items[1].real};
-    if (range[0] > range[1])
-        reader.error(*json, "range", "the least value exceeds the greatest");
-    else
-        param.range = range;
-}
-
 void read_param(const JsonMember& member, NodeType& type, Diagnostics& diagnostics) {
-    const std::vector<std::string> keys = {"type", "default", "doc", "unit", "range", "values", "constant"};
-    const ObjectReader reader(member.value, "params." + member.key, keys, diagnostics);
-    Param param{.name = member.key, .place = member.key_place};
-    if (reader.require("doc")) param.doc = reader.one_line("doc");
-    param.unit = reader.one_line("unit");
+    const std::vector<std::string> types = param_type_words();
+    const Json* given = member.value.find("type");
+    const size_t word =
+        given ? static_cast<size_t>(std::ranges::find(types, given->string) - types.begin()) : types.size();
+    Param param{.name = member.key, .type = static_cast<ParamType>(word), .place = member.key_place};
+    Scope scope{.kinds = unknown_kind};
+    if (word < types.size()) scope = {.kinds = bit(word), .owner = "a parameter of type " + types[word]};
+    const ObjectReader reader(member.value, "params." + member.key, vocabulary::param, diagnostics, scope);
+    param.doc = reader.text("doc");
+    param.unit = reader.text("unit");
     param.constant = reader.flag("constant");
-    if (param.name == "group" || param.name == "per_thread")
+    if (vocabulary::device_class.knows(param.name))
         diagnostics.add(member.key_place, reader.path(), "this name belongs to the dispatch rule");
-    const Json* fallback = reader.require("default");
-    if (!reader.require("type")) return;
-    const std::optional<size_t> word = reader.choice("type", type_words);
-    if (!word) return;
-    param.type = static_cast<ParamType>(*word);
-    if (param.constant && components(param.type) > 1)
-        reader.error(*reader.find("constant"), "constant", "a vector cannot be a specialisation constant");
-    read_values(reader, param);
-    read_range(reader, param);
-    if (fallback)
+    if (!reader.word("type")) return;
+    for (const ObjectReader::Item& item : reader.list("values")) param.values.push_back(item.text);
+    if (const Json* range = reader.find("range"))
+        param.range = read_range(*range, false, reader.path("range"), diagnostics);
+    if (const Json* fallback = reader.find("default"))
         if (const auto value = parse_param_value(param, *fallback, reader.path("default"), diagnostics))
             param.default_value = *value;
     type.params.push_back(std::move(param));
@@ -215,7 +157,7 @@ std::optional<ParamValue> parse_param_value(const Param& param, const Json& json
         default:
             break;
     }
-    const size_t size = components(param.type);
+    const size_t size = layout_of(param.type).size / sizeof(float);
     if (!expect(json, Json::Kind::array, path, diagnostics)) return std::nullopt;
     if (json.items.size() != size) {
         diagnostics.add(json.place, path,

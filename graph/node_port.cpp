@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Ports of a node declaration. Each kind and direction has its own list of keys; a key of the vocabulary in
-// the wrong place is told apart from an unknown one.
+// Ports of a node declaration. Each kind and direction has keys of its own.
 #include "graph/node_port.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "graph/interface.h"
 #include "graph/json_reader.h"
@@ -15,245 +13,120 @@ namespace penumbra {
 
 namespace {
 
-constexpr uint32_t max_factor = 1u << 16;  // of div and mul: far beyond any image, and products fit 64 bits
 constexpr size_t max_variants = 16;
-constexpr size_t max_channels = 4;
-
-const std::vector<std::string> kind_words = {"image", "texels", "buffer", "block"};
-const std::vector<std::string> port_keys = {
-    "kind",    "format", "as",       "filter",   "layers",   "levels", "element", "extent", "count", "writes",
-    "updates", "first",  "previous", "indirect", "optional", "if",     "range",   "memo",   "doc"};
-const std::vector<std::string> elements = {"u32", "uvec2", "uvec4", "f32", "vec4"};
-
-std::vector<std::string> keys_of(PortKind kind, bool output, bool updates) {
-    if (kind == PortKind::bundle) return {"kind", "doc"};
-    std::vector<std::string> keys = {"kind", "optional", "if", "doc"};
-    const auto add = [&](std::initializer_list<const char*> more) {
-        keys.insert(keys.end(), more.begin(), more.end());
-    };
-    const bool texels = kind == PortKind::image || kind == PortKind::texels;
-    if (kind == PortKind::block) add({"element"});
-    if (kind == PortKind::block) return keys;
-    if (!output) add({"previous"});
-    if (output) add({"updates", "first", "range"});
-    if (kind == PortKind::buffer) add({"indirect"});
-    if (kind == PortKind::image) add({"as"});
-    if (kind == PortKind::image && !output) add({"filter"});
-    if (updates) return keys;  // the rest comes from the port that it updates
-    if (output) add({"writes", "memo"});
-    if (texels) add({"format"});
-    if (texels && output) add({"extent"});
-    if (kind == PortKind::image) add({"layers", "levels"});
-    if (kind == PortKind::buffer) add({"element"});
-    if (kind == PortKind::buffer && output) add({"count"});
-    return keys;
-}
-
-bool is_struct_name(std::string_view name) {
-    const auto upper = [](char c) { return c >= 'A' && c <= 'Z'; };
-    const auto rest = [&](char c) { return upper(c) || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); };
-    return !name.empty() && name.size() <= 64 && upper(name.front()) && std::ranges::all_of(name, rest);
-}
 
 void read_formats(const ObjectReader& reader, Port& port) {
-    const Json* json = reader.require("format");
-    if (!json) return;
-    const std::string path = reader.path("format");
-    Diagnostics& diagnostics = reader.diagnostics();
-    const bool list = json->kind == Json::Kind::array;
-    if (list && json->items.empty()) reader.error(*json, "format", "the list is empty");
-    for (size_t i = 0; i < (list ? json->items.size() : 1); ++i) {
-        const Json& item = list ? json->items[i] : *json;
-        const std::string item_path = list ? fmt::format("{}[{}]", path, i) : path;
-        const std::optional<Format> format = read_format(item, item_path, diagnostics);
-        if (!format) continue;
-        const FormatInfo& texel = info(*format);
-        const bool linear_memory = port.kind == PortKind::texels;
-        if (std::ranges::find(port.formats, *format) != port.formats.end())
-            diagnostics.add(item.place, item_path, fmt::format("\"{}\" is listed twice", texel.name));
-        else if (!texel.glsl && (port.storage || linear_memory))
-            diagnostics.add(item.place, item_path,
-                            fmt::format("{} cannot be {}: depth formats are only sampled", texel.name,
-                                        linear_memory ? "a texel buffer" : "a storage image"));
-        else if (!port.formats.empty() &&
-                 (info(port.formats[0]).kind == FormatClass::uint) != (texel.kind == FormatClass::uint))
-            diagnostics.add(item.place, item_path,
-                            fmt::format("{} and {} have different types in GLSL (integer and real)",
-                                        texel.name, info(port.formats[0]).name));
-        else
-            port.formats.push_back(*format);
-    }
+    const auto integer = [](Format format) { return info(format).kind == FormatClass::uint; };
+    port.formats = reader.formats("format");
+    for (const Format format : port.formats)
+        if (!info(format).glsl && port.storage)
+            reader.error("format", fmt::format("{} cannot be a storage image: depth formats are only sampled",
+                                               info(format).name));
+        else if (integer(format) != integer(port.formats.front()))
+            reader.error("format", fmt::format("{} and {} have different types in GLSL (integer and real)",
+                                               info(format).name, info(port.formats.front()).name));
 }
 
 void read_access(const ObjectReader& reader, Port& port) {
-    const std::vector<std::string> accesses = {"sampled", "storage"}, filters = {"nearest", "linear"};
-    port.storage = port.output;
-    if (const auto access = reader.choice("as", accesses)) {
-        port.storage = *access == 1;
-        if (port.output && !port.storage)
-            reader.error(*reader.find("as"), "as", "outputs are written as storage");
-    }
-    if (const auto filter = reader.choice("filter", filters)) {
-        port.linear = *filter == 1;
-        if (port.storage) reader.error(*reader.find("filter"), "filter", "only sampled images are filtered");
-    }
-}
-
-void read_element(const ObjectReader& reader, Port& port) {
-    if (!reader.require("element")) return;
-    const std::optional<std::string> element = reader.text("element");
-    if (!element) return;
-    port.element = *element;
-    const bool plain = std::ranges::find(elements, *element) != elements.end();
-    if (is_struct_name(*element) || (plain && port.kind == PortKind::buffer)) return;
-    const std::string wanted = port.kind == PortKind::block
-                                   ? "struct's name (like \"Light\")"
-                                   : fmt::format("struct's name and none of {}", join(elements));
-    reader.error(*reader.find("element"), "element",
-                 fmt::format("\"{}\" is no {}{}", *element, wanted,
-                             port.kind == PortKind::block ? "" : did_you_mean(*element, elements)));
-}
-
-// [least, greatest] of one channel; null: open.
-std::optional<std::array<double, 2>> read_range(const Json& json, const std::string& path,
-                                                Diagnostics& diagnostics) {
-    std::array<double, 2> range = {-std::numeric_limits<double>::infinity(),
-                                   std::numeric_limits<double>::infinity()};
-    bool good = json.kind == Json::Kind::array && json.items.size() == 2;
-    for (size_t end = 0; good && end < 2; ++end) {
-        const Json& item = json.items[end];
-        good = item.is_number() || item.kind == Json::Kind::null;
-        if (item.is_number()) range[end] = item.real;
-    }
-    if (!good)
-        diagnostics.add(json.place, path,
-                        "expected the least and the greatest value, null where there is none");
-    else if (range[0] > range[1])
-        diagnostics.add(json.place, path, "the least value exceeds the greatest");
-    else
-        return range;
-    return std::nullopt;
+    const auto access = reader.word("as");
+    port.storage = port.kind == PortKind::image && (port.output || access == 1);
+    port.linear = reader.word("filter") == 1;
+    if (port.storage && reader.find("filter")) reader.error("filter", "only sampled images are filtered");
+    if (port.storage && !port.output && port.levels)
+        reader.error("levels", "a mip chain is read through a sampler");
 }
 
 // One range for every channel, or a list with one per channel.
-void read_ranges(const ObjectReader& reader, Port& port) {
+void read_ranges(const ObjectReader& reader, Port& port, Diagnostics& diagnostics) {
     const Json* json = reader.find("range");
-    if (!json || !expect(*json, Json::Kind::array, reader.path("range"), reader.diagnostics())) return;
+    if (!json || !expect(*json, Json::Kind::array, reader.path("range"), diagnostics)) return;
     if (json->items.empty() || json->items.front().kind != Json::Kind::array) {
-        if (const auto range = read_range(*json, reader.path("range"), reader.diagnostics()))
+        if (const auto range = read_range(*json, true, reader.path("range"), diagnostics))
             port.ranges.assign(max_channels, *range);
         return;
     }
     for (size_t i = 0; i < json->items.size(); ++i)
-        if (const auto range = read_range(json->items[i], fmt::format("{}[{}]", reader.path("range"), i),
-                                          reader.diagnostics()))
+        if (const auto range =
+                read_range(json->items[i], true, fmt::format("{}[{}]", reader.path("range"), i), diagnostics))
             port.ranges.push_back(*range);
     if (json->items.size() > max_channels)
-        reader.error(*json, "range", fmt::format("no format has more than {} channels", max_channels));
+        reader.error("range", fmt::format("no format has more than {} channels", max_channels));
 }
 
-// A port's name; "" means "none" to all that follows, so nobody may write it.
-std::string read_name(const ObjectReader& reader, const char* key, const char* fallback) {
-    const std::optional<std::string> name = reader.text(key);
-    if (name && name->empty()) reader.error(*reader.find(key), key, "the name is empty");
-    return name.value_or(fallback);
-}
-
-ExtentRule read_extent(const ObjectReader& reader) {
+ExtentRule read_extent(const ObjectReader& reader, Diagnostics& diagnostics) {
     ExtentRule rule;
     const Json* json = reader.find("extent");
-    if (!json) return rule;
-    if (json->kind == Json::Kind::string) {
-        rule.of.name = json->string;
-        if (rule.of.name.empty()) reader.error(*json, "extent", "the name is empty");
+    if (!json || json->kind != Json::Kind::object) {
+        rule.of.name = reader.text("extent", "frame");
         return rule;
     }
-    const std::vector<std::string> keys = {"of", "div", "mul"};
-    const ObjectReader extent(*json, reader.path("extent"), keys, reader.diagnostics());
-    if (extent.require("of")) rule.of.name = read_name(extent, "of", "frame");
-    rule.div = extent.pair("div", 1, max_factor).value_or(rule.div);
-    rule.mul = extent.pair("mul", 1, max_factor).value_or(rule.mul);
+    const ObjectReader extent(*json, reader.path("extent"), vocabulary::extent, diagnostics);
+    rule.of.name = extent.text("of", "frame");
+    rule.div = extent.pair("div", rule.div);
+    rule.mul = extent.pair("mul", rule.mul);
     return rule;
 }
 
-CountRule read_count(const ObjectReader& reader) {
+CountRule read_count(const ObjectReader& reader, Diagnostics& diagnostics) {
     CountRule rule;
-    constexpr uint32_t most = 1u << 28;
-    const Json* json = reader.require("count");
-    if (!json) return rule;
-    if (json->kind == Json::Kind::integer) {
-        rule.add = reader.whole("count", 1, most).value_or(1);
+    const Json* json = reader.find("count");
+    if (!json || json->kind != Json::Kind::object) {
+        rule.add = reader.whole("count", rule.add);
         return rule;
     }
-    const std::vector<std::string> keys = {"of", "div", "mul", "add"};
-    const ObjectReader count(*json, reader.path("count"), keys, reader.diagnostics());
-    if (count.require("of")) rule.of.name = read_name(count, "of", "frame");
-    rule.div = count.pair("div", 1, max_factor).value_or(rule.div);
-    rule.mul = count.whole("mul", 1, max_factor).value_or(1);
-    rule.add = count.whole("add", 0, most).value_or(0);
+    const ObjectReader count(*json, reader.path("count"), vocabulary::count, diagnostics);
+    rule.of.name = count.text("of", "frame");
+    rule.div = count.pair("div", rule.div);
+    rule.mul = count.whole("mul", rule.mul);
+    rule.add = count.whole("add", rule.add);
     return rule;
 }
 
 void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostics& diagnostics) {
-    const std::string path = fmt::format("{}.{}", output ? "outputs" : "inputs", member.key);
-    const ObjectReader reader(member.value, path, port_keys, diagnostics);
+    const std::vector<std::string> words = kind_words(*type.domain);
+    const Json* given = member.value.find("kind");
+    const size_t kind =
+        given ? static_cast<size_t>(std::ranges::find(words, given->string) - words.begin()) : words.size();
     Port port{.name = member.key, .output = output, .place = member.key_place};
-    const Json* kind_json = reader.require("kind");
-    if (!kind_json) return;
-    std::vector<std::string> words = kind_words;
-    for (const Bundle& bundle : type.domain->bundles) words.push_back(bundle.kind);
-    const std::optional<size_t> kind = reader.choice("kind", words);
-    if (!kind) return;
-    port.kind = static_cast<PortKind>(std::min(*kind, kind_words.size()));
-    if (port.kind == PortKind::bundle) port.bundle = &type.domain->bundles[*kind - kind_words.size()];
-    if (output && (port.kind == PortKind::block || port.kind == PortKind::bundle)) {
-        reader.error(*kind_json, "kind",
-                     fmt::format("a {} comes from the host; it cannot be an output", words[*kind]));
+    port.kind = static_cast<PortKind>(std::min(kind, static_cast<size_t>(PortKind::bundle)));
+    // Which keys apply depends on the kind. Where that is wrong, it alone is worth a word.
+    Scope scope{
+        .kinds = bit(port.kind), .output = output, .updating = output && member.value.find("updates")};
+    const bool from_host = !vocabulary::port.find("kind", scope);
+    if (kind == words.size() || from_host)
+        scope.kinds = unknown_kind;
+    else
+        scope.owner = fmt::format("an {} of kind {}{}", output ? "output" : "input", words[kind],
+                                  scope.updating ? " that updates an input" : "");
+    const std::string path = fmt::format("{}.{}", output ? "outputs" : "inputs", member.key);
+    const ObjectReader reader(member.value, path, vocabulary::port, diagnostics, scope);
+    if (!reader.word("kind", words)) return;
+    if (from_host) {
+        reader.error("kind", fmt::format("a {} comes from the host; it cannot be an output", words[kind]));
         return;
     }
-
-    const bool updates = output && reader.find("updates");
-    const std::vector<std::string> keys = keys_of(port.kind, output, updates);
-    const auto applies = [&](std::string_view key) { return std::ranges::find(keys, key) != keys.end(); };
-    for (const JsonMember& given : member.value.members) {
-        const bool known = std::ranges::find(port_keys, given.key) != port_keys.end();
-        if (!known || applies(given.key)) continue;
-        const std::string owner =
-            updates && given.key != "previous" && given.key != "filter"
-                ? "a port that updates another (it is inherited)"
-                : fmt::format("an {} of kind {}", output ? "output" : "input", words[*kind]);
-        diagnostics.add(given.key_place, path,
-                        fmt::format("key \"{}\" does not apply to {}", given.key, owner));
-    }
-
-    if (applies("as")) read_access(reader, port);
-    if (applies("format")) read_formats(reader, port);
+    if (port.kind == PortKind::bundle)
+        port.bundle = &type.domain->bundles[kind - static_cast<size_t>(PortKind::bundle)];
+    port.layers = reader.flag("layers");
+    port.levels = reader.flag("levels");
+    read_access(reader, port);
+    read_formats(reader, port);
     if (port.linear && !port.formats.empty() && info(port.formats[0]).kind == FormatClass::uint)
-        reader.error(*reader.find("filter"), "filter", "integer formats cannot be filtered");
-    if (applies("element")) read_element(reader, port);
-    if (applies("extent")) port.extent = read_extent(reader);
-    if (applies("count")) port.count = read_count(reader);
-    if (applies("layers")) port.layers = reader.flag("layers");
-    if (applies("levels")) port.levels = reader.flag("levels");
-    if (applies("indirect")) port.indirect = reader.flag("indirect");
-    if (applies("previous")) port.previous = reader.flag("previous");
-    if (port.levels && !output && port.storage)
-        reader.error(*reader.find("levels"), "levels", "a mip chain is read through a sampler");
+        reader.error("filter", "integer formats cannot be filtered");
+    port.element = reader.text("element");
+    port.extent = read_extent(reader, diagnostics);
+    port.count = read_count(reader, diagnostics);
+    port.indirect = reader.flag("indirect");
+    port.previous = reader.flag("previous");
     port.optional = reader.flag("optional");
-    if (applies("writes")) {
-        const std::vector<std::string> extents = {"all", "tiles", "some", "kept"};
-        port.writes = static_cast<Writes>(reader.choice("writes", extents).value_or(0));
-    }
-    if (applies("memo")) port.memo = reader.flag("memo");
-    if (applies("first")) {
-        const std::vector<std::string> firsts = {"any", "clear"};
-        port.first = static_cast<First>(reader.choice("first", firsts).value_or(0));
-    }
-    if (applies("range")) read_ranges(reader, port);
-    if (updates) port.updates = read_name(reader, "updates", "");
+    port.writes = static_cast<Writes>(reader.word("writes").value_or(0));
+    port.memo = reader.flag("memo");
+    port.first = static_cast<First>(reader.word("first").value_or(0));
+    read_ranges(reader, port, diagnostics);
+    port.updates = reader.text("updates");
     if (const Json* condition = reader.find("if"))
         port.condition = read_condition(*condition, reader.path("if"), type, diagnostics);
-    port.doc = reader.one_line("doc");
+    port.doc = reader.text("doc");
     type.ports.push_back(std::move(port));
 }
 
@@ -426,12 +299,6 @@ class Linker {
 };
 
 }  // namespace
-
-const char* kind_name(PortKind kind) {
-    if (kind == PortKind::bundle) return "bundle";
-    if (kind == PortKind::structure) return "acceleration structure";
-    return kind_words[static_cast<size_t>(kind)].c_str();
-}
 
 Condition read_condition(const Json& json, const std::string& path, const NodeType& type,
                          Diagnostics& diagnostics) {

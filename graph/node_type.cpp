@@ -16,24 +16,23 @@ namespace penumbra {
 
 namespace {
 
-constexpr uint32_t max_group_threads =
-    1024;  // Vulkan guarantees 128; every device of the last decade has 1024
-
 class DeclarationReader {
   public:
-    DeclarationReader(const Json& json, const std::vector<std::string>& keys,
-                      std::shared_ptr<const Domain> domain, Diagnostics& diagnostics)
-        : reader_(json, "", keys, diagnostics), diagnostics_(diagnostics) {
+    DeclarationReader(const Json& json, std::shared_ptr<const Domain> domain, Diagnostics& diagnostics)
+        : json_(json), reader_(json, "", vocabulary::declaration, diagnostics), diagnostics_(diagnostics) {
         type_.place = json.place;
         type_.domain = std::move(domain);
     }
 
     NodeType read(const std::string& basename) {
         if (!reader_.is_object()) return {};
-        reader_.text("$schema");  // for editors
-        read_name(basename);
-        if (reader_.require("doc")) type_.doc = reader_.one_line("doc");
-        read_shader();
+        reader_.text("$schema");
+        type_.name = reader_.text("node", basename.c_str());
+        if (type_.name != basename)
+            reader_.error("node", fmt::format("\"{}\" is not the file's name, \"{}\"", type_.name, basename));
+        type_.doc = reader_.text("doc");
+        type_.host = reader_.flag("host");
+        if (!type_.host) type_.shader = reader_.text("shader");
         read_needs();
         if (const Json* params = reader_.find("params")) parse_params(*params, type_, diagnostics_);
         if (const Json* tables = reader_.find("tables")) read_tables(*tables);
@@ -43,10 +42,13 @@ class DeclarationReader {
         const Json* outputs = reader_.find("outputs");
         const bool none_given = !outputs || (outputs->kind == Json::Kind::object && outputs->members.empty());
         check_names();
-        read_counters();
+        for (const ObjectReader::Item& counter : reader_.list("counters")) {
+            type_.counters.push_back(counter.text);
+            claim(counter.text, counter.place, counter.path);
+        }
         if (!writes && none_given && (type_.counters.empty() || type_.host))
-            error(reader_.json().place, "", "a node writes at least one output, or its shader counts");
-        link_ports(reader_.json(), type_, diagnostics_);
+            error(json_.place, "", "a node writes at least one output, or its shader counts");
+        link_ports(json_, type_, diagnostics_);
         read_dispatch();
         if (const Json* classes = reader_.find("classes")) read_classes(*classes);
         return std::move(type_);
@@ -57,61 +59,9 @@ class DeclarationReader {
         diagnostics_.add(place, std::move(path), std::move(message));
     }
 
-    void read_name(const std::string& basename) {
-        const Json* json = reader_.require("node");
-        const std::optional<std::string> name = reader_.text("node");
-        if (!name) return;
-        type_.name = *name;
-        if (!is_id(*name))
-            error(json->place, "node", fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", *name));
-        else if (*name != basename)
-            error(json->place, "node", fmt::format("\"{}\" is not the file's name, \"{}\"", *name, basename));
-    }
-
-    void read_shader() {
-        const Json* shader = reader_.find("shader");
-        const Json* host = reader_.find("host");
-        type_.host = reader_.flag("host");
-        type_.shader = reader_.text("shader").value_or("");
-        if (host && host->kind == Json::Kind::boolean && !host->boolean)
-            error(host->place, "host", "only true may be written; leave the key out");
-        if (shader && host)
-            error(host->place, "host", "a node has either a shader or a host callback");
-        else if (!shader && !host)
-            error(reader_.json().place, "", "key \"shader\" is missing (or \"host\": true)");
-        if (!shader || shader->kind != Json::Kind::string) return;
-        const bool plain = type_.shader.find_first_of("/\\") == std::string::npos;
-        if (!plain || !type_.shader.ends_with(".comp") || type_.shader.size() == 5)
-            error(shader->place, "shader",
-                  fmt::format("\"{}\" is no file name that ends in .comp", type_.shader));
-    }
-
-    struct ListItem {
-        std::string text, path;
-        Place place;
-    };
-
-    // A list of different strings.
-    std::vector<ListItem> read_list(const char* key) {
-        std::vector<ListItem> list;
-        const Json* json = reader_.find(key);
-        if (!json || !expect(*json, Json::Kind::array, key, diagnostics_)) return list;
-        for (size_t i = 0; i < json->items.size(); ++i) {
-            const Json& item = json->items[i];
-            const std::string path = fmt::format("{}[{}]", key, i);
-            if (!expect(item, Json::Kind::string, path, diagnostics_)) continue;
-            if (std::ranges::find(list, item.string, &ListItem::text) != list.end())
-                error(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
-            else
-                list.push_back({item.string, path, item.place});
-        }
-        return list;
-    }
-
     void read_needs() {
-        std::vector<std::string> words = type_.domain->features;
-        words.emplace_back("jitter");
-        for (const ListItem& need : read_list("needs")) {
+        const std::vector<std::string> words = need_words(*type_.domain);
+        for (const ObjectReader::Item& need : reader_.list("needs")) {
             if (std::ranges::find(words, need.text) == words.end())
                 error(need.place, need.path,
                       fmt::format("no need \"{}\" (needs: {}){}", need.text, join(words),
@@ -121,33 +71,15 @@ class DeclarationReader {
         }
     }
 
-    void read_counters() {
-        for (const ListItem& counter : read_list("counters")) {
-            type_.counters.push_back(counter.text);
-            claim(counter.text, counter.place, counter.path);
-        }
-    }
-
     void read_tables(const Json& json) {
         if (!expect(json, Json::Kind::object, "tables", diagnostics_)) return;
-        const std::vector<std::string> keys = {"file", "format", "extent", "if"};
         for (const JsonMember& member : json.members) {
-            const ObjectReader reader(member.value, "tables." + member.key, keys, diagnostics_);
+            const ObjectReader reader(member.value, "tables." + member.key, vocabulary::table, diagnostics_);
             Table table{.name = member.key};
             claim(table.name, member.key_place, reader.path());
-            reader.require("file");
-            reader.require("format");
-            reader.require("extent");
-            if (const auto file = reader.text("file")) {
-                table.file = *file;
-                if (file->empty()) reader.error(*reader.find("file"), "file", "the name is empty");
-            }
-            if (const auto format = reader.format("format")) {
-                table.format = *format;
-                if (info(*format).kind == FormatClass::depth)
-                    reader.error(*reader.find("format"), "format", "a table cannot have a depth format");
-            }
-            table.extent = reader.pair("extent", 1, 16384).value_or(table.extent);
+            table.file = reader.text("file");
+            table.format = reader.format("format").value_or(table.format);
+            table.extent = reader.pair("extent", table.extent);
             if (const Json* condition = reader.find("if"))
                 table.condition = read_condition(*condition, reader.path("if"), type_, diagnostics_);
             type_.tables.push_back(std::move(table));
@@ -155,62 +87,38 @@ class DeclarationReader {
     }
 
     void read_dispatch() {
-        const Json* json = reader_.find("dispatch");
-        if (type_.host) {
-            type_.dispatch.kind = Dispatch::Kind::host;
-            if (json) error(json->place, "dispatch", "a host node records its own commands");
-            return;
-        }
-        if (!json) {
-            if (!reader_.find("host")) reader_.require("dispatch");
-            return;
-        }
-        const std::vector<std::string> keys = {"over", "indirect", "groups", "offset", "group", "per_thread"};
-        const ObjectReader reader(*json, "dispatch", keys, diagnostics_);
-        if (!reader.is_object()) return;
-        const int forms = (reader.find("over") != nullptr) + (reader.find("indirect") != nullptr) +
-                          (reader.find("groups") != nullptr);
-        if (forms != 1) {
-            error(json->place, "dispatch", "expected exactly one of \"over\", \"indirect\" and \"groups\"");
-            return;
-        }
         Dispatch& dispatch = type_.dispatch;
+        if (type_.host) dispatch.kind = Dispatch::Kind::host;
+        const Json* json = reader_.find("dispatch");
+        if (!json || type_.host) return;
+        const ObjectReader reader(*json, "dispatch", vocabulary::dispatch, diagnostics_);
         if (reader.find("over")) {
-            dispatch.over.name = reader.text("over").value_or("frame");
+            dispatch.over.name = reader.text("over", "frame");
             check_over(reader);
         } else if (reader.find("indirect")) {
             dispatch.kind = Dispatch::Kind::indirect;
-            dispatch.indirect = reader.text("indirect").value_or("");
-            check_indirect(reader);
-        } else {
+            dispatch.indirect = reader.text("indirect");
+            if (!dispatch.indirect.empty()) check_indirect(reader);
+        } else if (const auto groups = reader.wholes("groups"); !groups.empty()) {
             dispatch.kind = Dispatch::Kind::groups;
-            if (const auto groups = reader.wholes("groups", 3, 3, 1, 65535))  // the limit every device has
-                std::ranges::copy(*groups, dispatch.groups.begin());
+            std::ranges::copy(groups, dispatch.groups.begin());
         }
         if (const auto group = read_group(reader)) dispatch.group = *group;
-        if (const auto threads = read_per_thread(reader)) dispatch.per_thread = *threads;
+        dispatch.per_thread = reader.pair("per_thread", dispatch.per_thread);
+        dispatch.offset = reader.whole("offset", 0);
         check_levels();
-        if (const Json* offset = reader.find("offset")) {
-            dispatch.offset = reader.whole("offset", 0, 1u << 16).value_or(0);
-            if (dispatch.kind != Dispatch::Kind::indirect)
-                reader.error(*offset, "offset", "only an indirect dispatch has an offset");
-            else if (dispatch.offset % 4 != 0)
-                reader.error(*offset, "offset", "must be a multiple of 4 bytes");
-        }
     }
 
     void check_over(const ObjectReader& reader) {
         const std::string& name = type_.dispatch.over.name;
-        if (name == "frame" || reader.find("over")->kind != Json::Kind::string) return;
-        const Json& json = *reader.find("over");
+        if (name == "frame") return;
         const Port* port = type_.port(name);
         if (!port)
-            reader.error(json, "over",
-                         fmt::format("no port \"{}\"{}", name, did_you_mean(name, port_names())));
+            reader.error("over", fmt::format("no port \"{}\"{}", name, did_you_mean(name, port_names())));
         else if (port->kind != PortKind::image && port->kind != PortKind::texels)
-            reader.error(json, "over", fmt::format("\"{}\" is no image and has no extent", name));
+            reader.error("over", fmt::format("\"{}\" is no image and has no extent", name));
         else if (port->optional || !port->condition.always())
-            reader.error(json, "over", fmt::format("\"{}\" may be absent", name));
+            reader.error("over", fmt::format("\"{}\" may be absent", name));
         else
             type_.dispatch.over.port = type_.index(*port);
     }
@@ -234,52 +142,41 @@ class DeclarationReader {
 
     void check_indirect(const ObjectReader& reader) {
         const std::string& name = type_.dispatch.indirect;
-        if (reader.find("indirect")->kind != Json::Kind::string) return;
-        const Json& json = *reader.find("indirect");
         const Port* port = type_.port(name);
         if (!port)
-            reader.error(json, "indirect",
-                         fmt::format("no port \"{}\"{}", name, did_you_mean(name, port_names())));
+            reader.error("indirect", fmt::format("no port \"{}\"{}", name, did_you_mean(name, port_names())));
         else if (port->output || !port->indirect)
-            reader.error(json, "indirect", fmt::format("\"{}\" is no input with \"indirect\": true", name));
+            reader.error("indirect", fmt::format("\"{}\" is no input with \"indirect\": true", name));
         else if (port->optional || !port->condition.always())
-            reader.error(json, "indirect", fmt::format("\"{}\" may be absent", name));
+            reader.error("indirect", fmt::format("\"{}\" may be absent", name));
         else
             type_.dispatch.indirect_port = type_.index(*port);
     }
 
     std::optional<std::array<uint32_t, 3>> read_group(const ObjectReader& reader) {
-        const auto sizes = reader.wholes("group", 2, 3, 1, max_group_threads);
-        if (!sizes) return std::nullopt;
-        const std::array<uint32_t, 3> group = {(*sizes)[0], (*sizes)[1], sizes->size() > 2 ? (*sizes)[2] : 1};
+        const std::vector<uint32_t> sizes = reader.wholes("group");
+        if (sizes.empty()) return std::nullopt;
+        const std::array<uint32_t, 3> group = {sizes[0], sizes[1], sizes.size() > 2 ? sizes[2] : 1};
         if (uint64_t{group[0]} * group[1] * group[2] <= max_group_threads) return group;
-        reader.error(*reader.find("group"), "group", fmt::format("more than {} threads", max_group_threads));
+        reader.error("group", fmt::format("more than {} threads", max_group_threads));
         return std::nullopt;
     }
 
-    std::optional<std::array<uint32_t, 2>> read_per_thread(const ObjectReader& reader) {
-        const auto threads = reader.pair("per_thread", 1, 1024);
-        if (threads && type_.dispatch.kind != Dispatch::Kind::over)
-            reader.error(*reader.find("per_thread"), "per_thread", "only a dispatch over an extent has it");
-        return threads;
-    }
-
     void read_classes(const Json& json) {
-        const std::vector<std::string> keys = {"cpu", "gpu"};
-        const ObjectReader reader(json, "classes", keys, diagnostics_);
+        const ObjectReader reader(json, "classes", vocabulary::classes, diagnostics_);
         if (const Json* cpu = reader.find("cpu")) read_class(*cpu, "classes.cpu", type_.cpu);
         if (const Json* gpu = reader.find("gpu")) read_class(*gpu, "classes.gpu", type_.gpu);
     }
 
     void read_class(const Json& json, const std::string& path, ClassOverrides& overrides) {
-        std::vector<std::string> keys;
-        for (const Param& param : type_.params) keys.push_back(param.name);
-        if (!type_.host) keys.insert(keys.end(), {"group", "per_thread"});
-        const ObjectReader reader(json, path, keys, diagnostics_);
-        if (!type_.host) {
-            overrides.group = read_group(reader);
-            overrides.per_thread = read_per_thread(reader);
-        }
+        Scope scope;
+        for (const Param& param : type_.params) scope.names.push_back(param.name);
+        const ObjectReader reader(json, path, vocabulary::device_class, diagnostics_, scope);
+        overrides.group = read_group(reader);
+        if (reader.find("per_thread")) overrides.per_thread = reader.pair("per_thread", {1, 1});
+        if (type_.host && overrides.group) reader.error("group", "a host node records its own commands");
+        if (overrides.per_thread && type_.dispatch.kind != Dispatch::Kind::over)
+            reader.error("per_thread", "only a dispatch over an extent has it");
         for (const JsonMember& member : json.members) {
             const Param* param = type_.param(member.key);
             if (!param) continue;
@@ -303,9 +200,8 @@ class DeclarationReader {
     // Ports, tables, parameters and counters share one namespace: the generated GLSL names them all.
     void claim(const std::string& name, const Place& place, const std::string& path, bool in_glsl = true) {
         const char* problem = in_glsl ? glsl_name_problem(name) : nullptr;
-        if (!is_id(name))
-            error(place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", name));
-        else if (name == "mip_level")
+        if (!expect_id(name, place, path, diagnostics_)) return;
+        if (name == "mip_level")
             error(place, path,
                   "\"mip_level\" is taken: it tells a node which level of a mip chain it writes");
         else if (name == "frame")
@@ -342,6 +238,7 @@ class DeclarationReader {
         return names;
     }
 
+    const Json& json_;
     ObjectReader reader_;
     Diagnostics& diagnostics_;
     NodeType type_;
@@ -372,10 +269,7 @@ const Param* NodeType::param(std::string_view param_name) const {
 std::optional<NodeType> parse_node_type(const Json& json, const std::string& basename,
                                         std::shared_ptr<const Domain> domain, Diagnostics& diagnostics) {
     const size_t errors = diagnostics.size();
-    const std::vector<std::string> keys = {"$schema",  "node",    "doc",     "shader", "host",
-                                           "needs",    "inputs",  "outputs", "tables", "params",
-                                           "dispatch", "classes", "counters"};
-    NodeType type = DeclarationReader(json, keys, std::move(domain), diagnostics).read(basename);
+    NodeType type = DeclarationReader(json, std::move(domain), diagnostics).read(basename);
     if (diagnostics.size() != errors) return std::nullopt;
     return type;
 }

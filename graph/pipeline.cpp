@@ -88,108 +88,82 @@ void apply_setting(Json& json, const std::string& setting, Diagnostics& diagnost
 class PipelineReader {
   public:
     PipelineReader(const Json& json, Diagnostics& diagnostics)
-        : reader_(json, "", keys(), diagnostics), diagnostics_(diagnostics) {}
+        : reader_(json, "", vocabulary::pipeline, diagnostics), diagnostics_(diagnostics) {}
 
     Pipeline read(const std::string& file) {
         pipeline_.file = file;
         read_version();
-        if (reader_.require("name")) pipeline_.name = read_id("name");
-        pipeline_.doc = reader_.one_line("doc");
-        if (const Json* schema = reader_.find("$schema"))
-            expect(*schema, Json::Kind::string, "$schema", diagnostics_);
-        each("inputs", false, [&](const JsonMember& member) { read_input(member); });
-        each("nodes", true, [&](const JsonMember& member) { read_node(member); });
-        each("resources", false, [&](const JsonMember& member) { read_resource(member); });
-        read_outputs();
+        pipeline_.name = reader_.text("name");
+        pipeline_.doc = reader_.text("doc");
+        reader_.text("$schema");
+        each("inputs", [&](const JsonMember& member) { read_input(member); });
+        each("nodes", [&](const JsonMember& member) { read_node(member); });
+        each("resources", [&](const JsonMember& member) { read_resource(member); });
+        for (const ObjectReader::Item& item : reader_.list("outputs"))
+            pipeline_.outputs.push_back({item.text, item.place});
         return std::move(pipeline_);
     }
 
   private:
-    static const std::vector<std::string>& keys() {
-        static const std::vector<std::string> keys = {"$schema", "penumbra", "name",  "doc",      "extends",
-                                                      "inputs",  "outputs",  "nodes", "resources"};
-        return keys;
-    }
-
     void error(const Place& place, std::string path, std::string message) {
         diagnostics_.add(place, std::move(path), std::move(message));
     }
 
     void read_version() {
-        const Json* version = reader_.require("penumbra");
+        const Json* version = reader_.find("penumbra");
         if (version && (version->kind != Json::Kind::integer || version->integer != 1))
-            error(version->place, "penumbra",
-                  "expected 1, the version of the format that this program reads");
-    }
-
-    bool check_id(const std::string& id, const Place& place, const std::string& path) {
-        if (is_id(id)) return true;
-        error(place, path, fmt::format("\"{}\" is no id ([a-z][a-z0-9_]*)", id));
-        return false;
-    }
-
-    std::string read_id(const char* key) {
-        const std::optional<std::string> id = reader_.text(key);
-        if (id) check_id(*id, reader_.find(key)->place, key);
-        return id.value_or("");
+            reader_.error("penumbra", "expected 1, the version of the format that this program reads");
     }
 
     // Calls `read` for each member of an object. A null member is none: null removes, as in a merge patch.
     template <typename Read>
-    void each(const char* key, bool required, Read read) {
-        const Json* json = required ? reader_.require(key) : reader_.find(key);
+    void each(const char* key, Read read) {
+        const Json* json = reader_.find(key);
         if (!json || !expect(*json, Json::Kind::object, key, diagnostics_)) return;
-        bool any = false;
+        size_t found = 0;
         for (const JsonMember& member : json->members) {
             if (member.value.kind == Json::Kind::null) continue;
-            any = true;
-            if (check_id(member.key, member.key_place, key)) read(member);
+            ++found;
+            if (expect_id(member.key, member.key_place, key, diagnostics_)) read(member);
         }
-        if (required && !any) error(json->place, key, "a pipeline needs at least one");
+        if (found < vocabulary::pipeline.at(key).min_items)
+            reader_.error(key, "a pipeline needs at least one");
     }
 
     void read_input(const JsonMember& member) {
-        static const std::vector<std::string> keys = {"kind", "format", "extent", "history", "optional"};
-        static const std::vector<std::string> histories = {"host"};
-        const ObjectReader reader(member.value, "inputs." + member.key, keys, diagnostics_);
+        const ObjectReader reader(member.value, "inputs." + member.key, vocabulary::input, diagnostics_);
         HostInput input{.name = member.key, .place = member.key_place};
-        if (const auto kind = reader.text("kind")) input.kind_word = *kind;
+        input.kind_word = reader.text("kind");
         if (const Json* kind = reader.find("kind")) input.kind_place = kind->place;
         input.format = reader.format("format");
-        input.history = reader.choice("history", histories).has_value();
+        input.history = reader.word("history").has_value();
         input.optional = reader.flag("optional");
         read_extent(reader, input);
         if (const Json* format = reader.find("format")) input.format_place = format->place;
-        if (const Json* extent = reader.find("extent")) input.extent_place = extent->place;
         pipeline_.inputs.push_back(std::move(input));
     }
 
     void read_extent(const ObjectReader& reader, HostInput& input) {
         const Json* json = reader.find("extent");
         if (!json) return;
+        input.extent_place = json->place;
         if (json->kind == Json::Kind::array) {
             input.extent = HostInput::Extent::fixed;
-            input.size = reader.pair("extent", 1, 1u << 16).value_or(input.size);
-        } else if (json->kind == Json::Kind::string && json->string == "any") {
+            input.size = reader.pair("extent", input.size);
+        } else if (reader.word("extent") == 1) {
             input.extent = HostInput::Extent::any;
-        } else if (json->kind != Json::Kind::string || json->string != "frame") {
-            reader.error(*json, "extent", "expected \"frame\", \"any\" or [width, height]");
         }
     }
 
     void read_node(const JsonMember& member) {
-        static const std::vector<std::string> keys = {"type", "in", "out", "params", "if", "doc"};
-        const ObjectReader reader(member.value, "nodes." + member.key, keys, diagnostics_);
+        // A variant or a setting that misspells a node's id makes a new node without a type.
+        const std::string hint = member.value.find("type") ? "" : did_you_mean(member.key, typed_nodes());
+        const ObjectReader reader(member.value, "nodes." + member.key, vocabulary::node, diagnostics_,
+                                  {.hint = hint});
         if (!reader.is_object()) return;
         PipelineNode node{.id = member.key, .place = member.key_place};
-        if (const Json* type = reader.find("type")) {
-            node.type = reader.text("type").value_or("");
-            node.type_place = type->place;
-        } else {
-            // A variant or a setting that misspells a node's id makes a new node without a type.
-            error(member.key_place, reader.path(),
-                  "key \"type\" is missing" + did_you_mean(member.key, typed_nodes()));
-        }
+        node.type = reader.text("type");
+        if (const Json* type = reader.find("type")) node.type_place = type->place;
         if (const Json* in = reader.find("in")) read_wires(*in, reader.path("in"), true, node.in);
         if (const Json* out = reader.find("out")) read_wires(*out, reader.path("out"), false, node.out);
         if (const Json* params = reader.find("params"))
@@ -198,7 +172,7 @@ class PipelineReader {
         if (const Json* condition = reader.find("if"))
             if (expect(*condition, Json::Kind::string, reader.path("if"), diagnostics_))
                 node.condition = *condition;
-        node.doc = reader.one_line("doc");
+        node.doc = reader.text("doc");
         pipeline_.nodes.push_back(std::move(node));
     }
 
@@ -225,7 +199,7 @@ class PipelineReader {
     bool read_name(const Json& json, const std::string& path, bool in, Wire& wire) {
         const size_t at = json.string.find('@');
         wire.resource = json.string.substr(0, at);
-        if (!check_id(wire.resource, json.place, path)) return false;
+        if (!expect_id(wire.resource, json.place, path, diagnostics_)) return false;
         if (at == std::string::npos) return true;
         wire.previous = true;
         const std::string frame = json.string.substr(at + 1);
@@ -240,30 +214,13 @@ class PipelineReader {
     }
 
     void read_resource(const JsonMember& member) {
-        static const std::vector<std::string> keys = {"format", "first"}, firsts = {"any", "clear"};
-        const ObjectReader reader(member.value, "resources." + member.key, keys, diagnostics_);
+        const ObjectReader reader(member.value, "resources." + member.key, vocabulary::resource,
+                                  diagnostics_);
         ResourceSetting setting{.name = member.key, .place = member.key_place};
         setting.format = reader.format("format");
         if (const Json* format = reader.find("format")) setting.format_place = format->place;
-        if (const auto first = reader.choice("first", firsts)) setting.first = static_cast<First>(*first);
+        if (const auto first = reader.word("first")) setting.first = static_cast<First>(*first);
         pipeline_.resources.push_back(std::move(setting));
-    }
-
-    void read_outputs() {
-        const Json* json = reader_.require("outputs");
-        if (!json || !expect(*json, Json::Kind::array, "outputs", diagnostics_)) return;
-        if (json->items.empty()) error(json->place, "outputs", "a pipeline needs at least one");
-        for (size_t i = 0; i < json->items.size(); ++i) {
-            const Json& item = json->items[i];
-            const std::string path = fmt::format("outputs[{}]", i);
-            if (!expect(item, Json::Kind::string, path, diagnostics_)) continue;
-            if (!check_id(item.string, item.place, path)) continue;
-            if (std::ranges::find(pipeline_.outputs, item.string, &OutputName::name) !=
-                pipeline_.outputs.end())
-                error(item.place, path, fmt::format("\"{}\" is listed twice", item.string));
-            else
-                pipeline_.outputs.push_back({item.string, item.place});
-        }
     }
 
     ObjectReader reader_;

@@ -17,6 +17,8 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "app/vocabulary_page.h"
+#include "graph/vocabulary.h"
 #include "host/shots/shot.h"
 #include "penumbra/check.h"
 #include "penumbra/shadow_nodes.h"
@@ -114,6 +116,16 @@ TEST(Schema, CommittedPipelineSchemaIsTheDeclarations) {
                         root / "pipelines/pipeline.schema.json");
 }
 
+TEST(Schema, CommittedNodeSchemaIsTheVocabulary) {
+    // penumbra nodes --format node-schema > nodes/node.schema.json
+    test::expect_golden(schema_text(declaration_schema(*shadow_domain())), root / "nodes/node.schema.json");
+}
+
+TEST(Schema, CommittedPageIsTheVocabulary) {
+    // penumbra nodes --format vocabulary > docs/vocabulary.md
+    test::expect_golden(vocabulary_page(*shadow_domain()), root / "docs/vocabulary.md");
+}
+
 TEST(Schema, ShippedFilesValidate) {
     for (const fs::path& file : files_in("pipelines", ".json"))
         EXPECT_EQ(shipped_schema().errors(read(file)), "") << file;
@@ -157,20 +169,6 @@ TEST(Schema, PathsResolve) {
     EXPECT_GE(found, 15);
 }
 
-// The vocabulary that nodes/node.schema.json repeats by hand.
-TEST(Schema, NodeSchemaKnowsTheLoadersWords) {
-    const json definitions = json::parse(read(root / "nodes/node.schema.json"))["definitions"];
-    std::vector<std::string> storable;
-    for (const std::string& name : format_names())
-        if (info(*format_named(name)).glsl) storable.push_back(name);
-    EXPECT_EQ(definitions["format"]["enum"], json(format_names()));
-    EXPECT_EQ(definitions["storable_format"]["enum"], json(storable));
-    const std::string condition = definitions["condition"]["pattern"];
-    std::string facts;
-    for (const std::string& fact : shadow_domain()->fact_list()) facts += (facts.empty() ? "(" : "|") + fact;
-    EXPECT_NE(condition.find(facts + ")"), std::string::npos);
-}
-
 // Broken inputs that the schemas let pass, by the reason. Everything else in tests/golden must be rejected.
 const std::set<std::string> beyond_schemas = {
     // what a node's port takes or gives, in another place of the file
@@ -205,6 +203,7 @@ const std::set<std::string> beyond_schemas = {
     "updated_twice.json",
     // literals of one condition that exclude each other, and which parameters it may ask for
     "contradictory_condition.json",
+    "decl_conditions.node.json",
     "bad_comparisons.json",
     // the file is good; what it extends is not, or does not fit it
     "extends_bad_values.json",
@@ -218,7 +217,6 @@ const std::set<std::string> beyond_schemas = {
     "settings_bad_values.json",
     // sums over all ports or parameters of a node, and ports that depend on others
     "decl_layers.node.json",
-    "decl_levels.node.json",
     "decl_push_constants.node.json",
     "decl_too_many_variants.node.json",
     // duplicate keys are the parser's business: no schema sees them
@@ -247,6 +245,70 @@ TEST(Schema, BrokenInputsAreRejected) {
         EXPECT_TRUE(beyond_schemas.contains(name)) << name << " is accepted";
     for (const std::string& name : beyond_schemas)
         EXPECT_TRUE(accepted.contains(name)) << name << " is rejected: delist it";
+}
+
+// Every place in a document.
+std::vector<json::json_pointer> places(const json& document) {
+    std::vector<json::json_pointer> list;
+    const json flat = document.flatten();
+    for (const auto& [pointer, value] : flat.items())
+        for (json::json_pointer at(pointer); !at.empty(); at = at.parent_pointer())
+            if (std::ranges::find(list, at) == list.end()) list.push_back(at);
+    return list;
+}
+
+// A key that no reader asks for would take any value; one that does not apply is refused anyway.
+TEST(Schema, EveryKeyOfTheVocabularyIsRead) {
+    const json wrong = json::array({{{"x", 3}}});
+    const NodeSet nodes = test::toy_nodes();
+    int tried = 0;
+    const auto try_keys = [&](const json& document, const std::string& place, const Object& object,
+                              const auto& loads) {
+        const json::json_pointer at(place);
+        if (!document.contains(at) || !document[at].is_object()) return;
+        for (const Key& key : object.keys) {
+            json changed = document;
+            changed[at][std::string(key.name)] = wrong;
+            EXPECT_FALSE(loads(changed)) << place << "/" << key.name;
+            ++tried;
+        }
+    };
+    for (const std::string& name : nodes.names()) {
+        const json document = json::parse(test::toy_declaration(name));
+        const auto loads = [&](const json& changed) {
+            Diagnostics d;
+            const auto parsed = parse_json(changed.dump(), "n.json", d);
+            return parse_node_type(*parsed, name, test::toy_domain(), d).has_value();
+        };
+        ASSERT_TRUE(loads(document)) << name;
+        try_keys(document, "", vocabulary::declaration, loads);
+        try_keys(document, "/dispatch", vocabulary::dispatch, loads);
+        try_keys(document, "/classes", vocabulary::classes, loads);
+        try_keys(document, "/classes/cpu", vocabulary::device_class, loads);
+        try_keys(document, "/tables/noise", vocabulary::table, loads);
+        for (const json::json_pointer& place : places(document)) {
+            const std::string path = place.to_string(), parent = place.parent_pointer().to_string();
+            if (parent == "/inputs" || parent == "/outputs") {
+                try_keys(document, path, vocabulary::port, loads);
+                try_keys(document, path + "/extent", vocabulary::extent, loads);
+                try_keys(document, path + "/count", vocabulary::count, loads);
+            }
+            if (parent == "/params") try_keys(document, path, vocabulary::param, loads);
+        }
+    }
+    EXPECT_GT(tried, 1000);
+    json pipeline = json::parse(test::toy_pipeline());
+    pipeline["resources"]["half"] = json::object();
+    const auto loads = [&](const json& changed) {
+        Diagnostics d;
+        const auto parsed = parse_pipeline(changed.dump(), "p.json", {}, d);
+        return parsed && check(*parsed, nodes, d);
+    };
+    ASSERT_TRUE(loads(pipeline));
+    try_keys(pipeline, "", vocabulary::pipeline, loads);
+    try_keys(pipeline, "/inputs/depth", vocabulary::input, loads);
+    try_keys(pipeline, "/nodes/filter0", vocabulary::node, loads);
+    try_keys(pipeline, "/resources/half", vocabulary::resource, loads);
 }
 
 // --- The loader and the schema side by side
@@ -355,16 +417,6 @@ std::string called(const json& document) {
     for (const char* key : {"name", "node", "scene", "extends"})
         if (document.contains(key)) return document[key].dump();
     return "?";
-}
-
-// Every place in a document.
-std::vector<json::json_pointer> places(const json& document) {
-    std::vector<json::json_pointer> list;
-    const json flat = document.flatten();
-    for (const auto& [pointer, value] : flat.items())
-        for (json::json_pointer at(pointer); !at.empty(); at = at.parent_pointer())
-            if (std::ranges::find(list, at) == list.end()) list.push_back(at);
-    return list;
 }
 
 TEST_F(SchemaAndLoader, StartFromGoodDocuments) {

@@ -20,8 +20,9 @@ NodeEntry compile_toy(const std::filesystem::path& file) {
     if (!type) throw std::runtime_error(diagnostics.text());
     NodeEntry entry;
     for (const Variant& variant : all_variants(*type)) {
-        const ShaderSource source{
-            file.parent_path() / type->shader, generate_glsl(*type, variant), {root / "shaders", root / "include"}};
+        const ShaderSource source{file.parent_path() / type->shader,
+                                  generate_glsl(*type, variant),
+                                  {root / "shaders", root / "include"}};
         auto shader = compile_shader(source, diagnostics);
         if (!shader) throw std::runtime_error(diagnostics.text());
         entry.shaders[to_string(variant)] = std::move(shader->spirv);
