@@ -6,7 +6,7 @@
 
 namespace penumbra {
 
-// Every node type of nodes/*.json. A host adds its own with NodeSet::add.
+// Every node type of nodes/*/*.json. A host adds its own with NodeSet::add.
 NodeSet shadow_nodes();
 
 }  // namespace penumbra
