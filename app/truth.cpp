@@ -25,7 +25,8 @@ uint32_t strata_per_axis(uint32_t rays) {
     return static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(rays))));
 }
 
-// One set of side * side rays; `first_stage` is the stage of its first portion (see shaders/reference.comp).
+// One set of side * side rays; `first_stage` is the stage of its first portion (see
+// shaders/visibility/reference.comp).
 template <class Run>
 void cast(Session& session, uint32_t side, uint32_t first_stage, uint32_t portion, Run&& run) {
     const uint32_t rays = side * side;

@@ -16,7 +16,8 @@ namespace penumbra {
 
 // Left out is what holds no numbers (words, structs) or is written in part, and previous values, which were
 // looked at in the frame that wrote them. The watchers change nothing about what else runs (see
-// NodeType::watches). Reports a node set without a type "validate" of the shape that nodes/validate.json has.
+// NodeType::watches). Reports a node set without a type "validate" of the shape that
+// nodes/tools/validate.json has.
 std::optional<CheckedPipeline> with_validation(const CheckedPipeline& pipeline, const NodeSet& nodes,
                                                Diagnostics& diagnostics);
 

@@ -11,7 +11,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-TexelCounts counts_of(const std::vector<uint32_t>& counters) {  // nodes/validate.json has their order
+TexelCounts counts_of(const std::vector<uint32_t>& counters) {  // nodes/tools/validate.json has their order
     return {counters.at(0), counters.at(1), counters.at(2), counters.at(3)};
 }
 

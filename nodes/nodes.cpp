@@ -10,7 +10,7 @@
 
 namespace penumbra {
 
-// Declarations (NAME.json), their shaders' variants (NAME.spv) and the tables that they name.
+// Declarations (GROUP/NAME.json), their shaders' variants (NAME.spv) and the tables that they name.
 std::span<const EmbeddedFile> node_files();
 
 namespace {
@@ -24,7 +24,7 @@ std::string_view file_bytes(const std::string& name) {
 NodeEntry load(const EmbeddedFile& declaration) {
     const std::string name = std::filesystem::path(declaration.name).stem().string();
     Diagnostics diagnostics;
-    const auto json = parse_json(declaration.bytes, "nodes/" + name + ".json", diagnostics);
+    const auto json = parse_json(declaration.bytes, "nodes/" + std::string(declaration.name), diagnostics);
     auto type = json ? parse_node_type(*json, name, shadow_domain(), diagnostics) : std::nullopt;
     if (!type) throw std::logic_error("an embedded declaration does not parse: " + diagnostics.text());
     NodeEntry entry{std::move(*type), {}, {}, {}};

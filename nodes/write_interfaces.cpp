@@ -24,9 +24,10 @@ bool write_if_different(const fs::path& path, const std::string& text) {
     return static_cast<bool>(file.flush());
 }
 
-// What compile_node reads: the shader's path below shaders/, and the interface of each variant.
-std::string interface_text(const NodeType& type) {
-    Archive archive{{"shader", type.shader}};
+// What compile_node reads: the shader's path below shaders/, in a folder of the same name as the
+// declaration's, and the interface of each variant.
+std::string interface_text(const NodeType& type, const fs::path& declaration) {
+    Archive archive{{"shader", (declaration.parent_path().filename() / type.shader).generic_string()}};
     if (!type.host)
         for (const Variant& variant : all_variants(type))
             archive["variant " + to_string(variant)] = generate_glsl(type, variant);
@@ -47,7 +48,7 @@ int main(int argc, char** argv) {
         const auto type =
             json ? parse_node_type(*json, declaration.stem().string(), shadow_domain(), diagnostics)
                  : std::nullopt;
-        if (type && !write_if_different(out, interface_text(*type)))
+        if (type && !write_if_different(out, interface_text(*type, declaration)))
             diagnostics.add({out.string()}, "", "cannot be written");
     }
     std::cerr << diagnostics.text();

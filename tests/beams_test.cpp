@@ -16,7 +16,7 @@
 namespace penumbra::test {
 namespace {
 
-constexpr uint32_t round_of_turns = 64;  // FAR_TURN in shaders/beams.comp
+constexpr uint32_t round_of_turns = 64;  // FAR_TURN in shaders/classification/beams.comp
 
 class Beams : public GpuTest {
   protected:

@@ -2,7 +2,7 @@
 // The blue-noise table: uniform, without low frequencies at every threshold, wrapping without a seam, its two
 // channels independent. White noise of the same size fails each of the spectral tests by a factor of ten or
 // more.
-#include "nodes/blue_noise.h"
+#include "nodes/tables/blue_noise.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The masks of the node `cover` in double precision: the same table, noise and formulas as
-// shaders/common/light_mask.glsl, no tree, and no rounding but that to a whole number of samples.
+// shaders/visibility/light_mask.glsl, no tree, and no rounding but that to a whole number of samples.
 #pragma once
 
 #include <bit>

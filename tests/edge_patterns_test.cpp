@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The table of 3x3 shadow bits: its symmetries, and what it gains over the pixel's own ray on shadows that it
 // was not made from: edges and strips drawn at random, one ray per pixel.
-#include "nodes/edge_patterns.h"
+#include "nodes/tables/edge_patterns.h"
 
 #include <gtest/gtest.h>
 

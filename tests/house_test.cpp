@@ -4,7 +4,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 
 #include "penumbra/graph.h"
@@ -22,6 +24,31 @@ std::string read(const fs::path& file) {
     std::stringstream text;
     text << in.rdbuf();
     return text.str();
+}
+
+// The files that a file includes by name, as the names spell them.
+std::set<std::string> includes_of(const fs::path& file) {
+    static const std::regex include("^[ \t]*#[ \t]*include[ \t]+\"([^\"]+)\"");
+    std::set<std::string> names;
+    std::istringstream lines(read(file));
+    for (std::string line; std::getline(lines, line);)
+        if (std::smatch match; std::regex_search(line, match, include)) names.insert(match[1]);
+    return names;
+}
+
+// GROUP/NAME of every file with this suffix in the groups of nodes/ or of shaders/.
+std::set<std::string> in_groups(const fs::path& folder, const std::string& suffix) {
+    std::set<std::string> names;
+    for (const auto& group : fs::directory_iterator(folder)) {
+        if (!group.is_directory()) continue;
+        for (const auto& file : fs::directory_iterator(group.path())) {
+            const std::string name = file.path().filename().string();
+            if (name.ends_with(suffix))
+                names.insert(group.path().filename().string() + "/" +
+                             name.substr(0, name.size() - suffix.size()));
+        }
+    }
+    return names;
 }
 
 // The framework works for any domain: what a node set is about stands with the node set.
@@ -43,6 +70,49 @@ TEST(House, TheGraphKnowsNothingOfShadows) {
             if (line.find("Knows nothing of shadows") != std::string::npos) continue;  // this very rule
             EXPECT_FALSE(std::regex_search(line, words)) << file << ":" << number << ": " << line;
         }
+    }
+}
+
+TEST(House, ANodeAndItsShaderHaveOneNameInOneGroup) {
+    const std::set<std::string> declared = in_groups(root / "nodes", ".json");
+    EXPECT_EQ(declared, in_groups(root / "shaders", ".comp"));
+    std::set<std::string> names;
+    for (const std::string& node : declared)
+        EXPECT_TRUE(names.insert(fs::path(node).filename().string()).second) << node << " is there twice";
+    const std::vector<std::string> built = shadow_nodes().names();
+    EXPECT_EQ(names, std::set<std::string>(built.begin(), built.end()));
+}
+
+// What one group alone includes lies in its folder; shaders/common/ is for what two groups or C++ share.
+TEST(House, AnIncludeLiesWithTheGroupThatItServes) {
+    std::map<std::string, std::set<std::string>> groups;  // that reach a file, by its path below shaders/
+    for (const std::string& shader : in_groups(root / "shaders", ".comp")) {
+        const std::string group = fs::path(shader).parent_path().string();
+        std::vector<std::string> left{shader + ".comp"};
+        while (!left.empty()) {
+            const std::string file = left.back();
+            left.pop_back();
+            if (file == "node.glsl" || !groups[file].insert(group).second) continue;
+            ASSERT_TRUE(fs::is_regular_file(root / "shaders" / file)) << shader << " includes " << file;
+            for (const std::string& name : includes_of(root / "shaders" / file)) left.push_back(name);
+        }
+    }
+    std::set<std::string> in_cpp;
+    for (const char* folder : {"nodes", "host", "app"})
+        for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+            if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp")
+                in_cpp.merge(includes_of(entry.path()));
+
+    for (const auto& entry : fs::recursive_directory_iterator(root / "shaders")) {
+        if (!entry.is_regular_file()) continue;
+        const std::string file = fs::relative(entry.path(), root / "shaders").generic_string();
+        const std::string folder = fs::path(file).parent_path().string();
+        if (folder != "common")
+            EXPECT_EQ(groups[file], std::set<std::string>{folder}) << file;
+        else if (!in_cpp.contains("shaders/" + file))
+            EXPECT_GE(groups[file].size(), 2u)
+                << file << " serves " << (groups[file].empty() ? "nobody" : *groups[file].begin())
+                << " alone";
     }
 }
 

@@ -2,7 +2,7 @@
 // The samples of a light's disc and their table of half-planes: what the table promises entry by entry; that
 // a straight edge costs the rounding to whole samples and nothing else, without a bias; what corners and
 // slivers cost besides; and that the correction for the sun's cap is right to ten degrees.
-#include "nodes/light_samples.h"
+#include "nodes/tables/light_samples.h"
 
 #include <gtest/gtest.h>
 

@@ -29,7 +29,8 @@ constexpr const char* declaration = R"({
   "dispatch": { "over": "frame", "group": [8, 8] }
 })";
 constexpr const char* shader = R"(#include "node.glsl"
-#include "common/finite.glsl"
+#include "common/rounded.glsl"
+#include "lighting/finite.glsl"
 #include "value.glsl"
 
 void main() { imageStore(mark, ivec2(gl_GlobalInvocationID.xy), vec4(VALUE)); }
@@ -143,11 +144,13 @@ TEST_F(UserNodes, AnyChangedSourceIsCompiledAgainIntoTheSameEntry) {
 // A file that comes to lie before another one in the search order changes what an #include means.
 TEST_F(UserNodes, AnIncludeThatIsNowFoundElsewhereIsCompiledAgain) {
     first_variant(cache());
-    fs::create_directories(nodes_folder() / "common");
-    write("nodes/common/finite.glsl", "// mine\n");
-    const auto shaders = cache();
-    EXPECT_FALSE(first_variant(shaders).empty()) << diagnostics_.text();
-    EXPECT_EQ(shaders->counts().compiled, 1u);
+    for (const char* name : {"common/rounded.glsl", "lighting/finite.glsl"}) {
+        fs::create_directories((nodes_folder() / name).parent_path());
+        write(std::string("nodes/") + name, "// mine\n");
+        const auto shaders = cache();
+        EXPECT_FALSE(first_variant(shaders).empty()) << diagnostics_.text();
+        EXPECT_EQ(shaders->counts().compiled, 1u) << name;
+    }
 }
 
 TEST_F(UserNodes, ADamagedEntryIsNeverUsed) {

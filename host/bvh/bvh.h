@@ -72,12 +72,12 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
 // usable now. A triangle that became unusable is left out until it is usable again.
 bool refit(Bvh& bvh, std::span<const Triangle> triangles);
 
-// One texel per leaf: what lies across its outer edges, for shaders/common/closing_patch.glsl. The words
-// belong to the edges (v0, v1), (v2, v0), (v1, v3), (v3, v2); of a leaf that holds one triangle, the third is
-// (v1, v2) and the fourth is none. A word is leaf << 4 | both windings run the same way along the edge << 3 |
-// second triangle of its leaf << 2 | its corner opposite to the edge, counted in (v0, v1, v2) or (v2, v1,
-// v3); or no_neighbour. If a names b, b names a. Fewer than 2^28 leaves. Made anew after each refit: parts
-// that moved may have come together or apart.
+// One texel per leaf: what lies across its outer edges, for shaders/classification/closing_patch.glsl. The
+// words belong to the edges (v0, v1), (v2, v0), (v1, v3), (v3, v2); of a leaf that holds one triangle, the
+// third is (v1, v2) and the fourth is none. A word is leaf << 4 | both windings run the same way along the
+// edge << 3 | second triangle of its leaf << 2 | its corner opposite to the edge, counted in (v0, v1, v2) or
+// (v2, v1, v3); or no_neighbour. If a names b, b names a. Fewer than 2^28 leaves. Made anew after each refit:
+// parts that moved may have come together or apart.
 inline constexpr uint32_t no_neighbour = ~0u;
 std::vector<Texel> leaf_neighbours(const Bvh& bvh);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The light is the node shade's default (nodes/shade.json).
+// The light is the node shade's default (nodes/lighting/shade.json).
 #include "host/metrics/shaded.h"
 
 #include <algorithm>

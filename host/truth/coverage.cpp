@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Follows shaders/cover.comp and what it includes: ray_offset, blue_noise, sun_sample, light_mask,
+// Follows shaders/visibility/cover.comp and what it includes: ray_offset, blue_noise, sun_sample, light_mask,
 // leaf_cover.
 #include "host/truth/coverage.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The node `cover` on the processor, a pixel at a time and in double precision: the same samples, tables,
 // turn and dither, so that a figure or a test can say of one pixel which triangle hides which samples. Areas
-// are exact here and within 2.2e-4 in the shader (shaders/common/light_mask.glsl), so that now and then a
+// are exact here and within 2.2e-4 in the shader (shaders/visibility/light_mask.glsl), so that now and then a
 // line cuts off one sample more or less. docs/coverage.md.
 #pragma once
 
@@ -17,7 +17,7 @@
 #include "host/scene/scene.h"
 #include "host/scene/scene_alpha.h"
 #include "host/standalone.h"
-#include "nodes/light_samples.h"
+#include "nodes/tables/light_samples.h"
 
 namespace penumbra {
 

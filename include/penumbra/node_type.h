@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A node type as declared in nodes/<type>.json: ports, parameters, dispatch rule. The vocabulary is closed
-// (docs: formats of node declarations). Everything else about a node (GLSL interface, barriers, descriptors)
-// follows.
+// A node type as declared in nodes/<group>/<type>.json: ports, parameters, dispatch rule. The vocabulary is
+// closed (docs: formats of node declarations). Everything else about a node (GLSL interface, barriers,
+// descriptors) follows.
 #pragma once
 
 #include <array>

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// Second pass of the denoiser: how much of the past to keep. Where nothing moves, the differences between this
+// frame and the past are noise of a known size; sums over the surroundings, of the differences and of their running
+// means, with sign and squared, show when they are more than that. Pooled, because one pixel's difference proves nothing;
+// with sign, because noise cancels and a moving edge does not; squared, because two moving edges do. The count of frames
+// decays by what they are too much. An invocation owns a cell of 4x4 pixels.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/guide_normal.glsl"
+#include "common/pixels.glsl"
+#include "common/rounded.glsl"
+#include "denoising/dithered.glsl"
+#include "denoising/own_rays.glsl"
+#include "denoising/shadow_state.glsl"
+#include "common/view_rays.glsl"
+#include "denoising/working_cells.glsl"
+
+const float RESIDUAL_VARIANCE = 0.2 / 1.8;  // of a running mean with weight .2, over that of one frame
+const float CLAMP_ERRORS = 5.0;             // insurance only: the test nearly always comes first
+const float GAIN_OF_SURROUNDINGS = 1.5;     // share of the surroundings' mean difference, over that of the own
+
+// Excess of what the cells around say over what noise says, 0 where nothing moves. In a static penumbra the four
+// quotients have means between .5 and 1.1 at every width.
+float excess_at(ivec2 cell) {
+    const ivec2 grid = cell_grid();
+    float d = 0.0, e = 0.0, v = 0.0, d2 = 0.0, e2 = 0.0, c = 0.0;
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+            const ivec2 q = cell + ivec2(x, y);
+            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, grid))) continue;
+            const vec4 first = cells[2u * cell_index(q)], second = cells[2u * cell_index(q) + 1u];
+            const float w = (x == 0 ? 1.0 : 0.5) * (y == 0 ? 1.0 : 0.5);
+            d += w * first.x;
+            e += w * first.y;
+            v += w * first.z;
+            d2 += w * first.w;
+            e2 += w * second.x;
+            c += w * w * second.y;
+        }
+    const float sf = d * d / (c + 1e-4), ss = e * e / (RESIDUAL_VARIANCE * c + 1e-4);
+    const float qf = d2 / (v + 1e-4), qs = e2 / (RESIDUAL_VARIANCE * v + 1e-4);
+    return max(0.0, sf - 9.0) + max(0.0, ss - 7.0) + 2.0 * max(0.0, qf - 2.5) + 2.0 * max(0.0, qs - 2.5);
+}
+
+// Mean difference between frame and past over 3x3 taps of the same surface, `step` pixels apart; 0: nothing is asked.
+float surrounding_difference(ivec2 p, int step, ViewRays rays) {
+    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+    const Surface surface = surface_at(rays, n, imageLoad(view_depth, p).x, params.plane_tolerance);
+    const ivec2 last = ivec2(frame.size) - 1;
+    float sum = 0.0, weights = 0.0;
+    for (int y = -1; y <= (step > 0 ? 1 : -2); ++y)
+        for (int x = -1; x <= 1; ++x) {
+            const ivec2 q = clamp(p + step * ivec2(x, y), ivec2(0), last);
+            const Gathered g = unpack_gathered(imageLoad(gathered, q).xy);
+            const bool same = g.counts && g.count > 0.0 && shows(surface, vec2(q - p), imageLoad(view_depth, q).x);
+            const float w = same ? 1.0 / (g.error * g.error + 1e-4) : 0.0;
+            sum += w * (g.now - g.past);
+            weights += w;
+        }
+    return weights > 0.0 ? sum / weights : 0.0;
+}
+
+bool is_settled(ivec2 cell, bool) {
+    const uint idle = idle_cells[cell_index(cell)];
+    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    for (int i = 0; i < (is_idle(idle) ? CELL * CELL : 0); ++i) {
+        const uint v = (idle >> uint(i) & 1u) != 0u
+                           ? pack_state(ShadowState(1.0, 0.0, 0.0, OwnRays(1.0, 0.0, 0.0, true)), 0u)
+                           : pack_state(ShadowState(0.0, 0.0, 0.0, NO_RAYS), 0u);
+        const uint count = (idle >> uint(i + 16) & 1u) != 0u
+                               ? pack_state(ShadowState(0.0, IDLE_COUNT, 0.0, OwnRays(0.0, IDLE_COUNT, 0.0, false)), 0u)
+                               : 0u;
+        imageStore(state, cell * CELL + in_cell(i), uvec4(v | count, 0u, 0u, 0u));
+    }
+    return is_idle(idle);
+}
+
+void work_on(ivec2 cell) {
+    const ivec2 first = cell * CELL;
+    const float radius_px = cells[2u * cell_index(cell) + 1u].z;
+    const float shrink = 1.0 / (1.0 + 0.5 * excess_at(cell));
+    const int step = clamp(int(0.5 * min(radius_px, 8.0) + 0.5), 1, 4);
+    const ViewRays corner = view_rays(first, mat3(1.0));
+    for (int i = 0; i < CELL * CELL; ++i) {
+        const ivec2 offset = in_cell(i), p = first + offset;
+        const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
+        ShadowState s = ShadowState(g.now, g.counts ? 1.0 : 0.0, 0.0, g.own);
+        if (g.counts && g.count > 0.0) {
+            const float past = clamp(g.past, g.now - CLAMP_ERRORS * g.error, g.now + CLAMP_ERRORS * g.error);
+            s.count = min(g.count * shrink + 1.0, COUNT_CAP);
+            const float a = 1.0 / s.count;
+            const float a_around = radius_px < 1.0 ? a : min(1.0, GAIN_OF_SURROUNDINGS * a);
+            const float around = surrounding_difference(p, a_around > a ? step : 0, moved(corner, vec2(offset)));
+            s.visibility = clamp(past + a * (g.now - past) + (a_around - a) * around, 0.0, 1.0);
+            s.residual = shrink < 0.5 ? 0.5 * g.residual : g.residual;
+        }
+        imageStore(state, p, uvec4(pack_state(s, thresholds_at(p)), 0u, 0u, 0u));
+    }
+}
+
+void main() {
+    settle_cells();
+    for (uint i = gl_LocalInvocationIndex; i < left_count; i += lanes_in_workgroup()) work_on(cell_of(left_cells[i]));
+}

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// First pass of the denoiser: what this frame's rays say about each pixel (this_frame.glsl), beside what the
+// previous frame knew about the same surface (shadow_past.glsl), and how the two differ, summed over cells of 4x4
+// pixels for the drift test. Cells with nothing but equal bits in reach are what these say. The others are looked at
+// (what blocks, which bits are around), then their pixels ask their neighbours, dealt out one by one because a cell has one
+// that asks or sixteen, and then their cells compare; an invocation owns a cell, and they wait for each other in between.
+#include "node.glsl"
+#include "common/tiles.glsl"
+#include "common/rounded.glsl"
+#include "common/camera.glsl"
+#include "common/guide_normal.glsl"
+#include "common/pixels.glsl"
+#include "denoising/dithered.glsl"
+#include "denoising/own_rays.glsl"
+#include "denoising/shadow_state.glsl"
+#include "denoising/light_space.glsl"
+#include "common/corners.glsl"
+#include "denoising/shadow_past.glsl"
+#include "denoising/sheared_gather.glsl"
+#include "denoising/working_cells.glsl"
+
+const int R = RADIUS;
+#include "denoising/bit_rows.glsl"
+#include "denoising/this_frame.glsl"
+#include "denoising/penumbra_around.glsl"
+#include "denoising/frame_residuals.glsl"
+
+// 1 = pixels that are lit, whatever the rays around say: no receivers, or their own rays' word.
+uint lit_or_sky(ivec2 cell) {
+    const uint tile = tile_index(cell * CELL / TILE);
+    return visibility_words[tile] | ~receiver_words[tile];
+}
+
+mat3 light;           // to light space
+ViewRays first_rays;  // around the workgroup's first pixel
+
+ViewRays rays_of(ivec2 p) { return moved(first_rays, vec2(p - cell_of(0u) * CELL)); }
+vec3 normal_at(ivec2 p) { return unit_or_zero(decode_normal(imageLoad(guide_normal, p))); }
+
+// What is found out about the cells of the list, `at` their places in it; 13.5 KiB of the 16 that every device has.
+const uint PIXELS = uint(CELL * CELL), MOST_PIXELS = MOST_CELLS * PIXELS;
+shared vec3 cell_penumbrae[MOST_CELLS];
+shared uint cell_rows[MOST_CELLS * uint(ROWS)];
+shared uint cell_asking[MOST_CELLS];  // pixels that ask their neighbours, and what they are told:
+shared uint estimates[MOST_PIXELS];
+shared uint wide_count, narrow_count;
+shared uint asking_pixels[MOST_PIXELS];  // 16 cell + pixel; in wide penumbrae from the front, in narrow ones from the back
+
+Penumbra penumbra_of(uint at) {
+    const vec3 p = cell_penumbrae[at];
+    return Penumbra(p.x, p.y, p.z);
+}
+
+void recall_rows(uint at) {
+    [[unroll]] for (int i = 0; i < ROWS; ++i) rows[i] = cell_rows[at * uint(ROWS) + uint(i)];
+}
+
+// Of one pixel of a cell.
+Footprint footprint_of_cell(ivec2 cell) {
+    const ivec2 p = min(cell * CELL + CELL / 2, ivec2(frame.size) - 1);
+    return footprint_of(rays_of(p), imageLoad(view_depth, p).x, light * normal_at(p));
+}
+
+void look_around(uint at, ivec2 cell) {
+    load_rows(cell);
+    [[unroll]] for (int i = 0; i < ROWS; ++i) cell_rows[at * uint(ROWS) + uint(i)] = rows[i];
+    const Footprint foot = footprint_of_cell(cell);
+    const Penumbra penumbra = penumbra_at(cell, foot);
+    cell_penumbrae[at] = vec3(penumbra.distance_m, penumbra.tangent, penumbra.spread);
+    uint asking = pixels_with_both();
+    cell_asking[at] = asking;
+    const uint n = uint(bitCount(asking));
+    const bool wide = radius_m(penumbra) >= OWN_RAY_PX * foot.s.s2;  // it takes many rays; only who works beside whom depends on it
+    uint next = wide ? atomicAdd(wide_count, n) : MOST_PIXELS - n - atomicAdd(narrow_count, n);
+    for (; asking != 0u; asking &= asking - 1u) asking_pixels[next++] = PIXELS * at + uint(findLSB(asking));
+}
+
+void ask_around(uint asking) {
+    const uint at = asking / PIXELS, pixel = asking % PIXELS;
+    recall_rows(at);
+    const ivec2 offset = in_cell(int(pixel)), p = cell_of(left_cells[at]) * CELL + offset;
+    const Receiver r = receiver_at(p, offset, imageLoad(view_depth, p).x, light * normal_at(p), rays_of(p));
+    estimates[asking] = pack_estimate(this_frame(r, penumbra_of(at)));
+}
+
+#include "denoising/settled_cell.glsl"
+#include "denoising/compared_cell.glsl"
+
+void main() {
+    light = transpose(sun_frame(sun.to_sun));
+    first_rays = view_rays(cell_of(0u) * CELL, light);
+    if (gl_LocalInvocationIndex == 0u) wide_count = narrow_count = 0u;
+    settle_cells();
+    const uint lane = gl_LocalInvocationIndex, lanes = lanes_in_workgroup();
+    for (uint i = lane; i < left_count; i += lanes) look_around(i, cell_of(left_cells[i]));
+    barrier();
+    const uint wide = wide_count, n = wide + narrow_count;
+    for (uint i = lane; i < n; i += lanes) ask_around(asking_pixels[i < wide ? i : i + MOST_PIXELS - n]);
+    barrier();
+    for (uint i = lane; i < left_count; i += lanes) compare_cell(i, cell_of(left_cells[i]));
+}

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+// What the previous frame knew about a pixel's surface: the state that drift left there, and what the pixel's own rays had
+// said, taken from the texels that show the same plane and the same face of it.
+//
+// Includer has shadow_state.glsl, view_rays.glsl and corners.glsl, and declares the images history
+// and, where things move, motion, view_depth_prev and guide_normal_prev.
+#include "denoising/cubic.glsl"
+#include "denoising/sun_change.glsl"
+
+const float SAME_FACE = 0.9;  // cosine, as near as 10 bits are to a unit vector: beyond a crease the sun stands differently
+
+struct Past {
+    float visibility, count, residual;
+    float variance;  // between the texels that it is resampled from; 0: it is one of them
+    OwnRays own;
+    bool resampled, elsewhere;  // between texels; not the pixel's own
+};
+const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS, false, false);
+
+// Camera-relative point, in the *current* camera's terms, that a texel of the previous frame showed at `view_depth`.
+// The texel's centre and its depth are three linear equations in the point; Cramer's rule solves them.
+vec3 previous_position(ivec2 texel, float view_depth) {
+    const mat4 m = transpose(frame.prev_clip_from_rel);  // rows
+    const vec2 uv = (vec2(texel) + 0.5) / vec2(frame.prev_size) - frame.prev_jitter;
+    const vec2 ndc = 2.0 * uv - 1.0;
+    const vec4 x = m[0] - ndc.x * m[3], y = m[1] - ndc.y * m[3];
+    // Depth is w of a perspective; see previous_depth() for the other.
+    vec4 z = m[3] - vec4(0.0, 0.0, 0.0, view_depth);
+    if ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u)
+        z = frame.view_from_clip[2].z * m[2] + vec4(0.0, 0.0, 0.0, frame.view_from_clip[3].z + view_depth);
+    const vec3 xy = cross(x.xyz, y.xyz), yz = cross(y.xyz, z.xyz), zx = cross(z.xyz, x.xyz);
+    return -(x.w * yz + y.w * zx + z.w * xy) / dot(xy, z.xyz);
+}
+
+// What the previous frame's texels showed, from its first one on, in light space: previous_position() is linear in a texel's
+// place and depth. Taken over the whole image, differences do not round away.
+ViewRays previous_rays(mat3 light) {
+    const ivec2 size = ivec2(frame.prev_size);
+    const ivec2 right = ivec2(size.x, 0), below = ivec2(0, size.y);
+    const vec3 o = light * previous_position(ivec2(0), 0.0), r = light * previous_position(ivec2(0), 1.0) - o;
+    const vec3 right_o = light * previous_position(right, 0.0), right_r = light * previous_position(right, 1.0) - right_o;
+    const vec3 below_o = light * previous_position(below, 0.0), below_r = light * previous_position(below, 1.0) - below_o;
+    const vec2 by_size = 1.0 / vec2(size);
+    return ViewRays(o, (right_o - o) * by_size.x, (below_o - o) * by_size.y, r, (right_r - r) * by_size.x,
+                    (below_r - r) * by_size.y);
+}
+
+// The history between its texels without bilinear's blur; none of it where `rows` is 0 instead of 4.
+float sharper(ivec2 first, vec2 t, int rows) {
+    const vec4 wx = cubic_weights(t.x), wy = cubic_weights(t.y);
+    const ivec2 last = ivec2(frame.prev_size) - 1;
+    float sum = 0.0;
+    for (int y = 0; y < rows; ++y) {
+        float row = 0.0;
+        [[unroll]] for (int x = 0; x < 4; ++x) {
+            const ivec2 q = clamp(first + ivec2(x, y) - 1, ivec2(0), last);
+            row += wx[x] * visibility_in(imageLoad(history, q).x);
+        }
+        sum += wy[y] * row;
+    }
+    return sum;
+}
+
+// `surface`: the pixel's, among what previous_rays() sees.
+Past past_of(ivec2 p, vec3 n, Surface surface) {
+    const Reprojection there = reproject(p, texelFetch(motion, p, 0).xy);
+    const bool asks = there.on_screen && (frame.flags & FRAME_RESET) == 0u;
+    const vec2 at = there.uv * vec2(frame.prev_size) - 0.5;
+    const ivec2 first = ivec2(floor(at + 1e-3)), last = ivec2(frame.prev_size) - 1;
+    const vec2 t = clamp(at - vec2(first), 0.0, 1.0);
+    float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0, own_visibility = 0.0;
+    uint nearest_word = 0u;
+    Past past = NO_PAST;
+    for (int i = 0; i < 4; ++i) {
+        const float share = bilinear_share(i, t);
+        if (asks && share > 1e-3) {
+            const ivec2 q = first + corner(i), inside = clamp(q, ivec2(0), last);
+            const float z = imageLoad(view_depth_prev, inside).x;
+            const vec3 n_prev = decode_normal(imageLoad(guide_normal_prev, inside));
+            const uint word = imageLoad(history, inside).x;
+            const float v = visibility_in(word);
+            const bool same = q == inside && z > 0.0 && has_count(word) && dot(n, n_prev) > SAME_FACE &&
+                              shows(surface, vec2(inside), z);
+            const float weight = same ? share : 0.0;
+            weights += weight;
+            past.visibility += weight * v;
+            past.variance += weight * v * v;
+            own_visibility += weight * own_visibility_in(word);
+            low = same ? min(low, v) : low;
+            high = same ? max(high, v) : high;
+            if (weight > nearest) {
+                nearest = weight;
+                nearest_word = word;
+            }
+        }
+    }
+    past.resampled = nearest < 0.999;
+    past.elsewhere = past.resampled || any(greaterThan(abs(at - vec2(p)), vec2(0.5)));
+    const float by_weights = 1.0 / max(weights, 1e-3);  // none is less, but where there is none
+    past.visibility *= by_weights;
+    const ShadowState of_nearest = unpack_state(nearest_word);  // how far that is off, limits counts
+    past.count = of_nearest.count;
+    past.residual = of_nearest.residual;
+    past.own = of_nearest.own;
+    past.own.visibility = own_visibility * by_weights;  // the nearest one's would stay behind in a slow pan, by half a pixel per frame
+    past.variance = max(past.variance * by_weights - past.visibility * past.visibility, 0.0);
+    const float between = sharper(first, t, weights > 0.99 && high > low ? 4 : 0);
+    if (weights > 0.99 && high > low) past.visibility = clamp(between, low, high);
+    if (weights <= 0.0) past = NO_PAST;
+    return past;
+}
+
+// Nothing moves: the pixel's past is its own.
+Past past_of(ivec2 p) {
+    const ShadowState s = unpack_state(imageLoad(history, p).x);
+    if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
+    return Past(s.visibility, s.count, s.residual, 0.0, s.own, false, false);
+}
+
+// A past that saw another sun.
+Past under_this_sun(Past past) {
+    if (!HAS_SUN_PREV) return past;
+    const float share = sun_share(sun, sun_prev);
+    past.count = samples_left(past.count, share);
+    past.own.count = samples_left(past.own.count, share);
+    if (past.count <= 0.0) return NO_PAST;
+    return past;
+}

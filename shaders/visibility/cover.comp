@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+// Exact coverage: instead of rays, each pixel that nothing proves lit or shadowed walks the tree once with the cone to its light and
+// unites what the triangles hide of it, as a mask of samples: none hidden is lit, all is shadowed, and between lies the visibility. No
+// noise, so no denoiser and no past. One workgroup per listed tile, whose lanes each walk by themselves: towards
+// leaves until all of a subgroup have one, since looking at a leaf is the dearest step. docs/coverage.md.
+#include "node.glsl"
+#if HAS_GIVEN_UP
+#define APPENDS_TILES
+#endif
+#define LISTED_TILES candidates
+#define LISTED_ARGS candidate_args
+#include "common/camera.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/ray_origin.glsl"
+#include "visibility/sun_point.glsl"
+#include "common/tile_list.glsl"
+#include "common/tiles.glsl"
+#include "visibility/tile_share.glsl"
+#include "common/bvh.glsl"
+#include "common/cone_slabs.glsl"
+#include "visibility/light_mask.glsl"
+#include "visibility/leaf_cover.glsl"
+
+#if HAS_GIVEN_UP
+shared uint tile_rest;  // pixels left to rays
+
+// A tile most of whose pixels had to be given up goes straight to rays, but in its turn is tried again.
+const uint TURN = 16u;
+
+bool hopeless(ivec2 tile) {
+    const uint turn = uint(tile.x) + uint(tile.y) * 5u + frame.frame_index;
+    return (frame.flags & FRAME_RESET) == 0u && turn % TURN != 0u && (given_up_before[tile_word(tile)] & tile_bit(tile)) != 0u;
+}
+#endif
+
+// The samples that are left to rays where no more of them are: enough for the corners that closed surfaces have.
+const uint LAST_SAMPLES = LIGHT_SAMPLES / 64u + 1u;
+
+void main() {
+    uvec4 record;
+    if (!listed_tile(record)) return;  // the whole workgroup
+    const ivec2 tile = tile_of(record);
+    uint asked = record.y;
+#if HAS_GIVEN_UP
+    if (gl_LocalInvocationIndex == 0u) tile_rest = 0u;
+    if (hopeless(tile)) asked = 0u;
+    barrier();
+#endif
+    const TileShare share = tile_share(asked);
+    const uint pixel_count = uint(bitCount(share.wanted));
+    const mat3 axes = sun_frame(sun.to_sun);
+    const LightDisc disc = sun_disc(sun.angular_radius);
+    const ConeSlabs slabs = cone_slabs(axes[2], disc.radius, 0.0);
+
+    uint shadowed = 0u, partly = 0u, done = 0u, steps_taken = 0u;
+    for (uint first = 0u; first < pixel_count; first += share.lanes) {
+        const bool own = first + share.lane < pixel_count;
+        const uint number = wanted_number(share, own ? first + share.lane : first);
+        const ivec2 p = tile * TILE + pixel_of_lane(int(number));
+        const vec2 noise = noise_unit(noise_fixed(p, frame.frame_index, params.seed));
+        const float angle = 6.283185307179586 * noise.x, c = cos(angle), s = sin(angle);
+        const Receiver r = Receiver(shadow_ray_origin(p), c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2], line_dither(noise.y));
+
+        // The receiver's own plane hides what is below it, which a start above the surface would let pass at the surface's end.
+        const vec3 normal = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+        LightMask hidden = mask_flipped(positive_side(light_line(disc, r.dither, along_axes(r, normal))), true);
+        BvhPath path = bvh_path(axes[2]);
+        LightMask asked_by_ray = NO_SAMPLES;
+        uint steps = 0u;
+        bool ended = !own || mask_is_full(hidden), given_up = false;
+        while (!ended) {
+            while (!ended && !bvh_at_leaf(path)) {
+                BvhVisit visit = bvh_visit(path);
+                bvh_fetch(path, visit);
+                visit.hits = cone_hit_children(slabs, r.start, visit.n0, visit.n1, visit.n2);
+                bvh_go_on(path, visit);
+                ++steps;
+                if (bvh_ended(path)) ended = true;
+            }
+            uint leaf = 0u;
+            const bool at_leaf = !ended;
+            if (at_leaf) leaf = bvh_take_leaf(path);
+            hide_by_leaf(r, disc, leaf, at_leaf, hidden);
+            ++steps;
+            if (mask_is_full(hidden) || bvh_ended(path)) ended = true;
+#if HAS_GIVEN_UP
+            if (!ended && steps >= BUDGET) given_up = true;
+            if (given_up) ended = true;
+#endif
+        }
+        // Of the walk itself, not of the loop (branch.glsl).
+        const bool finished = own && (mask_is_full(hidden) || bvh_ended(path));
+        // Rounded lines through a corner need not meet in a point, and a closed surface could leave a sample there: the last ones are rays.
+        uint count = mask_count(hidden);
+        bool last_ones = finished && count != LIGHT_SAMPLES && count + LAST_SAMPLES >= LIGHT_SAMPLES;
+        while (last_ones) {
+            const LightMask open = mask_lowest(mask_without(mask_flipped(hidden, true), asked_by_ray));
+            const vec3 d = to_sample(disc, texelFetch(light_samples, ivec2(mask_index(open), SAMPLES_ROW), 0).xy);
+            if (occluded(r.start, d.x * r.x + d.y * r.y + d.z * r.z, 0.0, WHOLE_RAY_M)) hidden = mask_or(hidden, open);
+            asked_by_ray = mask_or(asked_by_ray, open);
+            if (mask_is_full(mask_or(hidden, asked_by_ray))) last_ones = false;
+        }
+        count = mask_count(hidden);
+        steps_taken += own ? steps : 0u;
+        if (finished) done |= 1u << number;
+        const bool told = HAS_GIVEN_UP != 0 ? finished : own;
+        if (told && count == LIGHT_SAMPLES) shadowed |= 1u << number;
+        if (told && count != LIGHT_SAMPLES && count != 0u) {
+            partly |= 1u << number;
+            imageStore(coverage, p, vec4(float((LIGHT_SAMPLES - count) * (256u / LIGHT_SAMPLES)) / 255.0));
+        }
+    }
+    shadowed = subgroupOr(shadowed);
+    if (subgroupElect() && shadowed != 0u) atomicOr(preloaded_hits[tile_index(tile)], lanes_of_pixels(shadowed));
+    count_pixels(subgroupElect() ? pixel_count : 0u);
+    count_shadowed(subgroupElect() ? uint(bitCount(shadowed)) : 0u);
+    count_penumbra(uint(bitCount(partly)));
+    count_steps(steps_taken);
+    // Given up, or left undone where a driver ends loops (branch.glsl).
+    const uint rest = share.wanted & ~subgroupOr(done);
+#if HAS_GIVEN_UP
+    if (subgroupElect() && rest != 0u) atomicOr(tile_rest, lanes_of_pixels(rest));
+    barrier();
+    const bool leader = gl_LocalInvocationIndex == 0u;
+    const uint left = tile_rest | record.y ^ asked;
+    append_tile(leader && left != 0u, uvec4(record.x, left, record.zw));
+    count_left(leader ? uint(bitCount(left)) : 0u);
+    if (leader && 2 * bitCount(left) > bitCount(record.y)) atomicOr(given_up[tile_word(tile)], tile_bit(tile));
+#else
+    count_left(subgroupElect() ? uint(bitCount(rest)) : 0u);
+#endif
+}

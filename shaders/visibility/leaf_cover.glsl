@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// Which samples of a light the two triangles of a leaf hide from a receiver.
+//
+// With its corners V relative to the receiver a triangle meets the direction D where D = b0 V0 + b1 V1 + b2 V2, all b >= 0, and
+// b_i has the sign of det(V) times (V_j x V_k) . D. So each edge is a line across the light, wherever its corners are: nothing
+// is clipped, also where a triangle reaches behind the receiver. On which side of its plane the receiver is, det(V), is another
+// question: the receiver's own surface is within rounding of it, and with the wrong sign would hide the whole light. It is decided as
+// trace decides it (bvh_plane_ahead): a plane within its corners' rounding of the start hides nothing.
+//
+// Rounding: with u = 2^-24 and r, s the distances of an edge's corners, V is off by 4 u r, an edge V x W by 12 u r s, and the line across the light
+// by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
+//
+// Includer has common/bvh.glsl and light_mask.glsl and declares: uniform sampler2D light_samples.
+#include "visibility/branch.glsl"
+
+const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
+
+// The start of a pixel's shadow rays, in the scene's frame, and the light's axes, z towards it: turned about z by another angle
+// for each pixel and frame, so that the errors of neighbours have nothing in common.
+struct Receiver {
+    vec3 start;
+    vec3 x, y, z;
+    float dither;
+};
+
+// The corner of all its triangles is rounded once, and alike for each; fused products would break V x W = -(W x V).
+vec3 along_axes(Receiver r, vec3 v) {
+    precise vec3 seen = vec3(dot(v, r.x), dot(v, r.y), dot(v, r.z));
+    return seen;
+}
+
+vec3 edge_line(vec3 v, vec3 w) {
+    precise vec3 e = vec3(v.y * w.z - v.z * w.y, v.z * w.x - v.x * w.z, v.x * w.y - v.y * w.x);
+    return e;
+}
+
+float taxi(vec3 v) { return abs(v.x) + abs(v.y) + abs(v.z); }
+
+// A height over a plane, times twice the triangle's area, and how far rounding can move it.
+struct Height {
+    float value, error;
+};
+bool in_doubt(Height h) { return abs(h.value) <= h.error; }
+
+// From the edges alone: differences keep their own digits, where a product of three corners keeps those of their distance.
+Height height_of(vec3 to_a, vec3 ab, vec3 ac) {
+    return Height(dot(cross(ab, ac), to_a), 16.0 * UNIT_ROUNDING * taxi(ab) * taxi(ac) * taxi(to_a));
+}
+
+// With twice the digits, and 0 where the plane is within its corners' rounding.
+Height height_for_sure(vec3 start, vec3 a, vec3 b, vec3 c) {
+    const Twofold to_a = twofold_difference(a, start);
+    const Twofold n = cross_product(twofold_difference(b, a), twofold_difference(c, a));
+    const float height = dot_product(n, to_a);
+    precise vec3 reach = max(max(abs(to_a.hi), abs(b - start)), abs(c - start));
+    precise float displaced = bvh_vertex_roundings * max(max(reach.x, reach.y), reach.z) * taxi(n.hi);
+    return Height(abs(height) > displaced ? height : 0.0, 0.0);
+}
+
+// Without the samples that are seen through a hole of triangle `which`; those in `known` are not asked for. `opposite`: the edges' lines, whose
+// values at a sample are the weights of the corners that they lie opposite to, so that the texture coordinate is a quotient of two such lines.
+LightMask without_holes(LightDisc disc, uint leaf, uint which, vec3 opposite[3], LightMask mask, LightMask known) {
+    const uint word = bvh_alpha_word(leaf, which);
+    LightMask asked = mask_if(word != 0u, mask_without(mask, known));
+    const AlphaRecord record = alpha_record((max(word, 16u) >> 4) - 1u);
+    const uint corner0 = word & 3u, corner1 = word >> 2 & 3u;
+    const vec3 w0 = opposite[corner0], w1 = opposite[corner1], w2 = opposite[3u - corner0 - corner1], w = w0 + w1 + w2;
+    const vec3 u = w0 * record.uv0.x + w1 * record.uv1.x + w2 * record.uv2.x, v = w0 * record.uv0.y + w1 * record.uv1.y + w2 * record.uv2.y;
+    while (!mask_is_empty(asked)) {
+        const LightMask lowest = mask_lowest(asked);
+        const vec3 d = to_sample(disc, texelFetch(light_samples, ivec2(mask_index(lowest), SAMPLES_ROW), 0).xy);
+        if (!alpha_there(record, vec2(dot(u, d), dot(v, d)) / dot(w, d))) mask = mask_without(mask, lowest);
+        asked = mask_without(asked, lowest);
+    }
+    return mask;
+}
+
+// Adds to `hidden` what the leaf hides, where it is `wanted`.
+void hide_by_leaf(Receiver r, LightDisc disc, uint leaf, bool wanted, inout LightMask hidden) {
+    const BvhLeaf corners = bvh_leaf(leaf);
+    precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
+    const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
+    const vec3 bc_line = edge_line(b, c);
+    const LightLine ab = light_line(disc, r.dither, edge_line(a, b)), bc = light_line(disc, r.dither, bc_line),
+                    ca = light_line(disc, r.dither, edge_line(c, a)), bd = light_line(disc, r.dither, edge_line(b, d)),
+                    dc = light_line(disc, r.dither, edge_line(d, c));
+    const bvec2 none_above = bvec2(none_positive(ab) || none_positive(bc) || none_positive(ca),
+                                   none_positive(bd) || none_positive(dc) || none_negative(bc));
+    const bvec2 none_below = bvec2(none_negative(ab) || none_negative(bc) || none_negative(ca),
+                                   none_negative(bd) || none_negative(dc) || none_positive(bc));
+    const bvec2 matters = bvec2(wanted && !(none_above.x && none_below.x), wanted && !(none_above.y && none_below.y));
+
+    const float error = 32.0 * UNIT_ROUNDING * taxi(b) * taxi(c);
+    Height first = Height(dot(a, bc_line), error * taxi(a)), second = Height(-dot(d, bc_line), error * taxi(d));
+    BRANCH_IF(matters.x && in_doubt(first) || matters.y && in_doubt(second)) {
+        if (in_doubt(first)) first = height_of(to_a, corners.b - corners.a, corners.c - corners.a);
+        if (in_doubt(second)) second = height_of(to_c, corners.b - corners.c, corners.d - corners.c);
+    }
+    const bvec2 unsure = bvec2(matters.x && in_doubt(first), matters.y && in_doubt(second));
+    BRANCH_IF(any(unsure)) {
+        if (unsure.x) first = height_for_sure(r.start, corners.a, corners.b, corners.c);
+        if (unsure.y) second = height_for_sure(r.start, corners.c, corners.b, corners.d);
+    }
+    const bvec2 below = bvec2(first.value < 0.0, second.value < 0.0);
+    const bvec2 hides = bvec2(matters.x && first.value != 0.0 && !(below.x ? none_below.x : none_above.x),
+                              matters.y && second.value != 0.0 && !(below.y ? none_below.y : none_above.y));
+    BRANCH_IF(any(hides)) {
+        const LightMask above_bc = positive_side(bc);
+        LightMask by_first = mask_and(mask_flipped(above_bc, below.x),
+                                      mask_and(mask_flipped(positive_side(ab), below.x), mask_flipped(positive_side(ca), below.x)));
+        LightMask by_second = mask_and(mask_flipped(above_bc, !below.y),
+                                       mask_and(mask_flipped(positive_side(bd), below.y), mask_flipped(positive_side(dc), below.y)));
+        by_first = mask_if(hides.x, by_first);
+        by_second = mask_if(hides.y, by_second);
+        if (HAS_SCENE_ALPHA_UV) {
+            by_first = without_holes(disc, leaf, 0u, vec3[3](bc_line, edge_line(c, a), edge_line(a, b)), by_first, hidden);
+            by_second = without_holes(disc, leaf, 1u, vec3[3](edge_line(b, d), edge_line(d, c), -bc_line), by_second, mask_or(hidden, by_first));
+        }
+        hidden = mask_or(hidden, mask_or(by_first, by_second));
+    }
+}

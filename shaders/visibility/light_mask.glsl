@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+// Which of a light's samples lie on one side of a line across it: an entry of a table (nodes/tables/light_samples.h), by the line's
+// direction and by how many samples it cuts off. The other side is the exact complement, so that two triangles at an edge leave no
+// crack between them, whatever rounding did to the edge.
+//
+// Includer declares: uniform usampler2D half_planes_64, half_planes_128, half_planes_256; const uint SAMPLES.
+#include "common/rounded.glsl"
+
+const uint LIGHT_SAMPLES = SAMPLES <= 64u ? 64u : SAMPLES <= 128u ? 128u : 256u;
+const uint MASK_WORDS = LIGHT_SAMPLES / 32u;
+const int SAMPLES_ROW = LIGHT_SAMPLES == 64u ? 0 : LIGHT_SAMPLES == 128u ? 1 : 2;  // of the table light_samples
+
+// Bit i of word w is sample 32 w + i. Words that there are no samples for are 0.
+struct LightMask {
+    uvec4 lo, hi;
+};
+
+const LightMask NO_SAMPLES = LightMask(uvec4(0u), uvec4(0u));
+LightMask all_samples() {
+    const uint second = LIGHT_SAMPLES > 64u ? ~0u : 0u, rest = LIGHT_SAMPLES > 128u ? ~0u : 0u;
+    return LightMask(uvec4(~0u, ~0u, second, second), uvec4(rest));
+}
+
+LightMask mask_and(LightMask a, LightMask b) { return LightMask(a.lo & b.lo, a.hi & b.hi); }
+LightMask mask_or(LightMask a, LightMask b) { return LightMask(a.lo | b.lo, a.hi | b.hi); }
+LightMask mask_without(LightMask a, LightMask b) { return LightMask(a.lo & ~b.lo, a.hi & ~b.hi); }
+
+LightMask mask_if(bool wanted, LightMask a) {
+    const uint all = wanted ? ~0u : 0u;
+    return LightMask(a.lo & all, a.hi & all);
+}
+
+LightMask mask_flipped(LightMask a, bool flip) {
+    const LightMask change = mask_if(flip, all_samples());
+    return LightMask(a.lo ^ change.lo, a.hi ^ change.hi);
+}
+
+uint count_bits(uvec4 words) {
+    const uvec4 n = uvec4(bitCount(words));
+    return n.x + n.y + n.z + n.w;
+}
+uint mask_count(LightMask a) { return count_bits(a.lo) + (MASK_WORDS > 4u ? count_bits(a.hi) : 0u); }
+
+bool mask_is_empty(LightMask a) {
+    const uvec4 any_bit = a.lo | a.hi;
+    return (any_bit.x | any_bit.y | any_bit.z | any_bit.w) == 0u;
+}
+bool mask_is_full(LightMask a) { return mask_is_empty(mask_flipped(a, true)); }
+
+// One sample of those in a mask that is not empty, and the number of the only sample in a mask.
+LightMask mask_lowest(LightMask a) {
+    const uvec4 lo = a.lo & (~a.lo + 1u), hi = a.hi & (~a.hi + 1u);  // of each word the lowest bit
+    const bool x = lo.x != 0u, y = x || lo.y != 0u, z = y || lo.z != 0u, w = z || lo.w != 0u;
+    const bool x2 = w || hi.x != 0u, y2 = x2 || hi.y != 0u, z2 = y2 || hi.z != 0u;
+    return LightMask(uvec4(lo.x, x ? 0u : lo.y, y ? 0u : lo.z, z ? 0u : lo.w),
+                     uvec4(w ? 0u : hi.x, x2 ? 0u : hi.y, y2 ? 0u : hi.z, z2 ? 0u : hi.w));
+}
+int mask_index(LightMask a) {
+    const uvec4 lo = mix(uvec4(0u), uvec4(0u, 32u, 64u, 96u), notEqual(a.lo, uvec4(0u))),
+                hi = mix(uvec4(0u), uvec4(128u, 160u, 192u, 224u), notEqual(a.hi, uvec4(0u)));
+    const uint bits = a.lo.x | a.lo.y | a.lo.z | a.lo.w | a.hi.x | a.hi.y | a.hi.z | a.hi.w;
+    return int(lo.y | lo.z | lo.w | hi.x | hi.y | hi.z | hi.w) + findLSB(bits);
+}
+
+// A round light as every receiver sees it: at distance 1 along z, with this radius.
+struct LightDisc {
+    float radius, per_radius;
+    float bulge;
+    float area[5];  // of its part x >= -c, in units of the whole: 1/2 + sum of area[k] c^(2k+1)
+};
+
+// The area within 2.2e-4, and 0 or 1 at the rim within 5e-6. The sun's samples are uniform over its
+// cap, by Lambert's map, where a line of the tangent plane is a curve: through sin(phi / 2) / sin(a / 2) in the middle, for
+// c = tan(phi) / tan(a), and through c at the rim. To third order in a, the line that cuts off as much lies at c + a^2 / 4 c (1 - c^2).
+LightDisc sun_disc(float angular_radius) {
+    const float bulge = 0.25 * angular_radius * angular_radius, radius = tan(angular_radius);
+    return LightDisc(radius, 1.0 / max(radius, 1e-30), bulge,
+                     float[5](0.6345046 + 0.6659715 * bulge, -0.0742046 - 1.1252572 * bulge, -0.1463876 + 0.4592857 * bulge,
+                              0.1943180, -0.1082343));
+}
+
+// The direction to a sample of the light, which is of radius 1 in the table.
+vec3 to_sample(LightDisc disc, vec2 point) {
+    return vec3(point * (disc.radius * (1.0 - disc.bulge * (1.0 - dot(point, point)))), 1.0);
+}
+
+// A line across the light: where e . (x, y, 1) >= 0.
+struct LightLine {
+    ivec2 entry;  // in the table
+    bool flip;    // the entry is that of -e
+};
+
+// From a number in [0, 1). Away from the ends by more than 256 times what the area is off at the rim, and than rounding: next to them a line beside
+// the light would cut off a sample, or one more than there are.
+float line_dither(float u) { return 0.002 + 0.996 * u; }
+
+// Of -e the same entry. `e` may be of any length that a float holds, and zero. `dither` rounds a share of the samples up or down; it is the same for
+// all lines of a pixel.
+LightLine light_line(LightDisc disc, float dither, vec3 e) {
+    LightLine line;
+    line.flip = (e.y != 0.0 ? e.y : e.x) < 0.0;
+    if (line.flip) e = -e;
+    const float inverse = 1.0 / max(abs(e.x) + e.y, 1e-37);
+    const float p = e.x * inverse, size = abs(p);  // the normal is (p, 1 - |p|), up to its length:
+    const float m = size - size * size;            // 1 / sqrt(1 - 2 m), within 9e-5
+    const float per_length = 1.0000891 + m * (0.9840561 + m * (1.9511038 + m * (m * 18.8985459 - 1.7756891)));
+    const float c = clamp(e.z * inverse * disc.per_radius * per_length, -1.0, 1.0), c2 = c * c;
+    const float area = disc.area[0] + c2 * (disc.area[1] + c2 * (disc.area[2] + c2 * (disc.area[3] + c2 * disc.area[4])));
+    const float samples = float(LIGHT_SAMPLES), bins = float(HALF_PLANE_DIRECTIONS);
+    // Rounded down, by way of a number above 1/2, which rounded() wants.
+    line.entry = ivec2(rounded(samples * c * area + (0.5 * samples + 0.5 + dither)), rounded(0.5 * (0.9999 * bins * p + bins + 1.0))) - 1;
+    return line;
+}
+
+// Whether no sample lies where e is positive; negative.
+bool none_positive(LightLine line) { return line.entry.x == (line.flip ? int(LIGHT_SAMPLES) : 0); }
+bool none_negative(LightLine line) { return line.entry.x == (line.flip ? 0 : int(LIGHT_SAMPLES)); }
+
+LightMask positive_side(LightLine line) {
+    LightMask mask = NO_SAMPLES;
+    if (LIGHT_SAMPLES == 64u) mask.lo.xy = texelFetch(half_planes_64, line.entry, 0).xy;
+    if (LIGHT_SAMPLES == 128u) mask.lo = texelFetch(half_planes_128, line.entry, 0);
+    if (LIGHT_SAMPLES == 256u) {
+        mask.lo = texelFetch(half_planes_256, line.entry * ivec2(2, 1), 0);
+        mask.hi = texelFetch(half_planes_256, line.entry * ivec2(2, 1) + ivec2(1, 0), 0);
+    }
+    return mask_flipped(mask, line.flip);
+}
