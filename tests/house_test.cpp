@@ -107,12 +107,13 @@ TEST(House, AnIncludeLiesWithTheGroupThatItServes) {
         if (!entry.is_regular_file()) continue;
         const std::string file = fs::relative(entry.path(), root / "shaders").generic_string();
         const std::string folder = fs::path(file).parent_path().string();
-        if (folder != "common")
+        if (folder != "common") {
             EXPECT_EQ(groups[file], std::set<std::string>{folder}) << file;
-        else if (!in_cpp.contains("shaders/" + file))
+        } else if (!in_cpp.contains("shaders/" + file)) {
             EXPECT_GE(groups[file].size(), 2u)
                 << file << " serves " << (groups[file].empty() ? "nobody" : *groups[file].begin())
                 << " alone";
+        }
     }
 }
 

@@ -188,7 +188,7 @@ TEST_F(UserNodes, GlslErrorsPointIntoTheUsersFiles) {
     write("nodes/mine.comp", std::string(shader) + "\nfloat f() { return undeclared; }\n");
     EXPECT_TRUE(first_variant(cache()).empty());
     const std::string place = (nodes_folder() / "mine.comp").string();
-    EXPECT_EQ(diagnostics_.text().find(place + ":7:1: 'undeclared'"), 0u) << diagnostics_.text();
+    EXPECT_EQ(diagnostics_.text().find(place + ":8:1: 'undeclared'"), 0u) << diagnostics_.text();
 
     write("nodes/mine.comp", shader);
     write("nodes/value.glsl", "\n\nconst float VALUE = vec3(1);\n");
@@ -198,7 +198,7 @@ TEST_F(UserNodes, GlslErrorsPointIntoTheUsersFiles) {
 
     fs::remove(nodes_folder() / "value.glsl");
     EXPECT_TRUE(first_variant(cache()).empty());
-    EXPECT_EQ(diagnostics_.text().find(place + ":3:1: "), 0u) << diagnostics_.text();
+    EXPECT_EQ(diagnostics_.text().find(place + ":4:1: "), 0u) << diagnostics_.text();
     EXPECT_FALSE(fs::exists(cache_folder()) && !entries().empty())
         << "a shader that does not compile was kept";
 }
