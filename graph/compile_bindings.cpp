@@ -139,7 +139,9 @@ void Compiler::bind_slot(const BoundNode& node, const Port& port, HostSlot slot,
     b.type = descriptor_type(slot.kind, false, false);
     if (slot.kind == PortKind::buffer) b.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     b.format = slot.format;
-    const auto same = std::ranges::find(plan_.slots, slot.name, &HostSlot::name);
+    const auto same = std::ranges::find_if(plan_.slots, [&](const HostSlot& s) {
+        return s.input == slot.input && s.part == slot.part && s.previous == slot.previous && s.kind == slot.kind;
+    });
     b.index = static_cast<uint32_t>(same - plan_.slots.begin());
     plan_.passes.back().bindings.push_back(b);
     if (same == plan_.slots.end()) {

@@ -56,7 +56,6 @@ class Compiler {
     void size_resource(PlanResource& r, const Made& made);
     First first_of(const BoundPort& bound) const;
     static void clear_on_reset(PlanResource& r);
-    void use_outputs();
 
     // Bindings and uses of the pass that is last.
     void bind(const SelectedNode& selected);
