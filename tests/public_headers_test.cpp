@@ -1,7 +1,26 @@
 // SPDX-License-Identifier: MIT
 // The public headers as a host sees them that loads Vulkan's functions by itself and has windows.h before
 // them.
+// The standard library's own headers come first: what is tried is penumbra's.
 #define VK_NO_PROTOTYPES
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
 #define near
 #define far
 #define small char
