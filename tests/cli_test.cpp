@@ -117,8 +117,10 @@ TEST_F(Cli, NodesAreListedDescribedAndMadeASchema) {
         EXPECT_EQ(described("in"), node["inputs"].size()) << name;
         EXPECT_EQ(described("out"), node["outputs"].size()) << name;
     }
-    EXPECT_EQ(run("nodes --format node-schema").out, read_file("nodes/node.schema.json"));
-    EXPECT_EQ(run("nodes --format vocabulary").out, read_file("docs/vocabulary.md"));
+    EXPECT_EQ(run("nodes --format node-schema").out,
+              read_file(fs::path(PENUMBRA_SOURCE_DIR) / "nodes/node.schema.json"));
+    EXPECT_EQ(run("nodes --format vocabulary").out,
+              read_file(fs::path(PENUMBRA_SOURCE_DIR) / "docs/vocabulary.md"));
     EXPECT_EQ(run("nodes trace --format vocabulary").code, 2);
 }
 
