@@ -140,7 +140,8 @@ void Compiler::bind_slot(const BoundNode& node, const Port& port, HostSlot slot,
     if (slot.kind == PortKind::buffer) b.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     b.format = slot.format;
     const auto same = std::ranges::find_if(plan_.slots, [&](const HostSlot& s) {
-        return s.input == slot.input && s.part == slot.part && s.previous == slot.previous && s.kind == slot.kind;
+        return s.input == slot.input && s.part == slot.part && s.previous == slot.previous &&
+               s.kind == slot.kind;
     });
     b.index = static_cast<uint32_t>(same - plan_.slots.begin());
     plan_.passes.back().bindings.push_back(b);
