@@ -193,7 +193,7 @@ void Compiler::find_module(const SelectedNode& selected) {
                   fmt::format("no shader was compiled for its variant \"{}\"", pass.variant));
         }
     }
-    pass.module = at->second.value_or(0);
+    pass.module = at->second;
 }
 
 }  // namespace penumbra

@@ -16,7 +16,7 @@ const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& 
 }
 
 void NodeSet::add(NodeEntry entry) {
-    if (entries_.empty() && domain_->facts.empty()) domain_ = entry.type.domain;
+    if (!domain_) domain_ = entry.type.domain;
     if (entry.type.domain != domain_)
         throw std::invalid_argument("the node type \"" + entry.type.name + "\" was read with another domain");
     std::string name = entry.type.name;

@@ -165,10 +165,10 @@ void Program::make_pass(size_t index) {
           pass.node);
     out.layout = {handles_.device, layout};
 
-    if (pass.module >= plan_->modules.size())
+    if (!pass.module)
         throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                          fmt::format("the plan was made without shaders: node {} has none", pass.node));
-    const std::vector<uint32_t>& spirv = plan_->modules[pass.module];
+                          fmt::format("the plan was made without a shader for node {}", pass.node));
+    const std::vector<uint32_t>& spirv = plan_->modules[*pass.module];
     VkShaderModuleCreateInfo module_create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     module_create.codeSize = spirv.size() * sizeof(uint32_t);
     module_create.pCode = spirv.data();
@@ -197,49 +197,45 @@ void Program::make_pass(size_t index) {
 void Program::record_uploads(VkCommandBuffer cmd) const {
     if (uploaded_) return;
     uploaded_ = true;
-    const auto transition = [&](VkImageMemoryBarrier2& barrier) {
+    struct Stand {  // of an image, before or after
+        VkImageLayout layout;
+        VkPipelineStageFlags2 stages;
+        VkAccessFlags2 access;
+    };
+    constexpr Stand fresh{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE},
+        filled{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
+               VK_ACCESS_2_TRANSFER_WRITE_BIT},
+        table{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+              VK_ACCESS_2_SHADER_SAMPLED_READ_BIT},
+        absent{VK_IMAGE_LAYOUT_GENERAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+               VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
+    const auto bring = [&](VkImage image, Format format, const Stand& from, const Stand& to) {
+        VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+        barrier.srcStageMask = from.stages;
+        barrier.srcAccessMask = from.access;
+        barrier.dstStageMask = to.stages;
+        barrier.dstAccessMask = to.access;
+        barrier.oldLayout = from.layout;
+        barrier.newLayout = to.layout;
+        barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+        barrier.image = image;
+        barrier.subresourceRange = {aspect(format), 0, 1, 0, 1};
         VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
         dependency.imageMemoryBarrierCount = 1;
         dependency.pImageMemoryBarriers = &barrier;
         vkCmdPipelineBarrier2(cmd, &dependency);
     };
-    VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-    barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
     for (size_t i = 0; i < tables_.size(); ++i) {
-        const std::array<uint32_t, 2> extent = plan_->tables[i].extent;
-        barrier.image = tables_[i].image.image.get();
-        barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-        barrier.srcStageMask = VK_PIPELINE_STAGE_2_NONE;
-        barrier.srcAccessMask = VK_ACCESS_2_NONE;
-        barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
-        barrier.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-        barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        transition(barrier);
+        const PlanTable& plan = plan_->tables[i];
+        const VkImage image = tables_[i].image.image.get();
+        bring(image, plan.format, fresh, filled);
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        copy.imageExtent = {extent[0], extent[1], 1};
-        vkCmdCopyBufferToImage(cmd, tables_[i].staging.get(), barrier.image,
-                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
-        barrier.srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
-        barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
-        barrier.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
-        barrier.oldLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-        barrier.newLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-        transition(barrier);
+        copy.imageExtent = {plan.extent[0], plan.extent[1], 1};
+        vkCmdCopyBufferToImage(cmd, tables_[i].staging.get(), image, filled.layout, 1, &copy);
+        bring(image, plan.format, filled, table);
     }
-    for (const auto& [key, absent] : absent_images_) {
-        barrier.image = absent.image.get();
-        barrier.subresourceRange = {aspect(key.format), 0, 1, 0, 1};
-        barrier.srcStageMask = VK_PIPELINE_STAGE_2_NONE;
-        barrier.srcAccessMask = VK_ACCESS_2_NONE;
-        barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
-        barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
-        barrier.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
-        barrier.newLayout = VK_IMAGE_LAYOUT_GENERAL;
-        transition(barrier);
-    }
+    for (const auto& [key, stand_in] : absent_images_) bring(stand_in.image.get(), key.format, fresh, absent);
 }
 
 }  // namespace penumbra

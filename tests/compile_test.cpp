@@ -491,6 +491,22 @@ TEST(CompileNodeSet, HasOneDomain) {
     NodeEntry foreign = *set.find("source");
     foreign.type.domain = std::make_shared<Domain>(*foreign.type.domain);
     EXPECT_THROW(set.add(foreign), std::invalid_argument);
+    NodeSet told(std::make_shared<Domain>());  // which has no facts, but is one
+    EXPECT_THROW(told.add(foreign), std::invalid_argument);
+}
+
+// A declaration alone can be planned with; nothing else's shader stands in for its own.
+TEST(CompileNodeSet, ATypeWithoutAShaderHasNoModule) {
+    NodeSet set = small_set();
+    NodeEntry source = *set.find("source");
+    for (const Variant& variant : all_variants(source.type)) source.shaders[to_string(variant)] = {0};
+    set.add(source);
+    const Result result = compile_text(set, R"("outputs": ["doubled"], "nodes": {
+        "source": { "type": "source" }, "twice": { "type": "twice" } })",
+                                       target_of({64, 64}));
+    ASSERT_TRUE(result.plan) << result.errors;
+    EXPECT_EQ(pass_of(*result.plan, "source").module, 0u);
+    EXPECT_FALSE(pass_of(*result.plan, "twice").module);
 }
 
 TEST(CompileHostNodes, TheirCallbacksAreSynchronisedAsIfTheyDidAnything) {

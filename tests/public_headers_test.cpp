@@ -79,7 +79,8 @@ TEST(PublicHeaders, MakeAPlanWithoutADevice) {
     const auto plan = compile(*checked, {.extent = {64, 32}, .device = reference_device()}, {}, errors);
     ASSERT_TRUE(plan) << errors.text();
     EXPECT_FALSE(plan->modules.empty());
-    for (const PlanPass& pass : plan->passes) EXPECT_LT(pass.module, plan->modules.size()) << pass.node;
+    for (const PlanPass& pass : plan->passes)
+        EXPECT_LT(pass.module.value(), plan->modules.size()) << pass.node;
 }
 
 }  // namespace

@@ -57,10 +57,11 @@ class NodeSet {
     std::shared_ptr<const NodeEntry> share(std::string_view name) const;  // nullptr: none
     const NodeEntry* find(std::string_view name) const { return share(name).get(); }
     std::vector<std::string> names() const;  // sorted
-    std::shared_ptr<const Domain> domain() const { return domain_; }
+    // An empty one where nothing has said which.
+    std::shared_ptr<const Domain> domain() const { return domain_ ? domain_ : std::make_shared<const Domain>(); }
 
   private:
-    std::shared_ptr<const Domain> domain_ = std::make_shared<Domain>();
+    std::shared_ptr<const Domain> domain_;
     std::map<std::string, std::shared_ptr<const NodeEntry>, std::less<>> entries_;
 };
 

@@ -197,7 +197,7 @@ struct PlanPass {
     std::string type;       // node type; "capture"
     std::string variant;    // of the shader, to print
     std::string backends;   // of the node's bundles, to print
-    uint32_t module = 0;    // of Plan::modules; its entry point is "main"
+    std::optional<uint32_t> module;  // of Plan::modules, entry point "main"; none: the type has no shader
     HostCallback callback;  // host nodes
     std::vector<PlanBinding> bindings;
     std::vector<uint32_t> constants;  // specialisation data: ids 0 .. n-1, four bytes each
