@@ -85,7 +85,7 @@ constexpr auto port_keys = std::to_array<Key>({
     {"indirect", Holds::flag, "holds dispatch arguments", {.in = buffer, .out = buffer}},
     {"range", Holds::ranges, "what its numbers keep to; null: no end. Integers have none",
      {.in = none, .out = memory}},
-    {"optional", Holds::flag, "may be unbound; GLSL gets HAS_PORT", {.in = memory | block, .out = memory}},
+    {"optional", Holds::flag, "may be unbound; GLSL gets HAS_PORT, a constant for inputs, a macro for outputs", {.in = memory | block, .out = memory}},
     {"if", Holds::condition, "the port exists only where this holds; GLSL gets HAS_PORT",
      {.in = memory | block, .out = memory}},
     {"doc", Holds::line, "what it holds", {.out = memory}},
