@@ -33,7 +33,7 @@ void append_tile(bool wanted, uvec4 record) {
 #endif
 
 #ifdef LISTED_TILES
-// Whether this workgroup has a tile, and its record: packed tile x | y << 16, mask of pixels to trace, t_min, t_max.
+// Whether this workgroup has a tile, and its record: packed tile and rays, mask of pixels to trace, t_min, t_max.
 bool listed_tile(out uvec4 record) {
     const uint index = gl_WorkGroupID.y * TILES_PER_ROW + gl_WorkGroupID.x;
     if (index >= LISTED_ARGS[3]) return false;
@@ -42,7 +42,13 @@ bool listed_tile(out uvec4 record) {
 }
 #endif
 
+// An image of 65 536 pixels has 2^13 tiles across and 2^14 down: the bits above say how many rays the pixels get, less one.
 uvec4 pack_tile(ivec2 tile, uint mask, float t_min, float t_max) {
     return uvec4(uint(tile.x) | uint(tile.y) << 16, mask, floatBitsToUint(t_min), floatBitsToUint(t_max));
 }
-ivec2 tile_of(uvec4 record) { return ivec2(record.x & 0xffffu, record.x >> 16); }
+uvec4 with_rays(uvec4 record, uint rays) {
+    const uint more = rays - 1u;
+    return uvec4(record.x | (more & 7u) << 13 | more >> 3 << 30, record.yzw);
+}
+ivec2 tile_of(uvec4 record) { return ivec2(record.x & 0x1fffu, record.x >> 16 & 0x3fffu); }
+uint rays_of(uvec4 record) { return (record.x >> 13 & 7u | record.x >> 30 << 3) + 1u; }  // 1 to 32

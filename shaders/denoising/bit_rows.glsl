@@ -2,14 +2,21 @@
 // The bits of a cell's pixels and of those up to R around, as rows: what this frame's rays say, and of which pixels. Every
 // index is known when this is compiled, where it can be: software devices store to one that is not lane by lane.
 //
-// Includer has tiles.glsl and shadow_state.glsl, defines the constant R and declares the buffers
-// visibility_words and sunward_words.
+// Includer has tiles.glsl and shadow_state.glsl, defines the constant R and declares the buffers visibility_words, sunward_words and,
+// where not every pixel that looks at the sun has a ray, ray_words.
 
 const int ROWS = CELL + 2 * R;
 const uint ROW_COLUMNS = (1u << uint(ROWS)) - 1u;  // a row is as long as there are rows
 const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
 
-// Lit pixels in the lower 16 bits, and in the upper ones those that look at the sun. Bit 0 is R pixels left of the cell, the
+// Which pixels' bits tell something.
+uint tests_of_tile(uint tile) {
+    uint pixels = sunward_words[tile];
+    if (HAS_RAY_WORDS) pixels &= ray_words[tile];
+    return pixels;
+}
+
+// Lit pixels in the lower 16 bits, and in the upper ones those that have a ray or a proof. Bit 0 is R pixels left of the cell, the
 // first row R above it.
 uint rows[ROWS];
 
@@ -26,7 +33,7 @@ void load_tiles(ivec2 cell, const int first) {
         uvec3 lit, tested;
         [[unroll]] for (int tx = 0; tx < 3; ++tx) {
             const ivec2 at = tile + ivec2(tx - 1, ty), inside = clamp(at, ivec2(0), grid - 1);
-            tested[tx] = at == inside ? sunward_words[tile_index(inside)] : 0u;
+            tested[tx] = at == inside ? tests_of_tile(tile_index(inside)) : 0u;
             lit[tx] = visibility_words[tile_index(inside)] & tested[tx];
         }
         [[unroll]] for (int y = max(0, -R - TILE.y * ty); y < min(TILE.y, ROWS - R - TILE.y * ty); ++y)
@@ -59,7 +66,13 @@ uint said_within(const int reach) {
     return said & (columns | columns << 16);
 }
 
-// The cell's pixels with both lit and dark ones up to R away; pixel (x, y) is bit 4 y + x.
+// A tile word's pixels that are a cell's; pixel (x, y) is bit 4 y + x.
+uint pixels_of_cell(uint word, ivec2 cell) {
+    const uint half_tile = word >> uint(cell.x * CELL & 7);
+    return half_tile & 0xfu | half_tile >> 4 & 0xf0u | half_tile >> 8 & 0xf00u | half_tile >> 12 & 0xf000u;
+}
+
+// Those with both lit and dark ones up to R away.
 uint pixels_with_both() {
     uint pixels = 0u;
     [[unroll]] for (int y = 0; y < CELL; ++y) {
@@ -67,7 +80,7 @@ uint pixels_with_both() {
         [[unroll]] for (int i = 0; i <= 2 * R; ++i) said |= said_by(rows[y + i]);
         [[unroll]] for (int x = 0; x < CELL; ++x) {
             const uint columns = ((2u << uint(2 * R)) - 1u) << uint(x);
-            if (has_both(said & (columns | columns << 16)) && is_tested(ivec2(x, y) + R)) pixels |= 1u << uint(CELL * y + x);
+            if (has_both(said & (columns | columns << 16))) pixels |= 1u << uint(CELL * y + x);
         }
     }
     return pixels;

@@ -16,7 +16,7 @@ void compare_cell(uint at, ivec2 cell) {
     const ivec2 first = cell * CELL;
     const uint asking = cell_asking[at];
     recall_rows(at);
-    const uint lit = lit_or_sky(cell);
+    const uint lit = lit_or_sky(cell), sunward = sunward_words[tile_index(cell * CELL / TILE)];
     ViewRays before;
     if (HAS_MOTION) before = previous_rays(light);
     const Penumbra penumbra = penumbra_of(at);
@@ -34,7 +34,10 @@ void compare_cell(uint at, ivec2 cell) {
         const ivec2 offset = in_cell(i), p = first + offset;
         const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false, NO_RAYS);
-        if (is_tested(offset + R)) {
+        float worth = 1.0;  // of this frame, in frames of one ray
+        if ((sunward & pixel_bit(p)) != 0u) {
+            const bool tested = is_tested(offset + R);
+            const uint further = tested ? further_at(p) : 0u;
             const float z = imageLoad(view_depth, p).x;
             const vec3 n = normal_at(p), n_light = light * n;
             const ViewRays rays = rays_of(p);
@@ -53,9 +56,18 @@ void compare_cell(uint at, ivec2 cell) {
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             if (past.count < DOUBTED) past.own.count = 0.0;
-            add_pixel(bias, past, now);
+            // Who has no ray trusts its past before what rays say that do not test its own disc, unless drift finds the past wrong.
+            const bool told = now.rays > 0.0 && (tested || asked || past.count <= 0.0);
+            worth = told ? frames_worth(now, further) : 0.0;
+            now = with_own(now, further, bit > 0.5);
+            if (HAS_MOTION || HAS_SUN_PREV) {  // the more this frame knows, the less it asks a past that could be over
+                const float most = COUNT_CAP / max(worth, 1.0);
+                past.count = min(past.count, most);
+                past.own.count = min(past.own.count, most);
+            }
+            if (worth > 0.0) add_pixel(bias, past, now, worth);
             resampled = resampled || past.resampled;
-            past.count = min(past.count, squared_error(now) / max(resampling, 1e-6));
+            if (worth > 0.0) past.count = min(past.count, worth * squared_error(now) / max(resampling, 1e-6));
             past.own.count = min(past.own.count, OWN_SPREAD / max(resampling, 1e-6));
             steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
             largest = max(largest, foot.s.s1);
@@ -63,12 +75,18 @@ void compare_cell(uint at, ivec2 cell) {
             seen_m2 += foot.s.s1 * foot.s.s2;
             pairs += differs(r, ivec2(1, 0)) + differs(r, ivec2(0, 1));
 
+            OwnRays own = past.own;
+            if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), further == 0u ? 1.0 : even_worth(further));
             g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
-                         sqrt(squared_error(now)), true, with_ray(past.own, bit > 0.5));
-            if (past.count > 0.0) {
+                         worth > 0.0 ? sqrt(squared_error(now)) : 0.5, true, own);
+#if HAS_FRAME_WORTH
+            imageStore(frame_worth, p, vec4(pack_worth(worth)));
+#endif
+            if (worth <= 0.0) g.residual = past.residual;
+            if (past.count > 0.0 && worth > 0.0) {
                 const float d = g.now - g.past;
                 g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
-                const float variance = null_variance(now, past, rho / max(foot.s.s2, 1e-9));
+                const float variance = null_variance(now, past, rho / max(foot.s.s2, 1e-9), worth);
                 ++pasts;
                 radii += rho / max(foot.s.s2, 1e-9);
                 by_counts += 1.0 / past.count;
@@ -80,7 +98,7 @@ void compare_cell(uint at, ivec2 cell) {
                 sums.c += variance * (1.0 + 0.5 * (now.rays - 1.0));
             }
         }
-        imageStore(gathered, p, uvec4(pack_gathered(g, thresholds_at(p)), 0u, 0u));
+        imageStore(gathered, p, uvec4(pack_gathered(g, worth, thresholds_at(p)), 0u, 0u));
     }
     const float by_pasts = 1.0 / float(max(pasts, 1));
     if (pasts > 0 && radii * by_pasts < NARROW_PX) {

@@ -9,10 +9,12 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/rounded.glsl"
+const bool MANY_RAYS = HAS_FRAMES;
 #include "denoising/dithered.glsl"
 #include "denoising/own_rays.glsl"
 #include "denoising/shadow_state.glsl"
 #include "common/view_rays.glsl"
+#include "denoising/frame_worth.glsl"
 #include "denoising/working_cells.glsl"
 
 const float RESIDUAL_VARIANCE = 0.2 / 1.8;  // of a running mean with weight .2, over that of one frame
@@ -51,7 +53,7 @@ float surrounding_difference(ivec2 p, int step, ViewRays rays) {
     for (int y = -1; y <= (step > 0 ? 1 : -2); ++y)
         for (int x = -1; x <= 1; ++x) {
             const ivec2 q = clamp(p + step * ivec2(x, y), ivec2(0), last);
-            const Gathered g = unpack_gathered(imageLoad(gathered, q).xy);
+            const Gathered g = unpack_gathered(imageLoad(gathered, q).xy, 1.0);
             const bool same = g.counts && g.count > 0.0 && shows(surface, vec2(q - p), imageLoad(view_depth, q).x);
             const float w = same ? 1.0 / (g.error * g.error + 1e-4) : 0.0;
             sum += w * (g.now - g.past);
@@ -75,6 +77,10 @@ bool is_settled(ivec2 cell, bool) {
     return is_idle(idle);
 }
 
+// Of a past, as if the visibility wandered by so little from frame to frame that a mean over COUNT_CAP frames of one ray is best: that
+// of frames which are worth more then is over fewer, and is worth sqrt(frames) as much.
+float kept(float count) { return count / (1.0 + count / (COUNT_CAP * (COUNT_CAP - 1.0))); }
+
 void work_on(ivec2 cell) {
     const ivec2 first = cell * CELL;
     const float radius_px = cells[2u * cell_index(cell) + 1u].z;
@@ -83,12 +89,17 @@ void work_on(ivec2 cell) {
     const ViewRays corner = view_rays(first, mat3(1.0));
     for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = in_cell(i), p = first + offset;
-        const Gathered g = unpack_gathered(imageLoad(gathered, p).xy);
-        ShadowState s = ShadowState(g.now, g.counts ? 1.0 : 0.0, 0.0, g.own);
+        const uvec2 words = imageLoad(gathered, p).xy;
+        float worth = 1.0;  // of this frame
+        if (HAS_FRAMES && (words.y & TESTED) != 0u) worth = unpack_worth(imageLoad(frames, p).x);
+        const Gathered g = unpack_gathered(words, worth);
+        ShadowState s = ShadowState(g.now, g.counts ? worth : 0.0, 0.0, g.own);
         if (g.counts && g.count > 0.0) {
             const float past = clamp(g.past, g.now - CLAMP_ERRORS * g.error, g.now + CLAMP_ERRORS * g.error);
-            s.count = min(g.count * shrink + 1.0, COUNT_CAP);
-            const float a = 1.0 / s.count;
+            if (MANY_RAYS && shrink < 0.5) worth = max(worth, 1.0);
+            const float left = g.count * shrink;
+            s.count = min(left + worth, MANY_RAYS ? max(COUNT_CAP * sqrt(max(worth, 1.0)), kept(left)) : COUNT_CAP);
+            const float a = worth / s.count;
             const float a_around = radius_px < 1.0 ? a : min(1.0, GAIN_OF_SURROUNDINGS * a);
             const float around = surrounding_difference(p, a_around > a ? step : 0, moved(corner, vec2(offset)));
             s.visibility = clamp(past + a * (g.now - past) + (a_around - a) * around, 0.0, 1.0);

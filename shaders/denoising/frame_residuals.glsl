@@ -29,13 +29,13 @@ float flips_of(int pairs, float radius_px, float by_count) {
 }
 
 // Of the difference between a frame and the past where nothing moves. A pixel beside a narrow penumbra is seldom in it,
-// unless its past says that it is.
-float null_variance(Estimate now, Past past, float radius_px) {
+// unless its past says that it is. `frames`: that this one is worth.
+float null_variance(Estimate now, Past past, float radius_px, float frames) {
     const float share = clamp(SHARE_PER_RADIUS * radius_px, LEAST_SHARE, 1.0);
     const float v = (now.rays * now.visibility + past.count * past.visibility) / (now.rays + past.count);
     const float known = min(past.count / KNOWN, 1.0);
     const float p = max(max(share * v * (1.0 - v), known * past.visibility * (1.0 - past.visibility)), flipping(past.own));
-    return p * now.gain / now.rays * (1.0 + 1.0 / past.count) + 1e-5;
+    return p * now.gain / now.rays * (1.0 + frames / past.count) + 1e-5;
 }
 
 // What drift reads of a cell: sums over its pixels.
@@ -54,12 +54,13 @@ struct Bias {
     float differences, noise, past_noise, n;
 };
 
-void add_pixel(inout Bias b, Past past, Estimate now) {
-    const float w = trust(past.count), d = past.own.visibility - past.visibility;
+void add_pixel(inout Bias b, Past past, Estimate now, float frames) {
+    // The more rays this frame has, the less of the state is the past's.
+    const float all = trust(past.count), w = all / max(frames, 1.0), d = past.own.visibility - past.visibility;
     b.differences += w * d * d;
     b.noise += w * (past.elsewhere ? mean_variance_across(past.own) : mean_variance(past.own));
-    if (now.rays > 1.0) b.past_noise += w * squared_error(now) / max(past.count, 1.0);
-    b.n += w;
+    if (now.rays > 1.0) b.past_noise += w * frames * squared_error(now) / max(past.count, 1.0);
+    b.n += all;
 }
 
 float mean_bias(Bias b) {

@@ -10,6 +10,7 @@
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+const bool MANY_RAYS = HAS_FRAME_WORTH != 0;
 #include "denoising/dithered.glsl"
 #include "denoising/own_rays.glsl"
 #include "denoising/shadow_state.glsl"
@@ -21,6 +22,8 @@
 
 const int R = RADIUS;
 #include "denoising/bit_rows.glsl"
+#include "denoising/further_rays.glsl"
+#include "denoising/frame_worth.glsl"
 #include "denoising/this_frame.glsl"
 #include "denoising/penumbra_around.glsl"
 #include "denoising/frame_residuals.glsl"
@@ -67,7 +70,7 @@ void look_around(uint at, ivec2 cell) {
     const Footprint foot = footprint_of_cell(cell);
     const Penumbra penumbra = penumbra_at(cell, foot);
     cell_penumbrae[at] = vec3(penumbra.distance_m, penumbra.tangent, penumbra.spread);
-    uint asking = pixels_with_both();
+    uint asking = pixels_with_both() & pixels_of_cell(sunward_words[tile_index(cell * CELL / TILE)], cell);
     cell_asking[at] = asking;
     const uint n = uint(bitCount(asking));
     const bool wide = radius_m(penumbra) >= OWN_RAY_PX * foot.s.s2;  // it takes many rays; only who works beside whom depends on it

@@ -12,15 +12,15 @@ const float UNDOUBTED = 8.0;         // frames of a past from which on the own r
 
 struct OwnRays {
     float visibility;  // mean of the bits
-    float count;       // frames; 0: none
+    float count;       // frames of one ray; 0: none
     float flips;       // share of frames whose bit differs from the one before
     bool lit;          // the last bit
 };
 
 const OwnRays NO_RAYS = OwnRays(0.0, 0.0, 0.0, false);
 
-// In 5 bits, and above them the mean in steps of 1 / mean_steps. The count is kept as a share of `frames`, those that the
-// state stands for, of which it is most often all.
+// In 5 bits, and above them the mean in steps of 1 / mean_steps. The count is kept as a share of
+// `frames`, those that the state stands for, of which it is most often all.
 const float SHARE_STEPS = 3.0, FLIP_STEPS = 3.0;
 
 uint pack_own(OwnRays o, float frames, float mean_steps, uint thresholds) {
@@ -35,14 +35,15 @@ OwnRays unpack_own(uint word, float frames, float mean_steps) {
                    float(int(word >> 3 & 3u)) * (MOST_FLIPS / FLIP_STEPS), (word & 1u) != 0u);
 }
 
-OwnRays with_ray(OwnRays o, bool lit) {
-    const float n = o.count + 1.0;
+// `lit`: the frame's first ray; `share`: of all its rays that reach the sun; `frames` of one ray that they are worth.
+OwnRays with_rays(OwnRays o, bool lit, float share, float frames) {
+    const float n = o.count + frames;
     const float flips = o.flips + ((lit != o.lit ? 1.0 : 0.0) - o.flips) / FLIP_FRAMES;
-    return OwnRays(o.visibility + ((lit ? 1.0 : 0.0) - o.visibility) / n, n, flips, lit);
+    return OwnRays(o.visibility + (share - o.visibility) * frames / n, n, flips, lit);
 }
 
-// Of the mean. Samples of low discrepancy: it falls as their number to the power of 1.5. The prior is so that a handful of
-// equal bits is not certainty.
+// Of the mean. Samples of low discrepancy: it falls as their number to the power of 1.5; several of a frame are counted as what they are
+// worth. The prior is so that a handful of equal bits is not certainty.
 float mean_variance(OwnRays o) {
     const float n = max(o.count, 1.0), v = (n * o.visibility + 0.5) / (n + 1.0);
     return v * (1.0 - v) * inversesqrt(n * n * n);

@@ -7,7 +7,9 @@
 // Have the rays of some pixel of a cell, all of which say `lit` now, said something else? Then there is a thin or faint
 // penumbra, and one frame's agreement is no reason to forget it. One motion serves the whole cell: under a camera that moves
 // hardly anything stays faint for long. Cells that were idle know without a look at their pixels.
-bool past_disagrees(ivec2 first, bool lit) {
+// `known`: that past knows something of every pixel.
+bool past_disagrees(ivec2 first, bool lit, out bool known) {
+    known = false;
     if ((frame.flags & FRAME_RESET) != 0u) return false;
     const ivec2 last = ivec2(frame.prev_size) - 1;
     ivec2 there = first;
@@ -20,12 +22,15 @@ bool past_disagrees(ivec2 first, bool lit) {
     bool idled = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = clamp(there + (CELL - 1) * corner(i), ivec2(0), last);
-        idled = idled && idled_as(idle_cells_prev[cell_index(q / CELL, frame.prev_size)], lit);
+        const uint word = idle_cells_prev[cell_index(q / CELL, frame.prev_size)];
+        idled = idled && idled_as(word, lit);
     }
     bool unlike = false;
+    known = true;
     for (int i = 0; i < (idled ? 0 : CELL * CELL); ++i) {
-        const ivec2 q = clamp(there + in_cell(i), ivec2(0), last);
-        unlike = unlike || disagrees(imageLoad(history, q).x, lit);
+        const uint word = imageLoad(history, clamp(there + in_cell(i), ivec2(0), last)).x;
+        unlike = unlike || disagrees(word, lit);
+        known = known && has_count(word);
     }
     return unlike;
 }
@@ -37,19 +42,25 @@ bool is_settled(ivec2 cell, bool below_last) {
     else
         load_rows(cell);
     const uint said = said_within(R);
-    bool works = has_both(said);
-    for (int i = 0; i < (!works && said != 0u ? 1 : 0); ++i) works = past_disagrees(first, (said & 0xffffu) != 0u);
+    bool works = has_both(said) || HAS_RAY_WORDS && said == 0u && sunward_words[tile_index(cell * CELL / TILE)] != 0u;
+    bool known = false;
+    for (int i = 0; i < (!works && said != 0u ? 1 : 0); ++i) works = past_disagrees(first, (said & 0xffffu) != 0u, known);
 
-    const uint lit = lit_or_sky(cell);
+    // Who has no ray is as the others are, and is known if it was before.
+    const uint sunward = sunward_words[tile_index(cell * CELL / TILE)];
+    uint counted = sunward;
+    if (HAS_RAY_WORDS && !known) counted &= ray_words[tile_index(cell * CELL / TILE)];
+    uint lit = lit_or_sky(cell);
+    if (HAS_RAY_WORDS && said != 0u) lit = (said & 0xffffu) != 0u ? lit | sunward : lit & ~sunward;
     // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
     uint idle = 0u;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 offset = in_cell(i), p = first + offset;
-        const bool bit = (lit & pixel_bit(p)) != 0u, tests = is_tested(offset + R);
+        const bool bit = (lit & pixel_bit(p)) != 0u, tests = (counted & pixel_bit(p)) != 0u;
         idle |= ((bit ? 1u : 0u) | (tests ? 0x10000u : 0u)) << uint(i);
         // Packed when this is compiled.
-        const uvec2 g = bit ? pack_gathered(Gathered(1.0, 1.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 0u)
-                            : pack_gathered(Gathered(0.0, 0.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 0u);
+        const uvec2 g = bit ? pack_gathered(Gathered(1.0, 1.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 1.0, 0u)
+                            : pack_gathered(Gathered(0.0, 0.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 1.0, 0u);
         imageStore(gathered, p, uvec4(g | uvec2(0u, tests ? TESTED : 0u), 0u, 0u));
     }
     idle_cells[cell_index(cell)] = works ? NOT_IDLE : idle;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the denoiser keeps of a pixel from frame to frame, in 4 bytes, and what its passes hand on.
 //
-// Includer has rounded.glsl, dithered.glsl and own_rays.glsl.
+// Includer has rounded.glsl, dithered.glsl and own_rays.glsl, and says by the constant MANY_RAYS whether frames may have several rays per pixel.
 
 const int CELL = 4;  // pixels whose residuals are summed, per axis
 // A disc's larger radius in pixels, up to which a handful of neighbours' rays would do the own one's average harm.
@@ -14,36 +14,45 @@ struct ShadowState {
     OwnRays own;
 };
 
-// From the lowest bit: visibility 10, count 6, residual 4 (its sign is the last), own rays 12. Counts are 1 + c^2 / 63: no step
-// is as much as two frames, so that one more frame is always one step on.
-const float VISIBILITY_STEPS = 1023.0, COUNT_STEPS = 63.0, RESIDUAL_STEPS = 7.0, MEAN_STEPS = 127.0;
-const float COUNT_CAP = 1.0 + (COUNT_STEPS - 1.0) * (COUNT_STEPS - 1.0) / COUNT_STEPS;
+// From the lowest bit, where frames have one ray per pixel: visibility 10, count 6, residual 4 (its sign is the last), own rays 12. Counts are
+// 1 + c^2 / 63: no step is as much as two frames, so that one more frame is always one step on. Where they may have several, a past may be
+// worth many more frames of one, and a frame any number: the count has 7 bits, 1 + c^2 / 16 rounded by thresholds, and the own rays' mean 6.
+const float VISIBILITY_STEPS = 1023.0, RESIDUAL_STEPS = 7.0;
+const uint COUNT_BITS = MANY_RAYS ? 7u : 6u, MEAN_BITS = MANY_RAYS ? 6u : 7u, OWN_BITS = MEAN_BITS + 5u;
+float most_steps() { return MANY_RAYS ? 126.0 : 62.0; }
+float count_steps() { return MANY_RAYS ? 16.0 : 63.0; }
+float mean_steps() { return MANY_RAYS ? 63.0 : 127.0; }
+const float COUNT_CAP = 1.0 + 62.0 * 62.0 / 63.0;  // of frames of one ray
 
 uint pack_state(ShadowState s, uint thresholds) {
     const uint v = dithered(clamp(s.visibility, 0.0, 1.0) * VISIBILITY_STEPS, threshold(thresholds, 0u));
-    const uint k = s.count > 0.0 ? 1u + rounded(sqrt(COUNT_STEPS * clamp(s.count - 1.0, 0.0, COUNT_CAP - 1.0))) : 0u;
+    const float most = most_steps() * most_steps(), beyond_one = clamp(count_steps() * (s.count - 1.0), 0.0, most);
+    const uint c = MANY_RAYS ? dithered_root(beyond_one / most, most_steps(), threshold(thresholds, 1u)) : rounded(sqrt(beyond_one));
+    const uint k = s.count > 0.0 ? 1u + c : 0u;
     const uint e = dithered_root(min(2.0 * abs(s.residual), 1.0), RESIDUAL_STEPS, threshold(thresholds, 2u));
-    return v | k << 10 | e << 16 | (s.residual < 0.0 ? 1u << 19 : 0u) | pack_own(s.own, s.count, MEAN_STEPS, thresholds) << 20;
+    return v | k << 10 | (e | (s.residual < 0.0 ? 8u : 0u)) << 10u + COUNT_BITS | pack_own(s.own, s.count, mean_steps(), thresholds) << 32u - OWN_BITS;
 }
 
 float visibility_in(uint word) { return float(int(word & 0x3ffu)) / VISIBILITY_STEPS; }
-float own_visibility_in(uint word) { return float(int(word >> 25)) / MEAN_STEPS; }
-bool has_count(uint word) { return (word & 0xfc00u) != 0u; }
+float own_visibility_in(uint word) { return float(int(word >> 32u - MEAN_BITS)) / mean_steps(); }
+bool has_count(uint word) { return (word >> 10 & (1u << COUNT_BITS) - 1u) != 0u; }
 float count_in(uint word) {
-    const float c = float(int(word >> 10 & 63u)) - 1.0;
-    return c < 0.0 ? 0.0 : 1.0 + c * c / COUNT_STEPS;
+    const float c = float(int(word >> 10 & (1u << COUNT_BITS) - 1u)) - 1.0;
+    return c < 0.0 ? 0.0 : 1.0 + c * c / count_steps();
 }
 
 ShadowState unpack_state(uint word) {
-    const float e = 0.5 * squared(word >> 16 & 7u, RESIDUAL_STEPS), count = count_in(word);
-    return ShadowState(visibility_in(word), count, (word >> 19 & 1u) != 0u ? -e : e,
-                       unpack_own(word >> 20, count, MEAN_STEPS));
+    const uint residual = word >> 10u + COUNT_BITS;
+    const float e = 0.5 * squared(residual & 7u, RESIDUAL_STEPS), count = count_in(word);
+    return ShadowState(visibility_in(word), count, (residual & 8u) != 0u ? -e : e,
+                       unpack_own(word >> 32u - OWN_BITS, count, mean_steps()));
 }
 
 // Have the pixel's own rays said something else than `lit`, more often than once in a hundred frames?
 bool disagrees(uint word, bool lit) {
-    const uint mean = word >> 25;
-    return has_count(word) && (lit ? mean < 126u : mean > 1u);
+    const uint mean = word >> 32u - MEAN_BITS;
+    if (MANY_RAYS) return has_count(word) && abs(visibility_in(word) - (lit ? 1.0 : 0.0)) > 0.01;
+    return has_count(word) && (lit ? mean < rounded(mean_steps()) - 1u : mean > 1u);
 }
 
 // One frame's answer beside the reprojected past.
@@ -58,25 +67,27 @@ struct Gathered {
 
 const uint TESTED = 1u << 15;
 // Multiples, so that a state goes through unchanged: what rounding it added would add up over the frames.
-const float GATHERED_STEPS = 2.0 * VISIBILITY_STEPS, GATHERED_MEAN_STEPS = 16.0 * MEAN_STEPS;
+const float GATHERED_STEPS = 2.0 * VISIBILITY_STEPS, GATHERED_MEAN_STEPS = 16.0 * 127.0;
 
-float frames_with(float count) { return min(count + 1.0, COUNT_CAP); }
+// What the state will stand for; `worth`: this frame's.
+float frames_with(float count, float worth) { return MANY_RAYS ? count + worth : min(count + 1.0, COUNT_CAP); }
 
-uvec2 pack_gathered(Gathered g, uint thresholds) {
+uvec2 pack_gathered(Gathered g, float worth, uint thresholds) {
     const uint now = rounded(clamp(g.now, 0.0, 1.0) * GATHERED_STEPS), past = rounded(clamp(g.past, 0.0, 1.0) * GATHERED_STEPS);
     const uint e = rounded(clamp(g.residual, -0.5, 0.5) * 1022.0 + 511.0);  // 0 is kept exactly
-    const uint k = rounded(min(g.count, COUNT_CAP) * 4.0);
+    uint k = rounded(min(g.count, COUNT_CAP) * 4.0);
+    if (MANY_RAYS) k = g.count > 0.0 ? 1u + rounded(sqrt(clamp(count_steps() * (g.count - 1.0), 0.0, most_steps() * most_steps()))) : 0u;
     const uint se = rounded(sqrt(clamp(g.error, 0.0, 0.5) * 2.0) * 127.0);
     return uvec2(now | past << 11 | e << 22, k | se << 8 | (g.counts ? TESTED : 0u) |
-                                                 pack_own(g.own, frames_with(g.count), GATHERED_MEAN_STEPS, thresholds) << 16);
+                                                 pack_own(g.own, frames_with(g.count, worth), GATHERED_MEAN_STEPS, thresholds) << 16);
 }
 
-Gathered unpack_gathered(uvec2 words) {
+Gathered unpack_gathered(uvec2 words, float worth) {
     const ivec2 v = ivec2(words.x & 0x7ffu, words.x >> 11 & 0x7ffu);
-    const float count = float(int(words.y & 0xffu)) / 4.0;
+    const float count = MANY_RAYS ? count_in((words.y & 0xffu) << 10) : float(int(words.y & 0xffu)) / 4.0;
     return Gathered(float(v.x) / GATHERED_STEPS, float(v.y) / GATHERED_STEPS, count, (float(int(words.x >> 22)) - 511.0) / 1022.0,
                     0.5 * squared(words.y >> 8 & 0x7fu, 127.0), (words.y & TESTED) != 0u,
-                    unpack_own(words.y >> 16, frames_with(count), GATHERED_MEAN_STEPS));
+                    unpack_own(words.y >> 16, frames_with(count, worth), GATHERED_MEAN_STEPS));
 }
 
 // A cell's past: nothing can have moved; it need not have been resampled; it was.

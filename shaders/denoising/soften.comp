@@ -8,6 +8,7 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/rounded.glsl"
+const bool MANY_RAYS = HAS_RAY_WORDS || HAS_RAY_BITS;
 #include "denoising/dithered.glsl"
 #include "denoising/own_rays.glsl"
 #include "denoising/shadow_state.glsl"
@@ -18,6 +19,7 @@
 
 const int R = 1;  // a pattern's
 #include "denoising/bit_rows.glsl"
+#include "denoising/further_bits.glsl"
 #include "denoising/edge_pattern.glsl"
 #include "denoising/soft_taps.glsl"
 
@@ -75,18 +77,23 @@ void work_on(ivec2 cell) {
         for (int k = 0; k < (softens ? 1 : 0); ++k) v = softened(p, steps, own, rays);
         for (int k = 0; k < (bias > 0.0 ? 1 : 0); ++k)
             v += trust(own.count) * bias / (bias + mean_variance(own.own) + 1e-9) * (own.own.visibility - own.visibility);
-        float share = own.count > 0.0 ? fade * share_of_pattern(max(own.count, 1.0), s.rays, params.pattern_samples) : 0.0;
+        const bool tested = is_tested(offset + R);
+        const uint further = tested && fade > 0.0 ? further_at(p) : 0u;
+        const float said = further == 0u ? s.rays : s.rays * even_worth(further);  // by this frame
+        const bool asks = own.count > 0.0 && (!HAS_RAY_WORDS || tested);
+        float share = asks ? fade * share_of_pattern(max(own.count, 1.0), said, params.pattern_samples) : 0.0;
         if (share <= LEAST_SHARE) share = 0.0;
         const uvec2 nine = bits_of(offset);
         const bool mixed = (nine.x & nine.y) != 0u && (~nine.x & nine.y) != 0u;  // else the surface does not matter
-        const bool doubts = own.count > 0.0 && fade > 0.0 && tests < ALWAYS_TESTED;
+        const bool doubts = asks && fade > 0.0 && tests < ALWAYS_TESTED && !(MANY_RAYS && (further != 0u || s.by_unmoved > 0.9));
         uint known = nine.y;
         for (int k = 0; k < (mixed && (share > 0.0 || doubts) ? 1 : 0); ++k) known &= surface_seen(p, rays);
         const uint pattern = edge_pattern(nine.x, known);
         if (share > 0.0) v = mix(v, visibility_by_pattern(pattern), share);
         for (int k = 0; k < (doubts ? 1 : 0); ++k) {
             const float unmoved = own.own.count * s.by_unmoved;
-            const float bit = (pattern & PATTERN_CENTRE) != 0u ? 1.0 : 0.0;
+            float bit = (pattern & PATTERN_CENTRE) != 0u ? 1.0 : 0.0;
+            if (further != 0u) bit = lit_share(further, bit > 0.5);
             v += fade * (1.0 - trust_of_past(tests, max(own.count, 1.0), unmoved, pattern)) * (bit - v);
         }
         imageStore(visibility, p, vec4(v));

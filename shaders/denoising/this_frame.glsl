@@ -56,7 +56,11 @@ Reach reach_of(Stretches s, Penumbra penumbra) {
 Estimate agreement(Receiver r, ivec2 box) {
     const uint columns = ((2u << uint(2 * box.x)) - 1u) << uint(r.in_rows.x - box.x + 16);
     int tests = 0;
-    for (int dy = -box.y; dy <= box.y; ++dy) tests += bitCount(rows[r.in_rows.y + dy] & columns);
+    uint lit = 0u;
+    for (int dy = -box.y; dy <= box.y; ++dy) {
+        tests += bitCount(rows[r.in_rows.y + dy] & columns);
+        lit |= rows[r.in_rows.y + dy] & columns >> 16;
+    }
     bool flat_box = true;
     const ivec2 last = ivec2(frame.size) - 1;
     for (int i = 0; i < 4; ++i) {
@@ -64,7 +68,19 @@ Estimate agreement(Receiver r, ivec2 box) {
         flat_box = flat_box && shows(r.surface, vec2(q - r.p), imageLoad(view_depth, q).x);
     }
     const float n = flat_box ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
-    return Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, n, max(0.4, min(1.0, 3.0 / n)));
+    const bool told = is_tested(r.in_rows) || flat_box && tests != 0;
+    return Estimate(lit != 0u ? 1.0 : 0.0, told ? n : 0.0, max(0.4, min(1.0, 3.0 / n)));
+}
+
+// Of a receiver without a ray: the mean of the rays next to it, which is nothing to average with others.
+Estimate next_to(Receiver r) {
+    const uint columns = 7u << uint(r.in_rows.x - 1);
+    int lit = 0, tests = 0;
+    for (int dy = -1; dy <= 1; ++dy) {
+        lit += bitCount(rows[r.in_rows.y + dy] & columns);
+        tests += bitCount(rows[r.in_rows.y + dy] & columns << 16);
+    }
+    return Estimate(tests != 0 ? float(lit) / float(tests) : 1.0, 0.0, 1.0);
 }
 
 // What the rays around say that hit the receiver's disc; `otherwise` where they are too few.
@@ -92,6 +108,20 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
             vec2 point = vec2(0.0);
             if (HAS_RAY_POINTS) point = unpack_point(ray_points[clamp(at_p + dy * int(frame.size.x) + dx, 0, last)]);
             add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, at, point, window, horizon);
+            if (HAS_RAY_BITS && HAS_RAY_POINTS) {
+                const uint word = usable ? further_at(r.p + ivec2(dx, dy)) : 0u;
+                const uint further = further_count(word);
+                if (further != 0u) {
+                    const float turn = 6.2831853 / float(further + 1u), c = cos(turn), s = sin(turn), r2 = dot(point, point);
+                    vec2 unit = r2 > 0.0 ? point * inversesqrt(r2) : vec2(1.0, 0.0);
+                    float area = r2;
+                    for (uint k = 0u; k < further; ++k) {  // see noise_step(): turned evenly, and of evenly spread areas
+                        unit = vec2(c * unit.x - s * unit.y, s * unit.x + c * unit.y);
+                        area = fract(area + 0.618033989);
+                        add_ray(m, true, (word >> k & 1u) == 0u, at, sqrt(area) * unit, window, horizon);
+                    }
+                }
+            }
         }
     }
     return m.n > 0.0 && (m.asked > FEWEST || horizon.above == 1.0) ? estimate_of(m, horizon) : otherwise;
@@ -106,6 +136,7 @@ Estimate this_frame(Receiver r, Penumbra penumbra) {
         said |= said_by(rows[r.in_rows.y + dy]) & (columns | columns << 16);
     const bool mixed = has_both(said);
     Estimate e = Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, 1.0, 1.0);
+    if (HAS_RAY_WORDS && !is_tested(r.in_rows)) e = next_to(r);
     for (int i = 0; i < (mixed ? 0 : 1); ++i) e = agreement(r, reach.box);
     // Own ray only: a penumbra so narrow that no neighbour's can help.
     const bool asks = mixed && min(reach.b1, reach.b2) > 0.0 && max(reach.b1, reach.b2) >= OWN_RAY_PX;

@@ -2,8 +2,8 @@
 // The shadow rays of a pixel: from its surface towards points of the sun's disc per pixel and frame (common/sun_sample.glsl,
 // blue_noise.glsl). A sun that is a point takes no noise.
 //
-// Includer has common/camera.glsl, common/receiver_normal.glsl and common/ray_origin.glsl and declares: RAYS, how many a pixel
-// has; constants ORIGIN and SAMPLING; buffer ray_points, where HAS_RAY_POINTS.
+// Includer has common/camera.glsl, common/receiver_normal.glsl and common/ray_origin.glsl and declares: constants ORIGIN and
+// SAMPLING; buffer ray_points, where HAS_RAY_POINTS.
 #include "visibility/sun_point.glsl"
 
 struct ShadowRay {
@@ -24,25 +24,25 @@ void keep_point(ivec2 p, uint point) {
 #endif
 }
 
-// Of the k-th ray of a pixel. The first, whose point is kept, is the one that is cast where there is no other: who reads the
+// Of the k-th of a pixel's rays. The first, whose point is kept, is the one that is cast where there is no other: who reads the
 // hit words knows where it went.
-vec3 ray_direction(ivec2 p, uint k) {
+vec3 ray_direction(ivec2 p, uint k, uint rays) {
     if (!HAS_BLUE_NOISE) {
         keep_point(p, 0u);  // the middle of a sun that is a point
         return sun.to_sun;
     }
     if (SAMPLING == SAMPLING_PUBLISHED) {
-        const vec2 u = fract(noise_published(p, frame.frame_index, params.seed) + noise_unit(noise_step(k, RAYS)));
+        const vec2 u = fract(noise_published(p, frame.frame_index, params.seed) + noise_unit(noise_step(k, rays)));
         if (k == 0u) keep_point(p, pack_point(concentric_disc(u)));
         return sun_direction_published(sun.to_sun, sun.angular_radius, u);
     }
-    const vec2 point = sun_point(p, frame.frame_index, params.seed, k, RAYS);
+    const vec2 point = sun_point(p, frame.frame_index, params.seed, k, rays);
     if (k == 0u) keep_point(p, pack_point(point));
     return sun_direction_through(sun.to_sun, sun.angular_radius, point);
 }
 
-ShadowRay shadow_ray(ivec2 p, uint k) {
-    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy), direction = ray_direction(p, k);
+ShadowRay shadow_ray(ivec2 p, uint k, uint rays) {
+    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy), direction = ray_direction(p, k, rays);
     if (ORIGIN == ORIGIN_PUBLISHED) {
         const vec3 in_scene = position(p, imageLoad(view_depth, p).x) + scene.camera_from_origin;
         return ShadowRay(in_scene + n * PUBLISHED_OFFSET_M, direction, false);

@@ -44,7 +44,7 @@ void main() {
         const uint index = first + share.lane;
         if (index < ray_count) {
             const uint number = wanted_number(share, index / RAYS), k = index % RAYS;  // a pixel's rays lie side by side
-            const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k);
+            const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k, RAYS);
             bool hit = ray.into_surface;
             if (!hit) {
                 float t = 0.0;

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// How many rays each tile's pixels get, so that all of the frame's are worth the same and together as many as the budget has. Every
+// invocation finds the gain from which on rays are traced by itself, in the histogram that `worth` has made of the image.
+#define APPENDS_TILES
+#include "node.glsl"
+#include "common/rounded.glsl"
+#include "common/tile_list.glsl"
+#include "common/tiles.glsl"
+#include "visibility/branch.glsl"
+#include "budget/ray_worth.glsl"
+
+// Of the gain that is just reached, the share of tiles that get their rays; the same ones as long as nothing moves.
+struct Threshold {
+    uint bin;
+    float share;
+};
+
+Threshold threshold() {
+    float left = float(ray_budget[0] - min(ray_budget[0], ray_budget[1]));
+    uint bin = GAIN_BINS;
+    float share = 0.0;
+    while (bin > 0u && share == 0.0) {
+        const float wanted = float(gains[bin - 1u]);
+        --bin;
+        if (wanted > left) share = max(left / wanted, 1e-9);
+        left -= wanted;
+    }
+    return Threshold(bin, share == 0.0 ? 1.0 : share);
+}
+
+float place_of(ivec2 tile) {
+    return float((uint(tile.x) * 3242174889u + uint(tile.y) * 2447445413u) >> 8) / 16777216.0;
+}
+
+void main() {
+    const Threshold t = threshold();
+    const ivec2 tile = ivec2(gl_GlobalInvocationID.xy);
+    const bool in_grid = all(lessThan(tile, tile_grid()));
+    const uvec4 pixels = in_grid ? classes[tile_index(tile)] : uvec4(0u);
+    const bool chosen = place_of(tile) < t.share;
+    for (uint c = 0u; c < CLASSES; ++c) {
+        uint level = 0u;
+        if (pixels[c] != 0u)
+            for (uint i = 0u; i + 1u < LEVELS; ++i) {
+                const uint bin = gain_bin(EXPECTED[c], i);
+                if (bin > t.bin || bin == t.bin && chosen) level = i + 1u;
+            }
+        append_tile(level != 0u, with_rays(pack_tile(tile, pixels[c], 0.0, WHOLE_RAY_M), RAYS_AT[level]));
+        count_rays(uint(bitCount(pixels[c])) * (RAYS_AT[level] - 1u));
+    }
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+// The squared error that one ray is expected to leave in a pixel beside unlike rays, by what the previous frame knew of it. Figures are means of v (1 - v)
+// over pixels of the tuning shots, which agree within a third from shot to shot (docs/budget.md).
+//
+// Includer has camera.glsl, blockers.glsl, shadow_state.glsl and sun_change.glsl, and declares the image history, the block sun and, where things
+// move, the image motion and the block sun_prev.
+
+// [0]: next to unlike rays; [1]: two pixels away; [2]: farther. By how far the past was from 0 and from 1.
+const float UNKNOWN[3] = float[3](0.07, 0.006, 0.002), SURE[3] = float[3](0.011, 0.0012, 0.0001), NEARLY[3] = float[3](0.045, 0.02, 0.01),
+            FAINT[3] = float[3](0.11, 0.065, 0.06), HALF[3] = float[3](0.195, 0.13, 0.11), CONTRADICTED[3] = float[3](0.075, 0.02, 0.01);
+const float NEARLY_BELOW = 0.05, FAINT_BELOW = 0.2;
+
+const float OF_RAYS = 20.0;        // of a past as good as so many rays a further ray is worth a quarter
+const float RESAMPLED_WORTH = 3.0; // rays that the past is worth at most where it was resampled
+
+// The neighbours' rays that test a pixel's disc of radius r pixels, in own ones; what gather makes of straight edges (docs/denoiser.md).
+const float FEWEST_PX = 1.25, MOST_WORTH = 200.0;
+
+float worth_of_neighbours(ivec2 tile, float view_depth) {
+    vec3 sums = vec3(0.0);
+    const ivec2 last = tile_grid() - 1;
+    for (int i = 0; i < 5; ++i) {
+        const ivec2 q = tile + ivec2(i == 1 ? -1 : i == 2 ? 1 : 0, i == 3 ? -1 : i == 4 ? 1 : 0);
+        sums += blockers_of(tile_index(clamp(q, ivec2(0), last)));
+    }
+    if (sums.x <= 0.0) return 0.0;
+    const float r = exp2(sums.y / sums.x) * tan(sun.angular_radius) / pixel_span_m(view_depth);
+    return r < FEWEST_PX ? 0.0 : min(1.5 * r * r * r, MOST_WORTH);
+}
+
+// `ring`: how near unlike rays are; `lit`: what its own says.
+float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
+    const PixelPast past = nearest_past(p);
+    float error = UNKNOWN[ring], known_rays = 0.0;
+    if (past.known) {
+        const float between = min(past.visibility, 1.0 - past.visibility);
+        error = between < SURE_BELOW ? SURE[ring] : between < NEARLY_BELOW ? NEARLY[ring] : between < FAINT_BELOW ? FAINT[ring] : HALF[ring];
+        known_rays = past.resampled ? min(past.count, RESAMPLED_WORTH) : past.count;
+        if (HAS_MOTION) known_rays = min(known_rays, COUNT_CAP);
+        if (between < SURE_BELOW && lit == past.visibility < 0.5) {
+            error = CONTRADICTED[ring];
+            known_rays = 0.0;
+        }
+        if (HAS_SUN_PREV) known_rays = samples_left(known_rays, sun_share(sun, sun_prev));
+    }
+    const float left = 1.0 / (1.0 + known_rays / OF_RAYS);
+    return error * left * left * min(1.0, 1.25 / max(neighbours, 1.25));
+}

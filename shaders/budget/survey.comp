@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// What the previous frame knew of the pixels that could have a ray: which of them it cannot be asked about, because they are new or were
+// in penumbra, and which lie where all rays said the same. And how many there are of either, for whoever has a budget to keep.
+#define LISTED_TILES candidates
+#define LISTED_ARGS candidate_args
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/corners.glsl"
+#include "common/rounded.glsl"
+#include "common/tile_list.glsl"
+#include "common/tiles.glsl"
+const bool MANY_RAYS = true;
+#include "denoising/dithered.glsl"
+#include "denoising/own_rays.glsl"
+#include "denoising/shadow_state.glsl"
+#include "visibility/branch.glsl"
+#include "budget/nearest_past.glsl"
+
+const float NEVER_ELSE = 0.003;
+const float SETTLED = 24.0;  // frames after which, where nothing can move, a pixel that was never in penumbra needs no more than its turn
+
+// Pixels that are new or were in penumbra; those that have long been lit or shadowed; those that were lit.
+uvec3 by_their_past(ivec2 tile, uint pixels) {
+    if ((frame.flags & FRAME_RESET) != 0u) return uvec3(pixels, 0u, 0u);
+    uvec3 masks = uvec3(0u);
+    for (int i = 0; i < 32; ++i) {
+        const PixelPast past = nearest_past(tile * TILE + ivec2(i & 7, i >> 3));
+        const float between = min(past.visibility, 1.0 - past.visibility);
+        if (!past.known || between >= SURE_BELOW) masks.x |= 1u << i;
+        if (!HAS_MOTION && !HAS_SUN_PREV && past.known && past.count >= SETTLED && between < NEVER_ELSE) masks.y |= 1u << i;
+        if (past.visibility > 0.5) masks.z |= 1u << i;
+    }
+    return masks & pixels;
+}
+
+// Was the cell that the previous frame showed there, and whatever was within gather's reach of it, of one kind?
+bool was_idle(ivec2 cell) {
+    if ((frame.flags & FRAME_RESET) != 0u) return false;
+    const ivec2 first = cell * CELL, last = ivec2(frame.prev_size) - 1;
+    ivec2 there = first;
+    if (HAS_MOTION) {
+        const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
+        const Reprojection before = reproject(middle, texelFetch(motion, middle, 0).xy);
+        if (!before.on_screen) return false;
+        there += ivec2(floor(before.uv * vec2(frame.prev_size))) - middle;
+    }
+    bool idle = true;
+    for (int i = 0; i < 4; ++i)
+        idle = idle && is_idle(idle_cells_prev[cell_index(clamp(there + (CELL - 1) * corner(i), ivec2(0), last) / CELL, frame.prev_size)]);
+    return idle;
+}
+
+void main() {
+    const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
+    uvec4 record = uvec4(0u);
+    if (index < candidate_args[3]) record = candidates[index];
+    uvec3 masks = uvec3(0u);
+    BRANCH_IF (record.y != 0u) {
+        const ivec2 tile = tile_of(record), cell = ivec2(2 * tile.x, tile.y);
+        masks = by_their_past(tile, record.y);
+        const uint idle = (was_idle(cell) ? 0x0f0f0f0fu : 0u) | (was_idle(cell + ivec2(1, 0)) ? 0xf0f0f0f0u : 0u);
+        masks.y |= record.y & idle & ~masks.x;
+        known[tile_index(tile)] = uvec4(masks, 0u);
+    }
+    const uvec3 counts = uvec3(bitCount(masks.x), bitCount(record.y & ~masks.x & ~masks.y), bitCount(masks.y));
+    for (int i = 0; i < 3; ++i) {
+        const uint n = subgroupAdd(counts[i]);
+        if (subgroupElect() && n != 0u) atomicAdd(pixel_counts[i], n);
+    }
+}

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// A pixel's own rays, where it has several, beside what its neighbours' say.
+//
+// Includer has sheared_gather.glsl.
+#include "denoising/further_bits.glsl"
+
+const float EVEN_GAIN = 0.25;  // an estimate of many rays is packed as of a quarter of them, with a quarter of the variance
+
+float rays_worth(Estimate e) { return e.rays > 1.0 ? e.rays / e.gain : 0.0; }
+
+Estimate with_own(Estimate around, uint word, bool first_lit) {
+    if (word == 0u) return around;
+    const float own = even_worth(word), all = own + rays_worth(around);
+    const float v = around.visibility + own / all * (lit_share(word, first_lit) - around.visibility);
+    return Estimate(v, EVEN_GAIN * all, EVEN_GAIN);
+}
+
+// Frames with one ray per pixel that this one is worth.
+float frames_worth(Estimate around, uint word) {
+    if (word == 0u) return 1.0;
+    const float rays = float(further_count(word) + 1u);
+    return (even_worth(word) + rays_worth(around)) / max(rays_worth(around) / rays, 1.0);
+}
