@@ -12,10 +12,17 @@
 
 namespace penumbra {
 
-// Costs of all executed frames; the first two are left out of medians where there are more.
+// The frames that were asked for, and what all that were executed cost, from `start` on.
+struct RenderedFrames {
+    std::array<uint32_t, 2> wanted{};
+    uint32_t start = 0;
+    std::vector<FrameCost> costs;
+};
+
+// The first two frames are left out of medians where there are more.
 nlohmann::ordered_json render_report(const RenderArguments& arguments, const Session& session,
-                                     const DeviceInfo& device, std::array<uint32_t, 2> frames,
-                                     const std::vector<FrameCost>& costs,
+                                     const CheckedPipeline& pipeline, const DeviceInfo& device,
+                                     const RenderedFrames& frames,
                                      const std::vector<Finding>& findings, const OutputWriter& outputs,
                                      const std::vector<std::string>& warnings);
 
