@@ -91,8 +91,9 @@ void add_report(CLI::App& app, ReportArguments& a) {
         ->delimiter(',');
     CLI::Option* quick =
         c->add_flag("--quick", a.quick, "small, few frames, two shots: minutes on two cores");
-    c->add_flag("--front", a.front,
-                "speed against error alone: frame 15 of each shot as it moves, 640x360 unless --size says else")
+    c->add_flag(
+         "--front", a.front,
+         "speed against error alone: frame 15 of each shot as it moves, 640x360 unless --size says else")
         ->excludes(quick);
     c->add_option("--size", a.size, "WxH of the shots");
     c->add_option("--seeds", a.seeds, "repetitions of every run")->check(CLI::Range(1u, 64u));

@@ -94,8 +94,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
     const std::string complaints = complaint(findings);
     std::cerr << complaints;
-    const auto report =
-        render_report(arguments, *session, job.pipeline, device.info(), rendered, findings, outputs, warnings);
+    const auto report = render_report(arguments, *session, job.pipeline, device.info(), rendered, findings,
+                                      outputs, warnings);
     const std::string text = report.dump(2) + "\n";
     write_file(folder / "report.json", std::as_bytes(std::span(text)));
     print_summary(report);

@@ -45,7 +45,8 @@ Samples collect(std::span<const FrameCost> costs, Get&& get) {
     return samples;
 }
 
-// Values of a node's parameters; null for those that the pipeline does not have, as what was added to look at it.
+// Values of a node's parameters; null for those that the pipeline does not have, as what was added to look at
+// it.
 OrderedJson params_json(const CheckedPipeline& pipeline, const std::string& id) {
     const auto node = std::ranges::find(pipeline.nodes, id, &BoundNode::id);
     if (node == pipeline.nodes.end()) return nullptr;
@@ -112,8 +113,9 @@ OrderedJson by_frame_json(const Session& session, const RenderedFrames& rendered
         OrderedJson counted = {{"receivers", nullptr}, {"rays", nullptr}};
         for (size_t p = 0; p < plan.passes.size(); ++p) {
             if (mask[p])
-                mask_cpu_ms = mask_cpu_ms && cost.pass_cpu_ms[p] ? std::optional(*mask_cpu_ms + *cost.pass_cpu_ms[p])
-                                                                 : std::nullopt;
+                mask_cpu_ms = mask_cpu_ms && cost.pass_cpu_ms[p]
+                                  ? std::optional(*mask_cpu_ms + *cost.pass_cpu_ms[p])
+                                  : std::nullopt;
             for (size_t i = 0; i < plan.passes[p].counters.size(); ++i)
                 if (const auto sum = counted.find(plan.passes[p].counters[i]); sum != counted.end())
                     *sum = (sum->is_null() ? 0 : sum->get<uint64_t>()) + cost.passes[p].counters[i];
@@ -190,9 +192,8 @@ std::string mebibytes(const OrderedJson& bytes) {
 
 OrderedJson render_report(const RenderArguments& arguments, const Session& session,
                           const CheckedPipeline& pipeline, const DeviceInfo& device,
-                          const RenderedFrames& rendered,
-                          const std::vector<Finding>& findings, const OutputWriter& outputs,
-                          const std::vector<std::string>& warnings) {
+                          const RenderedFrames& rendered, const std::vector<Finding>& findings,
+                          const OutputWriter& outputs, const std::vector<std::string>& warnings) {
     const Plan& plan = session.plan();
     const auto warm = warmed_up(rendered.costs);
     const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });

@@ -22,9 +22,8 @@ struct RenderedFrames {
 // The first two frames are left out of medians where there are more.
 nlohmann::ordered_json render_report(const RenderArguments& arguments, const Session& session,
                                      const CheckedPipeline& pipeline, const DeviceInfo& device,
-                                     const RenderedFrames& frames,
-                                     const std::vector<Finding>& findings, const OutputWriter& outputs,
-                                     const std::vector<std::string>& warnings);
+                                     const RenderedFrames& frames, const std::vector<Finding>& findings,
+                                     const OutputWriter& outputs, const std::vector<std::string>& warnings);
 
 // The same for people: milliseconds per pass, and the heap beside its bounds.
 void print_summary(const nlohmann::ordered_json& report);

@@ -197,8 +197,8 @@ class Measuring {
     std::vector<std::string>& warnings_;
 };
 
-// Contenders as they would run by themselves on the first shot: without captures, with the smallest heap looked
-// for.
+// Contenders as they would run by themselves on the first shot: without captures, with the smallest heap
+// looked for.
 std::optional<std::vector<PipelinePlan>> plan_contenders(const Job& job, const Device& device,
                                                          const Facts& facts, Diagnostics& diagnostics) {
     DeviceTable table = device_table(handles_of(device));
@@ -216,20 +216,23 @@ std::optional<std::vector<PipelinePlan>> plan_contenders(const Job& job, const D
     return plans;
 }
 
-// What all contenders take that stand ready at once, each with a host of its own, and the masks that are kept.
+// What all contenders take that stand ready at once, each with a host of its own, and the masks that are
+// kept.
 std::string memory_text(const Job& job, const std::vector<PipelinePlan>& plans) {
     constexpr uint64_t host_bytes = 32;  // per pixel of depth, normal, motion and albedo
     const Study& study = job.results.study;
     const uint64_t pixels = uint64_t{study.size[0]} * study.size[1];
-    const uint64_t masks = std::max<uint64_t>(study.moving_frames / study.moving_every, study.after_cut.size()) *
-                           study.seeds * plans.size() * sizeof(float);
+    const uint64_t masks =
+        std::max<uint64_t>(study.moving_frames / study.moving_every, study.after_cut.size()) * study.seeds *
+        plans.size() * sizeof(float);
     uint64_t bytes = pixels * (masks + host_bytes * plans.size());
     for (const PipelinePlan& planned : plans) bytes += planned.plan.memory.heap_bytes;
-    return fmt::format("{} contenders at {}x{}: about {:.1f} GiB of memory beside the scenes, of {:.1f} that this "
-                       "machine has",
-                       plans.size(), study.size[0], study.size[1], static_cast<double>(bytes) / (1 << 30),
-                       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)) /
-                           (1 << 30));
+    return fmt::format(
+        "{} contenders at {}x{}: about {:.1f} GiB of memory beside the scenes, of {:.1f} that this "
+        "machine has",
+        plans.size(), study.size[0], study.size[1], static_cast<double>(bytes) / (1 << 30),
+        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)) /
+            (1 << 30));
 }
 
 void write_text(const fs::path& file, const std::string& text) {
@@ -270,7 +273,8 @@ int run_report(const ReportArguments& arguments) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
-    std::erase_if(*plans, [&](const PipelinePlan& p) { return job->results.contenders[p.contender].variant(); });
+    std::erase_if(*plans,
+                  [&](const PipelinePlan& p) { return job->results.contenders[p.contender].variant(); });
     write_text(job->folder / "results.json", to_json(job->results).dump(2) + "\n");
     write_text(job->folder / "results.csv", to_csv(job->results));
     write_text(job->folder / "tables.md", markdown_tables(job->results));

@@ -52,7 +52,8 @@ TEST(Front, WhatAnotherBeatsDoesNotBendIt) {
     ASSERT_EQ(with.points().size(), 2u);
     for (const double cost : {0.3, 1.0, 2.0, 4.0, 20.0})
         expect(with.worth_at(cost), front.worth_at(cost)->value, cost < 1 || cost > 4);
-    // One that is beaten by the line alone, not by a point, stays: it may be chosen, the line between may not.
+    // One that is beaten by the line alone, not by a point, stays: it may be chosen, the line between may
+    // not.
     EXPECT_EQ(Front({{1, 1}, {2, 1.5}, {4, 16}}).points().size(), 3u);
 }
 

@@ -49,9 +49,9 @@ void add_plain_rays(Contenders& contenders, std::span<const uint32_t> numbers, b
                                        : parse_pipeline(raw_pipeline_text, file, settings, diagnostics),
                                 nodes, diagnostics);
         if (!pipeline) return;
-        const std::string doc = fmt::format("{} per pixel, not denoised: {} --set {}.",
-                                            rays == 1 ? "One ray" : fmt::format("{} rays", rays), file,
-                                            settings.front());
+        const std::string doc =
+            fmt::format("{} per pixel, not denoised: {} --set {}.",
+                        rays == 1 ? "One ray" : fmt::format("{} rays", rays), file, settings.front());
         contenders.list.push_back({fmt::format("{}rays_{}", proofs ? "many_" : "", rays), file, doc,
                                    PlainRays{rays, proofs}, settings, std::move(*pipeline)});
     }
@@ -126,8 +126,7 @@ std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& 
 }
 
 std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted, const fs::path& root,
-                                          const NodeSet& nodes, Diagnostics& diagnostics,
-                                          bool without_maps) {
+                                          const NodeSet& nodes, Diagnostics& diagnostics, bool without_maps) {
     Contenders contenders;
     std::vector<fs::path> files;
     for (const std::string& name : wanted)
@@ -151,8 +150,12 @@ std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted
             if (other.id == pipeline->name)
                 diagnostics.add({file.string(), 0, 0}, "name",
                                 fmt::format("\"{}\" is the name of {} too", pipeline->name, other.file));
-        contenders.list.push_back({pipeline->name, file.generic_string(), pipeline->doc,
-                                   plain_rays(file, root, *pipeline), {}, *pipeline});
+        contenders.list.push_back({pipeline->name,
+                                   file.generic_string(),
+                                   pipeline->doc,
+                                   plain_rays(file, root, *pipeline),
+                                   {},
+                                   *pipeline});
     }
     if (diagnostics.empty())
         add_plain_rays(contenders, brute_force_rays, false, "pipelines/raw.json", nodes, diagnostics);

@@ -38,8 +38,8 @@ struct LeftOut {
 };
 
 struct Contenders {
-    // Pipelines as given, then brute force and many_rays by rising rays, each with those numbers that no given
-    // one has.
+    // Pipelines as given, then brute force and many_rays by rising rays, each with those numbers that no
+    // given one has.
     std::vector<Contender> list;
     std::vector<LeftOut> left_out;
 };

@@ -14,8 +14,8 @@ namespace penumbra::report {
 // Whether costs are CPU milliseconds.
 bool cost_is_cpu(const Results& results);
 
-// Cost of the mask and N_eff; nothing where a row was not timed, or there is no penumbra. An error that cannot be
-// told from the truth's own is none: infinitely good.
+// Cost of the mask and N_eff; nothing where a row was not timed, or there is no penumbra. An error that
+// cannot be told from the truth's own is none: infinitely good.
 std::optional<FrontPoint> front_point(const Results& results, const Row& row);
 
 struct FrontFigure {

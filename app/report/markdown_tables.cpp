@@ -87,10 +87,12 @@ std::string moving(const Results& results) {
     return out;
 }
 
-// CPU ms / N_eff / N_eff over that of the best plain rays in this time / how many times this time brute force needs.
+// CPU ms / N_eff / N_eff over that of the best plain rays in this time / how many times this time brute force
+// needs.
 std::string front(const Results& results) {
-    std::string out = head(shot_names(
-        results, fmt::format("{} ms / N_eff / x plain rays / brute force's time", cost_is_cpu(results) ? "CPU" : "GPU")));
+    std::string out =
+        head(shot_names(results, fmt::format("{} ms / N_eff / x plain rays / brute force's time",
+                                             cost_is_cpu(results) ? "CPU" : "GPU")));
     for (size_t c = 0; c < results.contenders.size(); ++c) {
         std::vector<std::string> cells{label(results.contenders[c])};
         for (size_t s = 0; s < results.shots.size(); ++s) {
@@ -103,8 +105,9 @@ std::string front(const Results& results) {
             const FrontFigure figure = front_figure(results, *row);
             const std::string cell = fmt::format(
                 "{} / {}{}", short_number(point->cost), figure.exact ? "exact" : short_number(point->worth),
-                figure.exact ? ""
-                             : fmt::format(" / {} / {}", over_plain_text(figure), brute_force_time_text(figure)));
+                figure.exact
+                    ? ""
+                    : fmt::format(" / {} / {}", over_plain_text(figure), brute_force_time_text(figure)));
             cells.push_back(figure.on_front ? "**" + cell + "**" : cell);
         }
         out += line(cells);
@@ -139,9 +142,12 @@ std::string markdown_tables(const Results& results) {
     const Study& study = results.study;
     std::string out = fmt::format(
         "    {}\n\n{} x {} pixels, {} seeds, {}, penumbra {}.\n\n"
-        "Speed against error of each shot as it moves, frames {} to {}: cost of all that makes the mask, each pass at "
-        "the least of {} rounds in turn; effective rays per pixel, over all receivers; these over what the best plain "
-        "rays have in the same time; and how many times the time brute force needs for them (~: extrapolated). Bold: "
+        "Speed against error of each shot as it moves, frames {} to {}: cost of all that makes the mask, "
+        "each pass at "
+        "the least of {} rounds in turn; effective rays per pixel, over all receivers; these over what the "
+        "best plain "
+        "rays have in the same time; and how many times the time brute force needs for them (~: "
+        "extrapolated). Bold: "
         "no other contender is as fast and as good.\n\n{}",
         results.command, study.size[0], study.size[1], study.seeds, results.device.driver, PENUMBRA_VERSION,
         study.settling, study.moving_frames - 1, study.rounds, front(results));
@@ -150,7 +156,8 @@ std::string markdown_tables(const Results& results) {
             "\nContenders in one row have the same masks to the bit.\n\nEach shot standing still:\n\n{}",
             after_cut(results));
     out += fmt::format(
-        "\nEach shot as it moves; cost of the mask per frame (+ of drawing the shadow maps that it reads):\n\n{}",
+        "\nEach shot as it moves; cost of the mask per frame (+ of drawing the shadow maps that it "
+        "reads):\n\n{}",
         moving(results));
     if (!study.edge_widths_px.empty())
         out += fmt::format(

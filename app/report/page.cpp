@@ -51,7 +51,7 @@ std::string legend(const Results& results) {
         const Contender& contender = results.contenders[c];
         const std::string style = accent(results, c);
         if (contender.variant() && !shown.insert(style).second) continue;
-        const std::string name = !contender.variant()       ? contender.id
+        const std::string name = !contender.variant()      ? contender.id
                                  : contender.brute_force() ? "brute force"
                                                            : "rays behind proofs";
         out += fmt::format(
@@ -153,24 +153,34 @@ std::string pipeline_article(const Results& results, const PipelinePlan& planned
 std::string method(const Results& results) {
     const Study& study = results.study;
     std::string out = fmt::format(
-        "<p>All contenders stand ready in one process and take turns frame by frame, in an order that rotates; "
-        "errors are those of {} seeds, without jitter, since the truth is that of pixel centres. Times are of the "
-        "frames whose errors are pooled, in the same run: each pass counts at the least of {} rounds, since other "
-        "work on the machine only adds, and the figure is the median over the frames, with a 95 % interval from "
+        "<p>All contenders stand ready in one process and take turns frame by frame, in an order that "
+        "rotates; "
+        "errors are those of {} seeds, without jitter, since the truth is that of pixel centres. Times are "
+        "of the "
+        "frames whose errors are pooled, in the same run: each pass counts at the least of {} rounds, since "
+        "other "
+        "work on the machine only adds, and the figure is the median over the frames, with a 95 % interval "
+        "from "
         "order statistics where there are six or more. {}</p>",
         study.seeds, study.rounds,
         cost_is_cpu(results) ? "On this CPU device the cost is process CPU time, each pass submitted by "
                                "itself: wall time would measure the machine's other work too."
                              : "The cost is GPU time between timestamps.");
     out +=
-        "<p>Cost of the mask: all passes that visibility depends on, in the frame or through history, guides and "
-        "classification among them; not the shadow maps or the tree of triangles, which the host makes. Brute force "
+        "<p>Cost of the mask: all passes that visibility depends on, in the frame or through history, guides "
+        "and "
+        "classification among them; not the shadow maps or the tree of triangles, which the host makes. "
+        "Brute force "
         "of N rays: the pipeline raw with N rays per pixel, spread evenly over the sun (<code>--set "
-        "nodes.trace.params.rays_per_pixel=N</code>); many_rays N: the same where no proof has decided a tile "
+        "nodes.trace.params.rays_per_pixel=N</code>); many_rays N: the same where no proof has decided a "
+        "tile "
         "before.</p>"
-        "<p>Equal time: the plain contenders that none of the others beats make a line, straight between logarithms "
-        "of time and N<sub>eff</sub>; beyond its ends it goes on with the slope of its last piece, marked ~. A "
-        "contender's N<sub>eff</sub> is divided by the line's at its time; for the time of brute force its own line "
+        "<p>Equal time: the plain contenders that none of the others beats make a line, straight between "
+        "logarithms "
+        "of time and N<sub>eff</sub>; beyond its ends it goes on with the slope of its last piece, marked ~. "
+        "A "
+        "contender's N<sub>eff</sub> is divided by the line's at its time; for the time of brute force its "
+        "own line "
         "is read the other way. An error that cannot be told from the truth's own counts as none (exact).</p>"
         "<p>A pipeline without history is judged where nothing moves in the last two frames alone: all "
         "frames "
@@ -208,9 +218,10 @@ std::string report_page(const Results& results, const std::vector<PipelinePlan>&
     for (const PipelinePlan& planned : plans) pipelines += pipeline_article(results, planned);
     // What was not measured has no section.
     const std::string headline =
-        !still ? ""
-               : fill(assets::headline_html, {{"worst_width", fmt::format("{:g}", headline_width_px(results))},
-                                              {"headline_table", headline_table(results)}});
+        !still
+            ? ""
+            : fill(assets::headline_html, {{"worst_width", fmt::format("{:g}", headline_width_px(results))},
+                                           {"headline_table", headline_table(results)}});
     const std::string edge =
         !edges ? ""
                : fill(assets::edge_html, {{"edge_frames", fmt::to_string(study.edge_frame + 1)},
@@ -221,10 +232,9 @@ std::string report_page(const Results& results, const std::vector<PipelinePlan>&
         fact("Device", fmt::format("{} ({}), subgroup of {}", device.name, device.is_cpu ? "CPU" : "GPU",
                                    device.subgroup_size)) +
         fact("Driver", device.driver) + fact("penumbra", PENUMBRA_VERSION) +
-        fact("Extent",
-             results.quick ? "quick: small images, few frames and seeds; intervals are wide"
-             : edges       ? "full"
-                           : "speed against error alone, of shots as they move");
+        fact("Extent", results.quick ? "quick: small images, few frames and seeds; intervals are wide"
+                       : edges       ? "full"
+                                     : "speed against error alone, of shots as they move");
     return fill(
         assets::page_html,
         {{"title", "penumbra report"},

@@ -126,9 +126,12 @@ std::string shot_table(const Results& results, size_t shot) {
                                        {"leak"},
                                        {"acne"}};
     Table table(
-        "The moving shot, pooled over its judged frames. Medians with 95 % intervals. x plain rays: N_eff over "
-        "that of the best plain rays, behind proofs or not, in the same time; bold: no other contender is as fast "
-        "and as good. Brute force's time: how many times this time it needs for this N_eff. ~: beyond 64 rays, or "
+        "The moving shot, pooled over its judged frames. Medians with 95 % intervals. x plain rays: N_eff "
+        "over "
+        "that of the best plain rays, behind proofs or not, in the same time; bold: no other contender is as "
+        "fast "
+        "and as good. Brute force's time: how many times this time it needs for this N_eff. ~: beyond 64 "
+        "rays, or "
         "faster than one. Maps: drawing the shadow maps that a pipeline reads, in no other figure.",
         columns);
     for (const Row& row : results.rows) {
@@ -141,9 +144,9 @@ std::string shot_table(const Results& results, size_t shot) {
         table.row({contender_cell(results, row.contender) + same, estimate_cell(row.mask_cost(cpu)),
                    estimate_cell(cpu ? row.frame_cpu_ms : row.frame_ms), estimate_cell(row.maps_cpu_ms),
                    number_or_dash(row.rays_per_pixel), number_or_dash(m.rmse_all),
-                   number_or_dash(m.rmse_penumbra), n_eff_cell(m), front.on_front ? "<b class=\"best\">" + over + "</b>" : over,
-                   brute_force_time_text(front), number_or_dash(m.n_variance),
-                   number_or_dash(m.n_bias), number_or_dash(row.ssim),
+                   number_or_dash(m.rmse_penumbra), n_eff_cell(m),
+                   front.on_front ? "<b class=\"best\">" + over + "</b>" : over, brute_force_time_text(front),
+                   number_or_dash(m.n_variance), number_or_dash(m.n_bias), number_or_dash(row.ssim),
                    number_or_dash(row.flip ? std::optional(row.flip->mean) : std::nullopt),
                    number_or_dash(row.flicker), number_or_dash(m.leak), number_or_dash(m.acne)});
     }
@@ -204,12 +207,12 @@ std::string commands(const Results& results) {
                                  fmt::format("{} --every {}", frames, study.moving_every), shot.exact));
     if (!study.after_cut.empty()) {
         const uint32_t still = study.after_cut.back() - 1;
-        out +=
-            fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
-            block(fmt::format("penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
-                              shot.still_file, shot.size[0], shot.size[1], still, study.rays) +
-                  render_and_compare(study, pipeline->file, shot.still_file, shot.size, fmt::to_string(still),
-                                     shot.exact));
+        out += fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
+               block(fmt::format(
+                         "penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
+                         shot.still_file, shot.size[0], shot.size[1], still, study.rays) +
+                     render_and_compare(study, pipeline->file, shot.still_file, shot.size,
+                                        fmt::to_string(still), shot.exact));
     }
     if (study.edge_widths_px.empty()) return out;
     const std::string edge = fmt::format("shots/edge_{:g}px_{:+g}.shot.json", study.edge_widths_px.front(),

@@ -205,7 +205,8 @@ std::string pareto_plot(const Results& results, size_t shot, Quality quality) {
     for (const bool proofs : {false, true}) {
         std::vector<std::pair<uint32_t, Xy>> rays;
         for (const Point& p : points)
-            if (const auto& plain = results.contenders[p.row->contender].plain; plain && plain->proofs == proofs)
+            if (const auto& plain = results.contenders[p.row->contender].plain;
+                plain && plain->proofs == proofs)
                 rays.emplace_back(plain->per_pixel, frame.at(p.cost.median, p.value));
         std::ranges::sort(rays, {}, &std::pair<uint32_t, Xy>::first);
         std::vector<Xy> line;

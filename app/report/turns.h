@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// One run: every contender through the same frames in every round, in turns. The first rounds are seeds: these
-// keep the masks of judged frames. Costs are of timed frames, of each pass the least of all rounds: what else
-// the machine does only adds. What no figure depends on is not run: a pipeline without history skips frames
-// that are neither judged nor timed (but not those before, which its cost depends on), and contenders whose
-// masks are the same to the bit in all judged frames under the first seed are taken to be the same under the
-// others: of these only one is judged there, the one with the fewest passes. Each is timed as often as any.
+// One run: every contender through the same frames in every round, in turns. The first rounds are seeds:
+// these keep the masks of judged frames. Costs are of timed frames, of each pass the least of all rounds:
+// what else the machine does only adds. What no figure depends on is not run: a pipeline without history
+// skips frames that are neither judged nor timed (but not those before, which its cost depends on), and
+// contenders whose masks are the same to the bit in all judged frames under the first seed are taken to be
+// the same under the others: of these only one is judged there, the one with the fewest passes. Each is timed
+// as often as any.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a family of contenders is worth at any cost: the line through those that no other of them beats, straight
-// between logarithms of cost and worth. Beyond its ends it goes on with the slope of its last piece, and says so.
+// What a family of contenders is worth at any cost: the line through those that no other of them beats,
+// straight between logarithms of cost and worth. Beyond its ends it goes on with the slope of its last piece,
+// and says so.
 #pragma once
 
 #include <optional>

@@ -228,7 +228,8 @@ void refuse_with_analytic(Reader& reader, const Json& root) {
 
 void read_cuts(Reader& reader, const Json& list, Shot& shot) {
     if (list.kind != Json::Kind::array) {
-        reader.error(list.place, "cuts", fmt::format("expected a list of frames, not {}", kind_name(list.kind)));
+        reader.error(list.place, "cuts",
+                     fmt::format("expected a list of frames, not {}", kind_name(list.kind)));
         return;
     }
     for (size_t i = 0; i < list.items.size(); ++i) {
@@ -351,8 +352,8 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     const size_t before = diagnostics.size();
     Reader reader(diagnostics);
     if (!reader.object(*root, "",
-                       {"$schema", "penumbra_shot", "scene", "size", "frames", "cuts", "fps", "camera",
-                        "sun", "objects", "origin", "seed"})) {
+                       {"$schema", "penumbra_shot", "scene", "size", "frames", "cuts", "fps", "camera", "sun",
+                        "objects", "origin", "seed"})) {
         return std::nullopt;
     }
     Shot shot;
