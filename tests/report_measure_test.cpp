@@ -284,7 +284,7 @@ TEST_F(ReportMeasure, AFrontIsMeasuredInMotionAlone) {
     ReportArguments arguments;
     arguments.out = (folder_ / "out").string();
     arguments.front = true;
-    arguments.size = "67x37";
+    arguments.size = "99x77";
     arguments.rounds = 1;
     arguments.rays = 64;
     arguments.pipelines = {pipeline("shadows")};
@@ -294,7 +294,7 @@ TEST_F(ReportMeasure, AFrontIsMeasuredInMotionAlone) {
     ASSERT_EQ(run_report(arguments), exit_good);
     testing::internal::GetCapturedStdout();
     const std::string said = testing::internal::GetCapturedStderr();
-    EXPECT_NE(said.find("14 contenders at 67x37: about "), std::string::npos) << said;
+    EXPECT_NE(said.find("14 contenders at 99x77: about "), std::string::npos) << said;
     EXPECT_NE(said.find("1 of 1 parts"), std::string::npos) << said;
     std::ifstream stream(folder_ / "out/results.json");
     const auto json = nlohmann::json::parse(stream);
