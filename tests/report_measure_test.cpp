@@ -3,6 +3,7 @@
 // of render, reference and compare, and mistakes leave no page behind.
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -71,6 +72,32 @@ class ReportMeasure : public test::GpuTest {
     uint64_t work_ = 0;
     std::string said_;
 };
+
+// Every number of plain rays competes once, whether its pipeline was asked for or not.
+TEST_F(ReportMeasure, PlainRaysAreContendersOnce) {
+    Diagnostics diagnostics;
+    for (const bool all : {false, true}) {
+        const std::vector<std::string> wanted =
+            all ? std::vector<std::string>{} : std::vector{pipeline("shadows")};
+        const auto contenders = open_contenders(wanted, PENUMBRA_SOURCE_DIR, nodes_, diagnostics, true);
+        ASSERT_TRUE(contenders) << diagnostics.text();
+        std::multiset<std::pair<bool, uint32_t>> plain, every;
+        std::set<std::string> ids;
+        for (const Contender& c : contenders->list) {
+            EXPECT_TRUE(ids.insert(c.id).second) << c.id;
+            EXPECT_EQ(std::ranges::count(c.pipeline.inputs, "cascade_maps", &HostInput::name), 0) << c.id;
+            if (c.plain) plain.emplace(c.plain->proofs, c.plain->per_pixel);
+        }
+        for (const uint32_t rays : brute_force_rays) every.emplace(false, rays);
+        for (const uint32_t rays : proved_rays) every.emplace(true, rays);
+        EXPECT_EQ(plain, every);
+        EXPECT_EQ(ids.contains("raw") && ids.contains("many_rays"), all);
+        EXPECT_EQ(ids.contains("rays_1") && ids.contains("many_rays_16"), !all);
+        std::set<std::string> left_out;
+        for (const LeftOut& left : contenders->left_out) left_out.insert(fs::path(left.file).filename());
+        EXPECT_EQ(left_out.contains("hybrid_cascades.json"), all);
+    }
+}
 
 TEST_F(ReportMeasure, BruteForceGainsWithEveryRayAndIsChargedForIt) {
     Diagnostics diagnostics;

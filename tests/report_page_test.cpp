@@ -123,8 +123,8 @@ TEST_F(ReportPage, HasNoSectionOfWhatWasNotMeasured) {
     results_.edge.clear();
     for (Row& row : results_.rows) row.after_cut.clear();
     const std::string text = page();
-    for (const char* gone :
-         {"id=\"headline\"", "#headline", "id=\"edge\"", "#edge", "class=\"after-cut\"", "{{"})
+    for (const char* gone : {"id=\"headline\"", "#headline", "id=\"edge\"", "#edge", "class=\"after-cut\"",
+                             "class=\"over-time\"", "{{"})
         EXPECT_EQ(text.find(gone), std::string::npos) << gone;
     EXPECT_EQ(count(text, "class=\"front\""), 2u);
     EXPECT_NE(text.find("brute force&#39;s time"), std::string::npos);

@@ -336,6 +336,8 @@ TEST(ReportFront, IsAllThatAPageOfItShows) {
     for (Row& row : results.rows) row.after_cut.clear();
     const std::string tables = markdown_tables(results);
     EXPECT_NE(tables.find("brute force's time"), std::string::npos);
+    EXPECT_NE(tables.find("1 seed, "), std::string::npos);
+    EXPECT_NE(tables.find("as it moves, frame 15: "), std::string::npos);
     EXPECT_EQ(tables.find("standing still"), std::string::npos);
     EXPECT_EQ(tables.find("straight edge"), std::string::npos);
 }

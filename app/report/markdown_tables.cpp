@@ -115,6 +115,20 @@ std::string front(const Results& results) {
     return out;
 }
 
+std::string counted(uint32_t number, const char* what) {
+    return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+// "frame 15", "frames 11 to 63 in steps of 4"
+std::string pooled_frames(const Study& study) {
+    std::vector<uint32_t> frames;
+    for (uint32_t f = study.moving_every - 1; f < study.moving_frames; f += study.moving_every)
+        if (f >= study.settling) frames.push_back(f);
+    if (frames.empty()) return "no frame";
+    if (frames.size() == 1) return fmt::format("frame {}", frames.front());
+    return fmt::format("frames {} to {} in steps of {}", frames.front(), frames.back(), study.moving_every);
+}
+
 std::string edge(const Results& results) {
     std::vector<std::string> columns{"N_eff at rest / worst (at px per frame)"};
     for (const double width : results.study.edge_widths_px) columns.push_back(fmt::format("{:g} px", width));
@@ -141,16 +155,13 @@ std::string edge(const Results& results) {
 std::string markdown_tables(const Results& results) {
     const Study& study = results.study;
     std::string out = fmt::format(
-        "    {}\n\n{} x {} pixels, {} seeds, {}, penumbra {}.\n\n"
-        "Speed against error of each shot as it moves, frames {} to {}: cost of all that makes the mask, "
-        "each pass at "
-        "the least of {} rounds in turn; effective rays per pixel, over all receivers; these over what the "
-        "best plain "
+        "    {}\n\n{} x {} pixels, {}, {}, penumbra {}.\n\n"
+        "Speed against error of each shot as it moves, {}: cost of all that makes the mask, each pass at the "
+        "least of {} in turn; effective rays per pixel, over all receivers; these over what the best plain "
         "rays have in the same time; and how many times the time brute force needs for them (~: "
-        "extrapolated). Bold: "
-        "no other contender is as fast and as good.\n\n{}",
-        results.command, study.size[0], study.size[1], study.seeds, results.device.driver, PENUMBRA_VERSION,
-        study.settling, study.moving_frames - 1, study.rounds, front(results));
+        "extrapolated). Bold: no other contender is as fast and as good.\n\n{}",
+        results.command, study.size[0], study.size[1], counted(study.seeds, "seed"), results.device.driver,
+        PENUMBRA_VERSION, pooled_frames(study), counted(study.rounds, "round"), front(results));
     if (!study.after_cut.empty())
         out += fmt::format(
             "\nContenders in one row have the same masks to the bit.\n\nEach shot standing still:\n\n{}",

@@ -93,6 +93,12 @@ std::string after_cut_figure(const Results& results, size_t shot) {
            "<figcaption>Error after a cut, nothing moves: what accumulation gains.</figcaption></figure>";
 }
 
+std::string over_time_figure(const Results& results, size_t shot) {
+    if (results.study.moving_frames < 2 * results.study.moving_every) return {};  // one frame is judged
+    return "<figure class=\"over-time\">" + over_time_plot(results, shot) +
+           "<figcaption>Error over the moving shot.</figcaption></figure>";
+}
+
 std::string shot_section(const Results& results, size_t shot, const fs::path& folder) {
     const ShotFacts& facts = results.shots[shot];
     const Study& study = results.study;
@@ -110,7 +116,7 @@ std::string shot_section(const Results& results, size_t shot, const fs::path& fo
                                     {"pareto_rmse", pareto_plot(results, shot, Quality::rmse)},
                                     {"pareto_n_eff", pareto_plot(results, shot, Quality::n_eff)},
                                     {"after_cut", after_cut_figure(results, shot)},
-                                    {"over_time", over_time_plot(results, shot)},
+                                    {"over_time", over_time_figure(results, shot)},
                                     {"passes", passes_plot(results, shot)},
                                     {"left", fmt::to_string(slider_choice(results, true))},
                                     {"right", fmt::to_string(slider_choice(results, false))},
