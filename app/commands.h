@@ -67,9 +67,10 @@ struct ReportArguments {
     std::string out;
     std::vector<std::string> shots, pipelines;  // files, or names of shipped ones; empty: all shipped ones
     bool quick = false;
-    bool again = false;             // measure what an earlier run has left behind, too
-    std::string size;               // "WxH"; empty: the study's
-    std::optional<uint32_t> seeds;  // else the study's
+    bool front = false;                           // speed against error alone
+    bool again = false;                           // measure what an earlier run has left behind, too
+    std::string size;                             // "WxH"; empty: the study's
+    std::optional<uint32_t> seeds, rounds, rays;  // else the study's
     std::vector<std::string> node_folders;
     std::string device;
     std::string command_line;  // as it was given, for the report

@@ -89,9 +89,17 @@ void add_report(CLI::App& app, ReportArguments& a) {
     c->add_option("--pipelines", a.pipelines,
                   "files or names of shipped pipelines (default: all that can run)")
         ->delimiter(',');
-    c->add_flag("--quick", a.quick, "small, few frames, two shots: minutes on two cores");
+    CLI::Option* quick =
+        c->add_flag("--quick", a.quick, "small, few frames, two shots: minutes on two cores");
+    c->add_flag(
+         "--front", a.front,
+         "speed against error alone: frame 15 of each shot as it moves, 640x360 unless --size says else")
+        ->excludes(quick);
     c->add_option("--size", a.size, "WxH of the shots");
     c->add_option("--seeds", a.seeds, "repetitions of every run")->check(CLI::Range(1u, 64u));
+    c->add_option("--rounds", a.rounds, "times that every pass is timed; the least counts")
+        ->check(CLI::Range(1u, 64u));
+    c->add_option("--rays", a.rays, "per pixel of a penumbra, of the truth")->check(CLI::Range(1u, 65536u));
     c->add_flag("--again", a.again,
                 "measure anew what an earlier run with the same inputs has left in the folder");
     add_node_folders(c, a.node_folders);

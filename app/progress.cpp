@@ -8,12 +8,16 @@
 
 namespace penumbra {
 
+std::string duration_text(double seconds) {
+    if (seconds < 90) return fmt::format("{:.0f} s", std::ceil(seconds));
+    if (seconds < 90 * 60) return fmt::format("{:.0f} min", seconds / 60);
+    return fmt::format("{:.1f} h", seconds / 3600);
+}
+
 std::string time_left(double seconds_so_far, uint64_t done, uint64_t total) {
     if (done >= total || seconds_so_far < 1 || done * 100 < total) return "";
     const double left = seconds_so_far * static_cast<double>(total - done) / static_cast<double>(done);
-    if (left < 90) return fmt::format("about {:.0f} s left", std::ceil(left));
-    if (left < 90 * 60) return fmt::format("about {:.0f} min left", left / 60);
-    return fmt::format("about {:.1f} h left", left / 3600);
+    return fmt::format("about {} left", duration_text(left));
 }
 
 Progress::Progress(std::string what, uint64_t total)
@@ -34,6 +38,11 @@ void Progress::note(const std::string& text) const {
     if (visible_) return;
     const std::string rest = left();
     fmt::print(stderr, "{}{}{}\n", text, rest.empty() ? "" : ", ", rest);
+}
+
+void Progress::say(const std::string& text) const {
+    fmt::print(stderr, "{}{}\n", visible_ ? "\r\x1b[K" : "", text);
+    if (visible_) draw();
 }
 
 std::string Progress::left() const {

@@ -17,6 +17,8 @@ class Progress {
     void step(uint64_t work = 1);  // so much more of `total` is done
     // A line of its own where there is no bar, with what is left.
     void note(const std::string& text) const;
+    // A line of its own, above the bar where there is one.
+    void say(const std::string& text) const;
 
   private:
     void draw() const;
@@ -27,6 +29,9 @@ class Progress {
     bool visible_;
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
+
+// "40 s", "12 min", "3.0 h"
+std::string duration_text(double seconds);
 
 // "about 40 s left"; nothing while less than a hundredth, or a second's work, is done: too little to tell.
 std::string time_left(double seconds_so_far, uint64_t done, uint64_t total);

@@ -76,14 +76,14 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     fs::remove(folder / "report.json");
 
     OutputWriter outputs(device, folder);
-    std::vector<FrameCost> costs;
+    RenderedFrames rendered{job.frames, arguments.cold ? job.frames[0] : 0, {}};
     std::vector<Finding> findings = no_findings(session->plan());
-    const uint32_t start = arguments.cold ? job.frames[0] : 0;
+    const uint32_t start = rendered.start;
     {
         Progress progress(session->plan().pipeline, job.frames[1] - start + 1);
         for (uint32_t frame = start; frame <= job.frames[1]; ++frame) {
-            costs.push_back(session->run_frame(frame, frame == start));
-            add_frame(findings, frame, costs.back().passes);
+            rendered.costs.push_back(session->run_frame(frame, frame == start));
+            add_frame(findings, frame, rendered.costs.back().passes);
             if (frame >= job.frames[0] && (frame - job.frames[0]) % arguments.every == 0) {
                 for (const std::string& name : job.graph_captures) outputs.write(*session, name, frame);
                 for (const std::string& name : job.host_captures) outputs.write(*session, name, frame);
@@ -94,8 +94,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
     const std::string complaints = complaint(findings);
     std::cerr << complaints;
-    const auto report =
-        render_report(arguments, *session, device.info(), job.frames, costs, findings, outputs, warnings);
+    const auto report = render_report(arguments, *session, job.pipeline, device.info(), rendered, findings,
+                                      outputs, warnings);
     const std::string text = report.dump(2) + "\n";
     write_file(folder / "report.json", std::as_bytes(std::span(text)));
     print_summary(report);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/mask_passes.h"
 #include "app/plan_json.h"
 
 namespace penumbra {
@@ -44,9 +45,24 @@ Samples collect(std::span<const FrameCost> costs, Get&& get) {
     return samples;
 }
 
-OrderedJson passes_with_costs(const Plan& plan, std::span<const FrameCost> costs) {
+// Values of a node's parameters; null for those that the pipeline does not have, as what was added to look at
+// it.
+OrderedJson params_json(const CheckedPipeline& pipeline, const std::string& id) {
+    const auto node = std::ranges::find(pipeline.nodes, id, &BoundNode::id);
+    if (node == pipeline.nodes.end()) return nullptr;
+    OrderedJson out = OrderedJson::object();
+    for (size_t i = 0; i < node->params.size(); ++i)
+        std::visit([&](const auto& value) { out[node->type().params[i].name] = value; }, node->params[i]);
+    return out;
+}
+
+OrderedJson passes_with_costs(const Plan& plan, const CheckedPipeline& pipeline,
+                              std::span<const FrameCost> costs) {
     OrderedJson passes = passes_json(plan);
+    const std::vector<bool> mask = passes_of_mask(plan);
     for (size_t p = 0; p < plan.passes.size(); ++p) {
+        passes[p]["mask"] = bool{mask[p]};
+        passes[p]["params"] = params_json(pipeline, plan.passes[p].node);
         const Samples ms = collect(costs, [&](const FrameCost& c) { return c.passes[p].ms; });
         const Samples cpu = collect(costs, [&](const FrameCost& c) { return c.pass_cpu_ms[p]; });
         passes[p]["ms"] = {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}};
@@ -84,6 +100,35 @@ OrderedJson counts(const Plan& plan, const OrderedJson& passes) {
     out["rays"] = counted("rays");
     out["penumbra_pixels"] = nullptr;  // known to the reference alone
     return out;
+}
+
+// Every frame that was executed, the first ones included.
+OrderedJson by_frame_json(const Session& session, const RenderedFrames& rendered) {
+    const Plan& plan = session.plan();
+    const std::vector<bool> mask = passes_of_mask(plan);
+    OrderedJson frames = OrderedJson::array();
+    for (const FrameCost& cost : rendered.costs) {
+        const uint32_t frame = rendered.start + static_cast<uint32_t>(frames.size());
+        std::optional<double> mask_cpu_ms = 0;
+        OrderedJson counted = {{"receivers", nullptr}, {"rays", nullptr}};
+        for (size_t p = 0; p < plan.passes.size(); ++p) {
+            if (mask[p])
+                mask_cpu_ms = mask_cpu_ms && cost.pass_cpu_ms[p]
+                                  ? std::optional(*mask_cpu_ms + *cost.pass_cpu_ms[p])
+                                  : std::nullopt;
+            for (size_t i = 0; i < plan.passes[p].counters.size(); ++i)
+                if (const auto sum = counted.find(plan.passes[p].counters[i]); sum != counted.end())
+                    *sum = (sum->is_null() ? 0 : sum->get<uint64_t>()) + cost.passes[p].counters[i];
+        }
+        frames.push_back({{"frame", frame},
+                          {"reset", frames.empty() || session.host().cut(frame)},
+                          {"ms", cost.ms ? OrderedJson(*cost.ms) : OrderedJson()},
+                          {"cpu_ms", cost.cpu_ms},
+                          {"mask_cpu_ms", mask_cpu_ms ? OrderedJson(*mask_cpu_ms) : OrderedJson()},
+                          {"receivers", counted["receivers"]},
+                          {"rays", counted["rays"]}});
+    }
+    return frames;
 }
 
 // The sun's shadow maps, which the host draws before the graph's passes; null where the pipeline reads none.
@@ -145,22 +190,22 @@ std::string mebibytes(const OrderedJson& bytes) {
 
 }  // namespace
 
-OrderedJson render_report(const RenderArguments& arguments, const Session& session, const DeviceInfo& device,
-                          std::array<uint32_t, 2> frames, const std::vector<FrameCost>& costs,
-                          const std::vector<Finding>& findings, const OutputWriter& outputs,
-                          const std::vector<std::string>& warnings) {
+OrderedJson render_report(const RenderArguments& arguments, const Session& session,
+                          const CheckedPipeline& pipeline, const DeviceInfo& device,
+                          const RenderedFrames& rendered, const std::vector<Finding>& findings,
+                          const OutputWriter& outputs, const std::vector<std::string>& warnings) {
     const Plan& plan = session.plan();
-    const auto warm = warmed_up(costs);
+    const auto warm = warmed_up(rendered.costs);
     const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });
     const Samples cpu = collect(warm, [](const FrameCost& c) { return std::optional<double>(c.cpu_ms); });
-    const OrderedJson passes = passes_with_costs(plan, warm);
+    const OrderedJson passes = passes_with_costs(plan, pipeline, warm);
     return {{"penumbra", 1},
             {"version", PENUMBRA_VERSION},
             {"pipeline", plan.pipeline},
             {"shot", session.host().shot().name},
             {"seed", session.seed()},
             {"size", {plan.extent.width, plan.extent.height}},
-            {"frames", frames},
+            {"frames", rendered.wanted},
             {"settings", settings_json(arguments.settings)},
             {"captures", arguments.captures},
             {"device",
@@ -173,11 +218,12 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"facts", facts_json(plan)},
             {"frame_ms", {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}, {"min", quantile(ms, 0)}}},
             {"cpu_ms", {{"median", median(cpu)}, {"p95", quantile(cpu, 0.95)}}},
-            {"cascades", cascades_json(session, frames, warm)},
+            {"cascades", cascades_json(session, rendered.wanted, warm)},
             {"passes", passes},
             {"culled", culled_json(plan)},
             {"memory", memory_json(plan)},
             {"counts", counts(plan, passes)},
+            {"by_frame", by_frame_json(session, rendered)},
             {"validate", findings_json(plan, findings)},
             {"warnings", warnings},  // about the scene: what of it is not shown as its file says
             {"outputs", outputs_json(outputs)}};

@@ -12,12 +12,18 @@
 
 namespace penumbra {
 
-// Costs of all executed frames; the first two are left out of medians where there are more.
+// The frames that were asked for, and what all that were executed cost, from `start` on.
+struct RenderedFrames {
+    std::array<uint32_t, 2> wanted{};
+    uint32_t start = 0;
+    std::vector<FrameCost> costs;
+};
+
+// The first two frames are left out of medians where there are more.
 nlohmann::ordered_json render_report(const RenderArguments& arguments, const Session& session,
-                                     const DeviceInfo& device, std::array<uint32_t, 2> frames,
-                                     const std::vector<FrameCost>& costs,
-                                     const std::vector<Finding>& findings, const OutputWriter& outputs,
-                                     const std::vector<std::string>& warnings);
+                                     const CheckedPipeline& pipeline, const DeviceInfo& device,
+                                     const RenderedFrames& frames, const std::vector<Finding>& findings,
+                                     const OutputWriter& outputs, const std::vector<std::string>& warnings);
 
 // The same for people: milliseconds per pass, and the heap beside its bounds.
 void print_summary(const nlohmann::ordered_json& report);

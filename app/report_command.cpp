@@ -3,9 +3,12 @@
 // in this order and each under its name only when it is whole. An earlier index.html goes first, so that a
 // folder with one is a complete report.
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -36,25 +39,35 @@ struct Job {
 };
 
 std::optional<Study> study_of(const ReportArguments& arguments) {
-    Study study = arguments.quick ? quick_study() : Study{};
+    Study study = arguments.quick ? quick_study() : arguments.front ? front_study() : Study{};
     if (!arguments.size.empty()) {
         const auto size = parse_size(arguments.size);
         if (!size) return std::nullopt;
         study.size = *size;
     }
     if (arguments.seeds) study.seeds = *arguments.seeds;
+    if (arguments.rounds) study.rounds = *arguments.rounds;
+    if (arguments.rays) study.rays = *arguments.rays;
     return study;
 }
 
 std::vector<fs::path> shot_files(const ReportArguments& arguments, const fs::path& root,
-                                 Diagnostics& diagnostics) {
+                                 std::vector<LeftOut>& left_out, Diagnostics& diagnostics) {
     constexpr const char* suffix = ".shot.json";
     std::vector<std::string> wanted = arguments.shots;
     if (wanted.empty() && arguments.quick) wanted.assign(std::begin(quick_shots), std::end(quick_shots));
     std::vector<fs::path> files;
     for (const std::string& name : wanted)
         if (const auto file = shipped_file(name, root, "scenes", suffix, diagnostics)) files.push_back(*file);
-    if (wanted.empty()) files = shipped_files(root, "scenes", suffix);
+    if (wanted.empty()) {
+        for (const fs::path& file : shipped_files(root, "scenes", suffix)) {
+            const auto shot = read_shot(file, diagnostics);
+            if (shot && !shot->cuts.empty())
+                left_out.push_back({file.generic_string(), "has cuts: nothing settles in it"});
+            else
+                files.push_back(file);
+        }
+    }
     if (files.empty() && diagnostics.empty())
         diagnostics.add({}, "--shots", "none given, and no folder of shipped ones is near the program");
     return files;
@@ -68,15 +81,17 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     std::vector<std::string> pipelines = arguments.pipelines;
     if (pipelines.empty() && arguments.quick)
         pipelines.assign(std::begin(quick_pipelines), std::end(quick_pipelines));
-    auto contenders = open_contenders(pipelines, root, nodes, diagnostics);
-    const std::vector<fs::path> files = shot_files(arguments, root, diagnostics);
+    auto contenders = open_contenders(pipelines, root, nodes, diagnostics, arguments.front);
+    std::vector<LeftOut> cut_shots;
+    const std::vector<fs::path> files = shot_files(arguments, root, cut_shots, diagnostics);
     if (!contenders || !diagnostics.empty()) return std::nullopt;
     Job job;
     job.folder = arguments.out;
     for (const char* inside : {"images", "shots", "parts"}) fs::create_directories(job.folder / inside);
     fs::remove(job.folder / "index.html");
+    const uint32_t still_frames = study->after_cut.empty() ? 0 : study->after_cut.back();
     for (const fs::path& file : files)
-        if (auto shot = open_report_shot(file, job.folder / "shots", study->after_cut.back(), diagnostics))
+        if (auto shot = open_report_shot(file, job.folder / "shots", still_frames, diagnostics))
             job.shots.push_back(std::move(*shot));
     for (const double width : study->edge_widths_px)
         for (const double speed : study->edge_speeds_px)
@@ -87,6 +102,7 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     job.results.study = *study;
     job.results.contenders = std::move(contenders->list);
     job.results.left_out = std::move(contenders->left_out);
+    std::ranges::move(cut_shots, std::back_inserter(job.results.left_out));
     if (!diagnostics.empty()) return std::nullopt;
     return job;
 }
@@ -106,11 +122,14 @@ class Measuring {
 
     bool all() {
         std::vector<Part> parts;
-        for (const ReportShot& shot : job_.shots)
-            parts.push_back({parts_.name("shot." + shot.name, {shot.moving, shot.still}),
-                             work_of_shot(job_.results.study), [&](const Bench& bench, Results& part) {
+        for (const ReportShot& shot : job_.shots) {
+            std::vector<Shot> shots{shot.moving};
+            if (shot.still) shots.push_back(*shot.still);
+            parts.push_back({parts_.name("shot." + shot.name, shots), work_of_shot(job_.results.study),
+                             [&](const Bench& bench, Results& part) {
                                  return measure_shot(bench, shot, part, diagnostics_, warnings_);
                              }});
+        }
         for (const EdgeShot& edge : job_.edges)
             parts.push_back(
                 {edge_name(edge), work_of_edge(job_.results.study), [&](const Bench& bench, Results& part) {
@@ -154,7 +173,8 @@ class Measuring {
         parts_.forget(part.name);
         Results results = job_.results;
         const size_t shots = results.shots.size(), rows = results.rows.size(), edge = results.edge.size();
-        const Bench bench{device_, nodes_, job_.folder, [&](uint64_t work) { progress.step(work); }};
+        const Bench bench{device_, nodes_, job_.folder, [&](uint64_t work) { progress.step(work); },
+                          [&](const std::string& text) { progress.say(text); }};
         if (!part.measure(bench, results)) return false;
         nlohmann::ordered_json json = to_json(results);
         const auto only_new = [&](const char* list, size_t old) {
@@ -177,24 +197,42 @@ class Measuring {
     std::vector<std::string>& warnings_;
 };
 
-// Pipelines as they would run by themselves on the first shot: without captures, with the smallest heap
+// Contenders as they would run by themselves on the first shot: without captures, with the smallest heap
 // looked for.
-std::optional<std::vector<PipelinePlan>> plan_pipelines(const Job& job, const Device& device,
-                                                        const Facts& facts, Diagnostics& diagnostics) {
+std::optional<std::vector<PipelinePlan>> plan_contenders(const Job& job, const Device& device,
+                                                         const Facts& facts, Diagnostics& diagnostics) {
     DeviceTable table = device_table(handles_of(device));
     table.features = features_of(device);
-    CompileOptions options;
-    options.optimum_search_nodes = report_search_nodes;
     std::vector<PipelinePlan> plans;
     for (size_t c = 0; c < job.results.contenders.size(); ++c) {
         const Contender& contender = job.results.contenders[c];
-        if (contender.brute_force) continue;
+        CompileOptions options;
+        if (!contender.variant()) options.optimum_search_nodes = report_search_nodes;
         const Target target = standalone_target(contender.pipeline, table, job.results.study.size, facts);
         auto plan = compile(contender.pipeline, target, options, diagnostics);
         if (!plan) return std::nullopt;
         plans.push_back({c, std::move(*plan)});
     }
     return plans;
+}
+
+// What all contenders take that stand ready at once, each with a host of its own, and the masks that are
+// kept.
+std::string memory_text(const Job& job, const std::vector<PipelinePlan>& plans) {
+    constexpr uint64_t host_bytes = 32;  // per pixel of depth, normal, motion and albedo
+    const Study& study = job.results.study;
+    const uint64_t pixels = uint64_t{study.size[0]} * study.size[1];
+    const uint64_t masks =
+        std::max<uint64_t>(study.moving_frames / study.moving_every, study.after_cut.size()) * study.seeds *
+        plans.size() * sizeof(float);
+    uint64_t bytes = pixels * (masks + host_bytes * plans.size());
+    for (const PipelinePlan& planned : plans) bytes += planned.plan.memory.heap_bytes;
+    return fmt::format(
+        "{} contenders at {}x{}: about {:.1f} GiB of memory beside the scenes, of {:.1f} that this "
+        "machine has",
+        plans.size(), study.size[0], study.size[1], static_cast<double>(bytes) / (1 << 30),
+        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE)) /
+            (1 << 30));
 }
 
 void write_text(const fs::path& file, const std::string& text) {
@@ -217,20 +255,26 @@ int run_report(const ReportArguments& arguments) {
     job->results.device = device.info();
     Shot first = job->shots.front().moving;
     first.size = job->results.study.size;
-    const bool measured = Measuring(*job, device, *nodes, arguments, diagnostics, warnings).all();
-    std::set<std::string> said;
-    for (const std::string& warning : warnings)
-        if (said.insert(warning).second) std::cerr << "warning: " << warning << "\n";
-    auto scene = measured ? load_scene(first, diagnostics, warnings) : std::nullopt;
+    auto scene = load_scene(first, diagnostics, warnings);
     std::optional<std::vector<PipelinePlan>> plans;
     if (scene) {
         const StandaloneHost host(device, first, std::move(*scene), {first.size, 1, false});
-        plans = plan_pipelines(*job, device, host.facts(), diagnostics);
+        plans = plan_contenders(*job, device, host.facts(), diagnostics);
     }
-    if (!plans) {
+    bool measured = false;
+    if (plans) {
+        std::cerr << memory_text(*job, *plans) << "\n";
+        measured = Measuring(*job, device, *nodes, arguments, diagnostics, warnings).all();
+    }
+    std::set<std::string> said;
+    for (const std::string& warning : warnings)
+        if (said.insert(warning).second) std::cerr << "warning: " << warning << "\n";
+    if (!measured) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
+    std::erase_if(*plans,
+                  [&](const PipelinePlan& p) { return job->results.contenders[p.contender].variant(); });
     write_text(job->folder / "results.json", to_json(job->results).dump(2) + "\n");
     write_text(job->folder / "results.csv", to_csv(job->results));
     write_text(job->folder / "tables.md", markdown_tables(job->results));

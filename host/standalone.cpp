@@ -61,9 +61,13 @@ CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
     return fit_cascades(request);
 }
 
+bool StandaloneHost::cut(uint32_t index) const {
+    return std::ranges::binary_search(shot_.cuts, index);
+}
+
 StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     const double aspect = double(options_.size[0]) / options_.size[1];
-    const bool has_previous = !reset && index > 0;
+    const bool has_previous = !reset && index > 0 && !cut(index);
     const uint32_t previous = has_previous ? index - 1 : index;
     StandaloneFrame out;
     FrameDescription& description = out.description;

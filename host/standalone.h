@@ -42,8 +42,10 @@ class StandaloneHost {
     StandaloneHost(const StandaloneHost&) = delete;  // the G-buffer refers to the scene beside it
     StandaloneHost& operator=(const StandaloneHost&) = delete;
 
-    // `reset`: the frame has no history (the first one, a cut, a cold start); its previous camera is its own.
+    // `reset`: the frame has no history (the first one, a cold start); its previous camera is its own.
     StandaloneFrame frame(uint32_t index, bool reset) const;
+    // Whether the shot cuts to this frame: it then has no history either.
+    bool cut(uint32_t index) const;
     // The shadow maps of a frame.
     CascadeFit cascade_fit(uint32_t index) const;
     // The most cascades that a frame of the shot has, at least one: layers of the maps.

@@ -132,9 +132,10 @@ TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
         render("--out " + out.string() + " --size 48x32 --frames 1..3 --every 2 --capture depth,view_depth"));
     ASSERT_EQ(result.code, 0) << result.err;
     const Json report = Json::parse(read_file(out / "report.json"));
-    for (const char* key : {"penumbra", "version",  "pipeline", "shot",     "seed",     "size",   "frames",
-                            "settings", "captures", "device",   "facts",    "frame_ms", "cpu_ms", "passes",
-                            "culled",   "memory",   "counts",   "validate", "warnings", "outputs"})
+    for (const char* key :
+         {"penumbra", "version",  "pipeline", "shot",     "seed",     "size",     "frames",
+          "settings", "captures", "device",   "facts",    "frame_ms", "cpu_ms",   "passes",
+          "culled",   "memory",   "counts",   "by_frame", "validate", "warnings", "outputs"})
         EXPECT_TRUE(report.contains(key)) << key;
     EXPECT_EQ(report["frames"], (Json{1, 3}));
     EXPECT_EQ(report["size"], (Json{48, 32}));
@@ -155,6 +156,56 @@ TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
         frames.insert(output["frame"].get<int>());
     }
     EXPECT_EQ(frames, (std::set<int>{1, 3}));
+}
+
+// A cut is a cold start, to the bit; and without one the past is seen.
+TEST_F(CliRender, AFrameAfterACutHasNoHistory) {
+    Json shot = Json::parse(read_file(fs::path(PENUMBRA_SOURCE_DIR) / "scenes/colonnade.shot.json"));
+    shot["scene"] = PENUMBRA_SOURCE_DIR "/scenes/colonnade.glb";
+    shot.erase("$schema");
+    const std::string whole = file("whole.shot.json", shot.dump());
+    shot["cuts"] = {3, 5};
+    const std::string cut = file("cut.shot.json", shot.dump());
+    const auto report = [&](const std::string& of, const std::string& more) {
+        const Result result = run("render pipelines/shadows.json --size 64x36 --no-jitter --shot " + of +
+                                  " --out " + (folder_ / "o").string() + " --frames " + more);
+        EXPECT_EQ(result.code, 0) << result.err;
+        return Json::parse(read_file(folder_ / "o/report.json"));
+    };
+    const auto hash = [](const Json& of, const std::string& name, int frame) {
+        for (const Json& output : of["outputs"])
+            if (output["resource"] == name && output["frame"] == frame)
+                return output["hash"].get<std::string>();
+        ADD_FAILURE() << name;
+        return std::string();
+    };
+    const Json cuts = report(cut, "0..5"), cold = report(whole, "5..5 --cold"), warm = report(whole, "0..5");
+    for (const char* name : {"visibility", "color"}) {
+        EXPECT_EQ(hash(cuts, name, 5), hash(cold, name, 5)) << name;
+        EXPECT_NE(hash(cuts, name, 5), hash(warm, name, 5)) << name;
+        EXPECT_EQ(hash(cuts, name, 2), hash(warm, name, 2)) << name;
+        EXPECT_NE(hash(cuts, name, 4), hash(warm, name, 4)) << name;
+    }
+    ASSERT_EQ(cuts["by_frame"].size(), 6u);
+    for (uint32_t frame = 0; frame < 6; ++frame) {
+        const Json& one = cuts["by_frame"][frame];
+        EXPECT_EQ(one["frame"], frame);
+        EXPECT_EQ(one["reset"], frame == 0 || frame == 3 || frame == 5);
+        EXPECT_EQ(warm["by_frame"][frame]["reset"], frame == 0);
+        EXPECT_GT(one["rays"], 0);
+        EXPECT_LE(one["rays"], one["receivers"]);  // one per pixel
+        EXPECT_LT(one["mask_cpu_ms"], one["cpu_ms"]);
+    }
+    ASSERT_EQ(cold["by_frame"].size(), 1u);
+    EXPECT_EQ(cold["by_frame"][0]["frame"], 5);
+    for (const Json& pass : cuts["passes"]) {
+        const std::string type = pass["type"];
+        EXPECT_EQ(pass["mask"], type != "shade" && type != "taa" && type != "capture") << type;
+        EXPECT_EQ(pass["params"].is_null(), type == "capture") << type;
+        if (type == "trace") {
+            EXPECT_EQ(pass["params"]["rays_per_pixel"], 1);
+        }
+    }
 }
 
 TEST_F(CliRender, ValidateReportsEveryResource) {

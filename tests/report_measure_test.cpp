@@ -3,6 +3,7 @@
 // of render, reference and compare, and mistakes leave no page behind.
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -20,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t contender_count = 2 + (brute_force_rays.size() - 1) + proved_rays.size();  // raw is one ray
+
 class ReportMeasure : public test::GpuTest {
   protected:
     void SetUp() override {
@@ -28,13 +31,14 @@ class ReportMeasure : public test::GpuTest {
         fs::create_directories(folder_ / "images");
         fs::create_directories(folder_ / "shots");
         Diagnostics diagnostics;
-        auto contenders = open_contenders({pipeline("raw"), pipeline("shadows")}, {}, nodes_, diagnostics);
+        auto contenders =
+            open_contenders({pipeline("raw"), pipeline("shadows")}, PENUMBRA_SOURCE_DIR, nodes_, diagnostics);
         ASSERT_TRUE(contenders) << diagnostics.text();
         results_.contenders = std::move(contenders->list);
         results_.device = test::gpu().info();
         Study& study = results_.study;
         study.size = study.edge_size = {64, 48};
-        study.seeds = 2;
+        study.seeds = study.rounds = 2;
         study.rays = 256;
         study.after_cut = {1, 4};
         study.moving_frames = 8;
@@ -58,29 +62,59 @@ class ReportMeasure : public test::GpuTest {
         return 0;
     }
     Bench bench() {
-        return {test::gpu(), nodes_, folder_, [this](uint64_t work) { work_ += work; }};
+        return {test::gpu(), nodes_, folder_, [this](uint64_t work) { work_ += work; },
+                [this](const std::string& text) { said_ += text; }};
     }
 
     fs::path folder_;
     NodeSet nodes_ = shadow_nodes();
     Results results_;
     uint64_t work_ = 0;
+    std::string said_;
 };
+
+// Every number of plain rays competes once, whether its pipeline was asked for or not.
+TEST_F(ReportMeasure, PlainRaysAreContendersOnce) {
+    Diagnostics diagnostics;
+    for (const bool all : {false, true}) {
+        const std::vector<std::string> wanted =
+            all ? std::vector<std::string>{} : std::vector{pipeline("shadows")};
+        const auto contenders = open_contenders(wanted, PENUMBRA_SOURCE_DIR, nodes_, diagnostics, true);
+        ASSERT_TRUE(contenders) << diagnostics.text();
+        std::multiset<std::pair<bool, uint32_t>> plain, every;
+        std::set<std::string> ids;
+        for (const Contender& c : contenders->list) {
+            EXPECT_TRUE(ids.insert(c.id).second) << c.id;
+            EXPECT_EQ(std::ranges::count(c.pipeline.inputs, "cascade_maps", &HostInput::name), 0) << c.id;
+            if (c.plain) plain.emplace(c.plain->proofs, c.plain->per_pixel);
+        }
+        for (const uint32_t rays : brute_force_rays) every.emplace(false, rays);
+        for (const uint32_t rays : proved_rays) every.emplace(true, rays);
+        EXPECT_EQ(plain, every);
+        EXPECT_EQ(ids.contains("raw") && ids.contains("many_rays"), all);
+        EXPECT_EQ(ids.contains("rays_1") && ids.contains("many_rays_16"), !all);
+        std::set<std::string> left_out;
+        for (const LeftOut& left : contenders->left_out) left_out.insert(fs::path(left.file).filename());
+        EXPECT_EQ(left_out.contains("hybrid_cascades.json"), all);
+    }
+}
 
 TEST_F(ReportMeasure, BruteForceGainsWithEveryRayAndIsChargedForIt) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const EdgeShot edge = make_edge_shot(16, 1, results_.study.edge_frame, folder_ / "shots", diagnostics);
     ASSERT_TRUE(measure_edge(bench(), edge, results_, diagnostics, warnings)) << diagnostics.text();
-    ASSERT_EQ(results_.edge.size(), 5u);
+    ASSERT_EQ(results_.edge.size(), contender_count);
     EXPECT_EQ(work_, work_of_edge(results_.study));
-    const auto n_eff = [&](const char* id) { return *results_.edge[contender(id)].metrics.n_eff; };
+    const auto n_eff = [&](const std::string& id) { return *results_.edge[contender(id)].metrics.n_eff; };
     EXPECT_NEAR(n_eff("raw"), 1,
                 0.12);  // one ray is one ray: about 1500 pixels and two seeds say so within 5 %
-    // A pixel's rays are spread evenly: N rays are worth more than N.
-    EXPECT_GT(n_eff("rays_4"), 4);
-    EXPECT_GT(n_eff("rays_16"), 16);
-    EXPECT_GT(n_eff("rays_64"), 64);
+    // A pixel's rays are spread evenly: N rays are worth more than N. Proofs change none of them.
+    for (const uint32_t rays : {2u, 4u, 8u, 16u, 32u, 64u}) {
+        const std::string id = "rays_" + std::to_string(rays);
+        EXPECT_GT(n_eff(id), rays);
+        EXPECT_EQ(n_eff(id), n_eff("many_" + id));
+    }
 }
 
 TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
@@ -91,7 +125,9 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
     ASSERT_TRUE(shot) << diagnostics.text();
     ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
     EXPECT_EQ(work_, work_of_shot(results_.study));
-    ASSERT_EQ(results_.rows.size(), 5u);
+    ASSERT_EQ(results_.rows.size(), contender_count);
+    EXPECT_NE(said_.find("14 contenders in 2 rounds, besides the truth of 2 frames"), std::string::npos)
+        << said_;
     for (const Row& row : results_.rows) {
         EXPECT_EQ(row.after_cut.size(), 2u);
         EXPECT_EQ(row.over_time.size(), 2u);
@@ -100,14 +136,20 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
         EXPECT_LE(row.mask_cost(cpu)->median, (cpu ? row.frame_cpu_ms : row.frame_ms)->median);
         for (const std::string& image : row.images)
             EXPECT_TRUE(fs::is_regular_file(folder_ / image)) << image;
-        const std::optional<uint32_t> rays = results_.contenders[row.contender].brute_force;
-        EXPECT_NEAR(*row.rays_per_pixel, rays.value_or(1), 1e-6);  // all pixels of the plane are undecided
+        const std::optional<PlainRays>& plain = results_.contenders[row.contender].plain;
+        if (plain && plain->proofs) {
+            EXPECT_LT(*row.rays_per_pixel, 0.9 * plain->per_pixel);  // some tiles are decided
+            EXPECT_EQ(row.same_as, contender("rays_" + std::to_string(plain->per_pixel)));
+            EXPECT_FALSE(row.passes.empty());  // its cost is its own
+        } else {
+            EXPECT_NEAR(*row.rays_per_pixel, plain ? plain->per_pixel : 1, 1e-6);  // all pixels are undecided
+        }
     }
 
     for (const auto& [file, frames, every, id, setting, still] :
          {std::tuple(shot->moving.file, "3..7", 4u, "shadows", "", false),
-          std::tuple(shot->still.file, "3", 1u, "shadows", "", true),
-          std::tuple(shot->still.file, "3", 1u, "raw", "", true),
+          std::tuple(shot->still->file, "3", 1u, "shadows", "", true),
+          std::tuple(shot->still->file, "3", 1u, "raw", "", true),
           std::tuple(shot->moving.file, "3..7", 4u, "raw", "", false),
           std::tuple(shot->moving.file, "3..7", 4u, "rays_4", "nodes.trace.params.rays_per_pixel=4",
                      false)}) {
@@ -210,7 +252,7 @@ TEST_F(ReportMeasure, AMaskWithoutHistoryDoesNotKnowItsPast) {
         };
         const auto goes_on = open(), starts = open();
         ASSERT_TRUE(goes_on && starts) << diagnostics.text();
-        if (contender.brute_force) continue;
+        if (contender.variant()) continue;
         if (goes_on->has_history()) {
             with.insert(contender.id);
             continue;
@@ -261,6 +303,42 @@ TEST_F(ReportMeasure, AnInterruptedRunGoesOnWhereItWas) {
     EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
     arguments.again = true;
     EXPECT_NE(run().second.find("shot.edge_8px_+0.5: 1 of 8 parts"), std::string::npos);
+}
+
+// At an odd size, with what a front has and without what it has not.
+TEST_F(ReportMeasure, AFrontIsMeasuredInMotionAlone) {
+    Diagnostics diagnostics;
+    ReportArguments arguments;
+    arguments.out = (folder_ / "out").string();
+    arguments.front = true;
+    arguments.size = "99x77";
+    arguments.rounds = 1;
+    arguments.rays = 64;
+    arguments.pipelines = {pipeline("shadows")};
+    arguments.shots = {make_edge_shot(8, 0.5, 15, folder_ / "shots", diagnostics).shot.file.string()};
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    ASSERT_EQ(run_report(arguments), exit_good);
+    testing::internal::GetCapturedStdout();
+    const std::string said = testing::internal::GetCapturedStderr();
+    EXPECT_NE(said.find("14 contenders at 99x77: about "), std::string::npos) << said;
+    EXPECT_NE(said.find("1 of 1 parts"), std::string::npos) << said;
+    std::ifstream stream(folder_ / "out/results.json");
+    const auto json = nlohmann::json::parse(stream);
+    ASSERT_EQ(json["results"].size(), 14u);
+    EXPECT_TRUE(json["edge"].empty());
+    EXPECT_TRUE(json["shots"][0]["still_file"].is_null());
+    size_t on_front = 0;
+    for (const auto& row : json["results"]) {
+        EXPECT_TRUE(row["after_cut"].empty());
+        ASSERT_EQ(row["over_time"].size(), 1u);
+        EXPECT_EQ(row["over_time"][0]["frame"], 15);
+        EXPECT_FALSE(row["mask_ms"]["median"].is_null() && row["mask_cpu_ms"]["median"].is_null());
+        EXPECT_GT(row["front"]["n_eff_over_plain"]["value"], 0);
+        on_front += row["front"]["on_front"].get<bool>();
+    }
+    EXPECT_GE(on_front, 1u);
+    EXPECT_TRUE(fs::exists(folder_ / "out/index.html"));
 }
 
 TEST_F(ReportMeasure, MistakesAreFoundFirstAndLeaveNoPage) {

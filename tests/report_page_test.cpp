@@ -118,6 +118,18 @@ TEST_F(ReportPage, NeedsNoOtherFile) {
     EXPECT_EQ(text.find("{{"), std::string::npos);
 }
 
+TEST_F(ReportPage, HasNoSectionOfWhatWasNotMeasured) {
+    results_.study = front_study();
+    results_.edge.clear();
+    for (Row& row : results_.rows) row.after_cut.clear();
+    const std::string text = page();
+    for (const char* gone : {"id=\"headline\"", "#headline", "id=\"edge\"", "#edge", "class=\"after-cut\"",
+                             "class=\"over-time\"", "{{"})
+        EXPECT_EQ(text.find(gone), std::string::npos) << gone;
+    EXPECT_EQ(count(text, "class=\"front\""), 2u);
+    EXPECT_NE(text.find("brute force&#39;s time"), std::string::npos);
+}
+
 TEST_F(ReportPage, ShowsWhatItIsGivenAsText) {
     const std::string text = page();
     EXPECT_NE(text.find("penumbra report --out &quot;&lt;x&gt;&quot;"), std::string::npos);

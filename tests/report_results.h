@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Results that nothing has measured, for tests of what is made of them: one shot, two pipelines, brute force.
+// Results that nothing has measured, for tests of what is made of them: one shot, two pipelines, plain rays.
 #pragma once
 
 #include "app/report/results.h"
@@ -25,9 +25,16 @@ inline report::Results made_up_results() {
     results.study.edge_speeds_px = {-1, 0, 1};
     results.device = {"a device", "a driver", true, 0, 8, ""};
     for (const char* id : {"raw", "smooth"})
-        results.contenders.push_back({id, std::string("pipelines/") + id + ".json", "A <pipeline>.", {}, {}});
-    for (const uint32_t rays : brute_force_rays)
-        results.contenders.push_back({"rays_" + std::to_string(rays), "", "Brute force.", rays, {}});
+        results.contenders.push_back({id, std::string("pipelines/") + id + ".json", "A <pipeline>."});
+    results.contenders[0].plain = report::PlainRays{1, false};
+    for (const uint32_t rays : {4u, 16u, 64u})
+        results.contenders.push_back({"rays_" + std::to_string(rays),
+                                      "",
+                                      "Brute force.",
+                                      PlainRays{rays, false},
+                                      {"rays_per_pixel=" + std::to_string(rays)}});
+    results.contenders.push_back(
+        {"many_rays_16", "", "Behind proofs.", PlainRays{16, true}, {"rays_per_pixel=16"}});
     results.shots.push_back({"hall", "scenes/hall.shot.json", "shots/hall.still.shot.json"});
     results.shots[0].size = {16, 9};
     for (size_t c = 0; c < results.contenders.size(); ++c) {

@@ -226,6 +226,7 @@ const std::set<std::string> beyond_schemas = {
     "analytic_polygon.shot.json",
     "analytic_sphere.shot.json",
     "half_plane_sun.shot.json",
+    "cuts_fall.shot.json",
     "keys_fall.shot.json",
     "sun_turns_over.shot.json",
     "up_along_view.shot.json",

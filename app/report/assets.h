@@ -5,6 +5,8 @@
 namespace penumbra::report::assets {
 
 extern const char* const page_html;      // the whole, with {{places}}
+extern const char* const headline_html;  // masks after a cut
+extern const char* const edge_html;      // masks behind moving edges
 extern const char* const shot_html;      // a section per shot
 extern const char* const pipeline_html;  // an article per pipeline
 extern const char* const style_css;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 
 #include "app/reference_pipeline.h"
 #include "app/report/study.h"
@@ -29,18 +30,55 @@ std::optional<CheckedPipeline> checked(const std::optional<Pipeline>& pipeline, 
     return pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
 }
 
-void add_brute_force(Contenders& contenders, const NodeSet& nodes, Diagnostics& diagnostics) {
-    for (const uint32_t rays : brute_force_rays) {
+bool reads_maps(const CheckedPipeline& pipeline) {
+    return std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
+        return input.name == "cascade_maps" || input.name == "cascade_bounds";
+    });
+}
+
+// A pipeline with other numbers of rays, but those that a contender of its kind has already.
+void add_plain_rays(Contenders& contenders, std::span<const uint32_t> numbers, bool proofs,
+                    const std::string& file, const NodeSet& nodes, Diagnostics& diagnostics) {
+    for (const uint32_t rays : numbers) {
+        const auto is_same = [&](const Contender& c) {
+            return c.plain && c.plain->proofs == proofs && c.plain->per_pixel == rays;
+        };
+        if (std::ranges::any_of(contenders.list, is_same)) continue;
         const std::vector<std::string> settings{fmt::format("nodes.trace.params.rays_per_pixel={}", rays)};
-        auto pipeline =
-            checked(parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics), nodes,
-                    diagnostics);
-        if (pipeline)
-            contenders.list.push_back(
-                {fmt::format("rays_{}", rays), "",
-                 fmt::format("{} rays per pixel, not denoised: raw.json --set {}.", rays, settings.front()),
-                 rays, std::move(*pipeline)});
+        auto pipeline = checked(proofs ? load_pipeline(file, settings, diagnostics)
+                                       : parse_pipeline(raw_pipeline_text, file, settings, diagnostics),
+                                nodes, diagnostics);
+        if (!pipeline) return;
+        const std::string doc =
+            fmt::format("{} per pixel, not denoised: {} --set {}.",
+                        rays == 1 ? "One ray" : fmt::format("{} rays", rays), file, settings.front());
+        contenders.list.push_back({fmt::format("{}rays_{}", proofs ? "many_" : "", rays), file, doc,
+                                   PlainRays{rays, proofs}, settings, std::move(*pipeline)});
     }
+}
+
+// The rays per pixel of the node that traces; nothing where there is none, or several.
+std::optional<uint32_t> rays_per_pixel(const CheckedPipeline& pipeline) {
+    std::optional<uint32_t> rays;
+    for (const BoundNode& node : pipeline.nodes)
+        for (size_t i = 0; i < node.params.size(); ++i)
+            if (node.type().params[i].name == "rays_per_pixel") {
+                if (rays) return std::nullopt;
+                if (const auto* value = std::get_if<uint32_t>(&node.params[i])) rays = *value;
+                if (const auto* value = std::get_if<int32_t>(&node.params[i]))
+                    rays = static_cast<uint32_t>(*value);
+            }
+    return rays;
+}
+
+// Whether a given file is one of the two whose rays are plain.
+std::optional<PlainRays> plain_rays(const fs::path& file, const fs::path& root,
+                                    const CheckedPipeline& pipeline) {
+    std::error_code none;
+    for (const bool proofs : {false, true})
+        if (fs::equivalent(file, root / "pipelines" / (proofs ? "many_rays.json" : "raw.json"), none))
+            if (const auto rays = rays_per_pixel(pipeline)) return PlainRays{*rays, proofs};
+    return std::nullopt;
 }
 
 }  // namespace
@@ -88,7 +126,7 @@ std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& 
 }
 
 std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted, const fs::path& root,
-                                          const NodeSet& nodes, Diagnostics& diagnostics) {
+                                          const NodeSet& nodes, Diagnostics& diagnostics, bool without_maps) {
     Contenders contenders;
     std::vector<fs::path> files;
     for (const std::string& name : wanted)
@@ -100,7 +138,9 @@ std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted
     for (const fs::path& file : files) {
         auto pipeline = checked(load_pipeline(file, {}, diagnostics), nodes, diagnostics);
         if (!pipeline) continue;
-        const auto why = obstacle(*pipeline);
+        auto why = obstacle(*pipeline);
+        if (!why && wanted.empty() && without_maps && reads_maps(*pipeline))
+            why = "reads shadow maps, whose drawing is in no pass";
         if (why && wanted.empty()) {
             contenders.left_out.push_back({file.generic_string(), *why});
             continue;
@@ -110,9 +150,20 @@ std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted
             if (other.id == pipeline->name)
                 diagnostics.add({file.string(), 0, 0}, "name",
                                 fmt::format("\"{}\" is the name of {} too", pipeline->name, other.file));
-        contenders.list.push_back({pipeline->name, file.generic_string(), pipeline->doc, {}, *pipeline});
+        contenders.list.push_back({pipeline->name,
+                                   file.generic_string(),
+                                   pipeline->doc,
+                                   plain_rays(file, root, *pipeline),
+                                   {},
+                                   *pipeline});
     }
-    if (diagnostics.empty()) add_brute_force(contenders, nodes, diagnostics);
+    if (diagnostics.empty())
+        add_plain_rays(contenders, brute_force_rays, false, "pipelines/raw.json", nodes, diagnostics);
+    const std::string proved = (root == "." ? "pipelines/many_rays.json" : root / "pipelines/many_rays.json");
+    if (root.empty())
+        contenders.left_out.push_back({"pipelines/many_rays.json", "is not near the program"});
+    else if (diagnostics.empty())
+        add_plain_rays(contenders, proved_rays, true, proved, nodes, diagnostics);
     if (!diagnostics.empty()) return std::nullopt;
     return contenders;
 }

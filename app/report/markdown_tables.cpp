@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/report/front_figures.h"
 #include "app/report/html.h"
 #include "app/report/plots.h"
 
@@ -86,6 +87,48 @@ std::string moving(const Results& results) {
     return out;
 }
 
+// CPU ms / N_eff / N_eff over that of the best plain rays in this time / how many times this time brute force
+// needs.
+std::string front(const Results& results) {
+    std::string out =
+        head(shot_names(results, fmt::format("{} ms / N_eff / x plain rays / brute force's time",
+                                             cost_is_cpu(results) ? "CPU" : "GPU")));
+    for (size_t c = 0; c < results.contenders.size(); ++c) {
+        std::vector<std::string> cells{label(results.contenders[c])};
+        for (size_t s = 0; s < results.shots.size(); ++s) {
+            const Row* row = results.row(s, c);
+            const auto point = row ? front_point(results, *row) : std::nullopt;
+            if (!point) {
+                cells.push_back("-");
+                continue;
+            }
+            const FrontFigure figure = front_figure(results, *row);
+            const std::string cell = fmt::format(
+                "{} / {}{}", short_number(point->cost), figure.exact ? "exact" : short_number(point->worth),
+                figure.exact
+                    ? ""
+                    : fmt::format(" / {} / {}", over_plain_text(figure), brute_force_time_text(figure)));
+            cells.push_back(figure.on_front ? "**" + cell + "**" : cell);
+        }
+        out += line(cells);
+    }
+    return out;
+}
+
+std::string counted(uint32_t number, const char* what) {
+    return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+// "frame 15", "frames 11 to 63 in steps of 4"
+std::string pooled_frames(const Study& study) {
+    std::vector<uint32_t> frames;
+    for (uint32_t f = study.moving_every - 1; f < study.moving_frames; f += study.moving_every)
+        if (f >= study.settling) frames.push_back(f);
+    if (frames.empty()) return "no frame";
+    if (frames.size() == 1) return fmt::format("frame {}", frames.front());
+    return fmt::format("frames {} to {} in steps of {}", frames.front(), frames.back(), study.moving_every);
+}
+
 std::string edge(const Results& results) {
     std::vector<std::string> columns{"N_eff at rest / worst (at px per frame)"};
     for (const double width : results.study.edge_widths_px) columns.push_back(fmt::format("{:g} px", width));
@@ -111,17 +154,27 @@ std::string edge(const Results& results) {
 
 std::string markdown_tables(const Results& results) {
     const Study& study = results.study;
-    return fmt::format(
-        "    {}\n\n"
-        "{} x {} pixels, {} seeds, {}, penumbra {}. Contenders in one row have the same masks to the bit.\n\n"
-        "Each shot standing still:\n\n{}\n"
-        "Each shot as it moves, frames {} to {}; cost of the mask per frame (+ of drawing the shadow maps "
-        "that it "
-        "reads):\n\n{}\n"
-        "Behind a straight edge, {} frames after the start, by the width of its penumbra:\n\n{}",
-        results.command, study.size[0], study.size[1], study.seeds, results.device.driver, PENUMBRA_VERSION,
-        after_cut(results), study.settling, study.moving_frames - 1, moving(results), study.edge_frame + 1,
-        edge(results));
+    std::string out = fmt::format(
+        "    {}\n\n{} x {} pixels, {}, {}, penumbra {}.\n\n"
+        "Speed against error of each shot as it moves, {}: cost of all that makes the mask, each pass at the "
+        "least of {} in turn; effective rays per pixel, over all receivers; these over what the best plain "
+        "rays have in the same time; and how many times the time brute force needs for them (~: "
+        "extrapolated). Bold: no other contender is as fast and as good.\n\n{}",
+        results.command, study.size[0], study.size[1], counted(study.seeds, "seed"), results.device.driver,
+        PENUMBRA_VERSION, pooled_frames(study), counted(study.rounds, "round"), front(results));
+    if (!study.after_cut.empty())
+        out += fmt::format(
+            "\nContenders in one row have the same masks to the bit.\n\nEach shot standing still:\n\n{}",
+            after_cut(results));
+    out += fmt::format(
+        "\nEach shot as it moves; cost of the mask per frame (+ of drawing the shadow maps that it "
+        "reads):\n\n{}",
+        moving(results));
+    if (!study.edge_widths_px.empty())
+        out += fmt::format(
+            "\nBehind a straight edge, {} frames after the start, by the width of its penumbra:\n\n{}",
+            study.edge_frame + 1, edge(results));
+    return out;
 }
 
 }  // namespace penumbra::report

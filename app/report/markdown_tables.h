@@ -8,8 +8,8 @@
 
 namespace penumbra::report {
 
-// N_eff after a cut, error and cost in motion, and behind the moving edge: a row per contender. Contenders
-// whose masks are the same to the bit everywhere share a row where only masks count.
+// Speed against error, N_eff after a cut, error and cost in motion, and behind the moving edge: a row per
+// contender. Contenders whose masks are the same to the bit everywhere share a row where only masks count.
 std::string markdown_tables(const Results& results);
 
 }  // namespace penumbra::report

@@ -5,10 +5,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <ctime>
-#include <numeric>
 #include <set>
 
+#include "app/progress.h"
 #include "app/report/images.h"
 #include "app/report/truth_source.h"
 #include "app/report/turns.h"
@@ -40,6 +41,13 @@ std::set<uint32_t> moving_frames_judged(const Study& study) {
     std::set<uint32_t> frames;
     for (uint32_t f = study.moving_every - 1; f < study.moving_frames; f += study.moving_every)
         frames.insert(f);
+    return frames;
+}
+
+// Costs are of the frames whose errors are pooled.
+std::set<uint32_t> moving_frames_timed(const Study& study) {
+    std::set<uint32_t> frames = moving_frames_judged(study);
+    std::erase_if(frames, [&](uint32_t frame) { return frame < study.settling; });
     return frames;
 }
 
@@ -155,7 +163,13 @@ void judge_motion(const Bench& bench, const Study& study, TruthSource& source, c
 }
 
 void add_costs(const Costs& costs, Size size, Row& row) {
-    row.maps_cpu_ms = median_of(costs.maps_cpu_ms);
+    std::vector<double> maps;
+    double rays = 0;
+    for (const auto& [number, frame] : costs.frames) {
+        if (frame.maps_cpu_ms) maps.push_back(*frame.maps_cpu_ms);
+        rays += frame.rays;
+    }
+    row.maps_cpu_ms = median_of(std::move(maps));
     row.mask_ms = costs.sum(&PassCost::ms, true);
     row.frame_ms = costs.sum(&PassCost::ms, false);
     row.mask_cpu_ms = costs.sum(&PassCost::cpu_ms, true);
@@ -163,8 +177,51 @@ void add_costs(const Costs& costs, Size size, Row& row) {
     for (size_t p = 0; p < costs.passes.size(); ++p)
         row.passes.push_back(
             {costs.passes[p], costs.pass(p, &PassCost::ms), costs.pass(p, &PassCost::cpu_ms)});
-    const double rays = std::accumulate(costs.rays.begin(), costs.rays.end(), 0.0);
-    if (rays > 0) row.rays_per_pixel = rays / (static_cast<double>(costs.rays.size()) * size[0] * size[1]);
+    if (rays > 0) row.rays_per_pixel = rays / (static_cast<double>(costs.frames.size()) * size[0] * size[1]);
+}
+
+bool measure_stillness(const Bench& bench, const Study& study, const Shot& still,
+                       const std::vector<Contender>& contenders, std::span<Row> rows,
+                       std::vector<size_t>& originals, Diagnostics& diagnostics,
+                       std::vector<std::string>& warnings) {
+    const auto runners =
+        open_runners(bench.device, bench.nodes, contenders, still, study.size, false, diagnostics, warnings);
+    TruthSource source(bench.device, still, study.size, study.rays, study.analytic_border_px, diagnostics,
+                       warnings);
+    if (runners.empty() || !source.ready()) return false;
+    TurnsOptions options;
+    options.frames = study.after_cut.back();
+    options.seeds = study.seeds;
+    options.still = true;
+    options.judged = {study.after_cut.back() - 2};  // beside the last one, for flicker
+    for (const uint32_t after : study.after_cut) options.judged.insert(after - 1);
+    const Turns turns(runners, options, [&] { bench.step(study.size[0] * study.size[1]); });
+    originals = turns.originals();
+    judge_stillness(study, source.at(0), turns, originals, rows);
+    bench.step(study.size[0] * study.size[1] * judging_work);
+    return true;
+}
+
+// Each contender runs once before anything is timed: shaders are compiled and memory is touched then. This
+// says how long all of their turns will take, at most: contenders of the same masks are left out of later
+// ones.
+void warm_up(const Bench& bench, const std::string& shot, const std::vector<std::unique_ptr<Runner>>& runners,
+             const TurnsOptions& options) {
+    double seconds = 0;
+    for (const auto& runner : runners) {
+        std::chrono::duration<double> once{};
+        constexpr double short_s = 0.5;  // the second time says more, and costs little
+        for (int again = 0; again < 2 && (again == 0 || once.count() < short_s); ++again) {
+            const auto start = std::chrono::steady_clock::now();
+            runner->run(0, true, false);
+            once = std::chrono::steady_clock::now() - start;
+        }
+        for (uint32_t round = 0; round < options.rounds(); ++round)
+            for (uint32_t frame = 0; frame < options.frames; ++frame)
+                if (takes_turn(options, *runner, true, round, frame)) seconds += once.count();
+    }
+    bench.say(fmt::format("{}: about {} for {} contenders in {} rounds, besides the truth of {} frames", shot,
+                          duration_text(seconds), runners.size(), options.rounds(), options.judged.size()));
 }
 
 }  // namespace
@@ -178,47 +235,34 @@ bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, 
         rows[c].shot = results.shots.size();
         rows[c].contender = c;
     }
-    ShotFacts facts{shot.name, shot.moving.file.generic_string(), shot.still.file.generic_string()};
+    ShotFacts facts{shot.name, shot.moving.file.generic_string(),
+                    shot.still ? shot.still->file.generic_string() : ""};
     facts.size = study.size;
     facts.measured = now_utc();
-    const auto ran = [&] { bench.step(study.size[0] * study.size[1]); };
     std::vector<size_t> originals_still;
-    {
-        const auto runners = open_runners(bench.device, bench.nodes, contenders, shot.still, study.size,
-                                          false, diagnostics, warnings);
-        TruthSource source(bench.device, shot.still, study.size, study.rays, study.analytic_border_px,
-                           diagnostics, warnings);
-        if (runners.empty() || !source.ready()) return false;
-        facts.exact = source.exact();
-        TurnsOptions options;
-        options.frames = study.after_cut.back();
-        options.seeds = study.seeds;
-        options.still = true;
-        options.judged = {study.after_cut.back() - 2};  // beside the last one, for flicker
-        for (const uint32_t after : study.after_cut) options.judged.insert(after - 1);
-        const Turns turns(runners, options, ran);
-        originals_still = turns.originals();
-        judge_stillness(study, source.at(0), turns, originals_still, rows);
-        bench.step(study.size[0] * study.size[1] * judging_work);
-    }
+    if (shot.still && !measure_stillness(bench, study, *shot.still, contenders, rows, originals_still,
+                                         diagnostics, warnings))
+        return false;
     const auto runners = open_runners(bench.device, bench.nodes, contenders, shot.moving, study.size, true,
                                       diagnostics, warnings);
     TruthSource source(bench.device, shot.moving, study.size, study.rays, study.analytic_border_px,
                        diagnostics, warnings);
     if (runners.empty() || !source.ready()) return false;
+    facts.exact = source.exact();
     TurnsOptions options;
     options.frames = study.moving_frames;
     options.seeds = study.seeds;
-    options.warm_up = study.warm_up;
+    options.timings = study.rounds;
     options.judged = moving_frames_judged(study);
-    options.costs = true;
-    const Turns turns(runners, options, ran);
+    options.timed = moving_frames_timed(study);
+    warm_up(bench, shot.name, runners, options);
+    const Turns turns(runners, options, [&] { bench.step(study.size[0] * study.size[1]); });
     const std::vector<size_t> originals = turns.originals();
     judge_motion(bench, study, source, turns, originals, contenders, facts, rows);
     for (Row& row : rows) {
         add_costs(turns.costs(row.contender), study.size, row);
-        if (const size_t original = originals[row.contender];
-            original != row.contender && original == originals_still[row.contender])
+        const size_t original = originals[row.contender];
+        if (original != row.contender && (!shot.still || original == originals_still[row.contender]))
             row.same_as = original;
     }
     results.shots.push_back(std::move(facts));
@@ -265,8 +309,10 @@ bool measure_edge(const Bench& bench, const EdgeShot& edge, Results& results, Di
 
 uint64_t work_of_shot(const Study& study) {
     const uint64_t pixels = uint64_t{study.size[0]} * study.size[1];
-    return pixels * (study.seeds * uint64_t{study.after_cut.back() + study.moving_frames} +
-                     judging_work * (1 + moving_frames_judged(study).size()));
+    const uint64_t still =
+        study.after_cut.empty() ? 0 : study.seeds * uint64_t{study.after_cut.back()} + judging_work;
+    return pixels * (still + std::max(study.seeds, study.rounds) * uint64_t{study.moving_frames} +
+                     judging_work * moving_frames_judged(study).size());
 }
 
 uint64_t work_of_edge(const Study& study) {

@@ -19,6 +19,7 @@ struct Bench {
     std::filesystem::path folder;  // of the report: images go to its images/
     // Called with the work that has been done since it was called last, for a progress bar.
     std::function<void(uint64_t)> step;
+    std::function<void(const std::string&)> say;  // a line for whoever waits
 };
 
 // Adds the shot and its rows. False, with diagnostics, where the shot or a plan is wrong.

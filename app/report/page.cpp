@@ -5,9 +5,11 @@
 
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include "app/report/assets.h"
 #include "app/report/dataflow_figure.h"
+#include "app/report/front_figures.h"
 #include "app/report/html.h"
 #include "app/report/images.h"
 #include "app/report/memory_figure.h"
@@ -44,14 +46,18 @@ std::string fact(const std::string& name, const std::string& value) {
 
 std::string legend(const Results& results) {
     std::string out;
-    bool brute_force = false;
+    std::set<std::string> shown;
     for (size_t c = 0; c < results.contenders.size(); ++c) {
-        if (results.contenders[c].brute_force && std::exchange(brute_force, true)) continue;
+        const Contender& contender = results.contenders[c];
         const std::string style = accent(results, c);
+        if (contender.variant() && !shown.insert(style).second) continue;
+        const std::string name = !contender.variant()      ? contender.id
+                                 : contender.brute_force() ? "brute force"
+                                                           : "rays behind proofs";
         out += fmt::format(
             "<button type=\"button\" class=\"{0}\" data-style=\"{0}\" aria-pressed=\"true\"><span "
             "class=\"key\" style=\"background:currentColor;color:inherit\"></span><span>{1}</span></button>",
-            style, brute_force ? "brute force" : escape(results.contenders[c].id));
+            style, escape(name));
     }
     return out;
 }
@@ -76,9 +82,21 @@ std::string images(const Results& results, size_t shot, const fs::path& folder) 
 size_t slider_choice(const Results& results, bool noisy) {
     size_t choice = 0;
     for (size_t c = 0; c < results.contenders.size(); ++c)
-        if (!results.contenders[c].brute_force && (!noisy || results.contenders[c].id == "raw"))
+        if (!results.contenders[c].variant() && (!noisy || results.contenders[c].id == "raw"))
             choice = 1 + 2 * c;  // behind the reference: mask and error in turns
     return choice;
+}
+
+std::string after_cut_figure(const Results& results, size_t shot) {
+    if (results.study.after_cut.empty()) return {};
+    return "<figure class=\"after-cut\">" + after_cut_plot(results, shot) +
+           "<figcaption>Error after a cut, nothing moves: what accumulation gains.</figcaption></figure>";
+}
+
+std::string over_time_figure(const Results& results, size_t shot) {
+    if (results.study.moving_frames < 2 * results.study.moving_every) return {};  // one frame is judged
+    return "<figure class=\"over-time\">" + over_time_plot(results, shot) +
+           "<figcaption>Error over the moving shot.</figcaption></figure>";
 }
 
 std::string shot_section(const Results& results, size_t shot, const fs::path& folder) {
@@ -97,8 +115,8 @@ std::string shot_section(const Results& results, size_t shot, const fs::path& fo
                                     {"legend", legend(results)},
                                     {"pareto_rmse", pareto_plot(results, shot, Quality::rmse)},
                                     {"pareto_n_eff", pareto_plot(results, shot, Quality::n_eff)},
-                                    {"after_cut", after_cut_plot(results, shot)},
-                                    {"over_time", over_time_plot(results, shot)},
+                                    {"after_cut", after_cut_figure(results, shot)},
+                                    {"over_time", over_time_figure(results, shot)},
                                     {"passes", passes_plot(results, shot)},
                                     {"left", fmt::to_string(slider_choice(results, true))},
                                     {"right", fmt::to_string(slider_choice(results, false))},
@@ -142,21 +160,34 @@ std::string method(const Results& results) {
     const Study& study = results.study;
     std::string out = fmt::format(
         "<p>All contenders stand ready in one process and take turns frame by frame, in an order that "
-        "rotates; every "
-        "run is repeated under {} seeds. Without jitter, since the truth is that of pixel centres. Times are "
-        "medians "
-        "over frames and seeds of the moving run without its first {} frames, with 95 % intervals from order "
-        "statistics. {}</p>",
-        study.seeds, study.warm_up,
+        "rotates; "
+        "errors are those of {} seeds, without jitter, since the truth is that of pixel centres. Times are "
+        "of the "
+        "frames whose errors are pooled, in the same run: each pass counts at the least of {} rounds, since "
+        "other "
+        "work on the machine only adds, and the figure is the median over the frames, with a 95 % interval "
+        "from "
+        "order statistics where there are six or more. {}</p>",
+        study.seeds, study.rounds,
         cost_is_cpu(results) ? "On this CPU device the cost is process CPU time, each pass submitted by "
-                               "itself: wall time would "
-                               "measure the machine's other work too."
+                               "itself: wall time would measure the machine's other work too."
                              : "The cost is GPU time between timestamps.");
     out +=
-        "<p>Cost of the mask: the passes that visibility depends on; not the shadow maps or the tree of "
-        "triangles, which the host makes. Brute force of N rays: the pipeline raw with N rays per pixel, "
-        "spread "
-        "evenly over the sun (<code>--set nodes.trace.params.rays_per_pixel=N</code>).</p>"
+        "<p>Cost of the mask: all passes that visibility depends on, in the frame or through history, guides "
+        "and "
+        "classification among them; not the shadow maps or the tree of triangles, which the host makes. "
+        "Brute force "
+        "of N rays: the pipeline raw with N rays per pixel, spread evenly over the sun (<code>--set "
+        "nodes.trace.params.rays_per_pixel=N</code>); many_rays N: the same where no proof has decided a "
+        "tile "
+        "before.</p>"
+        "<p>Equal time: the plain contenders that none of the others beats make a line, straight between "
+        "logarithms "
+        "of time and N<sub>eff</sub>; beyond its ends it goes on with the slope of its last piece, marked ~. "
+        "A "
+        "contender's N<sub>eff</sub> is divided by the line's at its time; for the time of brute force its "
+        "own line "
+        "is read the other way. An error that cannot be told from the truth's own counts as none (exact).</p>"
         "<p>A pipeline without history is judged where nothing moves in the last two frames alone: all "
         "frames "
         "after a cut are alike. One whose masks are to the bit those of another in all judged frames under "
@@ -164,7 +195,7 @@ std::string method(const Results& results) {
         "first seed (\"= other\" in a shot's table) is taken to have the other's under the other seeds, and "
         "behind the moving edges where that held in every shot; its cost is its own.</p>";
     if (!results.left_out.empty()) {
-        out += "<p>Left out, since they cannot run by themselves:</p><ul>";
+        out += "<p>Left out:</p><ul>";
         for (const LeftOut& left : results.left_out)
             out += fmt::format("<li>{}: {}</li>", escape(left.file), escape(left.why));
         out += "</ul>";
@@ -176,37 +207,50 @@ std::string method(const Results& results) {
 
 std::string report_page(const Results& results, const std::vector<PipelinePlan>& plans,
                         const fs::path& folder) {
-    std::string links, shots, edge_plots, pipelines;
+    const Study& study = results.study;
+    const bool edges = !study.edge_widths_px.empty(), still = edges && !study.after_cut.empty();
+    std::string links = still ? "<li><a href=\"#headline\">Headline</a></li>\n" : "";
+    std::string shots, edge_plots, pipelines;
     for (size_t s = 0; s < results.shots.size(); ++s) {
         const std::string name = escape(results.shots[s].name);
         links += fmt::format("<li><a href=\"#shot-{0}\">{0}</a></li>\n", name);
         shots += shot_section(results, s, folder);
     }
-    for (const double width : results.study.edge_widths_px)
+    if (edges) links += "<li><a href=\"#edge\">Moving edge</a></li>\n";
+    for (const double width : study.edge_widths_px)
         edge_plots += fmt::format(
             "<figure>{}<figcaption>Penumbra {:g} px wide, {} × {} pixels.</figcaption></figure>\n",
-            edge_plot(results, width), width, results.study.edge_size[0], results.study.edge_size[1]);
+            edge_plot(results, width), width, study.edge_size[0], study.edge_size[1]);
     for (const PipelinePlan& planned : plans) pipelines += pipeline_article(results, planned);
+    // What was not measured has no section.
+    const std::string headline =
+        !still
+            ? ""
+            : fill(assets::headline_html, {{"worst_width", fmt::format("{:g}", headline_width_px(results))},
+                                           {"headline_table", headline_table(results)}});
+    const std::string edge =
+        !edges ? ""
+               : fill(assets::edge_html, {{"edge_frames", fmt::to_string(study.edge_frame + 1)},
+                                          {"edge_plots", edge_plots},
+                                          {"edge_table", edge_table(results)}});
     const DeviceInfo& device = results.device;
     const std::string facts =
         fact("Device", fmt::format("{} ({}), subgroup of {}", device.name, device.is_cpu ? "CPU" : "GPU",
                                    device.subgroup_size)) +
         fact("Driver", device.driver) + fact("penumbra", PENUMBRA_VERSION) +
-        fact("Extent",
-             results.quick ? "quick: small images, few frames and seeds; intervals are wide" : "full");
+        fact("Extent", results.quick ? "quick: small images, few frames and seeds; intervals are wide"
+                       : edges       ? "full"
+                                     : "speed against error alone, of shots as they move");
     return fill(
         assets::page_html,
         {{"title", "penumbra report"},
          {"lead", "Masks of soft sun shadows against the truth, and what they cost, beside brute force."},
          {"style", assets::style_css},
          {"facts", facts},
-         {"shot_links", links},
-         {"worst_width", fmt::format("{:g}", headline_width_px(results))},
-         {"headline_table", headline_table(results)},
+         {"links", links},
+         {"headline", headline},
          {"shots", shots},
-         {"edge_frames", fmt::to_string(results.study.edge_frame + 1)},
-         {"edge_plots", edge_plots},
-         {"edge_table", edge_table(results)},
+         {"edge", edge},
          {"pipelines", pipelines},
          {"method", method(results)},
          {"command", escape(results.command)},

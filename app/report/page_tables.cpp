@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "app/report/front_figures.h"
 #include "app/report/html.h"
 #include "app/report/plots.h"
 
@@ -36,7 +37,7 @@ double best_after(const Results& results, size_t shot, uint32_t frames) {
     double best = 0;
     for (const Row& row : results.rows)
         if (const MaskMetrics* m = row.after(frames);
-            row.shot == shot && !results.contenders[row.contender].brute_force && m && m->n_eff)
+            row.shot == shot && !results.contenders[row.contender].variant() && m && m->n_eff)
             best = std::max(best, *m->n_eff);
     return best;
 }
@@ -91,7 +92,7 @@ std::string headline_table(const Results& results) {
                                            contender_cell(results, row.contender)};
             for (const uint32_t frames : headline_frames) {
                 const MaskMetrics* m = row.after(frames);
-                const bool best = m && m->n_eff && !results.contenders[row.contender].brute_force &&
+                const bool best = m && m->n_eff && !results.contenders[row.contender].variant() &&
                                   *m->n_eff == best_after(results, s, frames);
                 cells.push_back(m ? n_eff_cell(*m, best) : "–");
             }
@@ -115,6 +116,8 @@ std::string shot_table(const Results& results, size_t shot) {
                                        {"RMSE"},
                                        {"in penumbra"},
                                        {"N_eff"},
+                                       {"x plain rays"},
+                                       {"brute force's time"},
                                        {"variance"},
                                        {"bias"},
                                        {"SSIM"},
@@ -123,20 +126,27 @@ std::string shot_table(const Results& results, size_t shot) {
                                        {"leak"},
                                        {"acne"}};
     Table table(
-        "The moving shot, pooled over its judged frames. Medians with 95 % intervals. Maps: drawing the "
-        "shadow "
-        "maps that a pipeline reads, in no other figure.",
+        "The moving shot, pooled over its judged frames. Medians with 95 % intervals. x plain rays: N_eff "
+        "over "
+        "that of the best plain rays, behind proofs or not, in the same time; bold: no other contender is as "
+        "fast "
+        "and as good. Brute force's time: how many times this time it needs for this N_eff. ~: beyond 64 "
+        "rays, or "
+        "faster than one. Maps: drawing the shadow maps that a pipeline reads, in no other figure.",
         columns);
     for (const Row& row : results.rows) {
         if (row.shot != shot) continue;
         const MaskMetrics& m = row.moving;
+        const FrontFigure front = front_figure(results, row);
+        const std::string over = over_plain_text(front);
         const std::string same =
             row.same_as ? " = " + escape(label(results.contenders[*row.same_as])) : std::string();
         table.row({contender_cell(results, row.contender) + same, estimate_cell(row.mask_cost(cpu)),
                    estimate_cell(cpu ? row.frame_cpu_ms : row.frame_ms), estimate_cell(row.maps_cpu_ms),
                    number_or_dash(row.rays_per_pixel), number_or_dash(m.rmse_all),
-                   number_or_dash(m.rmse_penumbra), n_eff_cell(m), number_or_dash(m.n_variance),
-                   number_or_dash(m.n_bias), number_or_dash(row.ssim),
+                   number_or_dash(m.rmse_penumbra), n_eff_cell(m),
+                   front.on_front ? "<b class=\"best\">" + over + "</b>" : over, brute_force_time_text(front),
+                   number_or_dash(m.n_variance), number_or_dash(m.n_bias), number_or_dash(row.ssim),
                    number_or_dash(row.flip ? std::optional(row.flip->mean) : std::nullopt),
                    number_or_dash(row.flicker), number_or_dash(m.leak), number_or_dash(m.acne)});
     }
@@ -181,7 +191,7 @@ std::string passes_table(const Plan& plan) {
 std::string commands(const Results& results) {
     const Study& study = results.study;
     const auto pipeline = std::find_if(results.contenders.rbegin(), results.contenders.rend(),
-                                       [](const Contender& c) { return !c.brute_force; });
+                                       [](const Contender& c) { return !c.variant(); });
     if (pipeline == results.contenders.rend() || results.shots.empty()) return {};
     std::string out;
     const ShotFacts& shot = results.shots.front();
@@ -195,13 +205,16 @@ std::string commands(const Results& results) {
                           shot.file, shot.size[0], shot.size[1], frames, study.rays) +
               render_and_compare(study, pipeline->file, shot.file, shot.size,
                                  fmt::format("{} --every {}", frames, study.moving_every), shot.exact));
-    const uint32_t still = study.after_cut.back() - 1;
-    out +=
-        fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
-        block(fmt::format("penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
-                          shot.still_file, shot.size[0], shot.size[1], still, study.rays) +
-              render_and_compare(study, pipeline->file, shot.still_file, shot.size, fmt::to_string(still),
-                                 shot.exact));
+    if (!study.after_cut.empty()) {
+        const uint32_t still = study.after_cut.back() - 1;
+        out += fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
+               block(fmt::format(
+                         "penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
+                         shot.still_file, shot.size[0], shot.size[1], still, study.rays) +
+                     render_and_compare(study, pipeline->file, shot.still_file, shot.size,
+                                        fmt::to_string(still), shot.exact));
+    }
+    if (study.edge_widths_px.empty()) return out;
     const std::string edge = fmt::format("shots/edge_{:g}px_{:+g}.shot.json", study.edge_widths_px.front(),
                                          study.edge_speeds_px.front());
     out += "<p>N<sub>eff</sub> behind an edge (its shot lies in this report's folder):</p>" +

@@ -81,8 +81,11 @@ Parts::Parts(fs::path folder, const Results& results, const std::vector<std::str
     const DeviceInfo& device = results.device;
     common_ = digest(text_of("/proc/self/exe")) + device.name + device.driver;
     common_ += to_json(results).at("study").dump();
-    for (const Contender& contender : results.contenders)
-        common_ += contender.id + (contender.file.empty() ? "" : pipeline_digest(contender.file));
+    for (const Contender& contender : results.contenders) {
+        common_ += contender.id;
+        if (!contender.file.empty() && !(contender.variant() && contender.brute_force()))
+            common_ += pipeline_digest(contender.file);  // brute force is a part of the program
+    }
     for (const std::string& nodes : node_folders) common_ += folder_digest(nodes);
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "app/report/front_figures.h"
 #include "app/report/html.h"
 #include "app/report/svg.h"
 
@@ -149,17 +150,16 @@ std::vector<Series> error_series(const Results& results, size_t shot, std::vecto
 }  // namespace
 
 std::string accent(const Results& results, size_t contender) {
-    if (results.contenders[contender].brute_force) return "pb";
+    if (results.contenders[contender].variant())
+        return results.contenders[contender].brute_force() ? "pb" : "pm";
     constexpr size_t colours = 12;  // of the style sheet
     return fmt::format("p{}", contender % colours);
 }
 
 std::string label(const Contender& contender) {
-    return contender.brute_force ? fmt::format("{} rays", *contender.brute_force) : contender.id;
-}
-
-bool cost_is_cpu(const Results& results) {
-    return results.device.is_cpu;
+    if (!contender.variant()) return contender.id;
+    if (!contender.brute_force()) return fmt::format("many_rays {}", contender.plain->per_pixel);
+    return contender.plain->per_pixel == 1 ? "1 ray" : fmt::format("{} rays", contender.plain->per_pixel);
 }
 
 std::string cost_title(const Results& results) {
@@ -192,16 +192,27 @@ std::string pareto_plot(const Results& results, size_t shot, Quality quality) {
     frame.x = log_axis(costs);
     frame.y = log_axis(values);
     frame.draw(svg, cost_title(results), y_title);
-    std::vector<Xy> brute_force;
+    std::vector<FrontPoint> all;
+    for (const Point& p : points)
+        all.push_back({p.cost.median, quality == Quality::rmse ? 1 / p.value : p.value});
+    std::vector<Xy> front;
+    const Front best(std::move(all));
+    for (const FrontPoint& p : best.points())
+        front.push_back(frame.at(p.cost, quality == Quality::rmse ? 1 / p.worth : p.worth));
+    if (front.size() > 1) svg.polyline(front, "front");
     Labels labels(frame);
-    for (const Point& p : points) {
-        const Xy at = frame.at(p.cost.median, p.value);
-        labels.avoid(at);
-        const Contender& contender = results.contenders[p.row->contender];
-        if (contender.brute_force || contender.id == "raw") brute_force.push_back(at);
+    for (const Point& p : points) labels.avoid(frame.at(p.cost.median, p.value));
+    for (const bool proofs : {false, true}) {
+        std::vector<std::pair<uint32_t, Xy>> rays;
+        for (const Point& p : points)
+            if (const auto& plain = results.contenders[p.row->contender].plain;
+                plain && plain->proofs == proofs)
+                rays.emplace_back(plain->per_pixel, frame.at(p.cost.median, p.value));
+        std::ranges::sort(rays, {}, &std::pair<uint32_t, Xy>::first);
+        std::vector<Xy> line;
+        for (const auto& [number_of, at] : rays) line.push_back(at);
+        if (line.size() > 1) svg.polyline(line, proofs ? "line pm" : "line pb");
     }
-    std::sort(brute_force.begin(), brute_force.end(), [](Xy a, Xy b) { return a.x < b.x; });
-    if (brute_force.size() > 1) svg.polyline(brute_force, "line pb");
     for (const Point& p : points) {
         const Xy at = frame.at(p.cost.median, p.value);
         const std::string style = accent(results, p.row->contender);
@@ -211,6 +222,8 @@ std::string pareto_plot(const Results& results, size_t shot, Quality quality) {
         std::string title = fmt::format("{}: {} at {} ms", name, number(p.value), number(p.cost.median));
         if (p.cost.low && p.cost.high)
             title += fmt::format(" (95 %: {} to {})", number(*p.cost.low), number(*p.cost.high));
+        const FrontFigure figure = front_figure(results, *p.row);
+        if (figure.over_plain) title += ", " + over_plain_text(figure) + " times plain rays at this time";
         svg.circle(at, 5, "dot " + style, title);
         labels.place(svg, at, name, style);
     }
@@ -240,7 +253,7 @@ std::string passes_plot(const Results& results, size_t shot) {
     std::vector<const Row*> rows;
     double longest = 0, left = 0;
     for (const Row* row : rows_of(results, shot)) {
-        if (results.contenders[row->contender].brute_force) continue;
+        if (results.contenders[row->contender].variant()) continue;
         rows.push_back(row);
         left = std::max(left, text_width(results.contenders[row->contender].id) + 20);
         double sum = 0;

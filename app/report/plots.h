@@ -8,18 +8,17 @@
 
 namespace penumbra::report {
 
-// Class of a contender's colour: "p0", "p1", ... for pipelines, "pb" for brute force.
+// Class of a contender's colour: "p0", "p1", ... for pipelines, "pb" for brute force, "pm" for many_rays.
 std::string accent(const Results& results, size_t contender);
 // How the page names a contender.
 std::string label(const Contender& contender);
 
-// Whether costs are CPU milliseconds, and the title of an axis of them.
-bool cost_is_cpu(const Results& results);
+// The title of an axis of costs.
 std::string cost_title(const Results& results);
 
 enum class Quality { rmse, n_eff };
-// Cost of the mask against its quality in the moving shot; a circle per row. Brute force is a line from raw
-// on.
+// Cost of the mask against its quality in the moving shot; a circle per row. Plain rays are lines, and so is
+// the front of all.
 std::string pareto_plot(const Results& results, size_t shot, Quality quality);
 
 // Error over all receivers against frames since a cut, in a scene that stands still.

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "app/report/front_figures.h"
 
 namespace penumbra::report {
 namespace {
@@ -53,6 +56,18 @@ OrderedJson judged_json(const std::vector<Judged>& list) {
     return out;
 }
 
+OrderedJson reading_json(const std::optional<Front::Reading>& reading) {
+    return {{"value", reading && std::isfinite(reading->value) ? OrderedJson(reading->value) : OrderedJson()},
+            {"extrapolated", reading ? OrderedJson(reading->extrapolated) : OrderedJson()}};
+}
+
+OrderedJson front_json(const FrontFigure& figure) {
+    return {{"exact", figure.exact},
+            {"on_front", figure.on_front},
+            {"n_eff_over_plain", reading_json(figure.over_plain)},
+            {"brute_force_time", reading_json(figure.brute_force_time)}};
+}
+
 OrderedJson row_json(const Results& results, const Row& row) {
     OrderedJson passes = OrderedJson::array();
     for (const PassFigure& figure : row.passes)
@@ -71,6 +86,7 @@ OrderedJson row_json(const Results& results, const Row& row) {
             {"maps_cpu_ms", estimate_json(row.maps_cpu_ms)},
             {"rays_per_pixel", or_null(row.rays_per_pixel)},
             {"moving", metrics_json(row.moving)},
+            {"front", front_json(front_figure(results, row))},
             {"ssim", or_null(row.ssim)},
             {"bias_max_9x9", or_null(row.bias_9x9)},
             {"flip",
@@ -88,6 +104,7 @@ OrderedJson row_json(const Results& results, const Row& row) {
 OrderedJson study_json(const Study& s) {
     return {{"size", s.size},
             {"seeds", s.seeds},
+            {"rounds", s.rounds},
             {"rays", s.rays},
             {"after_cut", s.after_cut},
             {"moving_frames", s.moving_frames},
@@ -97,8 +114,7 @@ OrderedJson study_json(const Study& s) {
             {"edge_frame", s.edge_frame},
             {"edge_widths_px", s.edge_widths_px},
             {"edge_speeds_px", s.edge_speeds_px},
-            {"analytic_border_px", s.analytic_border_px},
-            {"warm_up", s.warm_up}};
+            {"analytic_border_px", s.analytic_border_px}};
 }
 
 std::string csv_number(const std::optional<double>& value) {
@@ -152,13 +168,15 @@ OrderedJson to_json(const Results& results) {
     for (const Contender& c : results.contenders)
         contenders.push_back({{"id", c.id},
                               {"file", c.file.empty() ? OrderedJson() : OrderedJson(c.file)},
+                              {"settings", c.settings},
                               {"doc", c.doc},
-                              {"brute_force_rays", or_null(c.brute_force)}});
+                              {"plain_rays", c.plain ? OrderedJson(c.plain->per_pixel) : OrderedJson()},
+                              {"proofs", c.plain ? OrderedJson(c.plain->proofs) : OrderedJson()}});
     for (const LeftOut& l : results.left_out) left_out.push_back({{"file", l.file}, {"why", l.why}});
     for (const ShotFacts& s : results.shots)
         shots.push_back({{"name", s.name},
                          {"file", s.file},
-                         {"still_file", s.still_file},
+                         {"still_file", s.still_file.empty() ? OrderedJson() : OrderedJson(s.still_file)},
                          {"size", s.size},
                          {"exact", s.exact},
                          {"receivers", s.receivers},
@@ -201,11 +219,11 @@ std::string csv_field(const std::string& text) {
 
 std::string to_csv(const Results& results) {
     std::string out =
-        "shot,contender,brute_force_rays,same_masks_as,mask_ms,mask_ms_low,mask_ms_high,mask_cpu_ms,mask_cpu_"
-        "ms_low,"
-        "mask_cpu_ms_high,frame_ms,frame_cpu_ms,maps_cpu_ms,rays_per_pixel,rmse_all,rmse_penumbra,n_eff,n_"
-        "eff_low,"
-        "n_eff_high,ssim,flip_mean,relmse,flicker_rms,n_eff_at_1,n_eff_at_8,n_eff_at_64\r\n";
+        "shot,contender,plain_rays,proofs,same_masks_as,mask_ms,mask_ms_low,mask_ms_high,mask_cpu_ms,"
+        "mask_cpu_ms_low,mask_cpu_ms_high,frame_ms,frame_cpu_ms,maps_cpu_ms,rays_per_pixel,rmse_all,"
+        "rmse_penumbra,n_eff,n_eff_low,n_eff_high,n_eff_over_plain,n_eff_over_plain_extrapolated,"
+        "brute_force_time,brute_force_time_extrapolated,on_front,ssim,flip_mean,relmse,flicker_rms,"
+        "n_eff_at_1,n_eff_at_8,n_eff_at_64\r\n";
     for (const Row& row : results.rows) {
         const Contender& contender = results.contenders[row.contender];
         const auto estimate = [](const std::optional<Estimate>& e) {
@@ -218,17 +236,23 @@ std::string to_csv(const Results& results) {
             const MaskMetrics* m = row.after(frames);
             return csv_number(m ? m->n_eff : std::nullopt);
         };
+        const auto reading = [](const std::optional<Front::Reading>& r) {
+            return r ? fmt::format("{:.6g},{}", r->value, r->extrapolated) : ",";
+        };
         const auto& interval = row.moving.n_eff_ci95;
+        const FrontFigure front = front_figure(results, row);
         out += fmt::format(
-            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n",
+            "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\r\n",
             csv_field(results.shots[row.shot].name), csv_field(contender.id),
-            contender.brute_force ? fmt::to_string(*contender.brute_force) : "",
+            contender.plain ? fmt::to_string(contender.plain->per_pixel) : "",
+            contender.plain ? fmt::to_string(contender.plain->proofs) : "",
             csv_field(row.same_as ? results.contenders[*row.same_as].id : ""), estimate(row.mask_ms),
             estimate(row.mask_cpu_ms), median(row.frame_ms), median(row.frame_cpu_ms),
             median(row.maps_cpu_ms), csv_number(row.rays_per_pixel), csv_number(row.moving.rmse_all),
             csv_number(row.moving.rmse_penumbra), csv_number(row.moving.n_eff),
             csv_number(interval ? std::optional((*interval)[0]) : std::nullopt),
-            csv_number(interval ? std::optional((*interval)[1]) : std::nullopt), csv_number(row.ssim),
+            csv_number(interval ? std::optional((*interval)[1]) : std::nullopt), reading(front.over_plain),
+            reading(front.brute_force_time), front.on_front, csv_number(row.ssim),
             csv_number(row.flip ? std::optional(row.flip->mean) : std::nullopt), csv_number(row.relmse),
             csv_number(row.flicker), after(1), after(8), after(64));
     }

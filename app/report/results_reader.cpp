@@ -70,7 +70,7 @@ ShotFacts shot(const Json& json) {
     ShotFacts facts;
     json.at("name").get_to(facts.name);
     json.at("file").get_to(facts.file);
-    json.at("still_file").get_to(facts.still_file);
+    facts.still_file = json.at("still_file").is_null() ? "" : json.at("still_file").get<std::string>();
     json.at("size").get_to(facts.size);
     json.at("exact").get_to(facts.exact);
     json.at("receivers").get_to(facts.receivers);

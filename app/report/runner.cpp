@@ -2,37 +2,13 @@
 #include "app/report/runner.h"
 
 #include <algorithm>
-#include <set>
 #include <stdexcept>
 
+#include "app/mask_passes.h"
 #include "app/outputs.h"
 
 namespace penumbra::report {
 namespace {
-
-std::string without_previous(std::string name) {
-    if (name.ends_with("@-1")) name.resize(name.size() - 3);
-    return name;
-}
-
-// Passes that visibility depends on, in this frame or through history.
-std::vector<bool> passes_of_mask(const Plan& plan) {
-    std::vector<bool> needed(plan.passes.size());
-    std::set<std::string> names{"visibility"};
-    for (bool grown = true; grown;) {
-        grown = false;
-        for (size_t p = 0; p < plan.passes.size(); ++p) {
-            const PlanPass& pass = plan.passes[p];
-            if (needed[p] || pass.kind == PassKind::capture ||
-                std::none_of(pass.writes.begin(), pass.writes.end(),
-                             [&](const std::string& name) { return names.contains(name); }))
-                continue;
-            needed[p] = grown = true;
-            for (const std::string& name : pass.reads) names.insert(without_previous(name));
-        }
-    }
-    return needed;
-}
 
 uint64_t counted_rays(const Plan& plan, const FrameCost& cost) {
     uint64_t rays = 0;

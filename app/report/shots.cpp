@@ -28,6 +28,7 @@ OrderedJson standing_still(const fs::path& file, const fs::path& folder, uint32_
     std::ifstream stream(file);
     OrderedJson json = OrderedJson::parse(stream);
     json.erase("$schema");  // relative to the original
+    json.erase("cuts");
     cut_to_first_key(json);
     OrderedJson& scene = json["scene"];
     if (scene.is_string())
@@ -51,12 +52,13 @@ std::optional<ReportShot> open_report_shot(const fs::path& file, const fs::path&
                                            Diagnostics& diagnostics) {
     auto moving = read_shot(file, diagnostics);
     if (!moving) return std::nullopt;
+    const std::string name = moving->name;
+    if (frames == 0) return ReportShot{name, std::move(*moving), std::nullopt};
     const fs::path still_file = folder / (moving->name + ".still.shot.json");
     write_json(still_file, standing_still(file, folder, frames));
     auto still = read_shot(still_file, diagnostics);
     if (!still) return std::nullopt;
-    const std::string name = moving->name;
-    return ReportShot{name, std::move(*moving), std::move(*still)};
+    return ReportShot{name, std::move(*moving), std::move(still)};
 }
 
 EdgeShot make_edge_shot(double width_px, double speed_px, uint32_t frame, const fs::path& folder,

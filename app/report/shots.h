@@ -15,7 +15,8 @@ namespace penumbra::report {
 // Both are ordinary shots; `still` is `moving` with nothing that moves.
 struct ReportShot {
     std::string name;
-    Shot moving, still;
+    Shot moving;
+    std::optional<Shot> still;
 };
 
 struct EdgeShot {
@@ -23,7 +24,7 @@ struct EdgeShot {
     Shot shot;
 };
 
-// Writes FOLDER/NAME.still.shot.json. `frames`: how long it lasts.
+// Writes FOLDER/NAME.still.shot.json. `frames`: how long it lasts; 0: there is none.
 std::optional<ReportShot> open_report_shot(const std::filesystem::path& file,
                                            const std::filesystem::path& folder, uint32_t frames,
                                            Diagnostics& diagnostics);

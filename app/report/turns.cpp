@@ -6,14 +6,47 @@
 
 namespace penumbra::report {
 
+namespace {
+
+void take_least(std::optional<double>& least, const std::optional<double>& value) {
+    if (value) least = std::min(least.value_or(*value), *value);
+}
+
+}  // namespace
+
+bool takes_turn(const TurnsOptions& options, const Runner& runner, bool original, uint32_t round,
+                uint32_t frame) {
+    const bool judges = original && round < options.seeds, times = round < options.timings;
+    if (!judges && !times) return false;
+    if (runner.has_history()) return true;
+    if (options.still) return frame + 2 >= options.frames;
+    if (judges && options.judged.contains(frame)) return true;
+    if (!times || options.timed.empty()) return false;
+    if (options.timed.contains(frame)) return true;
+    if (runner.cost_memory() == CostMemory::all) return frame < *options.timed.rbegin();
+    return runner.cost_memory() == CostMemory::frame_before && options.timed.contains(frame + 1);
+}
+
+void Costs::add(uint32_t frame, Sample sample) {
+    const auto [place, first] = frames.try_emplace(frame);
+    FrameCosts& costs = place->second;
+    costs.rays = static_cast<double>(sample.rays);
+    take_least(costs.maps_cpu_ms, sample.maps_cpu_ms);
+    if (first) costs.passes = std::move(sample.passes);
+    for (size_t p = 0; p < sample.passes.size(); ++p) {
+        take_least(costs.passes[p].ms, sample.passes[p].ms);
+        take_least(costs.passes[p].cpu_ms, sample.passes[p].cpu_ms);
+    }
+}
+
 std::optional<Estimate> Costs::sum(std::optional<double> PassCost::*figure, bool mask_only) const {
     std::vector<double> sums;
-    for (const std::vector<PassCost>& frame : frames) {
+    for (const auto& [number, frame] : frames) {
         double total = 0;
-        for (size_t p = 0; p < frame.size(); ++p) {
+        for (size_t p = 0; p < frame.passes.size(); ++p) {
             if (mask_only && !passes[p].mask) continue;
-            if (!(frame[p].*figure)) return std::nullopt;
-            total += *(frame[p].*figure);
+            if (!(frame.passes[p].*figure)) return std::nullopt;
+            total += *(frame.passes[p].*figure);
         }
         sums.push_back(total);
     }
@@ -22,47 +55,37 @@ std::optional<Estimate> Costs::sum(std::optional<double> PassCost::*figure, bool
 
 std::optional<Estimate> Costs::pass(size_t index, std::optional<double> PassCost::*figure) const {
     std::vector<double> samples;
-    for (const std::vector<PassCost>& frame : frames)
-        if (const auto& value = frame[index].*figure) samples.push_back(*value);
+    for (const auto& [number, frame] : frames)
+        if (const auto& value = frame.passes[index].*figure) samples.push_back(*value);
     return median_of(std::move(samples));
 }
 
 Turns::Turns(const std::vector<std::unique_ptr<Runner>>& runners, const TurnsOptions& options,
              const std::function<void()>& step)
     : options_(options), costs_(runners.size()) {
-    const auto needed = [&](const Runner& runner, uint32_t frame, uint32_t seed) {
-        if (runner.has_history()) return true;
-        if (options.still) return frame + 2 >= options.frames;
-        if (options.judged.contains(frame)) return true;
-        if (!options.costs || seed != 1 || runner.cost_memory() == CostMemory::none) return false;
-        return runner.cost_memory() == CostMemory::all || options.judged.contains(frame + 1);
-    };
     for (size_t contender = 0; contender < runners.size(); ++contender) originals_.push_back(contender);
-    for (uint32_t seed = 1; seed <= options.seeds; ++seed) {
-        for (const auto& runner : runners) runner->set_seed(seed);
+    for (uint32_t round = 0; round < options.rounds(); ++round) {
+        for (const auto& runner : runners) runner->set_seed(round + 1);
         for (uint32_t frame = 0; frame < options.frames; ++frame) {
             for (size_t turn = 0; turn < runners.size(); ++turn) {
-                const size_t contender = (turn + frame) % runners.size();
+                const size_t contender = (turn + frame + round) % runners.size();
                 Runner& runner = *runners[contender];
-                if (originals_[contender] == contender && needed(runner, frame, seed))
-                    keep(contender, runner.run(frame, frame == 0, options.judged.contains(frame)), runner,
-                         frame);
+                const bool original = originals_[contender] == contender;
+                if (!takes_turn(options, runner, original, round, frame)) continue;
+                const bool judged = original && round < options.seeds && options.judged.contains(frame);
+                keep(contender, runner.run(frame, frame == 0, judged), runner, round, frame);
             }
             step();
         }
-        if (seed == 1) find_originals(runners);
+        if (round == 0) find_originals(runners);
     }
 }
 
-void Turns::keep(size_t contender, Sample sample, const Runner& runner, uint32_t frame) {
-    if (frame >= options_.warm_up && sample.true_cost) {
-        Costs& costs = costs_[contender];
-        costs.passes = runner.passes();
-        costs.frames.push_back(std::move(sample.passes));
-        costs.rays.push_back(static_cast<double>(sample.rays));
-        if (sample.maps_cpu_ms) costs.maps_cpu_ms.push_back(*sample.maps_cpu_ms);
-    }
+void Turns::keep(size_t contender, Sample sample, const Runner& runner, uint32_t round, uint32_t frame) {
     if (!sample.visibility.empty()) masks_[{contender, frame}].push_back(std::move(sample.visibility));
+    if (round >= options_.timings || !options_.timed.contains(frame) || !sample.true_cost) return;
+    costs_[contender].passes = runner.passes();
+    costs_[contender].add(frame, std::move(sample));
 }
 
 const Turns::Masks& Turns::masks(size_t contender, uint32_t frame) const {

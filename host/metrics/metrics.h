@@ -7,6 +7,7 @@
 #include "host/metrics/decisions.h"
 #include "host/metrics/flicker.h"
 #include "host/metrics/flip.h"
+#include "host/metrics/front.h"
 #include "host/metrics/lag.h"
 #include "host/metrics/mask_error.h"
 #include "host/metrics/shaded.h"

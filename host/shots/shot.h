@@ -46,6 +46,7 @@ struct Shot {
     std::optional<AnalyticScene> analytic;  // instead of a model and a camera
     std::array<uint32_t, 2> size{1280, 720};
     uint32_t frames = 1;
+    std::vector<uint32_t> cuts;  // frames that have no history, rising
     double fps = 60;
     double vertical_fov_deg = 60, near = 0.05;
     std::vector<CameraKey> camera;

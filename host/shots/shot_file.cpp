@@ -104,6 +104,8 @@ class Reader {
         diagnostics_.add(place, path, message);
     }
 
+    size_t errors() const { return diagnostics_.size(); }
+
     static std::string join(const std::string& path, std::string_view key) {
         return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
     }
@@ -224,6 +226,24 @@ void refuse_with_analytic(Reader& reader, const Json& root) {
             reader.error(value->place, key, "an analytic scene has its own");
 }
 
+void read_cuts(Reader& reader, const Json& list, Shot& shot) {
+    if (list.kind != Json::Kind::array) {
+        reader.error(list.place, "cuts",
+                     fmt::format("expected a list of frames, not {}", kind_name(list.kind)));
+        return;
+    }
+    for (size_t i = 0; i < list.items.size(); ++i) {
+        const std::string path = fmt::format("cuts[{}]", i);
+        const size_t before = reader.errors();
+        uint32_t cut = 0;
+        reader.integer(list.items[i], path, 1, int64_t{shot.frames} - 1, cut);
+        if (reader.errors() != before) continue;
+        if (!shot.cuts.empty() && cut <= shot.cuts.back())
+            reader.error(list.items[i].place, path, "frames of cuts must rise");
+        shot.cuts.push_back(cut);
+    }
+}
+
 void read_camera(Reader& reader, const Json& root, Shot& shot) {
     const Json* camera = reader.required(root, "", "camera");
     if (!camera || !reader.object(*camera, "camera", {"vertical_fov_deg", "near", "keys"})) return;
@@ -332,7 +352,7 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     const size_t before = diagnostics.size();
     Reader reader(diagnostics);
     if (!reader.object(*root, "",
-                       {"$schema", "penumbra_shot", "scene", "size", "frames", "fps", "camera", "sun",
+                       {"$schema", "penumbra_shot", "scene", "size", "frames", "cuts", "fps", "camera", "sun",
                         "objects", "origin", "seed"})) {
         return std::nullopt;
     }
@@ -357,6 +377,7 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
         }
     }
     if (const Json* frames = root->find("frames")) reader.integer(*frames, "frames", 1, 100000, shot.frames);
+    if (const Json* cuts = root->find("cuts")) read_cuts(reader, *cuts, shot);
     if (const Json* fps = root->find("fps")) reader.number(*fps, "fps", 0.001, 10000, shot.fps);
     const Json* scene = root->find("scene");
     const bool analytic = scene && scene->kind == Json::Kind::object;
