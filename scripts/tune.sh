@@ -5,12 +5,13 @@
 #   scripts/tune.sh 'few: --constant FEWEST=1.5' 'wide: --set nodes.gather.params.radius=5' 'covered: pipelines/covered.json'
 #   scripts/tune.sh --constants [NAME...]              halves and doubles the numbers of docs/constants.md, and writes there what
 #                                                      that does (all of them, or those named)
+#   scripts/tune.sh --values                           reads the values there from the files; changes nothing else
 # A contender is NAME: OPTIONS, where an option is another pipeline, `--constant NAME=VALUE` (of docs/constants.md, also one of a
 # shader) or one of `penumbra render`'s, as --set, --nodes, --seed. The pipeline as it is comes first and is what ratios are over.
-# Columns: first = frame 0, without a past; moving = frames 4 to 28, harmonic mean; still = frame 31 of the same shot with nothing
+# Columns: first = frame 0, without a past; moving = frames 4 to 28 (--constants: 8, 16, 24), harmonic mean; still = frame 31 of the same shot with nothing
 # that moves. Over shots: geometric mean.
 # SHOTS (a pattern, '*'), SIZE (320x180), RAYS (512, of the reference, which is kept in out/tuning), PIPELINE
-# (pipelines/shadows.json), TABLE (docs/constants.md), PRESET (release), JOBS (1; --constants, which measures no time: 2) and SEEDS
+# (pipelines/shadows.json), OPTIONS (for all contenders), TABLE (docs/constants.md), PRESET (release), JOBS (1; --constants, which measures no time: 2) and SEEDS
 # ("0") may be set; VK_DRIVER_FILES chooses the driver.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -31,7 +32,7 @@ size, rays = os.environ.get("SIZE", "320x180"), os.environ.get("RAYS", "512")
 base_pipeline = os.environ.get("PIPELINE", "pipelines/shadows.json")
 table_file = os.environ.get("TABLE", "docs/constants.md")
 seeds = os.environ.get("SEEDS", "0").split()
-every, last, still_frame = 4, 28, 31
+every, last, still_frame = (8, 24, 31) if "--constants" in sys.argv else (4, 28, 31)
 apart = {"guides", "capture"}  # passes that make no mask
 shots = sorted(os.path.basename(f)[:-len(".shot.json")] for f in glob.glob("scenes/tuning/" + os.environ.get("SHOTS", "*") + ".shot.json"))
 if not shots:
@@ -55,10 +56,12 @@ class Constant:
     def __init__(self, line):
         self.cells = [c.strip() for c in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
         self.name, self.file, self.value = (c.strip("`").replace("\\|", "|") for c in self.cells[:3])
-        self.group = self.name.split(".")[0] if self.is_parameter() else None
 
     def is_parameter(self):
         return self.file.endswith(".json")
+
+    def is_measured(self):
+        return len(self.cells) == 7
 
     def path(self):
         return ("nodes/" if self.is_parameter() else "shaders/") + self.file
@@ -66,7 +69,7 @@ class Constant:
     def pattern(self):
         if "[[" in self.name:
             before, number, after = re.fullmatch(r"(.*)\[\[(.*)\]\](.*)", self.name).groups()
-            return re.compile("(" + re.escape(before) + r")([^\s,;()]+?)(" + re.escape(after) + ")")
+            return re.compile("(" + re.escape(before) + r")([^\s,;()]+?)(" + (re.escape(after) or r"(?![\w.])") + ")")
         return re.compile(r"(\b" + re.escape(self.name) + r"(?:\[\d*\])? = )((?:[^,;(]|\([^)]*\))+)([,;])")
 
     def now(self):
@@ -93,11 +96,9 @@ class Constant:
             return f"{array[1]}({', '.join(f'{factor} * ({x.strip()})' for x in array[2].split(','))})"
         return f"{factor} * ({now})"
 
-    def change(self, folder, value):
-        for copy in {f"{folder}/{self.file}", f"{folder}/{os.path.basename(self.file)}"}:
-            if os.path.exists(copy):
-                text = open(copy).read()
-                open(copy, "w").write(self.pattern().sub(lambda m: m[1] + value + m[3], text))
+    def change(self, copy, value):
+        text = open(copy).read()
+        open(copy, "w").write(self.pattern().sub(lambda m: m[1] + value + m[3], text))
 
 
 def constants():
@@ -108,16 +109,42 @@ def constants():
     return rows
 
 
-# A folder of all node types that make a mask, with shaders of their own.
-def node_folder(folder):
+# The files that a shader includes, itself included, as paths below shaders/.
+def included(file):
+    found, ahead = set(), [file]
+    while ahead:
+        at = ahead.pop()
+        if at not in found and os.path.exists(f"shaders/{at}"):
+            found.add(at)
+            ahead += re.findall(r'^#include "(.*)"', open(f"shaders/{at}").read(), re.M)
+    return found
+
+
+# Fills a folder with copies of the pipeline's node types that have one of these constants, changed, and says what to tell
+# `render`. The copies have names of their own, for a type that ships is not to be replaced.
+def changed_nodes(folder, pipeline, changes):
+    options = ["--nodes", folder]
     for group in os.listdir("shaders"):
         shutil.copytree(f"shaders/{group}", f"{folder}/{group}")
-    for group in ["denoising", "visibility", "classification"]:
-        for file in glob.glob(f"nodes/{group}/*.json"):
-            shutil.copy(file, folder)
-            shutil.copy(f"shaders/{group}/{os.path.basename(file)[:-5]}.comp", folder)
+    for constant, value in changes:
+        constant.change(f"{folder}/{constant.file}", value)
     for table in glob.glob(f"build/{preset}/nodes/tables/*.bin"):
         shutil.copy(table, folder)
+    for name, node in flattened(pipeline).items():
+        kind = node["type"]
+        for declaration in glob.glob(f"nodes/*/{kind}.json"):
+            shader = f"{os.path.basename(os.path.dirname(declaration))}/{kind}.comp"
+            if included(shader).isdisjoint(constant.file for constant, _ in changes):
+                continue
+            body = json.load(open(declaration))
+            body["node"], body["shader"] = f"{kind}_changed", f"{kind}_changed.comp"
+            json.dump(body, open(f"{folder}/{kind}_changed.json", "w"))
+            shutil.copy(f"shaders/{shader}", f"{folder}/{kind}_changed.comp")
+            for constant, value in changes:
+                if constant.file == shader:
+                    constant.change(f"{folder}/{kind}_changed.comp", value)
+            options += ["--set", f'nodes.{name}.type="{kind}_changed"']
+    return options
 
 
 class Contender:
@@ -125,7 +152,7 @@ class Contender:
         if ":" not in text:
             sys.exit(f"tune.sh: \"{text}\": a contender is NAME: OPTIONS")
         self.name, options = (part.strip() for part in text.split(":", 1))
-        self.pipeline, self.options, changes = base_pipeline, [], []
+        self.pipeline, self.options, changes = base_pipeline, shlex.split(os.environ.get("OPTIONS", "")), []
         words = iter(shlex.split(options))
         for word in words:
             if word == "--constant":
@@ -134,20 +161,20 @@ class Contender:
                 self.pipeline = word
             else:
                 self.options.append(word)
-        known = {c.name: c for c in constants()} if changes else {}
-        folder = None
+        known = {}
+        for c in constants() if changes else []:
+            known[f"{c.file}:{c.name}"] = known[c.name] = c
+        in_shaders = []
         for change in changes:
-            name, _, value = change.partition("=")
+            name, _, value = change.rpartition("=") if "[[" in change else change.partition("=")
             if name not in known or not value:
                 sys.exit(f"tune.sh: {self.name}: --constant {change}: {table_file} has no such constant, or no value is given")
             if known[name].is_parameter():
                 self.options += parameter(known[name], value)
-                continue
-            if folder is None:
-                folder = tempfile.mkdtemp(dir=work)
-                node_folder(folder)
-                self.options += ["--nodes", folder]
-            known[name].change(folder, value)
+            else:
+                in_shaders.append((known[name], value))
+        if in_shaders:
+            self.options += changed_nodes(tempfile.mkdtemp(dir=work), self.pipeline, in_shaders)
 
 
 def parameter(constant, value):
@@ -276,13 +303,13 @@ def judge(contenders, jobs):
 def sensitivity(names, jobs):
     rows = constants()
     for name in names:
-        if name not in [r.name for r in rows]:
-            sys.exit(f"tune.sh: {table_file} has no constant {name}")
+        if name not in [r.name for r in rows if r.is_measured()]:
+            sys.exit(f"tune.sh: {table_file} has no such row with columns for half and double: {name}")
     base = over_shots(Contender("base:"), jobs)
     print("as it is: " + ", ".join(f"{c} {mean(base, c):.4g}" for c in COLUMNS), flush=True)
     families = sorted({s.rsplit("_", 1)[0] for s in shots})
     for row in rows:
-        if names and row.name not in names:
+        if not row.is_measured() or names and row.name not in names:
             continue
         said = []
         for factor in (0.5, 2.0):
@@ -291,7 +318,7 @@ def sensitivity(names, jobs):
                 said.append("-")
                 continue
             try:
-                found = over_shots(Contender(f"{row.name}: " + shlex.join(["--constant", f"{row.name}={value}"])), jobs)
+                found = over_shots(Contender("changed: " + shlex.join(["--constant", f"{row.file}:{row.name}={value}"])), jobs)
             except RuntimeError as error:
                 said.append("not possible")
                 print(f"{row.name}={value}: {error}", file=sys.stderr)
@@ -307,14 +334,18 @@ def sensitivity(names, jobs):
 def write_row(row, said):
     lines = open(table_file).read().split("\n")
     for i, line in enumerate(lines):
-        if re.match(r"\| `", line) and Constant(line).name == row.name:
-            cells = row.cells[:2] + [f"`{row.now()}`"] + row.cells[3:-2] + said
+        if re.match(r"\| `", line) and (Constant(line).name, Constant(line).file) == (row.name, row.file):
+            cells = row.cells[:2] + [f"`{row.now()}`"] + (row.cells[3:5] + said if said else row.cells[3:])
             lines[i] = "| " + " | ".join(cells) + " |"
     with open(table_file, "w") as out:
         out.write("\n".join(lines))
 
 
 arguments = sys.argv[1:]
+if arguments == ["--values"]:
+    for row in constants():
+        write_row(row, [])
+    sys.exit()
 with tempfile.TemporaryDirectory() as work:
     files = {(shot, still): shot_file(shot, still) for shot in shots for still in (False, True)}
     try:
