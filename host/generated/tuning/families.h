@@ -56,7 +56,8 @@ inline constexpr std::array<Family, families> all_families{
        .camera_elevation_deg = {15, 28}},
       build_room}}};
 
-// Those that scenes/tuning/ holds, of each family: far apart in width, unlike in what moves. Every other seed gives a shot that nothing was tuned on.
+// Those that scenes/tuning/ holds, of each family: far apart in width, unlike in what moves. Every other seed
+// gives a shot that nothing was tuned on.
 inline constexpr std::array<uint32_t, 2> committed_seeds{1, 4};
 
 struct TuningScene {
