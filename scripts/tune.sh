@@ -7,12 +7,12 @@
 #                                                      that does (all of them, or those named)
 #   scripts/tune.sh --values                           reads the values there from the files; changes nothing else
 # A contender is NAME: OPTIONS, where an option is another pipeline, `--constant NAME=VALUE` (of docs/constants.md, also one of a
-# shader) or one of `penumbra render`'s, as --set, --nodes, --seed. The pipeline as it is comes first and is what ratios are over.
-# Columns: first = frame 0, without a past; moving = frames 4 to 28 (--constants: 8, 16, 24), harmonic mean; still = frame 31 of the same shot with nothing
-# that moves. Over shots: geometric mean.
-# SHOTS (a pattern, '*'), SIZE (320x180), RAYS (512, of the reference, which is kept in out/tuning), PIPELINE
-# (pipelines/shadows.json), OPTIONS (for all contenders), TABLE (docs/constants.md), PRESET (release), JOBS (1; --constants, which measures no time: 2) and SEEDS
-# ("0") may be set; VK_DRIVER_FILES chooses the driver.
+# shader) or one of `penumbra render`'s, as --set or --nodes. The pipeline as it is comes first and is what ratios are over.
+# Columns: first = frame 0, without a past; moving = frames 4 to 28 (--constants: 8, 16, 24), harmonic mean; still = frame 31 of the
+# same shot with nothing that moves. Over shots: geometric mean. CPU milliseconds: of all passes but the guides.
+# SHOTS (a pattern, '*'), SIZE (320x180), SEEDS ("0"), RAYS (512, of the reference, which is kept in out/tuning), PIPELINE
+# (pipelines/shadows.json), OPTIONS (for all contenders), TABLE (docs/constants.md), JOBS (2, of --constants, which measures no
+# time), PRESET (release) and PENUMBRA may be set; VK_DRIVER_FILES chooses the driver.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${PRESET:-release}
@@ -144,6 +144,8 @@ def changed_nodes(folder, pipeline, changes):
                 if constant.file == shader:
                     constant.change(f"{folder}/{kind}_changed.comp", value)
             options += ["--set", f'nodes.{name}.type="{kind}_changed"']
+    if "--set" not in options:
+        raise RuntimeError(f"{pipeline} has no node with {', '.join(c.name for c, _ in changes)}, so nothing changes")
     return options
 
 
@@ -170,18 +172,19 @@ class Contender:
             if name not in known or not value:
                 sys.exit(f"tune.sh: {self.name}: --constant {change}: {table_file} has no such constant, or no value is given")
             if known[name].is_parameter():
-                self.options += parameter(known[name], value)
+                self.options += parameter(known[name], self.pipeline, value)
             else:
                 in_shaders.append((known[name], value))
         if in_shaders:
             self.options += changed_nodes(tempfile.mkdtemp(dir=work), self.pipeline, in_shaders)
 
 
-def parameter(constant, value):
+# What to tell `render`; an error where the pipeline has no such node.
+def parameter(constant, pipeline, value):
     node = constant.name.split(".")[0]
-    nodes = [n for n, body in flattened(base_pipeline).items() if body.get("type") == node]
+    nodes = [n for n, body in flattened(pipeline).items() if body.get("type") == node]
     if not nodes:
-        return []
+        raise RuntimeError(f"{pipeline} has no node of type {node}, so {constant.name} changes nothing")
     return [word for n in nodes for word in ("--set", f"nodes.{n}.params.{constant.name.split('.', 1)[1]}={value}")]
 
 
@@ -278,7 +281,7 @@ def cell(r):
     return f"{r['first']:.3g} / {r['moving']:.3g} / {r['still']:.3g} / {1000 * r['rmse']:.1f} / {r['ms']:.1f}"
 
 
-def judge(contenders, jobs):
+def judge(contenders):
     print("N_eff first / moving / still / RMSE moving in thousandths / CPU ms\n")
     print("| shot | " + " | ".join(c.name for c in contenders) + " |\n|---|" + "---|" * len(contenders))
     every_result = {c.name: {} for c in contenders}
@@ -300,8 +303,8 @@ def judge(contenders, jobs):
 
 
 # Of each constant the three means' change, at half and at double.
-def sensitivity(names, jobs):
-    rows = constants()
+def sensitivity(names):
+    rows, jobs = constants(), int(os.environ.get("JOBS", "2"))
     for name in names:
         if name not in [r.name for r in rows if r.is_measured()]:
             sys.exit(f"tune.sh: {table_file} has no such row with columns for half and double: {name}")
@@ -350,9 +353,9 @@ with tempfile.TemporaryDirectory() as work:
     files = {(shot, still): shot_file(shot, still) for shot in shots for still in (False, True)}
     try:
         if arguments[:1] == ["--constants"]:
-            sensitivity(arguments[1:], int(os.environ.get("JOBS", "2")))
+            sensitivity(arguments[1:])
         else:
-            judge([Contender("base:")] + [Contender(text) for text in arguments], int(os.environ.get("JOBS", "1")))
+            judge([Contender("base:")] + [Contender(text) for text in arguments])
     except RuntimeError as error:
         sys.exit(f"tune.sh: {error}")
 PYTHON
