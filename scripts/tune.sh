@@ -10,9 +10,10 @@
 # shader) or one of `penumbra render`'s, as --set or --nodes. The pipeline as it is comes first and is what ratios are over.
 # Columns: first = frame 0, without a past; moving = frames 4 to 28 (--constants: 8, 16, 24), harmonic mean; still = frame 31 of the
 # same shot with nothing that moves. Over shots: geometric mean. CPU milliseconds: of all passes but the guides.
-# SHOTS (a pattern, '*'), SIZE (320x180), SEEDS ("0"), RAYS (512, of the reference, which is kept in out/tuning), PIPELINE
-# (pipelines/shadows.json), OPTIONS (for all contenders), TABLE (docs/constants.md), JOBS (2, of --constants, which measures no
-# time), PRESET (release) and PENUMBRA may be set; VK_DRIVER_FILES chooses the driver.
+# FOLDER (scenes/tuning; held-out shots of another seed lie in one of yours), SHOTS (a pattern, '*'), SIZE (320x180), SEEDS ("0"),
+# RAYS (512, of the reference, which is kept in out/tuning), PIPELINE (pipelines/shadows.json), OPTIONS (for all contenders), TABLE
+# (docs/constants.md), JOBS (2, of --constants, which measures no time), PRESET (release) and PENUMBRA may be set; VK_DRIVER_FILES
+# chooses the driver.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${PRESET:-release}
@@ -34,9 +35,10 @@ table_file = os.environ.get("TABLE", "docs/constants.md")
 seeds = os.environ.get("SEEDS", "0").split()
 every, last, still_frame = (8, 24, 31) if "--constants" in sys.argv else (4, 28, 31)
 apart = {"guides", "capture"}  # passes that make no mask
-shots = sorted(os.path.basename(f)[:-len(".shot.json")] for f in glob.glob("scenes/tuning/" + os.environ.get("SHOTS", "*") + ".shot.json"))
+folder_of_shots = os.environ.get("FOLDER", "scenes/tuning")
+shots = sorted(os.path.basename(f)[:-len(".shot.json")] for f in glob.glob(f"{folder_of_shots}/" + os.environ.get("SHOTS", "*") + ".shot.json"))
 if not shots:
-    sys.exit("tune.sh: no shot is left; SHOTS is a pattern of names in scenes/tuning")
+    sys.exit("tune.sh: no shot is left; SHOTS is a pattern of names in " + folder_of_shots)
 exact = 1e4  # what an error below the truth's own counts as
 
 
@@ -208,9 +210,9 @@ def first_keys_only(value):
 # The shot as a file, moving or still.
 def shot_file(shot, still):
     if not still:
-        return f"scenes/tuning/{shot}.shot.json"
-    body = first_keys_only(json.load(open(f"scenes/tuning/{shot}.shot.json")))
-    body["scene"] = os.path.abspath(f"scenes/tuning/{shot}.glb")
+        return f"{folder_of_shots}/{shot}.shot.json"
+    body = first_keys_only(json.load(open(f"{folder_of_shots}/{shot}.shot.json")))
+    body["scene"] = os.path.abspath(f"{folder_of_shots}/{shot}.glb")
     file = f"{work}/{shot}.still.shot.json"
     with open(file, "w") as out:
         json.dump(body, out)
@@ -218,7 +220,7 @@ def shot_file(shot, still):
 
 
 def truth(shot, frame, still):
-    seen = hashlib.sha256(open(f"scenes/tuning/{shot}.glb", "rb").read() + open(f"scenes/tuning/{shot}.shot.json", "rb").read())
+    seen = hashlib.sha256(open(f"{folder_of_shots}/{shot}.glb", "rb").read() + open(f"{folder_of_shots}/{shot}.shot.json", "rb").read())
     folder = f"out/tuning/{seen.hexdigest()[:16]}-{size}-{rays}-{'still' if still else frame}"
     if not os.path.exists(folder):
         made = tempfile.mkdtemp(dir=work)
