@@ -84,6 +84,8 @@ class Constant:
         return found[0][1]
 
     def whole(self):
+        if self.is_parameter():
+            return json.load(open(self.path()))["params"][self.name.split(".", 1)[1]]["type"] in ("int", "uint")
         return re.fullmatch(r"\d+u?", self.now()) is not None
 
     def times(self, factor):
