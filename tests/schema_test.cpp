@@ -131,8 +131,9 @@ TEST(Schema, ShippedFilesValidate) {
         EXPECT_EQ(shipped_schema().errors(read(file)), "") << file;
     for (const fs::path& file : files_in("nodes", ".json"))
         EXPECT_EQ(node_schema().errors(read(file)), "") << file;
-    for (const fs::path& file : files_in("scenes", ".shot.json"))
-        EXPECT_EQ(shot_schema().errors(read(file)), "") << file;
+    for (const char* folder : {"scenes", "scenes/tuning"})
+        for (const fs::path& file : files_in(folder, ".shot.json"))
+            EXPECT_EQ(shot_schema().errors(read(file)), "") << file;
 }
 
 TEST(Schema, ExamplesAndToysValidate) {

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+// Writes tuning scenes and their shots: those of scenes/tuning/, or any other ones.
+//   penumbra_make_tuning_shots --out DIR [--family NAME] [--seed N]
+#include <charconv>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "host/generated/tuning/families.h"
+#include "host/images/image_file.h"
+#include "host/models/glb_writer.h"
+
+namespace {
+
+using namespace penumbra;
+
+struct Arguments {
+    std::filesystem::path out;
+    std::optional<std::string_view> family;
+    std::optional<uint32_t> seed;
+};
+
+std::optional<Arguments> refused(const std::string& why) {
+    std::fprintf(
+        stderr,
+        "%s\nusage: penumbra_make_tuning_shots --out DIR [--family NAME] [--seed N]\nfamilies:", why.c_str());
+    for (const tuning::Family& family : tuning::all_families) std::fprintf(stderr, " %s", family.name);
+    std::fprintf(stderr, "\n");
+    return std::nullopt;
+}
+
+bool known(std::string_view name) {
+    for (const tuning::Family& family : tuning::all_families)
+        if (name == family.name) return true;
+    return false;
+}
+
+std::optional<Arguments> parse(std::span<char*> words) {
+    Arguments out;
+    for (size_t i = 0; i < words.size(); i += 2) {
+        const std::string_view key = words[i];
+        if (i + 1 == words.size()) return refused(std::string(key) + ": no value follows");
+        const std::string_view value = words[i + 1];
+        if (key == "--out") {
+            out.out = value;
+        } else if (key == "--family") {
+            if (!known(value)) return refused("--family: there is no \"" + std::string(value) + "\"");
+            out.family = value;
+        } else if (key == "--seed") {
+            uint32_t seed = 0;
+            const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), seed);
+            if (error != std::errc() || end != value.data() + value.size())
+                return refused("--seed: \"" + std::string(value) + "\" is no number from 0 to 4294967295");
+            out.seed = seed;
+        } else {
+            return refused("unknown option " + std::string(key));
+        }
+    }
+    if (out.out.empty()) return refused("--out: which folder to write to is missing");
+    return out;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const auto arguments = parse(std::span(argv + 1, static_cast<size_t>(argc - 1)));
+    if (!arguments) return 2;
+    try {
+        std::filesystem::create_directories(arguments->out);
+        for (const tuning::Family& family : tuning::all_families) {
+            if (arguments->family && *arguments->family != family.name) continue;
+            for (const uint32_t seed : arguments->seed
+                                           ? std::vector<uint32_t>{*arguments->seed}
+                                           : std::vector<uint32_t>(tuning::committed_seeds.begin(),
+                                                                   tuning::committed_seeds.end())) {
+                const tuning::TuningScene scene = tuning::make_tuning_scene(family, seed);
+                write_file(arguments->out / (scene.name + ".glb"), to_glb(scene.model));
+                write_file(arguments->out / (scene.name + ".shot.json"),
+                           std::as_bytes(std::span(scene.shot)));
+                const tuning::Setting& s = scene.setting;
+                std::printf("%s: %zu triangles, penumbrae of %.2f px about the middle, sun of %.2f degrees\n",
+                            scene.name.c_str(), scene.model.triangle_count(), s.width_px, s.sun_radius_deg);
+            }
+        }
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return 1;
+    }
+}
