@@ -6,7 +6,7 @@
 #include "common/rounded.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
-#include "visibility/branch.glsl"
+#include "common/branch.glsl"
 #include "budget/ray_worth.glsl"
 
 // Of the gain that is just reached, the share of tiles that get their rays; the same ones as long as nothing moves.

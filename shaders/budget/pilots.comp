@@ -9,7 +9,7 @@
 #include "common/rounded.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
-#include "visibility/branch.glsl"
+#include "common/branch.glsl"
 
 const float FOR_THE_UNSURE = 0.8;  // of a budget that does not reach for all
 

@@ -10,10 +10,10 @@
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 const bool MANY_RAYS = true;
-#include "denoising/dithered.glsl"
-#include "denoising/own_rays.glsl"
-#include "denoising/shadow_state.glsl"
-#include "visibility/branch.glsl"
+#include "common/dithered.glsl"
+#include "common/own_rays.glsl"
+#include "common/shadow_state.glsl"
+#include "common/branch.glsl"
 #include "budget/nearest_past.glsl"
 
 const float NEVER_ELSE = 0.003;

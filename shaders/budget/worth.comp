@@ -10,12 +10,12 @@
 #include "common/blockers.glsl"
 #include "common/sun_sample.glsl"
 const bool MANY_RAYS = true;
-#include "denoising/dithered.glsl"
-#include "denoising/own_rays.glsl"
-#include "denoising/shadow_state.glsl"
-#include "denoising/sun_change.glsl"
+#include "common/dithered.glsl"
+#include "common/own_rays.glsl"
+#include "common/shadow_state.glsl"
+#include "common/sun_change.glsl"
 #include "budget/nearest_past.glsl"
-#include "visibility/branch.glsl"
+#include "common/branch.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/expected_error.glsl"
 

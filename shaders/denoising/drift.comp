@@ -10,9 +10,9 @@
 #include "common/pixels.glsl"
 #include "common/rounded.glsl"
 const bool MANY_RAYS = HAS_FRAMES;
-#include "denoising/dithered.glsl"
-#include "denoising/own_rays.glsl"
-#include "denoising/shadow_state.glsl"
+#include "common/dithered.glsl"
+#include "common/own_rays.glsl"
+#include "common/shadow_state.glsl"
 #include "common/view_rays.glsl"
 #include "denoising/frame_worth.glsl"
 #include "denoising/working_cells.glsl"

@@ -11,9 +11,9 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 const bool MANY_RAYS = HAS_FRAME_WORTH != 0;
-#include "denoising/dithered.glsl"
-#include "denoising/own_rays.glsl"
-#include "denoising/shadow_state.glsl"
+#include "common/dithered.glsl"
+#include "common/own_rays.glsl"
+#include "common/shadow_state.glsl"
 #include "denoising/light_space.glsl"
 #include "common/corners.glsl"
 #include "denoising/shadow_past.glsl"

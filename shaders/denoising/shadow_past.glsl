@@ -5,7 +5,7 @@
 // Includer has shadow_state.glsl, view_rays.glsl and corners.glsl, and declares the images history
 // and, where things move, motion, view_depth_prev and guide_normal_prev.
 #include "denoising/cubic.glsl"
-#include "denoising/sun_change.glsl"
+#include "common/sun_change.glsl"
 
 const float SAME_FACE = 0.9;  // cosine, as near as 10 bits are to a unit vector: beyond a crease the sun stands differently
 

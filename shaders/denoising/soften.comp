@@ -9,9 +9,9 @@
 #include "common/pixels.glsl"
 #include "common/rounded.glsl"
 const bool MANY_RAYS = HAS_RAY_WORDS || HAS_RAY_BITS;
-#include "denoising/dithered.glsl"
-#include "denoising/own_rays.glsl"
-#include "denoising/shadow_state.glsl"
+#include "common/dithered.glsl"
+#include "common/own_rays.glsl"
+#include "common/shadow_state.glsl"
 #include "common/view_rays.glsl"
 #include "common/corners.glsl"
 #include "common/tiles.glsl"

@@ -11,7 +11,7 @@
 // by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
 //
 // Includer has common/bvh.glsl and light_mask.glsl and declares: uniform sampler2D light_samples.
-#include "visibility/branch.glsl"
+#include "common/branch.glsl"
 
 const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
 
