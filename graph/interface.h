@@ -11,9 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/node_type.h"
 
-namespace penumbra {
+namespace PENUMBRA_API penumbra {  // for the component glsl alone
 
 // Binding numbers are unique within a node over both sets: set 0 holds what the plan makes (resources,
 // tables), set 1 what changes with every frame (the frame block, counters, host slots). Shaders are compiled

@@ -30,7 +30,9 @@
 #include <span>
 #include <vector>
 
-namespace penumbra {
+#include "penumbra/export.h"
+
+namespace PENUMBRA_API penumbra {
 
 struct Triangle {
     float v[3][3];

@@ -7,9 +7,10 @@
 #include <optional>
 
 #include "penumbra/check.h"
+#include "penumbra/export.h"
 #include "penumbra/plan.h"
 
-namespace penumbra {
+namespace PENUMBRA_API penumbra {
 
 struct CompileOptions {
     bool alias = true;                  // false: every resource has memory of its own

@@ -10,9 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/format.h"
 
-namespace penumbra {
+namespace PENUMBRA_API penumbra {
 
 // What a host may promise for a plan's lifetime; true where it says nothing.
 struct Fact {

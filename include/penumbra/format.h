@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
-namespace penumbra {
+#include "penumbra/export.h"
+
+namespace PENUMBRA_API penumbra {
 
 enum class Format : uint8_t {
     r8,

@@ -6,7 +6,9 @@
 #include <array>
 #include <cstdint>
 
-namespace penumbra {
+#include "penumbra/export.h"
+
+namespace PENUMBRA_API penumbra {
 
 namespace std140 {
 using uint = uint32_t;

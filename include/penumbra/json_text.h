@@ -12,8 +12,9 @@
 #include <vector>
 
 #include "penumbra/diagnostic.h"
+#include "penumbra/export.h"
 
-namespace penumbra {
+namespace PENUMBRA_API penumbra {
 
 struct JsonMember;
 

@@ -6,10 +6,11 @@
 #include <array>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/plan.h"
 #include "penumbra/vulkan.h"
 
-namespace penumbra {
+namespace PENUMBRA_API penumbra {
 
 // The host's device. Penumbra creates no instance, device or queue of its own and submits nothing.
 struct DeviceHandles {

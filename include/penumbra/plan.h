@@ -18,9 +18,10 @@
 #include <string>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/node_set.h"
 
-namespace penumbra {
+namespace PENUMBRA_API penumbra {
 
 struct Extent {
     uint32_t width = 1, height = 1;

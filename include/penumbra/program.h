@@ -8,11 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/memory.h"
 #include "penumbra/plan.h"
 #include "penumbra/vulkan.h"
 
-namespace penumbra {
+namespace PENUMBRA_API penumbra {
 
 struct PassProgram {
     std::array<Owned<VkDescriptorSetLayout>, 2> set_layouts;

@@ -14,10 +14,11 @@
 #include <string_view>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/frame_block.h"
 #include "penumbra/program.h"
 
-namespace penumbra {
+namespace PENUMBRA_API penumbra {
 
 // What fills one host slot of this frame; the members that the slot's kind does not use are ignored.
 struct SlotBinding {

@@ -11,7 +11,9 @@
 #include <string_view>
 #include <utility>
 
-namespace penumbra {
+#include "penumbra/export.h"
+
+namespace PENUMBRA_API penumbra {
 
 // A Vulkan call failed: "vkAllocateMemory failed with VK_ERROR_OUT_OF_DEVICE_MEMORY (heap 0, 64 MiB)".
 class VulkanError : public std::runtime_error {
