@@ -12,7 +12,7 @@ configure_file(cmake/version.h.in include/penumbra/version.h @ONLY)
 configure_file(shaders/common/blocks.h include/penumbra/blocks.h COPYONLY)
 target_include_directories(penumbra_library PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
   $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:include>)
-target_link_libraries(penumbra_library PUBLIC Vulkan::Vulkan PRIVATE fmt::fmt)
+target_link_libraries(penumbra_library PUBLIC Vulkan::Headers PRIVATE fmt::fmt)
 
 # penumbra::glsl: users' nodes, compiled at run time. Who does not link it needs no glslang.
 if(PENUMBRA_GLSL)

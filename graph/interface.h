@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,8 @@ PushConstants push_constants(const NodeType& type);
 
 // A value's bits as a specialisation or push constant: enums become their index, booleans 0 or 1.
 std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value);
+// The value that these bits are of.
+ParamValue value_of(const Param& param, std::span<const std::byte> bytes);
 
 // Whether a value has the parameter's type, component count and range.
 bool fits(const Param& param, const ParamValue& value);

@@ -40,7 +40,12 @@ std::shared_ptr<const Domain> shadow_domain() {
                            {"Scene", sizeof(blocks::Scene)},
                            {"Cascades", sizeof(blocks::Cascades)}},
                .structs_file = "common/blocks.h",
-               .bundles = {scene()}});
+               .bundles = {scene()},
+               .capabilities = {{4472,  // RayQueryKHR
+                                 {.extensions = {"VK_KHR_ray_query", "VK_KHR_acceleration_structure",
+                                                 "VK_KHR_deferred_host_operations"},
+                                  .features = {"rayQuery", "accelerationStructure",
+                                               "bufferDeviceAddress"}}}}});
     return domain;
 }
 

@@ -15,6 +15,8 @@ namespace PENUMBRA_API penumbra {
 struct CompileOptions {
     bool alias = true;                  // false: every resource has memory of its own
     bool poison = false;                // lets the view fill every activated resource with a pattern (tests)
+    // What lives within a frame gets heaps of its own, which several views may share (ViewOptions::transients).
+    bool share_transients = false;
     std::vector<std::string> captures;  // resources to copy out every frame, by name
     std::map<std::string, OutputUse>
         outputs;  // by name, where OutputUse's defaults are not what the host does

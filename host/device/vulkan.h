@@ -11,9 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "penumbra/export.h"
-
-namespace PENUMBRA_API penumbra {
+namespace penumbra {
 
 // A Vulkan call failed: "vkAllocateMemory failed with VK_ERROR_OUT_OF_DEVICE_MEMORY (heap 0, 64 MiB)".
 class VulkanError : public std::runtime_error {
@@ -28,8 +26,7 @@ class VulkanError : public std::runtime_error {
 // Throws VulkanError unless `result` is VK_SUCCESS. `call` is the function's name, `what` the object or pass.
 void check(VkResult result, const char* call, std::string_view what);
 
-// Destroys a handle whose parent is a VkDevice; of the types that vulkan.cpp lists. No Vulkan function is called from a
-// header: a host that loads them by itself has no prototypes.
+// Destroys a handle whose parent is a VkDevice; of the types that vulkan.cpp lists.
 template <class Handle>
 void destroy(VkDevice device, Handle handle);
 
