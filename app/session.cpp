@@ -45,7 +45,8 @@ bool standalone_has_input(std::string_view name) {
 }
 
 DeviceHandles handles_of(const Device& device) {
-    return {device.instance(), device.physical(), device.get(), device.queue_family(), vkGetInstanceProcAddr, {}};
+    return {device.instance(),     device.physical(),     device.get(),
+            device.queue_family(), vkGetInstanceProcAddr, {}};
 }
 
 std::set<std::string> features_of(const Device& device) {
@@ -134,9 +135,12 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                           session->host_->cascade_layers(), needs("cascade_bounds"));
     session->sun_ =
         make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
-    session->sun_prev_ = make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the previous frame's sun");
-    session->scene_ = make_host_buffer(device, sizeof(blocks::Scene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the scene block");
-    session->cascades_ = make_host_buffer(device, sizeof(blocks::Cascades), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the cascades block");
+    session->sun_prev_ = make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                                          "the previous frame's sun");
+    session->scene_ = make_host_buffer(device, sizeof(blocks::Scene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                                       "the scene block");
+    session->cascades_ = make_host_buffer(device, sizeof(blocks::Cascades),
+                                          VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the cascades block");
     return session;
 }
 

@@ -82,15 +82,17 @@ GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
         if (!function) fail(ErrorCode::usage, name, "DeviceHandles::get_instance_proc_addr does not give it");
         return function;
     };
-#define PENUMBRA_LOAD(name) \
-    vk_.name = loaded(reinterpret_cast<PFN_##name>(handles.get_instance_proc_addr(handles.instance, #name)), #name);
+#define PENUMBRA_LOAD(name)                                                                                  \
+    vk_.name = loaded(reinterpret_cast<PFN_##name>(handles.get_instance_proc_addr(handles.instance, #name)), \
+                      #name);
     PENUMBRA_INSTANCE_FUNCTIONS(PENUMBRA_LOAD)
 #undef PENUMBRA_LOAD
     // First of all the version: an older device does not have the functions.
     vk_.vkGetPhysicalDeviceProperties(handles.physical, &properties_);
     if (properties_.apiVersion < VK_API_VERSION_1_3)
         fail(ErrorCode::unsupported, properties_.deviceName,
-             fmt::format("has Vulkan {}.{}, of which 1.3 is needed", VK_API_VERSION_MAJOR(properties_.apiVersion),
+             fmt::format("has Vulkan {}.{}, of which 1.3 is needed",
+                         VK_API_VERSION_MAJOR(properties_.apiVersion),
                          VK_API_VERSION_MINOR(properties_.apiVersion)));
 #define PENUMBRA_LOAD(name) \
     vk_.name = loaded(reinterpret_cast<PFN_##name>(vk_.vkGetDeviceProcAddr(handles.device, #name)), #name);
@@ -123,20 +125,24 @@ MemoryBlock GraphDevice::allocate(const MemoryRequest& request) const {
         // From here on the block is the host's to take back.
         try {
             if (block.memory == VK_NULL_HANDLE) refuse("the host's allocator gave no memory, and no error");
-            if (block.offset % request.need.alignment) refuse("the host's allocator gave an offset that is not aligned");
-            if (request.mapped && !block.mapped) refuse("the host's allocator gave memory that is not mapped");
+            if (block.offset % request.need.alignment)
+                refuse("the host's allocator gave an offset that is not aligned");
+            if (request.mapped && !block.mapped)
+                refuse("the host's allocator gave memory that is not mapped");
         } catch (...) {
             handles_.memory.release(block);
             throw;
         }
         return block;
     }
-    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, request.need.size,
-                                    memory_type(request.need.memoryTypeBits, request.properties, request.what)};
+    const VkMemoryAllocateInfo info{
+        VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, request.need.size,
+        memory_type(request.need.memoryTypeBits, request.properties, request.what)};
     const std::string what = fmt::format("{}, {} bytes", request.what, request.need.size);
     require(vk_.vkAllocateMemory(get(), &info, nullptr, &block.memory), "vkAllocateMemory", what);
     if (request.mapped)
-        if (const VkResult result = vk_.vkMapMemory(get(), block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped)) {
+        if (const VkResult result =
+                vk_.vkMapMemory(get(), block.memory, 0, VK_WHOLE_SIZE, 0, &block.mapped)) {
             vk_.vkFreeMemory(get(), block.memory, nullptr);
             require(result, "vkMapMemory", what);
         }
@@ -169,15 +175,16 @@ MappedBuffer::MappedBuffer(const GraphDevice& device, VkDeviceSize bytes, VkBuff
     require(device.vk().vkCreateBuffer(device.get(), &create, nullptr, &buffer), "vkCreateBuffer", what);
     buffer_ = {device, buffer};
     device.name(VK_OBJECT_TYPE_BUFFER, buffer, what);
-    MemoryRequest request{.properties =
-                              VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-                          .mapped = true,
-                          .linear = true,
-                          .what = what.c_str()};
+    MemoryRequest request{
+        .properties = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+        .mapped = true,
+        .linear = true,
+        .what = what.c_str()};
     device.vk().vkGetBufferMemoryRequirements(device.get(), buffer, &request.need);
     memory_ = HeldMemory(device, request);
-    require(device.vk().vkBindBufferMemory(device.get(), buffer, memory_.block().memory, memory_.block().offset),
-            "vkBindBufferMemory", what);
+    require(
+        device.vk().vkBindBufferMemory(device.get(), buffer, memory_.block().memory, memory_.block().offset),
+        "vkBindBufferMemory", what);
 }
 
 }  // namespace penumbra

@@ -70,7 +70,8 @@ DeviceTable device_table(const DeviceHandles& handles) {
     };
     table.supports = [device](Format format, VkFormatFeatureFlags features) {
         VkFormatProperties supported;
-        device->vk().vkGetPhysicalDeviceFormatProperties(device->handles().physical, info(format).vk, &supported);
+        device->vk().vkGetPhysicalDeviceFormatProperties(device->handles().physical, info(format).vk,
+                                                         &supported);
         // Image and buffer features are different bits.
         return ((supported.optimalTilingFeatures | supported.bufferFeatures) & features) == features;
     };
@@ -79,10 +80,11 @@ DeviceTable device_table(const DeviceHandles& handles) {
 
 HeldMemory allocate_heap(const GraphDevice& device, const Heap& heap) {
     const std::string what = fmt::format("the {}heap of {}", heap.shared ? "shared " : "", heap.type);
-    return HeldMemory(device, {.need = {std::max<uint64_t>(heap.bytes, 1), heap.alignment, heap.memory_type_bits},
-                               .properties = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
-                               .linear = heap.type == "buffers",
-                               .what = what.c_str()});
+    return HeldMemory(device,
+                      {.need = {std::max<uint64_t>(heap.bytes, 1), heap.alignment, heap.memory_type_bits},
+                       .properties = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+                       .linear = heap.type == "buffers",
+                       .what = what.c_str()});
 }
 
 TransientMemory::TransientMemory(DevicePtr device, const Plan& plan) : device_(std::move(device)) {
@@ -180,8 +182,9 @@ void PlanMemory::make_buffer(const PlanResource& r, const MemoryBlock& heap, uin
     require(device_.vk().vkCreateBuffer(device_.get(), &create, nullptr, &buffer), "vkCreateBuffer", name);
     out.buffer = {device_, buffer};
     device_.name(VK_OBJECT_TYPE_BUFFER, buffer, object_name(r, parity));
-    require(device_.vk().vkBindBufferMemory(device_.get(), buffer, heap.memory, heap.offset + r.offset[parity]),
-            "vkBindBufferMemory", name);
+    require(
+        device_.vk().vkBindBufferMemory(device_.get(), buffer, heap.memory, heap.offset + r.offset[parity]),
+        "vkBindBufferMemory", name);
     out.handles.bytes = r.buffer_bytes();
     if (!(r.buffer_usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)) return;
     VkBufferViewCreateInfo view{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
@@ -189,7 +192,8 @@ void PlanMemory::make_buffer(const PlanResource& r, const MemoryBlock& heap, uin
     view.format = info(r.format).vk;
     view.range = VK_WHOLE_SIZE;
     VkBufferView handle = VK_NULL_HANDLE;
-    require(device_.vk().vkCreateBufferView(device_.get(), &view, nullptr, &handle), "vkCreateBufferView", name);
+    require(device_.vk().vkCreateBufferView(device_.get(), &view, nullptr, &handle), "vkCreateBufferView",
+            name);
     out.buffer_view = {device_, handle};
 }
 

@@ -35,7 +35,8 @@ HeldMemory allocate_heap(const GraphDevice& device, const Heap& heap);
 class PlanMemory {
   public:
     // `transients`: of the shared heaps; null: these too are this plan's alone.
-    PlanMemory(const GraphDevice& device, const Plan& plan, std::shared_ptr<const TransientMemory> transients);
+    PlanMemory(const GraphDevice& device, const Plan& plan,
+               std::shared_ptr<const TransientMemory> transients);
     const ResourceHandles& at(uint32_t resource, uint32_t parity) const {
         return instances_[resource][kept_[resource] ? 0 : parity].handles;
     }

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: MIT
 // One pipeline per compute pass, specialised with the plan's constants; set 0 holds internal resources, set 1
 // the frame block, counters, host slots and tables.
-#include "graph/program_state.h"
-
 #include <fmt/format.h>
 
 #include <cstring>
+
+#include "graph/program_state.h"
 
 namespace penumbra {
 namespace {
 
 Held<VkDescriptorSetLayout> make_set_layout(const GraphDevice& device,
-                                             const std::vector<VkDescriptorSetLayoutBinding>& bindings,
-                                             const std::string& what) {
+                                            const std::vector<VkDescriptorSetLayoutBinding>& bindings,
+                                            const std::string& what) {
     VkDescriptorSetLayoutCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     create.bindingCount = static_cast<uint32_t>(bindings.size());
     create.pBindings = bindings.data();
     VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-    require(device.vk().vkCreateDescriptorSetLayout(device.get(), &create, nullptr, &layout), "vkCreateDescriptorSetLayout",
-          what);
+    require(device.vk().vkCreateDescriptorSetLayout(device.get(), &create, nullptr, &layout),
+            "vkCreateDescriptorSetLayout", what);
     return {device, layout};
 }
 
@@ -32,7 +32,9 @@ VkImageAspectFlags aspect(Format format) {
 
 ProgramState::ProgramState(const DeviceHandles& handles, std::shared_ptr<const Plan> plan,
                            const ProgramOptions& options)
-    : device_(std::make_shared<const GraphDevice>(handles)), plan_(std::move(plan)), passes_(plan_->passes.size()) {
+    : device_(std::make_shared<const GraphDevice>(handles)),
+      plan_(std::move(plan)),
+      passes_(plan_->passes.size()) {
     for (int linear = 0; linear < 2; ++linear) {
         VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
         create.magFilter = create.minFilter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
@@ -41,15 +43,15 @@ ProgramState::ProgramState(const DeviceHandles& handles, std::shared_ptr<const P
         create.maxLod = VK_LOD_CLAMP_NONE;
         VkSampler sampler = VK_NULL_HANDLE;
         require(device_->vk().vkCreateSampler(device_->get(), &create, nullptr, &sampler), "vkCreateSampler",
-              "a port's sampler");
+                "a port's sampler");
         samplers_[linear] = {*device_, sampler};
     }
     VkPipelineCacheCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
     create.initialDataSize = options.pipeline_cache.size();
     create.pInitialData = options.pipeline_cache.data();
     VkPipelineCache cache = VK_NULL_HANDLE;
-    require(device_->vk().vkCreatePipelineCache(device_->get(), &create, nullptr, &cache), "vkCreatePipelineCache",
-          plan_->pipeline);
+    require(device_->vk().vkCreatePipelineCache(device_->get(), &create, nullptr, &cache),
+            "vkCreatePipelineCache", plan_->pipeline);
     cache_ = {*device_, cache};
     make_tables();
     make_absent();
@@ -62,7 +64,7 @@ ProgramState::ProgramState(const DeviceHandles& handles, std::shared_ptr<const P
 }
 
 StaticImage ProgramState::make_image(Format format, std::array<uint32_t, 2> extent, VkImageUsageFlags usage,
-                                bool layered, const std::string& what) const {
+                                     bool layered, const std::string& what) const {
     StaticImage out;
     VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     create.imageType = VK_IMAGE_TYPE_2D;
@@ -79,15 +81,16 @@ StaticImage ProgramState::make_image(Format format, std::array<uint32_t, 2> exte
     device_->vk().vkGetImageMemoryRequirements(device_->get(), image, &request.need);
     out.memory = HeldMemory(*device_, request);
     const MemoryBlock& block = out.memory.block();
-    require(device_->vk().vkBindImageMemory(device_->get(), image, block.memory, block.offset), "vkBindImageMemory",
-            what);
+    require(device_->vk().vkBindImageMemory(device_->get(), image, block.memory, block.offset),
+            "vkBindImageMemory", what);
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     view.image = image;
     view.viewType = layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
     view.format = create.format;
     view.subresourceRange = {aspect(format), 0, 1, 0, 1};
     VkImageView handle = VK_NULL_HANDLE;
-    require(device_->vk().vkCreateImageView(device_->get(), &view, nullptr, &handle), "vkCreateImageView", what);
+    require(device_->vk().vkCreateImageView(device_->get(), &view, nullptr, &handle), "vkCreateImageView",
+            what);
     out.view = {*device_, handle};
     return out;
 }
@@ -130,7 +133,8 @@ void ProgramState::make_absent() {
             create.format = info(b.format).vk;
             create.range = VK_WHOLE_SIZE;
             VkBufferView view = VK_NULL_HANDLE;
-            require(device_->vk().vkCreateBufferView(device_->get(), &create, nullptr, &view), "vkCreateBufferView", what);
+            require(device_->vk().vkCreateBufferView(device_->get(), &create, nullptr, &view),
+                    "vkCreateBufferView", what);
             absent_texels_[b.format] = {*device_, view};
         }
 }
@@ -161,19 +165,18 @@ void ProgramState::make_pass(size_t index) {
     layout_create.pushConstantRangeCount = pass.push.empty() ? 0 : 1;
     layout_create.pPushConstantRanges = &push;
     VkPipelineLayout layout = VK_NULL_HANDLE;
-    require(device_->vk().vkCreatePipelineLayout(device_->get(), &layout_create, nullptr, &layout), "vkCreatePipelineLayout",
-          pass.node);
+    require(device_->vk().vkCreatePipelineLayout(device_->get(), &layout_create, nullptr, &layout),
+            "vkCreatePipelineLayout", pass.node);
     out.layout = {*device_, layout};
 
-    if (!pass.module)
-        fail(ErrorCode::usage, pass.node, "the plan was made without a shader for this node");
+    if (!pass.module) fail(ErrorCode::usage, pass.node, "the plan was made without a shader for this node");
     const std::vector<uint32_t>& spirv = plan_->modules[*pass.module];
     VkShaderModuleCreateInfo module_create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     module_create.codeSize = spirv.size() * sizeof(uint32_t);
     module_create.pCode = spirv.data();
     VkShaderModule module = VK_NULL_HANDLE;
-    require(device_->vk().vkCreateShaderModule(device_->get(), &module_create, nullptr, &module), "vkCreateShaderModule",
-          pass.node);
+    require(device_->vk().vkCreateShaderModule(device_->get(), &module_create, nullptr, &module),
+            "vkCreateShaderModule", pass.node);
     const Held<VkShaderModule> held_module(*device_, module);
 
     std::vector<VkSpecializationMapEntry> entries;
@@ -188,8 +191,9 @@ void ProgramState::make_pass(size_t index) {
     create.stage.pSpecializationInfo = &specialisation;
     create.layout = layout;
     VkPipeline pipeline = VK_NULL_HANDLE;
-    require(device_->vk().vkCreateComputePipelines(device_->get(), cache_.get(), 1, &create, nullptr, &pipeline),
-          "vkCreateComputePipelines", pass.node);
+    require(
+        device_->vk().vkCreateComputePipelines(device_->get(), cache_.get(), 1, &create, nullptr, &pipeline),
+        "vkCreateComputePipelines", pass.node);
     out.pipeline = {*device_, pipeline};
     device_->name(VK_OBJECT_TYPE_PIPELINE, pipeline, pass.node);
 }
@@ -202,7 +206,8 @@ void ProgramState::record_uploads(VkCommandBuffer cmd) const {
         VkPipelineStageFlags2 stages;
         VkAccessFlags2 access;
     };
-    constexpr Stand fresh{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_NONE},
+    constexpr Stand fresh{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                          VK_ACCESS_2_NONE},
         filled{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
                VK_ACCESS_2_TRANSFER_WRITE_BIT},
         table{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
@@ -245,7 +250,8 @@ uint64_t ProgramState::bytes() const {
     return sum;
 }
 
-Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan, const ProgramOptions& options)
+Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan,
+                 const ProgramOptions& options)
     : state_(std::make_unique<const ProgramState>(handles, std::move(plan), options)) {}
 Program::~Program() = default;
 

@@ -25,7 +25,8 @@ struct StaticImage {
 
 class ProgramState {
   public:
-    ProgramState(const DeviceHandles& handles, std::shared_ptr<const Plan> plan, const ProgramOptions& options);
+    ProgramState(const DeviceHandles& handles, std::shared_ptr<const Plan> plan,
+                 const ProgramOptions& options);
 
     const DevicePtr& device() const { return device_; }
     const Plan& plan() const { return *plan_; }

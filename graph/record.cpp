@@ -70,12 +70,13 @@ void ViewState::memory_dependency(VkCommandBuffer cmd, const Dependency& d,
 // Everything before, before everything after: reset frames, poisoning, and memory that another view has used.
 void ViewState::full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemoryBarrier2> images) const {
     constexpr VkAccessFlags2 all = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    static const Dependency everything{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                       all, all, {}};
+    static const Dependency everything{
+        VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, all, all, {}};
     memory_dependency(cmd, everything, images);
 }
 
-void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots) {
+void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
+                      std::span<const SlotBinding> slots) {
     if (frame.size[0] != plan().extent.width || frame.size[1] != plan().extent.height)
         fail(ErrorCode::usage, plan().pipeline,
              fmt::format("the frame is {}x{}, the plan was compiled for {}x{}", frame.size[0], frame.size[1],
@@ -101,10 +102,12 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::s
     std::memcpy(slot.frame_block.data(), &frame_block_, sizeof frame_block_);
     if (recorded_ == 0 && !options_.tables_uploaded) program_.record_uploads(cmd);
     if (slot.timestamps)
-        vk().vkCmdResetQueryPool(cmd, slot.timestamps.get(), 0, 2 * static_cast<uint32_t>(plan().passes.size()));
+        vk().vkCmdResetQueryPool(cmd, slot.timestamps.get(), 0,
+                                 2 * static_cast<uint32_t>(plan().passes.size()));
     if (!plan().counters.empty()) {
         vk().vkCmdFillBuffer(cmd, slot.counters.get(), 0, VK_WHOLE_SIZE, 0);
-        memory_dependency(cmd, {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+        memory_dependency(cmd, {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                                VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                                 VK_ACCESS_2_TRANSFER_WRITE_BIT,
                                 VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                                 {}});
@@ -182,8 +185,8 @@ void ViewState::record_reset(VkCommandBuffer cmd) {
     for (const ResetAction& action : plan().reset)
         if (const VkImage image = memory_.at(action.resource, previous).image)
             images_.push_back(activate(image, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                      VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                      VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT));
+                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                       VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT));
     full_dependency(cmd, images_);
     for (const ResetAction& action : plan().reset)
         if (action.clear || options_.poison)
@@ -196,15 +199,17 @@ void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& depende
     images_.clear();
     for (const Activation& a : dependency.activations) {
         VkPipelineStageFlags2 before = a.src_stages;
-        if (const auto lent = plan().resources[a.resource].slot) before |= bound_[*lent].handover->stages_before;
+        if (const auto lent = plan().resources[a.resource].slot)
+            before |= bound_[*lent].handover->stages_before;
         images_.push_back(activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access));
     }
     memory_dependency(cmd, dependency, images_);
 }
 
 void ViewState::record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
-                        std::optional<uint32_t> poison) const {
-    const ResourceHandles& r = plan().resources[resource].slot ? lent_[resource] : memory_.at(resource, parity);
+                             std::optional<uint32_t> poison) const {
+    const ResourceHandles& r =
+        plan().resources[resource].slot ? lent_[resource] : memory_.at(resource, parity);
     const FormatClass kind = info(plan().resources[resource].format).kind;
     if (r.image) {
         const VkClearColorValue colour = poison ? poison_colour(kind, *poison) : VkClearColorValue{};
@@ -238,7 +243,8 @@ void ViewState::record_pass(VkCommandBuffer cmd, size_t index) {
     if (options_.poison) record_poison(cmd, index);
     const auto first_query = static_cast<uint32_t>(2 * index);
     if (slot.timestamps)
-        vk().vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(), first_query);
+        vk().vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
+                                  first_query);
     for (const uint32_t resource : pass.clears) record_clear(cmd, resource, parity_, std::nullopt);
     record_dependency(cmd, pass.after_clears[parity_]);
     switch (pass.kind) {
@@ -253,7 +259,7 @@ void ViewState::record_pass(VkCommandBuffer cmd, size_t index) {
     }
     if (slot.timestamps)
         vk().vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
-                             first_query + 1);
+                                  first_query + 1);
     if (vk().vkCmdEndDebugUtilsLabelEXT) vk().vkCmdEndDebugUtilsLabelEXT(cmd);
 }
 
@@ -265,22 +271,23 @@ void ViewState::record_dispatches(VkCommandBuffer cmd, size_t index) const {
     vk().vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline.get());
     if (!push_[index].empty())
         vk().vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                           static_cast<uint32_t>(push_[index].size()), push_[index].data());
+                                static_cast<uint32_t>(push_[index].size()), push_[index].data());
     for (uint32_t level = 0; level < levels.size(); ++level) {
         if (level > 0)
-            memory_dependency(cmd, {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                                    VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT,
+            memory_dependency(cmd, {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                    VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                                    VK_ACCESS_2_SHADER_STORAGE_READ_BIT,
                                     {}});
         const std::array sets{levels[level], slots_[slot_].sets[index]};
-        vk().vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2, sets.data(),
-                                0, nullptr);
+        vk().vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2,
+                                     sets.data(), 0, nullptr);
         if (pass.mip_level)
             vk().vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, *pass.mip_level,
-                               sizeof level, &level);
+                                    sizeof level, &level);
         const std::array<uint32_t, 3>& groups = pass.mip_level ? pass.level_groups[level] : pass.groups;
         if (pass.indirect)
-            vk().vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer,
-                                  pass.indirect_offset);
+            vk().vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer, pass.indirect_offset);
         else
             vk().vkCmdDispatch(cmd, groups[0], groups[1], groups[2]);
     }

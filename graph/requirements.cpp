@@ -53,7 +53,8 @@ class Needs {
     void add(Kind kind, const std::string& name, uint64_t bits, const std::string& why) {
         Requirement& r = at(kind, name);
         r.value |= bits;
-        if ((" " + r.why + " ").find(" " + why + " ") == std::string::npos) r.why += (r.why.empty() ? "" : " ") + why;
+        if ((" " + r.why + " ").find(" " + why + " ") == std::string::npos)
+            r.why += (r.why.empty() ? "" : " ") + why;
     }
     void at_least(const std::string& name, uint64_t value, const std::string& why) {
         Requirement& r = at(Kind::limit, name);
@@ -94,13 +95,17 @@ void need_of_shader(const Plan& plan, const PlanPass& pass, Needs& needs) {
 void need_of_pass(const PlanPass& pass, Needs& needs) {
     std::map<VkDescriptorType, uint32_t> count;
     for (const PlanBinding& b : pass.bindings) ++count[b.type];
-    needs.at_least("maxPerStageDescriptorSampledImages",
-                   count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] + count[VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER],
+    needs.at_least(
+        "maxPerStageDescriptorSampledImages",
+        count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] + count[VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER],
+        pass.node);
+    needs.at_least("maxPerStageDescriptorSamplers", count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER],
                    pass.node);
-    needs.at_least("maxPerStageDescriptorSamplers", count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER], pass.node);
     needs.at_least("maxPerStageDescriptorStorageImages", count[VK_DESCRIPTOR_TYPE_STORAGE_IMAGE], pass.node);
-    needs.at_least("maxPerStageDescriptorStorageBuffers", count[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER], pass.node);
-    needs.at_least("maxPerStageDescriptorUniformBuffers", count[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER], pass.node);
+    needs.at_least("maxPerStageDescriptorStorageBuffers", count[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER],
+                   pass.node);
+    needs.at_least("maxPerStageDescriptorUniformBuffers", count[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER],
+                   pass.node);
     needs.at_least("maxPerStageResources", pass.bindings.size(), pass.node);
     needs.at_least("maxPushConstantsSize", pass.push.size(), pass.node);
     needs.at_least("maxComputeWorkGroupInvocations",
@@ -121,7 +126,8 @@ void need_of_image(Extent extent, uint32_t layers, const std::string& name, Need
 void need_of_binding(const PlanBinding& b, const std::string& name, Needs& needs) {
     VkFormatFeatureFlags features = 0;
     if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE) features = VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
-    if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER) features = VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
+    if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+        features = VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
     if (b.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER) {
         features = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
         if (b.linear) features |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
@@ -250,14 +256,15 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
                 return (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
                        (subgroup.supportedOperations & r.value) == r.value;
             case Kind::extension:
-                return std::ranges::any_of(extensions, [&](const auto& e) { return r.name == e.extensionName; });
+                return std::ranges::any_of(extensions,
+                                           [&](const auto& e) { return r.name == e.extensionName; });
             case Kind::limit:
                 return std::ranges::any_of(
                     limits, [&](const NamedLimit& l) { return r.name == l.name && l.value >= r.value; });
             case Kind::feature:
                 // An extension's own feature is there where the extension is.
-                return std::ranges::none_of(known,
-                                            [&](const NamedFeature& f) { return r.name == f.name && !f.there; });
+                return std::ranges::none_of(
+                    known, [&](const NamedFeature& f) { return r.name == f.name && !f.there; });
             case Kind::format: {
                 VkFormatProperties supported;
                 vk.vkGetPhysicalDeviceFormatProperties(handles.physical, info(*format_named(r.name)).vk,

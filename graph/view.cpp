@@ -33,7 +33,8 @@ void DescriptorWriter::texels(VkDescriptorSet set, const PlanBinding& b, VkBuffe
     write(set, b).pTexelBufferView = &views_.emplace_back(view);
 }
 
-void DescriptorWriter::structure(VkDescriptorSet set, const PlanBinding& b, VkAccelerationStructureKHR handle) {
+void DescriptorWriter::structure(VkDescriptorSet set, const PlanBinding& b,
+                                 VkAccelerationStructureKHR handle) {
     VkWriteDescriptorSetAccelerationStructureKHR structure{
         VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
     structure.accelerationStructureCount = 1;
@@ -51,8 +52,8 @@ VkWriteDescriptorSet& DescriptorWriter::write(VkDescriptorSet set, const PlanBin
 }
 
 void DescriptorWriter::flush() {
-    device_->vk().vkUpdateDescriptorSets(device_->get(), static_cast<uint32_t>(writes_.size()), writes_.data(), 0,
-                                         nullptr);
+    device_->vk().vkUpdateDescriptorSets(device_->get(), static_cast<uint32_t>(writes_.size()),
+                                         writes_.data(), 0, nullptr);
     writes_.clear();
     images_.clear();
     buffers_.clear();
@@ -144,7 +145,8 @@ void ViewState::make_descriptor_pool() {
     create.pPoolSizes = sizes.data();
     VkDescriptorPool pool = VK_NULL_HANDLE;
     const VkDevice device = device_.get();
-    require(vk().vkCreateDescriptorPool(device, &create, nullptr, &pool), "vkCreateDescriptorPool", plan().pipeline);
+    require(vk().vkCreateDescriptorPool(device, &create, nullptr, &pool), "vkCreateDescriptorPool",
+            plan().pipeline);
     pool_ = {device_, pool};
 }
 
@@ -155,8 +157,8 @@ VkDescriptorSet ViewState::allocate_set(size_t pass, size_t set) const {
     allocate.descriptorSetCount = 1;
     allocate.pSetLayouts = &layout;
     VkDescriptorSet handle = VK_NULL_HANDLE;
-    require(vk().vkAllocateDescriptorSets(device_.get(), &allocate, &handle),
-          "vkAllocateDescriptorSets", plan().passes[pass].node);
+    require(vk().vkAllocateDescriptorSets(device_.get(), &allocate, &handle), "vkAllocateDescriptorSets",
+            plan().passes[pass].node);
     return handle;
 }
 
@@ -195,9 +197,9 @@ VkDescriptorSet ViewState::make_internal_set(size_t p, uint32_t parity, uint32_t
 // Storage images are one level: a chain's finest for readers of one, its own for whoever writes level by
 // level.
 VkImageView ViewState::view_of(const PlanBinding& b, uint32_t parity, uint32_t level) const {
-    const uint32_t wanted = b.level == PlanBinding::Level::finest                ? 0
+    const uint32_t wanted = b.level == PlanBinding::Level::finest               ? 0
                             : b.level == PlanBinding::Level::finer && level > 0 ? level - 1
-                                                                                 : level;
+                                                                                : level;
     const VkImageView one =
         b.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE ? memory_.level(b.index, parity, wanted) : VK_NULL_HANDLE;
     return one ? one : memory_.at(b.index, parity).view;
@@ -220,7 +222,7 @@ void ViewState::make_slot(Slot& slot) {
         create.queryCount = 2 * passes;
         VkQueryPool pool = VK_NULL_HANDLE;
         require(vk().vkCreateQueryPool(device_.get(), &create, nullptr, &pool), "vkCreateQueryPool",
-              plan().pipeline);
+                plan().pipeline);
         slot.timestamps = {device_, pool};
     }
     slot.frame_block =
@@ -262,7 +264,8 @@ void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const
                            : kind == PortKind::structure ? b.structure != VK_NULL_HANDLE
                                                          : b.buffer != VK_NULL_HANDLE;
         if (!bound) missing("nothing is bound to it");
-        if (slot.output && !b.handover) missing("an image that is written is handed over (SlotBinding::handover)");
+        if (slot.output && !b.handover)
+            missing("an image that is written is handed over (SlotBinding::handover)");
         if (!b.handover) continue;
         if (kind == PortKind::structure) missing("an acceleration structure cannot be handed over");
         if (kind == PortKind::image ? b.handover->image == VK_NULL_HANDLE : b.buffer == VK_NULL_HANDLE)
@@ -276,7 +279,8 @@ void ViewState::write_slot_bindings(const Slot& slot) {
     for (size_t p = 0; p < plan().passes.size(); ++p) {
         if (plan().passes[p].kind != PassKind::compute) continue;
         for (const PlanBinding& b : plan().passes[p].bindings) {
-            if (b.set != 1 || (b.source != BindingSource::host && b.source != BindingSource::resource)) continue;
+            if (b.set != 1 || (b.source != BindingSource::host && b.source != BindingSource::resource))
+                continue;
             if (b.source == BindingSource::resource) {  // the host's image for an output
                 writer_.image(slot.sets[p], b,
                               {program_.sampler(b.linear), lent_[b.index].view, VK_IMAGE_LAYOUT_GENERAL});
@@ -324,11 +328,11 @@ std::span<const std::byte> ViewState::captured(std::string_view name) const {
 
 void ViewState::read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
                                 std::vector<uint64_t>& ticks) const {
-    const bool timed = slot.timestamps &&
-                       vk().vkGetQueryPoolResults(device_.get(), slot.timestamps.get(), 0,
-                                                  static_cast<uint32_t>(ticks.size()),
-                                                  ticks.size() * sizeof(uint64_t), ticks.data(),
-                                                  sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+    const bool timed =
+        slot.timestamps &&
+        vk().vkGetQueryPoolResults(device_.get(), slot.timestamps.get(), 0,
+                                   static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t),
+                                   ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
     for (size_t p = 0; p < passes.size(); ++p) {
         passes[p].ms.reset();
         if (timed)

@@ -99,10 +99,10 @@ class ViewState {
     std::vector<std::array<std::vector<VkDescriptorSet>, 2>> internal_sets_;
     std::vector<Slot> slots_;
     std::vector<size_t> capture_passes_;
-    std::vector<std::vector<std::byte>> push_;  // per pass
-    std::vector<SlotBinding> bound_;            // of the frame that was begun last
-    std::vector<ResourceHandles> lent_;         // by resource: the host's images of this frame
-    std::vector<VkImageMemoryBarrier2> images_; // scratch
+    std::vector<std::vector<std::byte>> push_;   // per pass
+    std::vector<SlotBinding> bound_;             // of the frame that was begun last
+    std::vector<ResourceHandles> lent_;          // by resource: the host's images of this frame
+    std::vector<VkImageMemoryBarrier2> images_;  // scratch
     std::vector<VkBufferMemoryBarrier2> buffers_;
     FrameStatistics completed_;
     bool has_completed_ = false;
