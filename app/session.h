@@ -64,6 +64,8 @@ class Session {
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
     uint32_t seed() const { return seed_; }
+    const SceneBvh* bvh() const { return bvh_.get(); }                       // null: nobody traces with it
+    const FrameDescription& frame_description() const { return last_; }      // of the last frame
     const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
 
   private:

@@ -2,14 +2,12 @@
 
 # penumbra::penumbra: the graph, with the node types that ship and their shaders.
 add_library(penumbra_library
-  $<TARGET_OBJECTS:penumbra_diagnostic> $<TARGET_OBJECTS:penumbra_graph> $<TARGET_OBJECTS:penumbra_nodes>)
+  $<TARGET_OBJECTS:penumbra_diagnostic> $<TARGET_OBJECTS:penumbra_graph> $<TARGET_OBJECTS:penumbra_nodes>
+  $<TARGET_OBJECTS:penumbra_capi>)
 add_library(penumbra::penumbra ALIAS penumbra_library)
 set_target_properties(penumbra_library PROPERTIES OUTPUT_NAME penumbra EXPORT_NAME penumbra LINKER_LANGUAGE CXX
   VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})  # before 1.0 the minor number breaks
 target_compile_features(penumbra_library PUBLIC cxx_std_20)
-configure_file(cmake/version.h.in include/penumbra/version.h @ONLY)
-# The blocks that a host fills, which the shaders read.
-configure_file(shaders/common/blocks.h include/penumbra/blocks.h COPYONLY)
 target_include_directories(penumbra_library PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
   $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include> $<INSTALL_INTERFACE:include>)
 target_link_libraries(penumbra_library PUBLIC Vulkan::Headers PRIVATE fmt::fmt)

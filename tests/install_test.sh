@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # What cmake --install gives is enough to build and run examples/ with: static, as the build folder has it, and shared, from a
 # build that looks for nothing but what the libraries need. Arguments: the build folder, a folder to work in (kept, so that the
-# shared build is made once), the compiler's launcher or nothing. Exits 1 on any failure.
+# shared build is made once), the program record_inputs, the compiler's launcher or nothing. Exits 1 on any failure.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build=$1 work=$2 launcher=${3:-}
+build=$1 work=$2 record=$3 launcher=${4:-}
 checks=0 failures=0
 expect() { # what, command...
     local what=$1
@@ -38,12 +38,32 @@ examples_of() { # prefix, name, has glsl?
     fi
 }
 
+# Hosts that render give what the standalone program gives, bit for bit, and validation has nothing to say (they exit 1).
+images_of() { # prefix, name
+    local pipeline host file
+    for pipeline in shadows hybrid_shadows; do
+        for host in minimal minimal_c; do
+            expect "$2: $host runs $pipeline" "$work/$2/build/$host" "$1/share/penumbra/pipelines/$pipeline.json" 96 54 4 "$work/inputs/$pipeline"
+            for file in "$work/inputs/$pipeline"/*/visibility.out; do
+                expect "$2: $host gives the program's image of $pipeline" cmp "$file" "${file%.out}.$host"
+                rm -f "${file%.out}.$host"
+            done
+        done
+    done
+    expect_not "$2: an input that is missing" "$work/$2/build/minimal" "$1/share/penumbra/pipelines/shadows.json" 96 54 1 "$work"
+}
+
 mkdir -p "$work"
+for pipeline in shadows hybrid_shadows; do
+    rm -rf "$work/inputs/$pipeline"
+    expect "inputs of $pipeline" "$record" $pipeline 96 54 4 "$work/inputs/$pipeline"
+    expect "frames differ" bash -c "! cmp -s '$work/inputs/$pipeline/1/visibility.out' '$work/inputs/$pipeline/3/visibility.out'"
+done
 prefix=$work/prefix_static
 rm -rf "$prefix"
 expect "install" cmake --install "$build" --prefix "$work/made"
 rm -rf "$prefix" && mv "$work/made" "$prefix" # a package may be moved
-for file in include/penumbra/graph.h include/penumbra/version.h include/penumbra/blocks.h include/penumbra/bvh.h \
+for file in include/penumbra/graph.h include/penumbra/penumbra.h include/penumbra/version.h include/penumbra/blocks.h include/penumbra/bvh.h \
     include/penumbra/frame_block.glsl share/penumbra/pipelines/hybrid_shadows.json \
     share/penumbra/pipelines/pipeline.schema.json share/penumbra/nodes/node.schema.json \
     share/penumbra/nodes/visibility/trace.json; do
@@ -52,6 +72,7 @@ done
 expect "headers are the public ones" bash -c "[[ -z \$(ls '$prefix/include' | grep -vx penumbra) ]]"
 expect "no path of this machine is in the package" bash -c "! grep -rlF -e '$root' -e '$work/made' '$prefix'/lib*/cmake '$prefix'/lib*/pkgconfig"
 examples_of "$prefix" examples_static glsl
+images_of "$prefix" examples_static
 
 # pkg-config, with the linker's own words.
 pc=$(dirname "$(find "$prefix" -name penumbra.pc)")
@@ -78,7 +99,9 @@ expect "what is not public is hidden" bash -c "nm -DC --defined-only '$library' 
 expect_not "an inner function is hidden" bash -c "nm -DC --defined-only '$library' | grep -q 'penumbra::place_barriers'"
 expect_not "no embedded file is shown" bash -c "nm -D --defined-only '$library' | grep -q node_files"
 expect_not "glslang is not linked" bash -c "readelf -d '$library' | grep -qiE 'glslang|spirv'"
+expect_not "no Vulkan function is linked" bash -c "nm -D --undefined-only '$library' | grep -q ' vk[A-Z]'"
 examples_of "$prefix" examples_shared none
+images_of "$prefix" examples_shared
 
 # Who asks for what was not built is told so.
 cat >"$work/asks.cmake" <<'END'
