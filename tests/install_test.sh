@@ -50,6 +50,14 @@ images_of() { # prefix, name
             done
         done
     done
+    # A host that says the wrong layout is found out: what found nothing above was listening.
+    for file in minimal/main.cpp minimal_c/main.c; do
+        host=${file%%/*}
+        sed -i 's/layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL/layout_before = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL/' "$work/$2/$file"
+        expect "$2: build $host with a mistake" cmake --build "$work/$2/build" --target "$host"
+        expect_not "$2: validation notices the mistake of $host" "$work/$2/build/$host" \
+            "$1/share/penumbra/pipelines/shadows.json" 96 54 1 "$work/inputs/shadows"
+    done
     expect_not "$2: an input that is missing" "$work/$2/build/minimal" "$1/share/penumbra/pipelines/shadows.json" 96 54 1 "$work"
 }
 

@@ -17,6 +17,8 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "app/plan_json.h"
+#include "app/plan_schema.h"
 #include "app/vocabulary_page.h"
 #include "graph/vocabulary.h"
 #include "host/shots/shot.h"

@@ -34,6 +34,7 @@ static VkPhysicalDevice physical;
 static VkDevice device;
 static VkQueue queue;
 static uint32_t family, messages;
+static VkDebugUtilsMessengerEXT messenger;
 
 static VKAPI_ATTR VkBool32 VKAPI_CALL complain(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                                VkDebugUtilsMessageTypeFlagsEXT,
@@ -51,13 +52,16 @@ static void open_device() {
     debug.pfnUserCallback = complain;
     const VkValidationFeatureEnableEXT sync = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
     const VkValidationFeaturesEXT checks{
-        VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &debug, 1, &sync, 0, nullptr};
+        VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, nullptr, 1, &sync, 0, nullptr};
     VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
     app.apiVersion = VK_API_VERSION_1_3;
     const char *layer = "VK_LAYER_KHRONOS_validation", *extension = "VK_EXT_debug_utils";
     const VkInstanceCreateInfo create{
         VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, &checks, 0, &app, 1, &layer, 1, &extension};
     must(vkCreateInstance(&create, nullptr, &instance), "vkCreateInstance");
+    const auto listen = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
+    must(listen(instance, &debug, nullptr, &messenger), "vkCreateDebugUtilsMessengerEXT");
     uint32_t one = 1;
     vkEnumeratePhysicalDevices(instance, &one, &physical);
 }
@@ -266,6 +270,8 @@ int main(int argc, char** argv) {
     program.reset();
     vkDestroyCommandPool(device, pool, nullptr);
     vkDestroyDevice(device, nullptr);
+    reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"))(instance, messenger, nullptr);
     vkDestroyInstance(instance, nullptr);
     return messages ? 1 : 0;
 }

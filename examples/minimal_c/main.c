@@ -41,6 +41,7 @@ static VkPhysicalDevice physical;
 static VkDevice device;
 static VkQueue queue;
 static uint32_t family, messages;
+static VkDebugUtilsMessengerEXT messenger;
 
 static VKAPI_ATTR VkBool32 VKAPI_CALL complain(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                VkDebugUtilsMessageTypeFlagsEXT type,
@@ -59,7 +60,6 @@ static void open_device(void) {
         .pfnUserCallback = complain};
     const VkValidationFeatureEnableEXT sync = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
     const VkValidationFeaturesEXT checks = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
-                                            .pNext = &debug,
                                             .enabledValidationFeatureCount = 1,
                                             .pEnabledValidationFeatures = &sync};
     const VkApplicationInfo app = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_3};
@@ -72,6 +72,9 @@ static void open_device(void) {
                                          .enabledExtensionCount = 1,
                                          .ppEnabledExtensionNames = &extension};
     must(vkCreateInstance(&create, NULL, &instance), "vkCreateInstance");
+    const PFN_vkCreateDebugUtilsMessengerEXT listen = (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+        instance, "vkCreateDebugUtilsMessengerEXT");
+    must(listen(instance, &debug, NULL, &messenger), "vkCreateDebugUtilsMessengerEXT");
     uint32_t one = 1;
     vkEnumeratePhysicalDevices(instance, &one, &physical);
 }
@@ -326,6 +329,8 @@ int main(int argc, char** argv) {
     penumbra_plan_destroy(plan);
     vkDestroyCommandPool(device, pool, NULL);
     vkDestroyDevice(device, NULL);
+    ((PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"))(
+        instance, messenger, NULL);
     vkDestroyInstance(instance, NULL);
     return messages ? 1 : 0;
 }
