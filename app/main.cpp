@@ -50,7 +50,8 @@ void add_plan(CLI::App& app, PlanArguments& a) {
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline");
     c->add_option("--out", a.out, "folder for plan.json with its SPIR-V and tables, instead of the text");
     c->add_option("--device", a.device,
-                  "for the memory, formats and class of a device of this name (\"\": the first), not for a made-up one")
+                  "for the memory, formats and class of a device of this name (\"\": the first), not for a "
+                  "made-up one")
         ->each([&a](const std::string&) { a.on_device = true; });
     add_node_folders(c, a.node_folders);
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
@@ -180,7 +181,8 @@ int main(int argc, char** argv) {
     CLI::App* n = app.add_subcommand("nodes", "list the node types, or describe one");
     n->add_option("type", nodes.type, "a node type");
     n->add_option("--format", nodes.format,
-                  "text, json, md, schema, node-schema or plan-schema (JSON Schemas of pipelines, of declarations and of plans), or "
+                  "text, json, md, schema, node-schema or plan-schema (JSON Schemas of pipelines, of "
+                  "declarations and of plans), or "
                   "vocabulary (a page of the keys of both)")
         ->check(CLI::IsMember({"text", "json", "md", "schema", "node-schema", "plan-schema", "vocabulary"}));
     add_node_folders(n, nodes.node_folders);

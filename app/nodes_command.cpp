@@ -81,9 +81,10 @@ int run_nodes(const NodesArguments& arguments) {
         if (arguments.format == "vocabulary")
             std::cout << vocabulary_page(*nodes->domain());
         else
-            std::cout << schema_text(arguments.format == "schema"        ? pipeline_schema(*nodes)
-                                     : arguments.format == "node-schema" ? declaration_schema(*nodes->domain())
-                                                                         : plan_schema());
+            std::cout << schema_text(arguments.format == "schema" ? pipeline_schema(*nodes)
+                                     : arguments.format == "node-schema"
+                                         ? declaration_schema(*nodes->domain())
+                                         : plan_schema());
         return exit_good;
     }
     if (!arguments.type.empty()) {

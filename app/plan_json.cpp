@@ -79,17 +79,16 @@ OrderedJson memory_json(const Plan& plan) {
 
 namespace {
 
-// Vulkan's flags in the words of the plan's text (graph/dump.cpp); docs/embedding.md says what they stand for.
+// Vulkan's flags in the words of the plan's text (graph/dump.cpp); docs/embedding.md says what they stand
+// for.
 struct Word {
     uint64_t bit;
     const char* word;
 };
-constexpr Word stage_words[] = {{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"},
-                                {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
-                                {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, "transfer"},
-                                {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
-                                {VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, "top"},
-                                {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"}};
+constexpr Word stage_words[] = {
+    {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"}, {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
+    {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, "transfer"},  {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
+    {VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, "top"},        {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"}};
 constexpr Word access_words[] = {{VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "write"},
                                  {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, "read"},
                                  {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, "sample"},
@@ -184,22 +183,23 @@ OrderedJson slots_json(const Plan& plan) {
         OrderedJson accepted = OrderedJson::array();
         for (const Format format : slot.accepted) accepted.push_back(info(format).name);
         const bool image = slot.kind == PortKind::image;
-        slots.push_back({{"name", slot.name},
-                         {"input", slot.input.empty() ? OrderedJson() : OrderedJson(slot.input)},
-                         {"kind", kind_name(slot.kind)},
-                         {"previous", slot.previous},
-                         {"output", slot.output},
-                         {"required", slot.required},
-                         {"format", has_texels(slot.kind) ? OrderedJson(info(slot.format).name) : OrderedJson()},
-                         {"accepted", accepted},
-                         {"size", image ? extent_json(slot.extent) : OrderedJson()},
-                         {"layers", image ? OrderedJson(slot.layers) : OrderedJson()},
-                         {"element", slot.element.empty() ? OrderedJson() : OrderedJson(slot.element)},
-                         {"bytes", slot.bytes ? OrderedJson(slot.bytes) : OrderedJson()},
-                         {"layout", !image ? OrderedJson() : OrderedJson(slot.output ? "general" : "read_only")},
-                         {"stages", flags_json(slot.use.stages, stage_words)},
-                         {"access", flags_json(slot.use.access, access_words)},
-                         {"nodes", slot.readers}});
+        slots.push_back(
+            {{"name", slot.name},
+             {"input", slot.input.empty() ? OrderedJson() : OrderedJson(slot.input)},
+             {"kind", kind_name(slot.kind)},
+             {"previous", slot.previous},
+             {"output", slot.output},
+             {"required", slot.required},
+             {"format", has_texels(slot.kind) ? OrderedJson(info(slot.format).name) : OrderedJson()},
+             {"accepted", accepted},
+             {"size", image ? extent_json(slot.extent) : OrderedJson()},
+             {"layers", image ? OrderedJson(slot.layers) : OrderedJson()},
+             {"element", slot.element.empty() ? OrderedJson() : OrderedJson(slot.element)},
+             {"bytes", slot.bytes ? OrderedJson(slot.bytes) : OrderedJson()},
+             {"layout", !image ? OrderedJson() : OrderedJson(slot.output ? "general" : "read_only")},
+             {"stages", flags_json(slot.use.stages, stage_words)},
+             {"access", flags_json(slot.use.access, access_words)},
+             {"nodes", slot.readers}});
     }
     return slots;
 }
@@ -277,12 +277,14 @@ OrderedJson pass_json(const PlanPass& pass, OrderedJson json) {
             {{"name", p.param.name}, {"type", word_of(p.param.type)}, {"offset", p.offset}});
     json["mip_level"] = or_null(pass.mip_level);
     json["level_groups"] = pass.level_groups;
-    json["indirect"] = pass.indirect ? OrderedJson{{"resource", *pass.indirect}, {"offset", pass.indirect_offset}}
-                                     : OrderedJson();
+    json["indirect"] = pass.indirect
+                           ? OrderedJson{{"resource", *pass.indirect}, {"offset", pass.indirect_offset}}
+                           : OrderedJson();
     json["bindings"] = OrderedJson::array();
     for (const PlanBinding& b : pass.bindings)
         if (compute) json["bindings"].push_back(binding_json(b));
-    json["resource"] = pass.kind == PassKind::capture ? OrderedJson(pass.bindings.front().index) : OrderedJson();
+    json["resource"] =
+        pass.kind == PassKind::capture ? OrderedJson(pass.bindings.front().index) : OrderedJson();
     json["before"] = by_parity(pass.before);
     json["clears"] = pass.clears;
     json["after_clears"] = by_parity(pass.after_clears);
@@ -353,7 +355,8 @@ OrderedJson to_json(const Plan& plan) {
         json["reset"].push_back({{"resource", action.resource}, {"clear", action.clear}});
     const OrderedJson passes = passes_json(plan);
     json["passes"] = OrderedJson::array();
-    for (size_t p = 0; p < plan.passes.size(); ++p) json["passes"].push_back(pass_json(plan.passes[p], passes[p]));
+    for (size_t p = 0; p < plan.passes.size(); ++p)
+        json["passes"].push_back(pass_json(plan.passes[p], passes[p]));
     json["end"] = by_parity(plan.end);
     json["outputs"] = OrderedJson::array();
     for (const PlanOutput& output : plan.outputs)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Plans as JSON: parts with the keys of report.json, and whole, so that a device layer that is not Vulkan's, or
-// not penumbra's, can carry one out (docs/embedding.md; schema: plan_schema.h).
+// Plans as JSON: parts with the keys of report.json, and whole, so that a device layer that is not Vulkan's,
+// or not penumbra's, can carry one out (docs/embedding.md; schema: plan_schema.h).
 #pragma once
 
 #include <filesystem>

@@ -27,7 +27,8 @@ Schema or_null(Schema schema) {
     return {{"anyOf", Schema::array({std::move(schema), Schema{{"type", "null"}}})}};
 }
 Schema doc(Schema schema, const char* text) {
-    if (schema.contains("$ref")) schema = {{"allOf", Schema::array({schema})}};  // a $ref hides what is beside it
+    if (schema.contains("$ref"))
+        schema = {{"allOf", Schema::array({schema})}};  // a $ref hides what is beside it
     schema["description"] = text;
     return schema;
 }
@@ -63,12 +64,13 @@ Schema definitions() {
                                   {"to_stages", use("stages")},
                                   {"to_access", use("access")}}),
                           "an image begins to use its memory: from an undefined layout to the general one");
-    d["dependency"] = doc(object({{"from_stages", use("stages")},
-                                  {"from_access", use("access")},
-                                  {"to_stages", use("stages")},
-                                  {"to_access", use("access")},
-                                  {"activations", list_of(use("activation"))}}),
-                          "a barrier over all memory, and activations with it; no stages: the activations alone");
+    d["dependency"] =
+        doc(object({{"from_stages", use("stages")},
+                    {"from_access", use("access")},
+                    {"to_stages", use("stages")},
+                    {"to_access", use("access")},
+                    {"activations", list_of(use("activation"))}}),
+            "a barrier over all memory, and activations with it; no stages: the activations alone");
     d["by_parity"] = doc(list_of(use("dependency"), 2), "of frames 0, 2, 4, ... and of frames 1, 3, 5, ...");
     d["binding"] = object(
         {{"set", number},
@@ -79,8 +81,9 @@ Schema definitions() {
                         "what fills it; nothing: anything of its type and format, which is never read")},
          {"index", or_null(doc(number, "of resources, slots or tables"))},
          {"previous", doc(flag, "the resource's instance of the frame before")},
-         {"level", doc(words({"finest", "written", "finer"}),
-                       "of a storage image with mip levels: the first, the dispatch's, or the one before that")},
+         {"level",
+          doc(words({"finest", "written", "finer"}),
+              "of a storage image with mip levels: the first, the dispatch's, or the one before that")},
          {"filter", or_null(words({"nearest", "linear"}))},
          {"array", flag},
          {"format", or_null(use("format"))},
@@ -108,34 +111,36 @@ Schema slot() {
 }
 
 Schema resource() {
-    return object({{"names", list_of(text)},
-                   {"kind", use("kind")},
-                   {"format", or_null(use("format"))},
-                   {"size", or_null(use("size"))},
-                   {"array", flag},
-                   {"layers", number},
-                   {"levels", number},
-                   {"element", or_null(text)},
-                   {"buffer_bytes", or_null(number)},
-                   {"usage", use("usage")},
-                   {"history", flag},
-                   {"kept", doc(flag, "one instance for all frames, not one for each parity")},
-                   {"output", flag},
-                   {"slot", or_null(doc(number, "the host's image, in no heap"))},
-                   {"first_pass", number},
-                   {"last_pass", doc(number, "of this frame or, of history, the next")},
-                   {"length", doc(number, "in passes, from the first one on, into the next frame where it is history")},
-                   {"heap", or_null(number)},
-                   {"memory_bytes", number},
-                   {"alignment", number},
-                   {"offset", doc(list_of(number, 2), "in the heap, by the frame's parity")}});
+    return object(
+        {{"names", list_of(text)},
+         {"kind", use("kind")},
+         {"format", or_null(use("format"))},
+         {"size", or_null(use("size"))},
+         {"array", flag},
+         {"layers", number},
+         {"levels", number},
+         {"element", or_null(text)},
+         {"buffer_bytes", or_null(number)},
+         {"usage", use("usage")},
+         {"history", flag},
+         {"kept", doc(flag, "one instance for all frames, not one for each parity")},
+         {"output", flag},
+         {"slot", or_null(doc(number, "the host's image, in no heap"))},
+         {"first_pass", number},
+         {"last_pass", doc(number, "of this frame or, of history, the next")},
+         {"length", doc(number, "in passes, from the first one on, into the next frame where it is history")},
+         {"heap", or_null(number)},
+         {"memory_bytes", number},
+         {"alignment", number},
+         {"offset", doc(list_of(number, 2), "in the heap, by the frame's parity")}});
 }
 
 Schema pass() {
     return object(
         {{"node", text},
          {"type", text},
-         {"groups", doc(Schema{{"anyOf", Schema::array({use("groups"), words({"indirect"}), Schema{{"type", "null"}}})}},
+         {"groups", doc(Schema{{"anyOf", Schema::array({use("groups"), words({"indirect"}),
+                                                        Schema{{"type", "null"}}})}},
                         "to dispatch")},
          {"backend", or_null(text)},
          {"reads", list_of(text)},
@@ -146,9 +151,10 @@ Schema pass() {
          {"workgroup", or_null(use("groups"))},
          {"constants", doc(list_of(word32), "specialisation constants 0, 1, 2, ..., as bits")},
          {"push", doc(list_of(word32), "push constants, as bits, with the parameters' first values")},
-         {"params", list_of(object({{"name", text},
-                                    {"type", words({"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"})},
-                                    {"offset", doc(number, "bytes in the push constants")}}))},
+         {"params",
+          list_of(object({{"name", text},
+                          {"type", words({"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"})},
+                          {"offset", doc(number, "bytes in the push constants")}}))},
          {"mip_level", or_null(doc(number, "offset in the push constants: the level of the dispatch"))},
          {"level_groups", doc(list_of(use("groups")), "one dispatch for each, or none: `groups`")},
          {"indirect", or_null(object({{"resource", number}, {"offset", number}}))},
@@ -194,15 +200,15 @@ nlohmann::ordered_json plan_schema() {
                                    {"memory_type_bits", word32},
                                    {"shared", flag}}))},
          {"resources", list_of(resource())},
-         {"reset", doc(list_of(object({{"resource", number}, {"clear", flag}})),
-                       "on a frame without history, before the first pass: the other parity's instance, and what is "
-                       "kept, is activated, and cleared where it says so")},
+         {"reset",
+          doc(list_of(object({{"resource", number}, {"clear", flag}})),
+              "on a frame without history, before the first pass: the other parity's instance, and what is "
+              "kept, is activated, and cleared where it says so")},
          {"passes", list_of(pass())},
          {"end", doc(use("by_parity"), "behind the last pass: the outputs become visible")},
-         {"outputs", list_of(object({{"name", text},
-                                     {"resource", number},
-                                     {"stages", use("stages")},
-                                     {"access", use("access")}}))},
+         {"outputs",
+          list_of(object(
+              {{"name", text}, {"resource", number}, {"stages", use("stages")}, {"access", use("access")}}))},
          {"counters", doc(list_of(text), "of the counter buffer, 32 bits each, 0 when the frame begins")},
          {"culled", list_of(object({{"node", text}, {"why", text}, {"cond", or_null(text)}}))},
          {"memory", Schema{{"type", "object"}}}}));
