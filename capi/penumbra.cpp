@@ -196,6 +196,7 @@ Plan make_plan(const penumbra_plan_request& r) {
     CompileOptions options;
     options.captures = texts(r.captures, r.capture_count, "request.captures");
     options.share_transients = r.share_transients;
+    options.hand_on_history = r.hand_on_history;
     for (const std::string& name : texts(r.host_images, r.host_image_count, "request.host_images"))
         options.outputs[name].host_image = true;
     auto plan = compile(*checked, target, options, errors);
@@ -381,12 +382,13 @@ penumbra_code penumbra_view_create(const penumbra_program* program, const penumb
     return guarded(error, [&] {
         given(view, "view") = nullptr;
         const penumbra_view_options o =
-            options ? read(options, "options") : penumbra_view_options{sizeof o, 0, 0, 0, nullptr};
+            options ? read(options, "options") : penumbra_view_options{sizeof o, 0, 0, 0, nullptr, nullptr};
         ViewOptions own;
         if (o.frames_in_flight) own.frames_in_flight = o.frames_in_flight;
         own.timestamps = !o.no_timestamps;
         own.tables_uploaded = o.tables_uploaded;
         if (o.transients) own.transients = o.transients->memory;
+        if (o.heir_of) own.heir_of = o.heir_of->view.get();
         const std::shared_ptr<const Program>& of = given(program, "program").program;
         *view = new penumbra_view{std::make_unique<View>(of, own), Externals(of->plan())};
     });
@@ -464,6 +466,14 @@ penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame
                   "passes");
         }
     });
+}
+
+const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource) {
+    constexpr const char* names[] = {"none", "first_frame", "asked", "not_handed_on"};
+    if (!view) return names[0];
+    const Reset& reset = view->view->reset();
+    if (resource) *resource = reset.resource.c_str();
+    return names[static_cast<size_t>(reset.reason)];
 }
 
 uint64_t penumbra_view_bytes(const penumbra_view* view) {

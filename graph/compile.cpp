@@ -42,6 +42,11 @@ std::optional<Plan> Compiler::run() {
     for (const SelectedNode& node : selection->nodes) lower(node);
     read_outputs();
     if (diagnostics_.size() != errors) return std::nullopt;
+    for (PlanResource& r : plan_.resources) {
+        if (!options_.hand_on_history || !(r.history || r.kept)) continue;
+        r.image_usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+        r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    }
     place_lifetimes(plan_);
     place_memory(plan_, target_.device, options_.share_transients, options_.optimum_search_nodes);
     place_barriers(plan_);

@@ -26,6 +26,7 @@ namespace penumbra {
     X(vkCmdClearColorImage)                \
     X(vkCmdCopyBuffer)                     \
     X(vkCmdCopyBufferToImage)              \
+    X(vkCmdCopyImage)                      \
     X(vkCmdCopyImageToBuffer)              \
     X(vkCmdDispatch)                       \
     X(vkCmdDispatchIndirect)               \

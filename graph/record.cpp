@@ -3,6 +3,7 @@
 // timestamps and inside a debug label.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -98,7 +99,8 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     write_slot_bindings(slot);
 
     frame_block_ = make_frame_block(frame);
-    if (recorded_ == 0) frame_block_.flags |= frame_reset;
+    decide_reset(frame.flags);
+    if (reset_.reason != Reset::Reason::none) frame_block_.flags |= frame_reset;
     std::memcpy(slot.frame_block.data(), &frame_block_, sizeof frame_block_);
     if (recorded_ == 0 && !options_.tables_uploaded) program_.record_uploads(cmd);
     if (slot.timestamps)
@@ -114,7 +116,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     }
     record_handovers(cmd, false);
     if (memory_.shares()) full_dependency(cmd);
-    if (frame_block_.flags & frame_reset) record_reset(cmd);
+    if (reset_.reason != Reset::Reason::none || recorded_ == 0) record_reset(cmd);
     next_pass_ = 0;
 }
 
@@ -177,8 +179,52 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
     vk().vkCmdPipelineBarrier2(cmd, &dependency);
 }
 
-// No history exists: the previous parity's images and what is kept get a layout, those with `first: clear`
-// (and, in tests, a poison) a value.
+// Whether two plans mean the same by a name whose value lasts.
+static bool alike(const PlanResource& a, const PlanResource& b) {
+    return a.names.back() == b.names.back() && a.kind == b.kind && a.format == b.format &&
+           a.extent == b.extent && a.layered == b.layered && a.layers == b.layers && a.levels == b.levels &&
+           a.kept == b.kept && a.count == b.count && a.element == b.element;
+}
+
+// Compiled with CompileOptions::hand_on_history, or may be copied from and to for other reasons.
+static bool hands_on(const PlanResource& r) {
+    const bool image = r.kind == PortKind::image;
+    constexpr VkImageUsageFlags of_image = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    constexpr VkBufferUsageFlags of_buffer =
+        VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    return image ? (r.image_usage & of_image) == of_image : (r.buffer_usage & of_buffer) == of_buffer;
+}
+
+void ViewState::decide_reset(uint32_t flags) {
+    reset_ = {};
+    inherited_.clear();
+    if (flags & frame_reset) reset_.reason = Reset::Reason::asked;
+    if (recorded_ > 0) return;
+    const ViewState* before = options_.heir_of ? &options_.heir_of->state() : nullptr;
+    if (!before || before->recorded_ == 0) {
+        reset_.reason = Reset::Reason::first_frame;
+        return;
+    }
+    if (reset_.reason != Reset::Reason::none) return;
+    const std::vector<PlanResource>& theirs = before->plan().resources;
+    for (const ResetAction& action : plan().reset) {
+        const PlanResource& own = plan().resources[action.resource];
+        const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {
+            return (r.history || r.kept) && hands_on(r) && hands_on(own) && alike(r, own);
+        });
+        inherited_.push_back(same == theirs.end()
+                                 ? std::nullopt
+                                 : std::optional(static_cast<uint32_t>(same - theirs.begin())));
+        if (same == theirs.end() && !action.clear) {
+            reset_ = {Reset::Reason::not_handed_on, own.names.back()};
+            inherited_.clear();
+            return;
+        }
+    }
+}
+
+// The previous parity's images and what is kept get a layout. They get what the view before has left; else
+// no history exists, and those with `first: clear` (and, in tests, a poison) get a value.
 void ViewState::record_reset(VkCommandBuffer cmd) {
     const uint32_t previous = 1 - parity_;
     images_.clear();
@@ -188,10 +234,36 @@ void ViewState::record_reset(VkCommandBuffer cmd) {
                                        VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                        VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT));
     full_dependency(cmd, images_);
-    for (const ResetAction& action : plan().reset)
+    for (size_t i = 0; i < plan().reset.size(); ++i) {
+        const ResetAction& action = plan().reset[i];
+        if (i < inherited_.size() && inherited_[i]) continue;
         if (action.clear || options_.poison)
             record_clear(cmd, action.resource, previous, action.clear ? std::nullopt : options_.poison);
+    }
+    record_inheritance(cmd);
     full_dependency(cmd);
+}
+
+void ViewState::record_inheritance(VkCommandBuffer cmd) const {
+    for (size_t i = 0; i < inherited_.size(); ++i) {
+        if (!inherited_[i]) continue;
+        const ViewState& before = options_.heir_of->state();
+        const ResourceHandles& from = before.memory_.at(*inherited_[i], before.parity_);
+        const ResourceHandles& to = memory_.at(plan().reset[i].resource, 1 - parity_);
+        const PlanResource& r = plan().resources[plan().reset[i].resource];
+        if (!to.image) {
+            const VkBufferCopy copy{0, 0, r.buffer_bytes()};
+            vk().vkCmdCopyBuffer(cmd, from.buffer, to.buffer, 1, &copy);
+            continue;
+        }
+        for (uint32_t level = 0; level < r.levels; ++level) {
+            VkImageCopy copy{};
+            copy.srcSubresource = copy.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, r.layers};
+            copy.extent = {std::max(r.extent.width >> level, 1u), std::max(r.extent.height >> level, 1u), 1};
+            vk().vkCmdCopyImage(cmd, from.image, VK_IMAGE_LAYOUT_GENERAL, to.image, VK_IMAGE_LAYOUT_GENERAL,
+                                1, &copy);
+        }
+    }
 }
 
 void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& dependency) {

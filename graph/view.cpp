@@ -443,6 +443,10 @@ const FrameStatistics* View::completed() const {
     return state_->completed();
 }
 
+const Reset& View::reset() const {
+    return state_->reset();
+}
+
 const Plan& View::plan() const {
     return state_->plan();
 }

@@ -53,6 +53,7 @@ class ViewState {
     std::vector<PassStatistics> statistics() const;
     const FrameStatistics* completed() const { return has_completed_ ? &completed_ : nullptr; }
     uint64_t bytes() const;
+    const Reset& reset() const { return reset_; }
 
   private:
     struct Slot {  // one frame in flight
@@ -76,7 +77,9 @@ class ViewState {
                          std::vector<uint64_t>& ticks) const;
 
     void record_handovers(VkCommandBuffer cmd, bool back);
+    void decide_reset(uint32_t flags);
     void record_reset(VkCommandBuffer cmd);
+    void record_inheritance(VkCommandBuffer cmd) const;
     void record_dependency(VkCommandBuffer cmd, const Dependency& dependency);
     void record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
                       std::optional<uint32_t> poison) const;
@@ -104,6 +107,8 @@ class ViewState {
     std::vector<ResourceHandles> lent_;          // by resource: the host's images of this frame
     std::vector<VkImageMemoryBarrier2> images_;  // scratch
     std::vector<VkBufferMemoryBarrier2> buffers_;
+    Reset reset_;
+    std::vector<std::optional<uint32_t>> inherited_;  // by reset action: the resource of the view before
     FrameStatistics completed_;
     bool has_completed_ = false;
     std::vector<uint64_t> ticks_;

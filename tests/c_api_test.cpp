@@ -137,6 +137,7 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     EXPECT_EQ(penumbra_view_set_param(nullptr, nullptr, nullptr, nullptr, 0, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_slot_count(nullptr), 0u);
     EXPECT_EQ(penumbra_view_bytes(nullptr), 0u);
+    EXPECT_STREQ(penumbra_view_reset_reason(nullptr, nullptr), "none");
     penumbra_plan_destroy(nullptr);
     penumbra_program_destroy(nullptr);
     penumbra_view_destroy(nullptr);
@@ -215,10 +216,21 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
     EXPECT_EQ(penumbra_view_completed(view, &completed, &passes, nullptr, &error_), PENUMBRA_OK);
     EXPECT_EQ(completed, UINT64_MAX);
     EXPECT_EQ(passes, 1u);
+    penumbra_view_options heir{};
+    heir.struct_size = sizeof heir;
+    heir.heir_of = view;
+    penumbra_view* next = nullptr;
+    EXPECT_EQ(penumbra_view_create(program, &heir, &next, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_view_destroy(next);
     penumbra_view_destroy(view);
     penumbra_program_destroy(program);
     EXPECT_EQ(counted.live, 0u);
 
+    counted = {};
+    ASSERT_EQ(penumbra_program_create(&device, plan_, nullptr, &program, &error_), PENUMBRA_OK);
+    ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error_), PENUMBRA_OK);
+    penumbra_view_destroy(view);
+    penumbra_program_destroy(program);
     const uint32_t calls = counted.calls;
     for (uint32_t n = 1; n <= calls; ++n) {
         counted = {0, 0, n};

@@ -381,8 +381,7 @@ TEST_F(EmbeddingGpu, AnAllocatorThatBreaksItsWordIsTheHostsMistake) {
     EXPECT_NE(error_of([](MemoryBlock& b) { b.mapped = nullptr; }).find("not mapped"), std::string::npos);
 }
 
-// --- Several
-// --------------------------------------------------------------------------------------------------
+// --- Several of them --------------------------------------------------------------------------------------
 
 // Four views take turns in one piece of shared memory, each with a past of its own.
 TEST_F(EmbeddingGpu, ViewsThatTakeTurnsShareTransientsAndKeepTheirPasts) {
@@ -533,8 +532,85 @@ TEST_F(EmbeddingGpu, TablesMayBeUploadedAheadOfAllViews) {
     EXPECT_EQ(floats(view.captured("value"))[2], 4.0f);
 }
 
-// --- What a host asks
-// -----------------------------------------------------------------------------------------
+// --- Change -----------------------------------------------------------------------------------------------
+
+std::shared_ptr<const Program> program_with(const CheckedPipeline& pipeline, const Facts& facts,
+                                            bool hand_on = true, Extent extent = {width, height}) {
+    CompileOptions options = capturing(pipeline);
+    options.hand_on_history = hand_on;
+    Diagnostics diagnostics;
+    auto plan =
+        compile(pipeline, {.extent = extent, .facts = facts, .device = device_table(handles_of(gpu()))},
+                options, diagnostics);
+    if (!plan) throw std::runtime_error(diagnostics.text());
+    return std::make_shared<Program>(handles_of(gpu()), std::make_shared<const Plan>(std::move(*plan)));
+}
+
+// Facts change every few frames: each time another plan's view takes over, and all histories (an image, what
+// is kept) go on as if there had been but one.
+TEST_F(EmbeddingGpu, AnHeirGoesOnWhereTheViewBeforeHasStopped) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["blended", "tally", "trail", "level"], "nodes": {
+        "fill": { "type": "toy_fill" }, "tally": { "type": "toy_tally" },
+        "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } },
+        "bright": { "type": "toy_fill", "if": "moves", "params": { "scale": 3 }, "out": { "value": "level" } },
+        "dim": { "type": "toy_fill", "if": "!moves", "out": { "value": "level" } } })");
+    const std::shared_ptr<const Program> day = program_with(pipeline, {}),
+                                         night = program_with(pipeline, {{"moves", false}});
+    View alone(day, {});
+    auto view = std::make_unique<View>(day, ViewOptions{});
+    std::vector<std::unique_ptr<View>> retired;
+    for (uint32_t f = 0; f < 12; ++f) {
+        if (f == 3 || f == 4 || f == 8) {
+            const auto& next = &view->plan() == &day->plan() ? night : day;
+            auto heir = std::make_unique<View>(next, ViewOptions{.heir_of = view.get()});
+            retired.push_back(std::move(view));
+            view = std::move(heir);
+        }
+        gpu().run([&](VkCommandBuffer cmd) { view->record(cmd, description(f), {}); });
+        gpu().run([&](VkCommandBuffer cmd) { alone.record(cmd, description(f), {}); });
+        EXPECT_EQ(view->reset().reason, f == 0 ? Reset::Reason::first_frame : Reset::Reason::none) << f;
+        for (const char* name : {"blended", "tally", "trail"})
+            EXPECT_EQ(floats(view->captured(name)), floats(alone.captured(name))) << name << " " << f;
+        const bool moves = &view->plan() == &day->plan();
+        EXPECT_EQ(floats(view->captured("level"))[2], (moves ? 3 : 1) * 2.0f + static_cast<float>(f)) << f;
+    }
+}
+
+TEST_F(EmbeddingGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
+    const CheckedPipeline first =
+                              checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })"),
+                          second =
+                              checked(R"("outputs": ["blended"], "nodes": { "fill": { "type": "toy_fill" },
+        "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })");
+    const std::shared_ptr<const Program> heirs = program_with(second, {});
+    const std::shared_ptr<const Program> before_them[] = {
+        program_with(first, {}),                              // has none
+        program_with(second, {}, true, {width + 1, height}),  // has another size
+        program_with(second, {}, false)};                     // does not hand it on
+    for (const auto& program : before_them) {
+        View before(program, {});
+        FrameDescription frame = description(0);
+        frame.size = frame.prev_size = {program->plan().extent.width, program->plan().extent.height};
+        gpu().run([&](VkCommandBuffer cmd) { before.record(cmd, frame, {}); });
+        View after(heirs, {.heir_of = &before});
+        gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(1), {}); });
+        EXPECT_EQ(after.reset().reason, Reset::Reason::not_handed_on);
+        EXPECT_EQ(after.reset().resource, "blended");
+        EXPECT_EQ(floats(after.captured("blended"))[5], 6.0f);  // the value alone
+        gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(2), {}); });
+        EXPECT_EQ(after.reset().reason, Reset::Reason::none);
+        FrameDescription cut = description(3);
+        cut.flags = frame_reset;
+        gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, cut, {}); });
+        EXPECT_EQ(after.reset().reason, Reset::Reason::asked);
+    }
+    View unused(heirs, {});
+    View after(heirs, {.heir_of = &unused});
+    gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(0), {}); });
+    EXPECT_EQ(after.reset().reason, Reset::Reason::first_frame);
+}
+
+// --- What a host asks -------------------------------------------------------------------------------------
 
 // Three frames in flight: when frame f is recorded, the counters of frame f - 3 are there, and nobody waited.
 TEST_F(EmbeddingGpu, StatisticsOfCompletedFramesCostNoWaiting) {

@@ -42,7 +42,7 @@ examples_of() { # prefix, name, has glsl?
 images_of() { # prefix, name
     local pipeline host file
     for pipeline in shadows hybrid_shadows; do
-        for host in minimal minimal_c; do
+        for host in minimal minimal_c engine; do
             expect "$2: $host runs $pipeline" "$work/$2/build/$host" "$1/share/penumbra/pipelines/$pipeline.json" 96 54 4 "$work/inputs/$pipeline"
             for file in "$work/inputs/$pipeline"/*/visibility.out; do
                 expect "$2: $host gives the program's image of $pipeline" cmp "$file" "${file%.out}.$host"

@@ -109,7 +109,7 @@ typedef struct penumbra_plan_request {
     const penumbra_fact* facts;           /* what is not named is true */
     const penumbra_input* inputs;         /* what is not named is as the pipeline has it */
     uint32_t setting_count, feature_count, capture_count, host_image_count, fact_count, input_count;
-    VkBool32 share_transients;
+    VkBool32 share_transients, hand_on_history;
 } penumbra_plan_request;
 
 PENUMBRA_API penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbra_plan** plan,
@@ -187,6 +187,7 @@ typedef struct penumbra_view_options {
     uint32_t frames_in_flight; /* 0: 2 */
     VkBool32 no_timestamps, tables_uploaded;
     const penumbra_transients* transients;
+    const penumbra_view* heir_of; /* whose history the first frame takes over */
 } penumbra_view_options;
 
 PENUMBRA_API penumbra_code penumbra_view_create(const penumbra_program* program,
@@ -271,6 +272,9 @@ typedef struct penumbra_pass_statistics {
    `*count`. `*frame` is UINT64_MAX where none has. */
 PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame, uint32_t* count,
                                                    penumbra_pass_statistics* passes, penumbra_error* error);
+/* Why the most recently recorded frame had no history: "none" (it had), "first_frame", "asked", or "not_handed_on",
+   of which `resource` says what; the view's text. `resource` may be null. */
+PENUMBRA_API const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource);
 PENUMBRA_API uint64_t penumbra_view_bytes(const penumbra_view* view);
 
 #ifdef __cplusplus

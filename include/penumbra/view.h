@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -64,6 +65,8 @@ class Externals {
     std::vector<SlotBinding> bindings_;
 };
 
+class View;
+
 struct ViewOptions {
     uint32_t frames_in_flight = 2;
     // Fills every activated resource before its first use: floats with NaN, unorm with 0.7312 and words with
@@ -75,7 +78,24 @@ struct ViewOptions {
     // Where shared heaps lie; null: in memory of this view's own. Such views run one after another, and each
     // frame waits for what is in them.
     std::shared_ptr<const TransientMemory> transients;
+    // The view whose place this one takes, with other facts, say: what its last frame has left for the next
+    // one is copied in this one's first frame, by name, where both plans have it alike, and what this plan has
+    // besides is cleared. Where something is wanted that is neither, the first frame is a reset frame. That view
+    // stays until this frame has completed; both plans hand on their history (CompileOptions).
+    const View* heir_of = nullptr;
     void* user = nullptr;  // for host nodes
+};
+
+// Why a frame had no history.
+struct Reset {
+    enum class Reason : uint8_t {
+        none,            // it had
+        first_frame,     // there was none before
+        asked,           // frame_reset in the frame's flags
+        not_handed_on    // the view that this one is the heir of does not have `resource` alike
+    };
+    Reason reason = Reason::none;
+    std::string resource;
 };
 
 // One instance of a resource; its images are in VK_IMAGE_LAYOUT_GENERAL.
@@ -149,10 +169,15 @@ class View {
     // recorded: costs no waiting. Null: there is none yet.
     const FrameStatistics* completed() const;
 
+    // Of the most recently recorded frame.
+    const Reset& reset() const;
+
     const Plan& plan() const;
     // Allocated for this view alone: its heaps (without shared ones), what the host writes per frame in
     // flight, captures.
     uint64_t bytes() const;
+
+    const ViewState& state() const { return *state_; }  // its heir's
 
   private:
     std::unique_ptr<ViewState> state_;
