@@ -5,6 +5,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <set>
 #include <thread>
 
@@ -608,6 +609,96 @@ TEST_F(EmbeddingGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
     View after(heirs, {.heir_of = &unused});
     gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(0), {}); });
     EXPECT_EQ(after.reset().reason, Reset::Reason::first_frame);
+}
+
+// Sizes and facts change at random, two frames in flight. What both plans have goes on, another size begins
+// anew; views retire by fences, all memory comes back, and nothing that waits or submits was so much as asked
+// for.
+TEST_F(EmbeddingGpu, TwoHundredRandomChangesWithFramesInFlight) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["blended", "level"], "nodes": {
+        "fill": { "type": "toy_fill" }, "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } },
+        "bright": { "type": "toy_fill", "if": "moves", "params": { "scale": 3 }, "out": { "value": "level" } },
+        "dim": { "type": "toy_fill", "if": "!moves", "out": { "value": "level" } } })");
+    constexpr Extent sizes[] = {{width, height}, {width + 7, height}, {width, height + 5}, {8, 8}};
+    Allocator allocator;
+    DeviceHandles handles = Spy::handles();
+    handles.memory = allocator.callbacks();
+    {
+        std::map<std::pair<size_t, bool>, std::shared_ptr<const Program>> programs;
+        const auto program_for = [&](size_t size, bool moves) {
+            std::shared_ptr<const Program>& program = programs[{size, moves}];
+            if (!program) {
+                const auto plan = program_with(pipeline, {{"moves", moves}}, true, sizes[size]);
+                program = std::make_shared<Program>(handles, std::make_shared<const Plan>(plan->plan()));
+            }
+            return program;
+        };
+        struct InFlight {
+            Recorder recorder;
+            Owned<VkFence> fence;
+            std::vector<std::unique_ptr<View>> retired;  // that the frame here still reads
+        } ring[2];
+        for (InFlight& slot : ring) {
+            VkFenceCreateInfo create{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr,
+                                     VK_FENCE_CREATE_SIGNALED_BIT};
+            VkFence fence = VK_NULL_HANDLE;
+            check(vkCreateFence(gpu().get(), &create, nullptr, &fence), "vkCreateFence", "");
+            slot.fence = {gpu().get(), fence};
+        }
+        const auto wait = [&](const InFlight& slot) {
+            const VkFence fence = slot.fence.get();
+            check(vkWaitForFences(gpu().get(), 1, &fence, VK_TRUE, ~0ull), "vkWaitForFences", "");
+        };
+        std::mt19937 random(7);
+        size_t size = 0, most_live = 0;
+        bool moves = true;
+        uint32_t changes = 0, kept = 0;
+        std::unique_ptr<View> view;
+        std::vector<float> blended;
+        for (uint32_t f = 0; changes < 200; ++f) {
+            InFlight& slot = ring[f % 2];
+            wait(slot);
+            slot.retired.clear();
+            const bool change = f > 0 && random() % 2, resize = change && random() % 2;
+            if (resize) size = (size + 1 + random() % 3) % 4;
+            if (change && !resize) moves = !moves;
+            changes += change;
+            kept += change && !resize;
+            if (change || f == 0) {
+                auto heir =
+                    std::make_unique<View>(program_for(size, moves), ViewOptions{.heir_of = view.get()});
+                if (view) slot.retired.push_back(std::move(view));
+                view = std::move(heir);
+            }
+            FrameDescription frame = description(f);
+            frame.size = frame.prev_size = {sizes[size].width, sizes[size].height};
+            slot.recorder.record([&](VkCommandBuffer cmd) { view->record(cmd, frame, {}); });
+            EXPECT_EQ(view->reset().reason, f == 0   ? Reset::Reason::first_frame
+                                            : resize ? Reset::Reason::not_handed_on
+                                                     : Reset::Reason::none)
+                << f;
+            if (resize || f == 0) blended.assign(size_t{sizes[size].width} * sizes[size].height, 0.0f);
+            for (size_t i = 0; i < blended.size(); ++i)
+                blended[i] = static_cast<float>(i + f) + 0.5f * blended[i];
+            VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+            submit.commandBufferCount = 1;
+            submit.pCommandBuffers = &slot.recorder.cmd;
+            const VkFence fence = slot.fence.get();
+            check(vkResetFences(gpu().get(), 1, &fence), "vkResetFences", "");
+            check(vkQueueSubmit(gpu().queue(), 1, &submit, fence), "vkQueueSubmit", "");
+            most_live = std::max(most_live, allocator.live.size());
+            if (f % 7) continue;
+            wait(slot);
+            ASSERT_EQ(floats(view->captured("blended")), blended) << "frame " << f << ", change " << changes;
+        }
+        for (const InFlight& slot : ring) wait(slot);
+        EXPECT_GT(kept, 50u);
+        EXPECT_LT(most_live, 100u);  // three views and eight programs, not two hundred
+    }
+    EXPECT_TRUE(allocator.live.empty());
+    for (const char* name :
+         {"vkDeviceWaitIdle", "vkQueueWaitIdle", "vkWaitForFences", "vkQueueSubmit", "vkQueueSubmit2"})
+        EXPECT_FALSE(Spy::asked.contains(name)) << name;
 }
 
 // --- What a host asks -------------------------------------------------------------------------------------
