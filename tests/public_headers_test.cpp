@@ -59,7 +59,8 @@ namespace fs = std::filesystem;
 
 // Only the standard library, Vulkan's types and each other: whatever else penumbra is made of stays inside.
 TEST(PublicHeaders, IncludeNothingOfOthers) {
-    const std::regex allowed("#include (<[a-z_]+>|<std(def|int)\\.h>|<vulkan/vulkan_core\\.h>|\"penumbra/[a-z_]+\\.(h|glsl)\")");
+    const std::regex allowed(
+        "#include (<[a-z_]+>|<std(def|int)\\.h>|<vulkan/vulkan_core\\.h>|\"penumbra/[a-z_]+\\.(h|glsl)\")");
     size_t seen = 0;
     for (const auto& entry : fs::directory_iterator(fs::path(PENUMBRA_SOURCE_DIR) / "include/penumbra")) {
         std::ifstream file(entry.path());
