@@ -84,6 +84,16 @@ struct Spy {
     static inline std::vector<VkImageMemoryBarrier2> transfers;
     static inline std::vector<std::byte> cache;  // that a program was made with
 
+    static inline std::set<std::string> names, labels;  // of objects, of what passes record
+    static VKAPI_ATTR VkResult VKAPI_CALL set_name(VkDevice, const VkDebugUtilsObjectNameInfoEXT* info) {
+        names.insert(info->pObjectName);
+        return VK_SUCCESS;
+    }
+    static VKAPI_ATTR void VKAPI_CALL begin_label(VkCommandBuffer, const VkDebugUtilsLabelEXT* info) {
+        labels.insert(info->pLabelName);
+    }
+    static VKAPI_ATTR void VKAPI_CALL end_label(VkCommandBuffer) {}
+
     static VKAPI_ATTR VkResult VKAPI_CALL make_cache(VkDevice device, const VkPipelineCacheCreateInfo* info,
                                                      const VkAllocationCallbacks* callbacks,
                                                      VkPipelineCache* handle) {
@@ -103,6 +113,12 @@ struct Spy {
     static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL of_device(VkDevice device, const char* name) {
         asked.insert(name);
         if (!std::strcmp(name, "vkCmdPipelineBarrier2")) return reinterpret_cast<PFN_vkVoidFunction>(barrier);
+        if (!std::strcmp(name, "vkSetDebugUtilsObjectNameEXT"))
+            return reinterpret_cast<PFN_vkVoidFunction>(set_name);
+        if (!std::strcmp(name, "vkCmdBeginDebugUtilsLabelEXT"))
+            return reinterpret_cast<PFN_vkVoidFunction>(begin_label);
+        if (!std::strcmp(name, "vkCmdEndDebugUtilsLabelEXT"))
+            return reinterpret_cast<PFN_vkVoidFunction>(end_label);
         if (!std::strcmp(name, "vkCreatePipelineCache"))
             return reinterpret_cast<PFN_vkVoidFunction>(make_cache);
         return vkGetDeviceProcAddr(device, name);
@@ -161,6 +177,17 @@ TEST_F(EmbeddingGpu, AnotherQueuesImageIsAcquiredAndReleased) {
     EXPECT_EQ(release.oldLayout, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     EXPECT_EQ(release.newLayout, VK_IMAGE_LAYOUT_GENERAL);
     EXPECT_EQ(release.srcStageMask, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
+}
+
+TEST_F(EmbeddingGpu, DebuggersAreToldTheNames) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    Spy::names.clear();
+    Spy::labels.clear();
+    View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, {})), {});
+    for (const char* name : {"blended@0", "blended@1", "scattered", "list", "chain", "the frame block"})
+        EXPECT_TRUE(Spy::names.contains(name)) << name;
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); });
+    for (const PlanPass& pass : view.plan().passes) EXPECT_TRUE(Spy::labels.contains(pass.node)) << pass.node;
 }
 
 // --- Images of the host -----------------------------------------------------------------------------------
