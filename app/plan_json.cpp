@@ -102,7 +102,8 @@ constexpr Word access_words[] = {{VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "write"}
 constexpr Word image_usage_words[] = {{VK_IMAGE_USAGE_STORAGE_BIT, "storage"},
                                       {VK_IMAGE_USAGE_SAMPLED_BIT, "sampled"},
                                       {VK_IMAGE_USAGE_TRANSFER_SRC_BIT, "copy_source"},
-                                      {VK_IMAGE_USAGE_TRANSFER_DST_BIT, "copy_target"}};
+                                      {VK_IMAGE_USAGE_TRANSFER_DST_BIT, "copy_target"},
+                                      {VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, "attachment"}};
 constexpr Word buffer_usage_words[] = {{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "storage"},
                                        {VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, "texels"},
                                        {VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, "arguments"},

@@ -58,7 +58,8 @@ Schema definitions() {
     d["stages"] = list_of(words({"compute", "indirect", "transfer", "copy", "top", "all"}));
     d["access"] = list_of(words({"write", "read", "sample", "uniform", "structure", "arguments", "copy_read",
                                  "copy_write", "any_read", "any_write"}));
-    d["usage"] = list_of(words({"storage", "sampled", "texels", "arguments", "copy_source", "copy_target"}));
+    d["usage"] = list_of(
+        words({"storage", "sampled", "texels", "arguments", "copy_source", "copy_target", "attachment"}));
     d["activation"] = doc(object({{"resource", number},
                                   {"from_stages", use("stages")},
                                   {"to_stages", use("stages")},

@@ -274,6 +274,9 @@ void Compiler::bind_output(const SelectedNode& selected, uint32_t index, uint32_
     if (pass.kind == PassKind::host) {
         r.image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
         r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+        if (r.kind == PortKind::image &&
+            target_.device.supports(r.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT))
+            r.image_usage |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;  // a callback may draw
     }
     bind_resource(port, resource, false, binding);
     pass.uses.push_back({resource, false, output_use(pass, port)});

@@ -935,5 +935,50 @@ TEST_F(EmbeddingGpu, AHostNodeIsGivenItsSlotsAndParameters) {
     }
 }
 
+// A raster pass inside the graph: what it draws into is an image of the graph's, read by the next pass.
+TEST_F(EmbeddingGpu, AHostNodeDrawsIntoAnImageOfTheGraph) {
+    NodeSet set;
+    for (const std::string& name : toy_set().names()) set.add(*toy_set().find(name));
+    NodeEntry engine;
+    engine.type = parse_toy(R"({ "node": "engine", "doc": "d", "host": true, "inputs": {},
+      "outputs": { "drawn": { "kind": "image", "format": "r32f" } } })",
+                            "engine");
+    engine.callback = [](const HostPassContext& context) {
+        VkRenderingAttachmentInfo attachment{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+        attachment.imageView = context.resource("drawn")->view;
+        attachment.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+        attachment.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+        attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+        attachment.clearValue.color.float32[0] = static_cast<float>(context.frame->frame_index + 3);
+        VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+        info.renderArea.extent = {width, height};
+        info.layerCount = 1;
+        info.colorAttachmentCount = 1;
+        info.pColorAttachments = &attachment;
+        vkCmdBeginRendering(context.cmd, &info);
+        // A part of it again, as a draw would.
+        VkClearAttachment again{VK_IMAGE_ASPECT_COLOR_BIT, 0, {}};
+        again.clearValue.color.float32[0] = 50;
+        const VkClearRect corner{{{0, 0}, {5, 5}}, 0, 1};
+        vkCmdClearAttachments(context.cmd, 1, &again, 1, &corner);
+        vkCmdEndRendering(context.cmd);
+    };
+    set.add(std::move(engine));
+    const CheckedPipeline pipeline =
+        checked(R"("outputs": ["blended"], "nodes": { "engine": { "type": "engine" },
+        "blend": { "type": "toy_blend", "in": { "value": "drawn", "history": "blended@-1" } } })",
+                set);
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline))), {});
+    float corner = 0, rest = 0;
+    for (uint32_t f = 0; f < 3; ++f) {
+        gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(f), {}); });
+        corner = 50 + corner / 2;
+        rest = static_cast<float>(f + 3) + rest / 2;
+        const std::vector<float> blended = floats(view.captured("blended"));
+        EXPECT_EQ(blended[2], corner) << f;
+        EXPECT_EQ(blended[width * 7 + 9], rest) << f;
+    }
+}
+
 }  // namespace
 }  // namespace penumbra::test
