@@ -15,7 +15,7 @@
 #include "penumbra/export.h"
 #include "penumbra/node_type.h"
 
-namespace PENUMBRA_API penumbra {  // for the component glsl alone
+namespace penumbra PENUMBRA_API {  // for the component glsl alone
 
 // Binding numbers are unique within a node over both sets: set 0 holds what the plan makes (resources,
 // tables), set 1 what changes with every frame (the frame block, counters, host slots). Shaders are compiled
@@ -87,4 +87,4 @@ std::string generate_glsl(const NodeType& type, const Variant& variant);
 // Sets the DescriptorSet decoration of each variable: bindings listed in `host` go to set 1.
 void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<uint32_t>& host_bindings);
 
-}  // namespace penumbra
+}  // namespace PENUMBRA_API

@@ -337,9 +337,11 @@ void ViewState::read_statistics(const Slot& slot, std::vector<PassStatistics>& p
         passes[p].ms.reset();
         if (timed)
             passes[p].ms = static_cast<double>((ticks[2 * p + 1] - ticks[2 * p]) & tick_mask_) * ms_per_tick_;
-        std::memcpy(passes[p].counters.data(),
-                    slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t),
-                    passes[p].counters.size() * sizeof(uint32_t));
+        const std::byte* first = slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t);
+        for (uint32_t& counter : passes[p].counters) {
+            std::memcpy(&counter, first, sizeof counter);
+            first += sizeof counter;
+        }
     }
 }
 

@@ -32,7 +32,7 @@
 
 #include "penumbra/export.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct Triangle {
     float v[3][3];
@@ -104,4 +104,4 @@ using AlphaTest = std::function<bool(uint32_t leaf, uint32_t which, const std::a
 // divides correctly rounded.
 bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts = nullptr, const AlphaTest& alpha = {});
 
-}  // namespace penumbra
+}  // namespace PENUMBRA_API

@@ -13,7 +13,7 @@
 #include "penumbra/node_set.h"
 #include "penumbra/pipeline.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 inline constexpr uint32_t no_resource = ~0u;
 

@@ -10,7 +10,7 @@
 #include "penumbra/export.h"
 #include "penumbra/plan.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct CompileOptions {
     bool alias = true;                  // false: every resource has memory of its own

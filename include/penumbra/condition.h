@@ -18,7 +18,7 @@
 #include "penumbra/export.h"
 #include "penumbra/json_text.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct Param;
 using ParamValue = std::variant<bool, int32_t, uint32_t, float, std::vector<float>, std::string>;

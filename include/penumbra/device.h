@@ -11,7 +11,7 @@
 #include "penumbra/export.h"
 #include "penumbra/plan.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct MemoryRequest {
     VkMemoryRequirements need{};           // bytes, alignment, types

@@ -11,7 +11,7 @@
 
 #include "penumbra/export.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 // A position in a text file. Lines and columns count from 1; 0 means "the whole file" (or no file at all).
 struct Place {

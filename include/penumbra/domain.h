@@ -13,7 +13,7 @@
 #include "penumbra/export.h"
 #include "penumbra/format.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 // What a host may promise for a plan's lifetime; true where it says nothing.
 struct Fact {

@@ -7,7 +7,7 @@
 #include "penumbra/export.h"
 #include "penumbra/plan.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 std::string to_text(const Plan& plan);
 std::string to_dot(const Plan& plan);

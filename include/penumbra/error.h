@@ -15,7 +15,7 @@
 
 #include "penumbra/export.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 enum class ErrorCode : uint32_t {
     usage = 1,       // the host has passed what it may not, or nothing where something is needed

@@ -12,7 +12,7 @@
 
 #include "penumbra/export.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 enum class Format : uint8_t {
     r8,

@@ -8,7 +8,7 @@
 
 #include "penumbra/export.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 namespace std140 {
 using uint = uint32_t;

@@ -14,7 +14,7 @@
 #include "penumbra/diagnostic.h"
 #include "penumbra/export.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct JsonMember;
 

@@ -15,7 +15,7 @@
 #include "penumbra/export.h"
 #include "penumbra/node_type.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct Variant;          // interface.h
 struct HostPassContext;  // view.h: command buffer, bindings and parameters of a host node's pass

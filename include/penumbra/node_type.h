@@ -17,7 +17,7 @@
 #include "penumbra/export.h"
 #include "penumbra/format.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 // Whose extent a rule is about, as declared and as link_ports() finds it.
 struct SizeOf {

@@ -13,7 +13,7 @@
 #include "penumbra/export.h"
 #include "penumbra/node_type.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct HostInput {
     enum class Extent : uint8_t { frame, fixed, any };

@@ -21,7 +21,7 @@
 #include "penumbra/export.h"
 #include "penumbra/node_set.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct Extent {
     uint32_t width = 1, height = 1;

@@ -13,7 +13,7 @@
 #include "penumbra/export.h"
 #include "penumbra/plan.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct ProgramOptions {
     // What pipeline_cache() gave before; data of another driver are ignored.

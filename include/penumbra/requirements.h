@@ -10,7 +10,7 @@
 #include "penumbra/device.h"
 #include "penumbra/export.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct Requirement {
     enum class Kind : uint8_t {

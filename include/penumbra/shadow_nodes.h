@@ -7,7 +7,7 @@
 #include "penumbra/export.h"
 #include "penumbra/node_set.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 // Every node type of nodes/*.json. A host adds its own with NodeSet::add.
 NodeSet shadow_nodes();

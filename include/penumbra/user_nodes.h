@@ -13,7 +13,7 @@
 #include "penumbra/export.h"
 #include "penumbra/node_set.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 // What has been compiled, on disk. `warn` is told what had to be thrown away and that a folder cannot be written.
 class ShaderCache;

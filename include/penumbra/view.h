@@ -19,7 +19,7 @@
 #include "penumbra/frame_block.h"
 #include "penumbra/program.h"
 
-namespace PENUMBRA_API penumbra {
+namespace penumbra PENUMBRA_API {
 
 // How the host hands something over for a frame, and how it wants it back. Where a member says that nothing
 // changes, nothing is recorded for it.
