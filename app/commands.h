@@ -35,9 +35,9 @@ struct RenderArguments {
 };
 
 struct PlanArguments {
-    std::string pipeline, size, facts, format = "text";
+    std::string pipeline, size, facts, format = "text", device, out;
     std::vector<std::string> settings, node_folders;
-    bool no_alias = false;
+    bool no_alias = false, on_device = false;
 };
 
 struct CheckArguments {

@@ -42,12 +42,17 @@ void add_render(CLI::App& app, RenderArguments& a) {
 }
 
 void add_plan(CLI::App& app, PlanArguments& a) {
-    CLI::App* c = app.add_subcommand("plan", "compile a pipeline without a device and print the plan");
+    CLI::App* c = app.add_subcommand("plan", "compile a pipeline and print the plan; no device is needed");
     c->add_option("pipeline", a.pipeline, "pipeline file")->required();
     c->add_option("--size", a.size, "WxH")->required();
     c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
     c->add_option("--format", a.format, "text, json or dot")->check(CLI::IsMember({"text", "json", "dot"}));
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline");
+    c->add_option("--out", a.out, "folder for plan.json with its SPIR-V and tables, instead of the text");
+    c->add_option("--device", a.device,
+                  "for the memory, formats and class of a device of this name (\"\": the first), not for a "
+                  "made-up one")
+        ->each([&a](const std::string&) { a.on_device = true; });
     add_node_folders(c, a.node_folders);
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
 }
@@ -184,9 +189,10 @@ int main(int argc, char** argv) {
     CLI::App* n = app.add_subcommand("nodes", "list the node types, or describe one");
     n->add_option("type", nodes.type, "a node type");
     n->add_option("--format", nodes.format,
-                  "text, json, md, schema or node-schema (JSON Schemas of pipelines and of declarations), or "
+                  "text, json, md, schema, node-schema or plan-schema (JSON Schemas of pipelines, of "
+                  "declarations and of plans), or "
                   "vocabulary (a page of the keys of both)")
-        ->check(CLI::IsMember({"text", "json", "md", "schema", "node-schema", "vocabulary"}));
+        ->check(CLI::IsMember({"text", "json", "md", "schema", "node-schema", "plan-schema", "vocabulary"}));
     add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
     try {

@@ -9,6 +9,7 @@
 #include "app/commands.h"
 #include "app/node_folders.h"
 #include "app/node_text.h"
+#include "app/plan_schema.h"
 #include "app/schema.h"
 #include "app/vocabulary_page.h"
 
@@ -69,8 +70,8 @@ int run_nodes(const NodesArguments& arguments) {
     const auto nodes = open_nodes(arguments.node_folders);
     if (!nodes) return exit_wrong;
     std::vector<std::string> names = nodes->names();
-    const bool of_all =
-        arguments.format == "schema" || arguments.format == "node-schema" || arguments.format == "vocabulary";
+    const bool of_all = arguments.format == "schema" || arguments.format == "node-schema" ||
+                        arguments.format == "plan-schema" || arguments.format == "vocabulary";
     if (of_all) {
         if (!arguments.type.empty()) {
             std::cerr << "--format " << arguments.format << " is about all types; leave \"" << arguments.type
@@ -81,7 +82,9 @@ int run_nodes(const NodesArguments& arguments) {
             std::cout << vocabulary_page(*nodes->domain());
         else
             std::cout << schema_text(arguments.format == "schema" ? pipeline_schema(*nodes)
-                                                                  : declaration_schema(*nodes->domain()));
+                                     : arguments.format == "node-schema"
+                                         ? declaration_schema(*nodes->domain())
+                                         : plan_schema());
         return exit_good;
     }
     if (!arguments.type.empty()) {

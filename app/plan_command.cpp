@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// penumbra plan: what a pipeline becomes, without a device.
+// penumbra plan: what a pipeline becomes, without a device or for one.
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -36,6 +36,17 @@ int run_plan(const PlanArguments& arguments) {
     target.extent = {(*size)[0], (*size)[1]};
     target.facts = *facts;
     target.device = reference_device();
+    std::unique_ptr<Device> device;  // which the table asks until the plan is there
+    if (arguments.on_device) {
+        try {
+            device = std::make_unique<Device>(DeviceOptions{arguments.device, false});
+        } catch (const DeviceError& e) {  // one that was asked for by name is the command's mistake
+            std::cerr << "penumbra: " << e.what() << "\n";
+            return arguments.device.empty() ? exit_failed : exit_wrong;
+        }
+        target.device = device_table(handles_of(*device));
+        target.device.features = features_of(*device);
+    }
     // The sun's maps have a size of their own: as the standalone host draws them.
     for (const auto& [name, resource] :
          standalone_target(*pipeline, target.device, *size, *facts, {1024, 1024}, max_cascades).inputs)
@@ -48,6 +59,11 @@ int run_plan(const PlanArguments& arguments) {
     if (!plan) {
         std::cerr << diagnostics.text();
         return exit_wrong;
+    }
+    if (!arguments.out.empty()) {
+        if (write_plan(*plan, arguments.out, diagnostics)) return exit_good;
+        std::cerr << diagnostics.text();
+        return exit_failed;
     }
     if (arguments.format == "json")
         std::cout << to_json(*plan).dump(2) << "\n";

@@ -45,7 +45,8 @@ bool standalone_has_input(std::string_view name) {
 }
 
 DeviceHandles handles_of(const Device& device) {
-    return {device.instance(), device.physical(), device.get(), device.queue_family()};
+    return {device.instance(),     device.physical(),     device.get(),
+            device.queue_family(), vkGetInstanceProcAddr, {}};
 }
 
 std::set<std::string> features_of(const Device& device) {
@@ -133,21 +134,21 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
             std::make_unique<CascadeMaps>(device, session->host_->scene(), options.cascade_size,
                                           session->host_->cascade_layers(), needs("cascade_bounds"));
     session->sun_ =
-        MappedBuffer(handles_of(device), sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
-    session->sun_prev_ = MappedBuffer(handles_of(device), sizeof(blocks::Sun),
-                                      VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the previous frame's sun");
-    session->scene_ = MappedBuffer(handles_of(device), sizeof(blocks::Scene),
-                                   VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the scene block");
-    session->cascades_ = MappedBuffer(handles_of(device), sizeof(blocks::Cascades),
-                                      VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the cascades block");
+        make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
+    session->sun_prev_ = make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                                          "the previous frame's sun");
+    session->scene_ = make_host_buffer(device, sizeof(blocks::Scene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                                       "the scene block");
+    session->cascades_ = make_host_buffer(device, sizeof(blocks::Cascades),
+                                          VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the cascades block");
     return session;
 }
 
 void Session::write_blocks(const StandaloneFrame& frame) {
-    std::memcpy(sun_.data(), &frame.sun, sizeof frame.sun);
-    std::memcpy(sun_prev_.data(), &frame.sun_prev, sizeof frame.sun_prev);
-    std::memcpy(scene_.data(), &frame.scene, sizeof frame.scene);
-    std::memcpy(cascades_.data(), &frame.cascades, sizeof frame.cascades);
+    std::memcpy(sun_.mapped, &frame.sun, sizeof frame.sun);
+    std::memcpy(sun_prev_.mapped, &frame.sun_prev, sizeof frame.sun_prev);
+    std::memcpy(scene_.mapped, &frame.scene, sizeof frame.scene);
+    std::memcpy(cascades_.mapped, &frame.cascades, sizeof frame.cascades);
 }
 
 std::vector<SlotBinding> Session::bind_slots() const {
@@ -193,9 +194,9 @@ void Session::draw_cascades(uint32_t index, FrameCost& cost) {
     });
     cost.cascades_cpu_ms = process_cpu_ms() - before;
     blocks::Cascades block{};
-    std::memcpy(&block, cascades_.data(), sizeof block);
+    std::memcpy(&block, cascades_.mapped, sizeof block);
     block.flags = blocks::BOUNDS_HOLD_ALL;
-    std::memcpy(cascades_.data(), &block, sizeof block);
+    std::memcpy(cascades_.mapped, &block, sizeof block);
 }
 
 FrameCost Session::run_frame(uint32_t index, bool reset) {

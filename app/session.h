@@ -11,6 +11,7 @@
 
 #include "host/cascades/cascade_maps.h"
 #include "host/device/device.h"
+#include "host/device/gpu.h"
 #include "host/scene/scene_bvh.h"
 #include "host/scene/scene_tlas.h"
 #include "host/standalone.h"
@@ -63,6 +64,8 @@ class Session {
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
     uint32_t seed() const { return seed_; }
+    const SceneBvh* bvh() const { return bvh_.get(); }                       // null: nobody traces with it
+    const FrameDescription& frame_description() const { return last_; }      // of the last frame
     const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
 
   private:
@@ -82,7 +85,7 @@ class Session {
     std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
     std::unique_ptr<CascadeMaps> cascade_maps_;
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
-    MappedBuffer sun_, sun_prev_, scene_, cascades_;
+    GpuBuffer sun_, sun_prev_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
 

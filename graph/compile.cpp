@@ -13,6 +13,7 @@ namespace penumbra {
 
 std::optional<Plan> Compiler::run() {
     plan_.pipeline = pipeline_.name;
+    plan_.domain = pipeline_.domain;
     plan_.extent = target_.extent;
     plan_.device = target_.device.name;
     plan_.cpu = target_.device.cpu;
@@ -37,11 +38,17 @@ std::optional<Plan> Compiler::run() {
                 make_resource(selection->nodes[p], i, p);
     make_resources();
     if (diagnostics_.size() != errors) return std::nullopt;
+    lend_outputs();
     for (const SelectedNode& node : selection->nodes) lower(node);
     read_outputs();
     if (diagnostics_.size() != errors) return std::nullopt;
+    for (PlanResource& r : plan_.resources) {
+        if (!options_.hand_on_history || !(r.history || r.kept)) continue;
+        r.image_usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+        r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    }
     place_lifetimes(plan_);
-    place_memory(plan_, target_.device, options_.optimum_search_nodes);
+    place_memory(plan_, target_.device, options_.share_transients, options_.optimum_search_nodes);
     place_barriers(plan_);
     for (uint32_t i = 0; i < plan_.resources.size(); ++i)
         if (plan_.resources[i].history || plan_.resources[i].kept)
@@ -67,6 +74,25 @@ size_t Compiler::read_facts() {
     return facts;
 }
 
+// Outputs that are put into the host's own images become slots, before anything is bound to them.
+void Compiler::lend_outputs() {
+    for (const uint32_t id : pipeline_.outputs) {
+        const auto asked = options_.outputs.find(name(id));
+        if (asked == options_.outputs.end() || !asked->second.host_image) continue;
+        PlanResource& r = plan_.resources[made_[id].resource];
+        if (r.kind != PortKind::image || r.levels > 1 || r.kept)
+            error({pipeline_.file}, "outputs." + name(id),
+                  "cannot be put into an image of the host's: it is no image, has mip levels or is kept");
+        r.slot = static_cast<uint32_t>(plan_.slots.size());
+        plan_.slots.push_back({.name = name(id),
+                               .format = r.format,
+                               .extent = r.extent,
+                               .layers = r.layers,
+                               .output = true,
+                               .accepted = {r.format}});
+    }
+}
+
 void Compiler::read_outputs() {
     std::vector<std::string> names;
     for (const uint32_t id : pipeline_.outputs) {
@@ -77,6 +103,9 @@ void Compiler::read_outputs() {
         PlanResource& r = plan_.resources[made_[id].resource];
         plan_.outputs.back().use = {use.stages, use.access, false};
         r.output = true;
+        if (r.slot && r.history)
+            error({pipeline_.file}, "outputs." + name(id),
+                  "cannot be put into an image of the host's: the next frame reads its previous value");
         r.image_usage |= use.image_usage;
         r.buffer_usage |= use.buffer_usage;
         if (r.kind == PortKind::image && (use.image_usage & VK_IMAGE_USAGE_SAMPLED_BIT) &&
@@ -96,6 +125,12 @@ const PlanOutput* Plan::output(std::string_view name) const {
     for (const PlanOutput& o : outputs)
         if (o.name == name) return &o;
     return nullptr;
+}
+
+std::optional<uint32_t> Plan::slot(std::string_view name) const {
+    for (uint32_t i = 0; i < slots.size(); ++i)
+        if (slots[i].name == name) return i;
+    return std::nullopt;
 }
 
 const PlanPass* Plan::pass(std::string_view node) const {

@@ -50,6 +50,13 @@ Use input_use(const PlanPass& pass, const Port& port) {
     return use;
 }
 
+// As the kind of a slot has it, which of a bundle's parts is not the port's.
+VkAccessFlags2 slot_access(PortKind kind, VkAccessFlags2 access) {
+    if (kind == PortKind::block) return VK_ACCESS_2_UNIFORM_READ_BIT;
+    if (kind == PortKind::structure) return VK_ACCESS_2_ACCELERATION_STRUCTURE_READ_BIT_KHR;
+    return access;
+}
+
 Use output_use(const PlanPass& pass, const Port& port) {
     if (pass.kind == PassKind::host)
         return {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
@@ -116,6 +123,7 @@ void Compiler::bind_resource(const Port& port, uint32_t resource, bool previous,
     b.index = resource;
     b.previous = previous;
     b.format = plan_.resources[resource].format;
+    if (plan_.resources[resource].slot) b.set = 1;  // another image every frame
     if (port.output && port.levels) b.level = PlanBinding::Level::written;
     pass.bindings.push_back(b);
     if (b.level != PlanBinding::Level::written) return;
@@ -148,9 +156,19 @@ void Compiler::bind_slot(const BoundNode& node, const Port& port, HostSlot slot,
     if (same == plan_.slots.end()) {
         const auto known = pipeline_.domain->structs.find(slot.element);
         if (known != pipeline_.domain->structs.end()) slot.bytes = known->second;
+        const HostInput& input = *std::ranges::find(pipeline_.inputs, slot.input, &HostInput::name);
+        slot.required = !input.optional;
+        if (slot.kind == PortKind::image || slot.kind == PortKind::texels)
+            slot.accepted = input.format ? std::vector{*input.format} : port.formats;
         plan_.slots.push_back(std::move(slot));
     }
-    std::vector<std::string>& readers = plan_.slots[b.index].readers;
+    HostSlot& made = plan_.slots[b.index];
+    std::erase_if(made.accepted,
+                  [&](Format f) { return std::ranges::find(port.formats, f) == port.formats.end(); });
+    const Use use = input_use(plan_.passes.back(), port);
+    made.use.stages |= use.stages;
+    made.use.access |= slot_access(made.kind, use.access);
+    std::vector<std::string>& readers = made.readers;
     if (readers.empty() || readers.back() != node.id) readers.push_back(node.id);
 }
 
@@ -223,6 +241,7 @@ void Compiler::use_input(const Port& port, uint32_t resource, bool previous) {
         r.image_usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
         r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
     }
+    if (r.slot) plan_.slots[*r.slot].use.stages |= pass.uses.back().use.stages;
     if (previous) r.history = true;
     check_readable(r, port);
 }
@@ -255,9 +274,18 @@ void Compiler::bind_output(const SelectedNode& selected, uint32_t index, uint32_
     if (pass.kind == PassKind::host) {
         r.image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
         r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+        if (r.kind == PortKind::image &&
+            target_.device.supports(r.format, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT))
+            r.image_usage |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;  // a callback may draw
     }
     bind_resource(port, resource, false, binding);
     pass.uses.push_back({resource, false, output_use(pass, port)});
+    if (r.slot) {
+        HostSlot& slot = plan_.slots[*r.slot];
+        slot.readers.push_back(pass.node);
+        slot.use.stages |= pass.uses.back().use.stages;
+        slot.use.access |= pass.uses.back().use.access;
+    }
     pass.writes.push_back(name(bound.resource));
 }
 

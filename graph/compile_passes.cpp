@@ -54,6 +54,8 @@ void Compiler::lower_capture(uint32_t captured) {
     pass.uses.push_back(
         {resource, false, {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT, false}});
     pass.bindings.push_back({.index = resource});
+    if (const auto lent = plan_.resources[resource].slot)
+        plan_.slots[*lent].use.stages |= VK_PIPELINE_STAGE_2_COPY_BIT;
     pass.reads.push_back(pass.node);
     plan_.resources[resource].image_usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     plan_.resources[resource].buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT;

@@ -39,6 +39,7 @@ class Compiler {
 
     // Facts and outputs, by the host's names.
     size_t read_facts();
+    void lend_outputs();
     void read_outputs();
 
     // Resources. `made_` has, by name, the plan's resource and who makes it; sizes may follow what comes

@@ -301,6 +301,30 @@ std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value) 
     return out;
 }
 
+ParamValue value_of(const Param& param, std::span<const std::byte> bytes) {
+    const auto word = [&](auto v) {
+        std::memcpy(&v, bytes.data(), sizeof v);
+        return v;
+    };
+    switch (param.type) {
+        case ParamType::boolean:
+            return word(uint32_t{}) != 0;
+        case ParamType::integer:
+            return word(int32_t{});
+        case ParamType::uint:
+            return word(uint32_t{});
+        case ParamType::real:
+            return word(float{});
+        case ParamType::enumeration:
+            return param.values.at(word(uint32_t{}));
+        default:
+            break;
+    }
+    std::vector<float> list(layout_of(param.type).size / sizeof(float));
+    std::memcpy(list.data(), bytes.data(), list.size() * sizeof(float));
+    return list;
+}
+
 bool fits(const Param& param, const ParamValue& value) {
     if (value.index() != param.default_value.index()) return false;
     const auto in_range = [&](double number) {

@@ -8,12 +8,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/node_type.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {  // for the component glsl alone
 
 // Binding numbers are unique within a node over both sets: set 0 holds what the plan makes (resources,
 // tables), set 1 what changes with every frame (the frame block, counters, host slots). Shaders are compiled
@@ -56,6 +58,8 @@ PushConstants push_constants(const NodeType& type);
 
 // A value's bits as a specialisation or push constant: enums become their index, booleans 0 or 1.
 std::vector<std::byte> value_bytes(const Param& param, const ParamValue& value);
+// The value that these bits are of.
+ParamValue value_of(const Param& param, std::span<const std::byte> bytes);
 
 // Whether a value has the parameter's type, component count and range.
 bool fits(const Param& param, const ParamValue& value);
@@ -83,4 +87,4 @@ std::string generate_glsl(const NodeType& type, const Variant& variant);
 // Sets the DescriptorSet decoration of each variable: bindings listed in `host` go to set 1.
 void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<uint32_t>& host_bindings);
 
-}  // namespace penumbra
+}  // namespace PENUMBRA_API

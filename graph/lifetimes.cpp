@@ -22,7 +22,7 @@ struct Instance {
 uint64_t place_apart(Plan& plan, uint32_t heap) {
     uint64_t end = 0;
     for (PlanResource& r : plan.resources) {
-        if (r.heap != heap) continue;
+        if (r.heap != heap || r.slot) continue;
         for (uint32_t parity = 0; parity < 2; ++parity) {
             if (parity == 1 && !r.history) {
                 r.offset[1] = r.offset[0];
@@ -52,7 +52,8 @@ void place_lifetimes(Plan& plan) {
     }
 }
 
-void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search_nodes) {
+void place_memory(Plan& plan, const DeviceTable& device, bool share_transients,
+                  uint64_t optimum_search_nodes) {
     const auto passes = static_cast<uint32_t>(plan.passes.size());
     for (PlanResource& r : plan.resources) {
         const bool image = r.kind == PortKind::image;
@@ -61,12 +62,15 @@ void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search
                   : device.buffer_memory(r.buffer_bytes(), r.buffer_usage);
         r.bytes = need.size;
         r.alignment = need.alignment;
+        if (r.slot) continue;  // the host's memory
         const std::string type = image ? "images" : "buffers";
+        const bool shared = share_transients && !r.history && !r.kept && !r.output;
         const auto heap = std::find_if(plan.heaps.begin(), plan.heaps.end(), [&](const Heap& h) {
-            return h.type == type && h.memory_type_bits == need.type_bits;
+            return h.type == type && h.memory_type_bits == need.type_bits && h.shared == shared;
         });
         r.heap = static_cast<uint32_t>(heap - plan.heaps.begin());
-        if (heap == plan.heaps.end()) plan.heaps.push_back({type, 0, need.type_bits});
+        if (heap == plan.heaps.end()) plan.heaps.push_back({type, 0, need.type_bits, 1, shared});
+        plan.heaps[r.heap].alignment = std::max(plan.heaps[r.heap].alignment, need.alignment);
     }
 
     MemoryReport& report = plan.memory;
@@ -76,7 +80,7 @@ void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search
         std::vector<Instance> instances;
         for (uint32_t i = 0; i < plan.resources.size(); ++i) {
             const PlanResource& r = plan.resources[i];
-            if (r.heap != h) continue;
+            if (r.heap != h || r.slot) continue;
             for (uint32_t parity = 0; parity < (r.kept ? 1u : 2u); ++parity) {
                 intervals.push_back(interval_of(r, parity, passes));
                 instances.push_back({i, parity});
@@ -98,6 +102,7 @@ void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search
             plan.heaps[h].bytes = place_apart(plan, h);
         }
         report.heap_bytes += plan.heaps[h].bytes;
+        if (plan.heaps[h].shared) report.shared_bytes += plan.heaps[h].bytes;
         const auto best =
             optimum_search_nodes ? optimum(intervals, plan.period(), optimum_search_nodes) : std::nullopt;
         if (best && report.optimum_bytes)

@@ -12,7 +12,9 @@ namespace penumbra {
 // Fills first_pass and length of every resource from the passes' uses.
 void place_lifetimes(Plan& plan);
 
-// Fills bytes, alignment, heap and offsets, and the plan's memory report.
-void place_memory(Plan& plan, const DeviceTable& device, uint64_t optimum_search_nodes);
+// Fills bytes, alignment, heap and offsets, and the plan's memory report. `share_transients`: what lives
+// within a frame lies in heaps of its own.
+void place_memory(Plan& plan, const DeviceTable& device, bool share_transients,
+                  uint64_t optimum_search_nodes);
 
 }  // namespace penumbra

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Sizes are asked from the device before anything is created (vkGetDevice*MemoryRequirements, Vulkan 1.3), so
 // that a plan for a device is final before its memory exists.
-#include "penumbra/memory.h"
+#include "graph/memory.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace penumbra {
 namespace {
@@ -29,64 +31,16 @@ VkBufferCreateInfo buffer_info(uint64_t bytes, VkBufferUsageFlags usage) {
     return create;
 }
 
-Owned<VkDeviceMemory> allocate(const DeviceHandles& handles, VkDeviceSize bytes, uint32_t type,
-                               std::string_view what) {
-    VkMemoryAllocateInfo allocate_info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, bytes, type};
-    VkDeviceMemory memory = VK_NULL_HANDLE;
-    check(vkAllocateMemory(handles.device, &allocate_info, nullptr, &memory), "vkAllocateMemory",
-          fmt::format("{}, {} bytes", what, bytes));
-    return {handles.device, memory};
-}
-
-Owned<VkImageView> image_view(const DeviceHandles& handles, const PlanResource& r, VkImage image,
-                              uint32_t first_level, uint32_t levels) {
-    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-    view.image = image;
-    view.viewType = r.layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
-    view.format = info(r.format).vk;
-    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, first_level, levels, 0, r.layers};
-    VkImageView handle = VK_NULL_HANDLE;
-    check(vkCreateImageView(handles.device, &view, nullptr, &handle), "vkCreateImageView", r.names.front());
-    return {handles.device, handle};
-}
-
-void make_image(const DeviceHandles& handles, const PlanResource& r, VkDeviceMemory heap, VkDeviceSize offset,
-                ResourceInstance& out) {
-    const std::string& name = r.names.front();
-    const VkImageCreateInfo create = image_info({r.format, r.extent, r.layers, r.levels, r.image_usage});
-    VkImage image = VK_NULL_HANDLE;
-    check(vkCreateImage(handles.device, &create, nullptr, &image), "vkCreateImage", name);
-    out.image = {handles.device, image};
-    check(vkBindImageMemory(handles.device, image, heap, offset), "vkBindImageMemory", name);
-    out.image_view = image_view(handles, r, image, 0, r.levels);
-    for (uint32_t level = 0; level < r.levels && r.levels > 1; ++level)
-        out.level_views.push_back(image_view(handles, r, image, level, 1));
-}
-
-void make_buffer(const DeviceHandles& handles, const PlanResource& r, VkDeviceMemory heap,
-                 VkDeviceSize offset, ResourceInstance& out) {
-    const std::string& name = r.names.front();
-    const VkBufferCreateInfo create = buffer_info(r.buffer_bytes(), r.buffer_usage);
-    VkBuffer buffer = VK_NULL_HANDLE;
-    check(vkCreateBuffer(handles.device, &create, nullptr, &buffer), "vkCreateBuffer", name);
-    out.buffer = {handles.device, buffer};
-    check(vkBindBufferMemory(handles.device, buffer, heap, offset), "vkBindBufferMemory", name);
-    out.bytes = r.buffer_bytes();
-    if (!(r.buffer_usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)) return;
-    VkBufferViewCreateInfo view{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
-    view.buffer = buffer;
-    view.format = info(r.format).vk;
-    view.range = VK_WHOLE_SIZE;
-    VkBufferView handle = VK_NULL_HANDLE;
-    check(vkCreateBufferView(handles.device, &view, nullptr, &handle), "vkCreateBufferView", name);
-    out.buffer_view = {handles.device, handle};
+// What debuggers show: "color@1".
+std::string object_name(const PlanResource& r, uint32_t parity) {
+    return r.history ? fmt::format("{}@{}", r.names.back(), parity) : r.names.back();
 }
 
 }  // namespace
 
 DeviceTable device_table(const DeviceHandles& handles) {
-    VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(handles.physical, &properties);
+    const auto device = std::make_shared<const GraphDevice>(handles);
+    const VkPhysicalDeviceProperties& properties = device->properties();
     DeviceTable table;
     table.name = properties.deviceName;
     table.cpu = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
@@ -94,76 +48,153 @@ DeviceTable device_table(const DeviceHandles& handles) {
     table.max_texel_elements = properties.limits.maxTexelBufferElements;
     table.max_storage_bytes = properties.limits.maxStorageBufferRange;
     table.max_workgroup_invocations = properties.limits.maxComputeWorkGroupInvocations;
-    const VkDevice device = handles.device;
-    table.image_memory = [device](const ImageNeed& need) {
+    const auto need_of = [](const VkMemoryRequirements2& answer) {
+        return MemoryNeed{answer.memoryRequirements.size, answer.memoryRequirements.alignment,
+                          answer.memoryRequirements.memoryTypeBits};
+    };
+    table.image_memory = [device, need_of](const ImageNeed& need) {
         const VkImageCreateInfo create = image_info(need);
         const VkDeviceImageMemoryRequirements ask{
             VK_STRUCTURE_TYPE_DEVICE_IMAGE_MEMORY_REQUIREMENTS, nullptr, &create, {}};
         VkMemoryRequirements2 answer{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
-        vkGetDeviceImageMemoryRequirements(device, &ask, &answer);
-        return MemoryNeed{answer.memoryRequirements.size, answer.memoryRequirements.alignment,
-                          answer.memoryRequirements.memoryTypeBits};
+        device->vk().vkGetDeviceImageMemoryRequirements(device->get(), &ask, &answer);
+        return need_of(answer);
     };
-    table.buffer_memory = [device](uint64_t bytes, VkBufferUsageFlags usage) {
+    table.buffer_memory = [device, need_of](uint64_t bytes, VkBufferUsageFlags usage) {
         const VkBufferCreateInfo create = buffer_info(bytes, usage);
         const VkDeviceBufferMemoryRequirements ask{VK_STRUCTURE_TYPE_DEVICE_BUFFER_MEMORY_REQUIREMENTS,
                                                    nullptr, &create};
         VkMemoryRequirements2 answer{VK_STRUCTURE_TYPE_MEMORY_REQUIREMENTS_2};
-        vkGetDeviceBufferMemoryRequirements(device, &ask, &answer);
-        return MemoryNeed{answer.memoryRequirements.size, answer.memoryRequirements.alignment,
-                          answer.memoryRequirements.memoryTypeBits};
+        device->vk().vkGetDeviceBufferMemoryRequirements(device->get(), &ask, &answer);
+        return need_of(answer);
     };
-    const VkPhysicalDevice physical = handles.physical;
-    table.supports = [physical](Format format, VkFormatFeatureFlags features) {
+    table.supports = [device](Format format, VkFormatFeatureFlags features) {
         VkFormatProperties supported;
-        vkGetPhysicalDeviceFormatProperties(physical, info(format).vk, &supported);
+        device->vk().vkGetPhysicalDeviceFormatProperties(device->handles().physical, info(format).vk,
+                                                         &supported);
         // Image and buffer features are different bits.
         return ((supported.optimalTilingFeatures | supported.bufferFeatures) & features) == features;
     };
     return table;
 }
 
-uint32_t memory_type(VkPhysicalDevice physical, uint32_t type_bits, VkMemoryPropertyFlags wanted) {
-    VkPhysicalDeviceMemoryProperties memory;
-    vkGetPhysicalDeviceMemoryProperties(physical, &memory);
-    for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-        if ((type_bits >> i & 1) && (memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
-    throw VulkanError(VK_ERROR_FEATURE_NOT_PRESENT,
-                      fmt::format("no memory type of {:#x} has the properties {:#x}", type_bits, wanted));
+HeldMemory allocate_heap(const GraphDevice& device, const Heap& heap) {
+    const std::string what = fmt::format("the {}heap of {}", heap.shared ? "shared " : "", heap.type);
+    return HeldMemory(device,
+                      {.need = {std::max<uint64_t>(heap.bytes, 1), heap.alignment, heap.memory_type_bits},
+                       .properties = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+                       .linear = heap.type == "buffers",
+                       .what = what.c_str()});
 }
 
-MappedBuffer::MappedBuffer(const DeviceHandles& handles, VkDeviceSize bytes, VkBufferUsageFlags usage,
-                           std::string_view what)
-    : size_(bytes) {
-    const VkBufferCreateInfo create = buffer_info(bytes, usage);
-    VkBuffer buffer = VK_NULL_HANDLE;
-    check(vkCreateBuffer(handles.device, &create, nullptr, &buffer), "vkCreateBuffer", what);
-    buffer_ = {handles.device, buffer};
-    VkMemoryRequirements need;
-    vkGetBufferMemoryRequirements(handles.device, buffer, &need);
-    const uint32_t type =
-        memory_type(handles.physical, need.memoryTypeBits,
-                    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-    memory_ = allocate(handles, need.size, type, what);
-    check(vkBindBufferMemory(handles.device, buffer, memory_.get(), 0), "vkBindBufferMemory", what);
-    void* mapped = nullptr;
-    check(vkMapMemory(handles.device, memory_.get(), 0, VK_WHOLE_SIZE, 0, &mapped), "vkMapMemory", what);
-    data_ = static_cast<std::byte*>(mapped);
-}
-
-PlanMemory::PlanMemory(const DeviceHandles& handles, const Plan& plan) : instances_(plan.resources.size()) {
+TransientMemory::TransientMemory(DevicePtr device, const Plan& plan) : device_(std::move(device)) {
     for (const Heap& heap : plan.heaps)
-        heaps_.push_back(allocate(
-            handles, std::max<uint64_t>(heap.bytes, 1),
-            memory_type(handles.physical, heap.memory_type_bits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT),
-            "the heap of " + heap.type));
+        if (heap.shared) parts_.push_back({heap, allocate_heap(*device_, heap)});
+}
+
+const MemoryBlock& TransientMemory::heap(const Plan& plan, uint32_t index) const {
+    const Heap& wanted = plan.heaps[index];
+    for (const Part& part : parts_)
+        if (part.heap.type == wanted.type && part.heap.memory_type_bits == wanted.memory_type_bits &&
+            part.heap.bytes >= wanted.bytes && part.heap.alignment % wanted.alignment == 0)
+            return part.memory.block();
+    fail(ErrorCode::usage, "ViewOptions::transients",
+         fmt::format("was made for another plan: it has no {} bytes for the shared heap of {} of \"{}\"",
+                     wanted.bytes, wanted.type, plan.pipeline));
+}
+
+uint64_t TransientMemory::bytes() const {
+    uint64_t sum = 0;
+    for (const Part& part : parts_) sum += part.memory.bytes();
+    return sum;
+}
+
+PlanMemory::PlanMemory(const GraphDevice& device, const Plan& plan,
+                       std::shared_ptr<const TransientMemory> transients)
+    : device_(device), transients_(std::move(transients)), instances_(plan.resources.size()) {
+    std::vector<const MemoryBlock*> blocks;
+    heaps_.resize(plan.heaps.size());
+    for (uint32_t h = 0; h < plan.heaps.size(); ++h) {
+        const bool shared = transients_ && plan.heaps[h].shared;
+        if (!shared) heaps_[h] = allocate_heap(device, plan.heaps[h]);
+        blocks.push_back(shared ? &transients_->heap(plan, h) : &heaps_[h].block());
+    }
     for (uint32_t i = 0; i < plan.resources.size(); ++i) {
         const PlanResource& r = plan.resources[i];
         kept_.push_back(r.kept);
-        for (uint32_t parity = 0; parity < (r.kept ? 1u : 2u); ++parity)
-            (r.kind == PortKind::image ? make_image : make_buffer)(handles, r, heaps_[r.heap].get(),
-                                                                   r.offset[parity], instances_[i][parity]);
+        if (r.slot) continue;  // the host's
+        for (uint32_t parity = 0; parity < (r.kept ? 1u : 2u); ++parity) {
+            Instance& instance = instances_[i][parity];
+            if (r.kind == PortKind::image)
+                make_image(r, *blocks[r.heap], parity, instance);
+            else
+                make_buffer(r, *blocks[r.heap], parity, instance);
+            instance.handles = {instance.image.get(), instance.image_view.get(), instance.buffer.get(),
+                                instance.buffer_view.get(), instance.handles.bytes};
+        }
     }
+}
+
+VkImageView PlanMemory::level(uint32_t resource, uint32_t parity, uint32_t level) const {
+    const auto& views = instances_[resource][kept_[resource] ? 0 : parity].level_views;
+    return views.empty() ? VK_NULL_HANDLE : views[level].get();
+}
+
+uint64_t PlanMemory::bytes() const {
+    uint64_t sum = 0;
+    for (const HeldMemory& heap : heaps_) sum += heap.bytes();
+    return sum;
+}
+
+Held<VkImageView> PlanMemory::image_view(const PlanResource& r, VkImage image, uint32_t first_level,
+                                         uint32_t levels) const {
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image;
+    view.viewType = r.layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
+    view.format = info(r.format).vk;
+    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, first_level, levels, 0, r.layers};
+    VkImageView handle = VK_NULL_HANDLE;
+    require(device_.vk().vkCreateImageView(device_.get(), &view, nullptr, &handle), "vkCreateImageView",
+            r.names.front());
+    return {device_, handle};
+}
+
+void PlanMemory::make_image(const PlanResource& r, const MemoryBlock& heap, uint32_t parity,
+                            Instance& out) const {
+    const std::string& name = r.names.front();
+    const VkImageCreateInfo create = image_info({r.format, r.extent, r.layers, r.levels, r.image_usage});
+    VkImage image = VK_NULL_HANDLE;
+    require(device_.vk().vkCreateImage(device_.get(), &create, nullptr, &image), "vkCreateImage", name);
+    out.image = {device_, image};
+    device_.name(VK_OBJECT_TYPE_IMAGE, image, object_name(r, parity));
+    require(device_.vk().vkBindImageMemory(device_.get(), image, heap.memory, heap.offset + r.offset[parity]),
+            "vkBindImageMemory", name);
+    out.image_view = image_view(r, image, 0, r.levels);
+    for (uint32_t level = 0; level < r.levels && r.levels > 1; ++level)
+        out.level_views.push_back(image_view(r, image, level, 1));
+}
+
+void PlanMemory::make_buffer(const PlanResource& r, const MemoryBlock& heap, uint32_t parity,
+                             Instance& out) const {
+    const std::string& name = r.names.front();
+    const VkBufferCreateInfo create = buffer_info(r.buffer_bytes(), r.buffer_usage);
+    VkBuffer buffer = VK_NULL_HANDLE;
+    require(device_.vk().vkCreateBuffer(device_.get(), &create, nullptr, &buffer), "vkCreateBuffer", name);
+    out.buffer = {device_, buffer};
+    device_.name(VK_OBJECT_TYPE_BUFFER, buffer, object_name(r, parity));
+    require(
+        device_.vk().vkBindBufferMemory(device_.get(), buffer, heap.memory, heap.offset + r.offset[parity]),
+        "vkBindBufferMemory", name);
+    out.handles.bytes = r.buffer_bytes();
+    if (!(r.buffer_usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)) return;
+    VkBufferViewCreateInfo view{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+    view.buffer = buffer;
+    view.format = info(r.format).vk;
+    view.range = VK_WHOLE_SIZE;
+    VkBufferView handle = VK_NULL_HANDLE;
+    require(device_.vk().vkCreateBufferView(device_.get(), &view, nullptr, &handle), "vkCreateBufferView",
+            name);
+    out.buffer_view = {device_, handle};
 }
 
 }  // namespace penumbra

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: MIT
 // One pipeline per compute pass, specialised with the plan's constants; set 0 holds internal resources, set 1
 // the frame block, counters, host slots and tables.
-#include "penumbra/program.h"
-
 #include <fmt/format.h>
 
 #include <cstring>
 
+#include "graph/program_state.h"
+
 namespace penumbra {
 namespace {
 
-Owned<VkDescriptorSetLayout> make_set_layout(VkDevice device,
-                                             const std::vector<VkDescriptorSetLayoutBinding>& bindings,
-                                             const std::string& what) {
+Held<VkDescriptorSetLayout> make_set_layout(const GraphDevice& device,
+                                            const std::vector<VkDescriptorSetLayoutBinding>& bindings,
+                                            const std::string& what) {
     VkDescriptorSetLayoutCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
     create.bindingCount = static_cast<uint32_t>(bindings.size());
     create.pBindings = bindings.data();
     VkDescriptorSetLayout layout = VK_NULL_HANDLE;
-    check(vkCreateDescriptorSetLayout(device, &create, nullptr, &layout), "vkCreateDescriptorSetLayout",
-          what);
+    require(device.vk().vkCreateDescriptorSetLayout(device.get(), &create, nullptr, &layout),
+            "vkCreateDescriptorSetLayout", what);
     return {device, layout};
 }
 
@@ -30,8 +30,11 @@ VkImageAspectFlags aspect(Format format) {
 
 }  // namespace
 
-Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan)
-    : handles_(handles), plan_(std::move(plan)), passes_(plan_->passes.size()) {
+ProgramState::ProgramState(const DeviceHandles& handles, std::shared_ptr<const Plan> plan,
+                           const ProgramOptions& options)
+    : device_(std::make_shared<const GraphDevice>(handles)),
+      plan_(std::move(plan)),
+      passes_(plan_->passes.size()) {
     for (int linear = 0; linear < 2; ++linear) {
         VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
         create.magFilter = create.minFilter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
@@ -39,28 +42,29 @@ Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan)
             VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
         create.maxLod = VK_LOD_CLAMP_NONE;
         VkSampler sampler = VK_NULL_HANDLE;
-        check(vkCreateSampler(handles_.device, &create, nullptr, &sampler), "vkCreateSampler",
-              "a port's sampler");
-        samplers_[linear] = {handles_.device, sampler};
+        require(device_->vk().vkCreateSampler(device_->get(), &create, nullptr, &sampler), "vkCreateSampler",
+                "a port's sampler");
+        samplers_[linear] = {*device_, sampler};
     }
     VkPipelineCacheCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    create.initialDataSize = options.pipeline_cache.size();
+    create.pInitialData = options.pipeline_cache.data();
     VkPipelineCache cache = VK_NULL_HANDLE;
-    check(vkCreatePipelineCache(handles_.device, &create, nullptr, &cache), "vkCreatePipelineCache",
-          plan_->pipeline);
-    cache_ = {handles_.device, cache};
+    require(device_->vk().vkCreatePipelineCache(device_->get(), &create, nullptr, &cache),
+            "vkCreatePipelineCache", plan_->pipeline);
+    cache_ = {*device_, cache};
     make_tables();
     make_absent();
     for (size_t i = 0; i < passes_.size(); ++i) {
         const PlanPass& pass = plan_->passes[i];
         if (pass.kind == PassKind::host && !pass.callback)
-            throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                              fmt::format("host node {} has no callback", pass.node));
+            fail(ErrorCode::usage, pass.node, "this host node has no callback");
         if (pass.kind == PassKind::compute) make_pass(i);
     }
 }
 
-StaticImage Program::make_image(Format format, std::array<uint32_t, 2> extent, VkImageUsageFlags usage,
-                                bool layered, const std::string& what) const {
+StaticImage ProgramState::make_image(Format format, std::array<uint32_t, 2> extent, VkImageUsageFlags usage,
+                                     bool layered, const std::string& what) const {
     StaticImage out;
     VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
     create.imageType = VK_IMAGE_TYPE_2D;
@@ -70,40 +74,39 @@ StaticImage Program::make_image(Format format, std::array<uint32_t, 2> extent, V
     create.samples = VK_SAMPLE_COUNT_1_BIT;
     create.usage = usage;
     VkImage image = VK_NULL_HANDLE;
-    check(vkCreateImage(handles_.device, &create, nullptr, &image), "vkCreateImage", what);
-    out.image = {handles_.device, image};
-    VkMemoryRequirements need;
-    vkGetImageMemoryRequirements(handles_.device, image, &need);
-    const VkMemoryAllocateInfo allocate{
-        VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, need.size,
-        memory_type(handles_.physical, need.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
-    VkDeviceMemory memory = VK_NULL_HANDLE;
-    check(vkAllocateMemory(handles_.device, &allocate, nullptr, &memory), "vkAllocateMemory", what);
-    out.memory = {handles_.device, memory};
-    check(vkBindImageMemory(handles_.device, image, memory, 0), "vkBindImageMemory", what);
+    require(device_->vk().vkCreateImage(device_->get(), &create, nullptr, &image), "vkCreateImage", what);
+    out.image = {*device_, image};
+    device_->name(VK_OBJECT_TYPE_IMAGE, image, what);
+    MemoryRequest request{.properties = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, .what = what.c_str()};
+    device_->vk().vkGetImageMemoryRequirements(device_->get(), image, &request.need);
+    out.memory = HeldMemory(*device_, request);
+    const MemoryBlock& block = out.memory.block();
+    require(device_->vk().vkBindImageMemory(device_->get(), image, block.memory, block.offset),
+            "vkBindImageMemory", what);
     VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
     view.image = image;
     view.viewType = layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
     view.format = create.format;
     view.subresourceRange = {aspect(format), 0, 1, 0, 1};
     VkImageView handle = VK_NULL_HANDLE;
-    check(vkCreateImageView(handles_.device, &view, nullptr, &handle), "vkCreateImageView", what);
-    out.view = {handles_.device, handle};
+    require(device_->vk().vkCreateImageView(device_->get(), &view, nullptr, &handle), "vkCreateImageView",
+            what);
+    out.view = {*device_, handle};
     return out;
 }
 
-void Program::make_tables() {
+void ProgramState::make_tables() {
     for (const PlanTable& table : plan_->tables) {
         TableImage& t = tables_.emplace_back();
         t.image = make_image(table.format, table.extent,
                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, false, table.name);
         t.staging =
-            MappedBuffer(handles_, table.texels->size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, table.name);
+            MappedBuffer(*device_, table.texels->size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, table.name);
         std::memcpy(t.staging.data(), table.texels->data(), table.texels->size());
     }
 }
 
-void Program::make_absent() {
+void ProgramState::make_absent() {
     const std::string what = "what is bound to absent inputs";
     for (const PlanPass& pass : plan_->passes)
         for (const PlanBinding& b : pass.bindings) {
@@ -119,7 +122,7 @@ void Program::make_absent() {
             }
             if (!absent_buffer_.get())
                 absent_buffer_ =
-                    MappedBuffer(handles_, absent_bytes,
+                    MappedBuffer(*device_, absent_bytes,
                                  VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
                                      VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
                                  what);
@@ -130,18 +133,19 @@ void Program::make_absent() {
             create.format = info(b.format).vk;
             create.range = VK_WHOLE_SIZE;
             VkBufferView view = VK_NULL_HANDLE;
-            check(vkCreateBufferView(handles_.device, &create, nullptr, &view), "vkCreateBufferView", what);
-            absent_texels_[b.format] = {handles_.device, view};
+            require(device_->vk().vkCreateBufferView(device_->get(), &create, nullptr, &view),
+                    "vkCreateBufferView", what);
+            absent_texels_[b.format] = {*device_, view};
         }
 }
 
-VkImageView Program::absent_image(const PlanBinding& binding) const {
+VkImageView ProgramState::absent_image(const PlanBinding& binding) const {
     return absent_images_
         .at({binding.format, binding.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, binding.layered})
         .view.get();
 }
 
-void Program::make_pass(size_t index) {
+void ProgramState::make_pass(size_t index) {
     const PlanPass& pass = plan_->passes[index];
     PassProgram& out = passes_[index];
 
@@ -150,7 +154,7 @@ void Program::make_pass(size_t index) {
         sets[b.set].push_back({b.binding, b.type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     std::array<VkDescriptorSetLayout, 2> layouts{};
     for (size_t s = 0; s < 2; ++s) {
-        out.set_layouts[s] = make_set_layout(handles_.device, sets[s], pass.node);
+        out.set_layouts[s] = make_set_layout(*device_, sets[s], pass.node);
         layouts[s] = out.set_layouts[s].get();
     }
 
@@ -161,21 +165,19 @@ void Program::make_pass(size_t index) {
     layout_create.pushConstantRangeCount = pass.push.empty() ? 0 : 1;
     layout_create.pPushConstantRanges = &push;
     VkPipelineLayout layout = VK_NULL_HANDLE;
-    check(vkCreatePipelineLayout(handles_.device, &layout_create, nullptr, &layout), "vkCreatePipelineLayout",
-          pass.node);
-    out.layout = {handles_.device, layout};
+    require(device_->vk().vkCreatePipelineLayout(device_->get(), &layout_create, nullptr, &layout),
+            "vkCreatePipelineLayout", pass.node);
+    out.layout = {*device_, layout};
 
-    if (!pass.module)
-        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                          fmt::format("the plan was made without a shader for node {}", pass.node));
+    if (!pass.module) fail(ErrorCode::usage, pass.node, "the plan was made without a shader for this node");
     const std::vector<uint32_t>& spirv = plan_->modules[*pass.module];
     VkShaderModuleCreateInfo module_create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     module_create.codeSize = spirv.size() * sizeof(uint32_t);
     module_create.pCode = spirv.data();
     VkShaderModule module = VK_NULL_HANDLE;
-    check(vkCreateShaderModule(handles_.device, &module_create, nullptr, &module), "vkCreateShaderModule",
-          pass.node);
-    const Owned<VkShaderModule> owned_module(handles_.device, module);
+    require(device_->vk().vkCreateShaderModule(device_->get(), &module_create, nullptr, &module),
+            "vkCreateShaderModule", pass.node);
+    const Held<VkShaderModule> held_module(*device_, module);
 
     std::vector<VkSpecializationMapEntry> entries;
     for (uint32_t id = 0; id < pass.constants.size(); ++id) entries.push_back({id, id * 4, 4});
@@ -189,20 +191,23 @@ void Program::make_pass(size_t index) {
     create.stage.pSpecializationInfo = &specialisation;
     create.layout = layout;
     VkPipeline pipeline = VK_NULL_HANDLE;
-    check(vkCreateComputePipelines(handles_.device, cache_.get(), 1, &create, nullptr, &pipeline),
-          "vkCreateComputePipelines", pass.node);
-    out.pipeline = {handles_.device, pipeline};
+    require(
+        device_->vk().vkCreateComputePipelines(device_->get(), cache_.get(), 1, &create, nullptr, &pipeline),
+        "vkCreateComputePipelines", pass.node);
+    out.pipeline = {*device_, pipeline};
+    device_->name(VK_OBJECT_TYPE_PIPELINE, pipeline, pass.node);
 }
 
-void Program::record_uploads(VkCommandBuffer cmd) const {
-    if (uploaded_) return;
-    uploaded_ = true;
+void ProgramState::record_uploads(VkCommandBuffer cmd) const {
+    // Another view's frame may have done the same and be reading: its reads come first, and the texels that
+    // replace what they saw are the same.
     struct Stand {  // of an image, before or after
         VkImageLayout layout;
         VkPipelineStageFlags2 stages;
         VkAccessFlags2 access;
     };
-    constexpr Stand fresh{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_NONE, VK_ACCESS_2_NONE},
+    constexpr Stand fresh{VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                          VK_ACCESS_2_NONE},
         filled{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
                VK_ACCESS_2_TRANSFER_WRITE_BIT},
         table{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
@@ -223,7 +228,7 @@ void Program::record_uploads(VkCommandBuffer cmd) const {
         VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
         dependency.imageMemoryBarrierCount = 1;
         dependency.pImageMemoryBarriers = &barrier;
-        vkCmdPipelineBarrier2(cmd, &dependency);
+        device_->vk().vkCmdPipelineBarrier2(cmd, &dependency);
     };
     for (size_t i = 0; i < tables_.size(); ++i) {
         const PlanTable& plan = plan_->tables[i];
@@ -232,10 +237,58 @@ void Program::record_uploads(VkCommandBuffer cmd) const {
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.imageExtent = {plan.extent[0], plan.extent[1], 1};
-        vkCmdCopyBufferToImage(cmd, tables_[i].staging.get(), image, filled.layout, 1, &copy);
+        device_->vk().vkCmdCopyBufferToImage(cmd, tables_[i].staging.get(), image, filled.layout, 1, &copy);
         bring(image, plan.format, filled, table);
     }
     for (const auto& [key, stand_in] : absent_images_) bring(stand_in.image.get(), key.format, fresh, absent);
+}
+
+uint64_t ProgramState::bytes() const {
+    uint64_t sum = absent_buffer_.allocated();
+    for (const TableImage& table : tables_) sum += table.image.memory.bytes() + table.staging.allocated();
+    for (const auto& [key, image] : absent_images_) sum += image.memory.bytes();
+    return sum;
+}
+
+Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan,
+                 const ProgramOptions& options)
+    : state_(std::make_unique<const ProgramState>(handles, std::move(plan), options)) {}
+Program::~Program() = default;
+
+const DeviceHandles& Program::handles() const {
+    return state_->device()->handles();
+}
+
+const Plan& Program::plan() const {
+    return state_->plan();
+}
+
+std::vector<std::byte> Program::pipeline_cache() const {
+    const GraphDevice& device = *state_->device();
+    size_t size = 0;
+    require(device.vk().vkGetPipelineCacheData(device.get(), state_->cache(), &size, nullptr),
+            "vkGetPipelineCacheData", plan().pipeline);
+    std::vector<std::byte> data(size);
+    require(device.vk().vkGetPipelineCacheData(device.get(), state_->cache(), &size, data.data()),
+            "vkGetPipelineCacheData", plan().pipeline);
+    data.resize(size);
+    return data;
+}
+
+void Program::record_uploads(VkCommandBuffer cmd) const {
+    state_->record_uploads(cmd);
+}
+
+std::shared_ptr<const TransientMemory> Program::make_transients() const {
+    return std::make_shared<const TransientMemory>(state_->device(), plan());
+}
+
+uint64_t Program::bytes() const {
+    return state_->bytes();
+}
+
+uint64_t bytes_of(const TransientMemory& memory) {
+    return memory.bytes();
 }
 
 }  // namespace penumbra

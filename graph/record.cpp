@@ -3,19 +3,23 @@
 // timestamps and inside a debug label.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "penumbra/view.h"
+#include "graph/view_state.h"
 
 namespace penumbra {
 namespace {
 
 constexpr VkImageSubresourceRange whole_image{VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0,
                                               VK_REMAINING_ARRAY_LAYERS};
+
+VkImageAspectFlags aspects_of(Format format) {
+    return info(format).kind == FormatClass::depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
 
 VkImageMemoryBarrier2 activate(VkImage image, VkPipelineStageFlags2 src, VkPipelineStageFlags2 dst,
                                VkAccessFlags2 access) {
@@ -29,29 +33,6 @@ VkImageMemoryBarrier2 activate(VkImage image, VkPipelineStageFlags2 src, VkPipel
     barrier.image = image;
     barrier.subresourceRange = whole_image;
     return barrier;
-}
-
-void memory_dependency(VkCommandBuffer cmd, VkPipelineStageFlags2 src_stages, VkAccessFlags2 src_access,
-                       VkPipelineStageFlags2 dst_stages, VkAccessFlags2 dst_access,
-                       std::span<const VkImageMemoryBarrier2> images = {}) {
-    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-    barrier.srcStageMask = src_stages;
-    barrier.srcAccessMask = src_access;
-    barrier.dstStageMask = dst_stages;
-    barrier.dstAccessMask = dst_access;
-    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    info.memoryBarrierCount = src_stages ? 1 : 0;
-    info.pMemoryBarriers = &barrier;
-    info.imageMemoryBarrierCount = static_cast<uint32_t>(images.size());
-    info.pImageMemoryBarriers = images.data();
-    vkCmdPipelineBarrier2(cmd, &info);
-}
-
-// Everything before, before everything after: reset frames and poisoning, where cost does not matter.
-void full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemoryBarrier2> images = {}) {
-    constexpr VkAccessFlags2 all = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    memory_dependency(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, all, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                      all, images);
 }
 
 VkClearColorValue poison_colour(FormatClass kind, uint32_t pattern) {
@@ -72,79 +53,246 @@ VkClearColorValue poison_colour(FormatClass kind, uint32_t pattern) {
 
 }  // namespace
 
-void View::record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots) {
-    begin(cmd, frame, slots);
-    for (size_t p = 0; p < plan().passes.size(); ++p) record_pass(cmd, p);
-    end(cmd);
+void ViewState::memory_dependency(VkCommandBuffer cmd, const Dependency& d,
+                                  std::span<const VkImageMemoryBarrier2> images) const {
+    VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+    barrier.srcStageMask = d.src_stages;
+    barrier.srcAccessMask = d.src_access;
+    barrier.dstStageMask = d.dst_stages;
+    barrier.dstAccessMask = d.dst_access;
+    VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    info.memoryBarrierCount = d.src_stages ? 1 : 0;
+    info.pMemoryBarriers = &barrier;
+    info.imageMemoryBarrierCount = static_cast<uint32_t>(images.size());
+    info.pImageMemoryBarriers = images.data();
+    vk().vkCmdPipelineBarrier2(cmd, &info);
 }
 
-void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots) {
+// Everything before, before everything after: reset frames, poisoning, and memory that another view has used.
+void ViewState::full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemoryBarrier2> images) const {
+    constexpr VkAccessFlags2 all = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    static const Dependency everything{
+        VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, all, all, {}};
+    memory_dependency(cmd, everything, images);
+}
+
+void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
+                      std::span<const SlotBinding> slots) {
     if (frame.size[0] != plan().extent.width || frame.size[1] != plan().extent.height)
-        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                          fmt::format("the frame is {}x{}, the plan was compiled for {}x{}", frame.size[0],
-                                      frame.size[1], plan().extent.width, plan().extent.height));
+        fail(ErrorCode::usage, plan().pipeline,
+             fmt::format("the frame is {}x{}, the plan was compiled for {}x{}", frame.size[0], frame.size[1],
+                         plan().extent.width, plan().extent.height));
+    if (cmd == VK_NULL_HANDLE) fail(ErrorCode::usage, plan().pipeline, "the command buffer is null");
     check_slot_bindings(slots);
     parity_ = static_cast<uint32_t>(recorded_ & 1);
     slot_ = static_cast<uint32_t>(recorded_ % slots_.size());
     const Slot& slot = slots_[slot_];
-    write_slot_bindings(slot, slots);
+    if (recorded_ >= slots_.size()) {  // by the host's promise this frame has completed
+        completed_.frame = recorded_ - slots_.size();
+        read_statistics(slot, completed_.passes, ticks_);
+        has_completed_ = true;
+    }
+    std::ranges::copy(slots, bound_.begin());
+    for (size_t i = 0; i < plan().resources.size(); ++i)
+        if (const auto lent = plan().resources[i].slot)
+            lent_[i] = {.image = bound_[*lent].handover->image, .view = bound_[*lent].image};
+    write_slot_bindings(slot);
 
     frame_block_ = make_frame_block(frame);
-    if (recorded_ == 0) frame_block_.flags |= frame_reset;
+    decide_reset(frame.flags);
+    if (reset_.reason != Reset::Reason::none) frame_block_.flags |= frame_reset;
     std::memcpy(slot.frame_block.data(), &frame_block_, sizeof frame_block_);
-    program_->record_uploads(cmd);
+    if (recorded_ == 0 && !options_.tables_uploaded) program_.record_uploads(cmd);
     if (slot.timestamps)
-        vkCmdResetQueryPool(cmd, slot.timestamps.get(), 0, 2 * static_cast<uint32_t>(plan().passes.size()));
+        vk().vkCmdResetQueryPool(cmd, slot.timestamps.get(), 0,
+                                 2 * static_cast<uint32_t>(plan().passes.size()));
     if (!plan().counters.empty()) {
-        vkCmdFillBuffer(cmd, slot.counters.get(), 0, VK_WHOLE_SIZE, 0);
-        memory_dependency(cmd, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                          VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                          VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT);
+        vk().vkCmdFillBuffer(cmd, slot.counters.get(), 0, VK_WHOLE_SIZE, 0);
+        memory_dependency(cmd, {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                                VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                                {}});
     }
-    if (frame_block_.flags & frame_reset) record_reset(cmd);
+    record_handovers(cmd, false);
+    if (memory_.shares()) full_dependency(cmd);
+    if (reset_.reason != Reset::Reason::none || recorded_ == 0) record_reset(cmd);
+    next_pass_ = 0;
 }
 
-// No history exists: the previous parity's images and what is kept get a layout, those with `first: clear`
-// (and, in tests, a poison) a value.
-void View::record_reset(VkCommandBuffer cmd) {
+// What the host hands over, before the frame's first pass, and what it gets back, behind the last.
+void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
+    images_.clear();
+    buffers_.clear();
+    const uint32_t own = device_.handles().queue_family;
+    for (size_t i = 0; i < bound_.size(); ++i) {
+        const SlotBinding& b = bound_[i];
+        if (!b.handover) continue;
+        const HostSlot& slot = plan().slots[i];
+        const Handover& h = *b.handover;
+        const uint32_t other = back ? h.family_after : h.family_before;
+        const bool foreign = other != VK_QUEUE_FAMILY_IGNORED && other != own;
+        const bool image = slot.kind == PortKind::image;
+        const VkImageLayout during = slot.output ? VK_IMAGE_LAYOUT_GENERAL : b.layout;
+        const VkImageLayout outside = back ? h.layout_after : h.layout_before;
+        if (slot.output && !back) continue;  // its activation waits for the host (record_dependency)
+        const VkPipelineStageFlags2 stages = back ? h.stages_after : h.stages_before;
+        const VkAccessFlags2 access = back ? h.access_after : h.access_before;
+        if (!stages && !foreign && (!image || outside == during)) continue;
+        // A transfer's other half is on the other queue, and so are the scopes there.
+        const VkPipelineStageFlags2 theirs = foreign ? VK_PIPELINE_STAGE_2_NONE : stages;
+        const VkAccessFlags2 their_access = foreign ? VK_ACCESS_2_NONE : access;
+        const VkAccessFlags2 ours =
+            back ? (slot.output ? slot.use.access : VkAccessFlags2{VK_ACCESS_2_NONE}) : slot.use.access;
+        const auto fill = [&](auto& barrier) {
+            barrier.srcStageMask = back ? slot.use.stages : theirs;
+            barrier.srcAccessMask = back ? ours : their_access;
+            barrier.dstStageMask = back ? theirs : slot.use.stages;
+            barrier.dstAccessMask = back ? their_access : ours;
+            barrier.srcQueueFamilyIndex = !foreign ? VK_QUEUE_FAMILY_IGNORED : back ? own : other;
+            barrier.dstQueueFamilyIndex = !foreign ? VK_QUEUE_FAMILY_IGNORED : back ? other : own;
+        };
+        if (image) {
+            VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+            fill(barrier);
+            barrier.oldLayout = back ? during : outside;
+            barrier.newLayout = back ? outside : during;
+            barrier.image = h.image;
+            barrier.subresourceRange = whole_image;
+            barrier.subresourceRange.aspectMask = h.aspects ? h.aspects : aspects_of(slot.format);
+            images_.push_back(barrier);
+        } else {
+            VkBufferMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2};
+            fill(barrier);
+            barrier.buffer = b.buffer;
+            barrier.offset = b.offset;
+            barrier.size = b.range;
+            buffers_.push_back(barrier);
+        }
+    }
+    if (images_.empty() && buffers_.empty()) return;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.bufferMemoryBarrierCount = static_cast<uint32_t>(buffers_.size());
+    dependency.pBufferMemoryBarriers = buffers_.data();
+    dependency.imageMemoryBarrierCount = static_cast<uint32_t>(images_.size());
+    dependency.pImageMemoryBarriers = images_.data();
+    vk().vkCmdPipelineBarrier2(cmd, &dependency);
+}
+
+// Whether two plans mean the same by a name whose value lasts.
+static bool alike(const PlanResource& a, const PlanResource& b) {
+    return a.names.back() == b.names.back() && a.kind == b.kind && a.format == b.format &&
+           a.extent == b.extent && a.layered == b.layered && a.layers == b.layers && a.levels == b.levels &&
+           a.kept == b.kept && a.count == b.count && a.element == b.element;
+}
+
+// Compiled with CompileOptions::hand_on_history, or may be copied from and to for other reasons.
+static bool hands_on(const PlanResource& r) {
+    const bool image = r.kind == PortKind::image;
+    constexpr VkImageUsageFlags of_image = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    constexpr VkBufferUsageFlags of_buffer =
+        VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    return image ? (r.image_usage & of_image) == of_image : (r.buffer_usage & of_buffer) == of_buffer;
+}
+
+void ViewState::decide_reset(uint32_t flags) {
+    reset_ = {};
+    inherited_.clear();
+    if (flags & frame_reset) reset_.reason = Reset::Reason::asked;
+    if (recorded_ > 0) return;
+    const ViewState* before = options_.heir_of ? &options_.heir_of->state() : nullptr;
+    if (!before || before->recorded_ == 0) {
+        reset_.reason = Reset::Reason::first_frame;
+        return;
+    }
+    if (reset_.reason != Reset::Reason::none) return;
+    const std::vector<PlanResource>& theirs = before->plan().resources;
+    for (const ResetAction& action : plan().reset) {
+        const PlanResource& own = plan().resources[action.resource];
+        const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {
+            return (r.history || r.kept) && hands_on(r) && hands_on(own) && alike(r, own);
+        });
+        inherited_.push_back(same == theirs.end()
+                                 ? std::nullopt
+                                 : std::optional(static_cast<uint32_t>(same - theirs.begin())));
+        if (same == theirs.end() && !action.clear) {
+            reset_ = {Reset::Reason::not_handed_on, own.names.back()};
+            inherited_.clear();
+            return;
+        }
+    }
+}
+
+// The previous parity's images and what is kept get a layout. They get what the view before has left; else
+// no history exists, and those with `first: clear` (and, in tests, a poison) get a value.
+void ViewState::record_reset(VkCommandBuffer cmd) {
     const uint32_t previous = 1 - parity_;
-    std::vector<VkImageMemoryBarrier2> images;
+    images_.clear();
     for (const ResetAction& action : plan().reset)
-        if (const ResourceInstance& r = memory_.at(action.resource, previous); r.image)
-            images.push_back(activate(r.image.get(), VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                      VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                      VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT));
-    full_dependency(cmd, images);
-    for (const ResetAction& action : plan().reset)
+        if (const VkImage image = memory_.at(action.resource, previous).image)
+            images_.push_back(activate(image, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                       VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                       VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT));
+    full_dependency(cmd, images_);
+    for (size_t i = 0; i < plan().reset.size(); ++i) {
+        const ResetAction& action = plan().reset[i];
+        if (i < inherited_.size() && inherited_[i]) continue;
         if (action.clear || options_.poison)
             record_clear(cmd, action.resource, previous, action.clear ? std::nullopt : options_.poison);
+    }
+    record_inheritance(cmd);
     full_dependency(cmd);
 }
 
-void View::record_dependency(VkCommandBuffer cmd, const Dependency& dependency) const {
-    if (dependency.empty()) return;
-    std::vector<VkImageMemoryBarrier2> images;
-    for (const Activation& a : dependency.activations)
-        images.push_back(
-            activate(memory_.at(a.resource, parity_).image.get(), a.src_stages, a.dst_stages, a.dst_access));
-    memory_dependency(cmd, dependency.src_stages, dependency.src_access, dependency.dst_stages,
-                      dependency.dst_access, images);
-}
-
-void View::record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
-                        std::optional<uint32_t> poison) const {
-    const ResourceInstance& r = memory_.at(resource, parity);
-    const FormatClass kind = info(plan().resources[resource].format).kind;
-    if (r.image) {
-        const VkClearColorValue colour = poison ? poison_colour(kind, *poison) : VkClearColorValue{};
-        vkCmdClearColorImage(cmd, r.image.get(), VK_IMAGE_LAYOUT_GENERAL, &colour, 1, &whole_image);
-    } else {
-        const uint32_t word = poison ? poison_colour(FormatClass::uint, *poison).uint32[0] : 0;
-        vkCmdFillBuffer(cmd, r.buffer.get(), 0, VK_WHOLE_SIZE, word);
+void ViewState::record_inheritance(VkCommandBuffer cmd) const {
+    for (size_t i = 0; i < inherited_.size(); ++i) {
+        if (!inherited_[i]) continue;
+        const ViewState& before = options_.heir_of->state();
+        const ResourceHandles& from = before.memory_.at(*inherited_[i], before.parity_);
+        const ResourceHandles& to = memory_.at(plan().reset[i].resource, 1 - parity_);
+        const PlanResource& r = plan().resources[plan().reset[i].resource];
+        if (!to.image) {
+            const VkBufferCopy copy{0, 0, r.buffer_bytes()};
+            vk().vkCmdCopyBuffer(cmd, from.buffer, to.buffer, 1, &copy);
+            continue;
+        }
+        for (uint32_t level = 0; level < r.levels; ++level) {
+            VkImageCopy copy{};
+            copy.srcSubresource = copy.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, r.layers};
+            copy.extent = {std::max(r.extent.width >> level, 1u), std::max(r.extent.height >> level, 1u), 1};
+            vk().vkCmdCopyImage(cmd, from.image, VK_IMAGE_LAYOUT_GENERAL, to.image, VK_IMAGE_LAYOUT_GENERAL,
+                                1, &copy);
+        }
     }
 }
 
-void View::record_poison(VkCommandBuffer cmd, size_t pass) const {
+void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& dependency) {
+    if (dependency.empty()) return;
+    images_.clear();
+    for (const Activation& a : dependency.activations) {
+        VkPipelineStageFlags2 before = a.src_stages;
+        if (const auto lent = plan().resources[a.resource].slot)
+            before |= bound_[*lent].handover->stages_before;
+        images_.push_back(activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access));
+    }
+    memory_dependency(cmd, dependency, images_);
+}
+
+void ViewState::record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
+                             std::optional<uint32_t> poison) const {
+    const ResourceHandles& r =
+        plan().resources[resource].slot ? lent_[resource] : memory_.at(resource, parity);
+    const FormatClass kind = info(plan().resources[resource].format).kind;
+    if (r.image) {
+        const VkClearColorValue colour = poison ? poison_colour(kind, *poison) : VkClearColorValue{};
+        vk().vkCmdClearColorImage(cmd, r.image, VK_IMAGE_LAYOUT_GENERAL, &colour, 1, &whole_image);
+    } else {
+        const uint32_t word = poison ? poison_colour(FormatClass::uint, *poison).uint32[0] : 0;
+        vk().vkCmdFillBuffer(cmd, r.buffer, 0, VK_WHOLE_SIZE, word);
+    }
+}
+
+void ViewState::record_poison(VkCommandBuffer cmd, size_t pass) const {
     full_dependency(cmd);
     for (uint32_t i = 0; i < plan().resources.size(); ++i)
         if (plan().resources[i].first_pass == pass && !plan().resources[i].kept)
@@ -152,19 +300,23 @@ void View::record_poison(VkCommandBuffer cmd, size_t pass) const {
     full_dependency(cmd);
 }
 
-void View::record_pass(VkCommandBuffer cmd, size_t index) {
+void ViewState::record_pass(VkCommandBuffer cmd, size_t index) {
+    if (index != next_pass_ || index >= plan().passes.size())
+        fail(ErrorCode::usage, plan().pipeline, "passes are recorded in order, between begin() and end()");
+    ++next_pass_;
     const PlanPass& pass = plan().passes[index];
     const Slot& slot = slots_[slot_];
-    if (begin_label_) {
+    if (vk().vkCmdBeginDebugUtilsLabelEXT) {
         VkDebugUtilsLabelEXT label{VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT};
         label.pLabelName = pass.node.c_str();
-        begin_label_(cmd, &label);
+        vk().vkCmdBeginDebugUtilsLabelEXT(cmd, &label);
     }
     record_dependency(cmd, pass.before[parity_]);
     if (options_.poison) record_poison(cmd, index);
     const auto first_query = static_cast<uint32_t>(2 * index);
     if (slot.timestamps)
-        vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(), first_query);
+        vk().vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
+                                  first_query);
     for (const uint32_t resource : pass.clears) record_clear(cmd, resource, parity_, std::nullopt);
     record_dependency(cmd, pass.after_clears[parity_]);
     switch (pass.kind) {
@@ -178,43 +330,44 @@ void View::record_pass(VkCommandBuffer cmd, size_t index) {
             record_dispatches(cmd, index);
     }
     if (slot.timestamps)
-        vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
-                             first_query + 1);
-    if (end_label_) end_label_(cmd);
+        vk().vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
+                                  first_query + 1);
+    if (vk().vkCmdEndDebugUtilsLabelEXT) vk().vkCmdEndDebugUtilsLabelEXT(cmd);
 }
 
 // One dispatch, or one per level of a mip chain: each reads what the one before has written.
-void View::record_dispatches(VkCommandBuffer cmd, size_t index) const {
+void ViewState::record_dispatches(VkCommandBuffer cmd, size_t index) const {
     const PlanPass& pass = plan().passes[index];
-    const PassProgram& program = program_->pass(index);
+    const PassProgram& program = program_.pass(index);
     const std::vector<VkDescriptorSet>& levels = internal_sets_[index][parity_];
-    vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline.get());
+    vk().vkCmdBindPipeline(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.pipeline.get());
     if (!push_[index].empty())
-        vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                           static_cast<uint32_t>(push_[index].size()), push_[index].data());
+        vk().vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                static_cast<uint32_t>(push_[index].size()), push_[index].data());
     for (uint32_t level = 0; level < levels.size(); ++level) {
         if (level > 0)
-            memory_dependency(cmd, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                              VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                              VK_ACCESS_2_SHADER_STORAGE_READ_BIT);
+            memory_dependency(cmd, {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                    VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                    VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+                                    VK_ACCESS_2_SHADER_STORAGE_READ_BIT,
+                                    {}});
         const std::array sets{levels[level], slots_[slot_].sets[index]};
-        vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2, sets.data(),
-                                0, nullptr);
+        vk().vkCmdBindDescriptorSets(cmd, VK_PIPELINE_BIND_POINT_COMPUTE, program.layout.get(), 0, 2,
+                                     sets.data(), 0, nullptr);
         if (pass.mip_level)
-            vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, *pass.mip_level,
-                               sizeof level, &level);
+            vk().vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, *pass.mip_level,
+                                    sizeof level, &level);
         const std::array<uint32_t, 3>& groups = pass.mip_level ? pass.level_groups[level] : pass.groups;
         if (pass.indirect)
-            vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer.get(),
-                                  pass.indirect_offset);
+            vk().vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer, pass.indirect_offset);
         else
-            vkCmdDispatch(cmd, groups[0], groups[1], groups[2]);
+            vk().vkCmdDispatch(cmd, groups[0], groups[1], groups[2]);
     }
 }
 
-void View::record_capture(VkCommandBuffer cmd, size_t index) const {
+void ViewState::record_capture(VkCommandBuffer cmd, size_t index) const {
     const PlanBinding& binding = plan().passes[index].bindings.front();
-    const ResourceInstance& r = instance(binding);
+    const ResourceHandles& r = instance(binding.index, binding.previous);
     size_t nth = 0;
     while (capture_passes_[nth] != index) ++nth;
     const MappedBuffer& target = slots_[slot_].captures[nth];
@@ -223,33 +376,31 @@ void View::record_capture(VkCommandBuffer cmd, size_t index) const {
         VkBufferImageCopy copy{};
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, plan().resources[binding.index].layers};
         copy.imageExtent = {extent.width, extent.height, 1};
-        vkCmdCopyImageToBuffer(cmd, r.image.get(), VK_IMAGE_LAYOUT_GENERAL, target.get(), 1, &copy);
+        vk().vkCmdCopyImageToBuffer(cmd, r.image, VK_IMAGE_LAYOUT_GENERAL, target.get(), 1, &copy);
     } else {
         const VkBufferCopy copy{0, 0, target.size()};
-        vkCmdCopyBuffer(cmd, r.buffer.get(), target.get(), 1, &copy);
+        vk().vkCmdCopyBuffer(cmd, r.buffer, target.get(), 1, &copy);
     }
 }
 
-void View::record_host_pass(VkCommandBuffer cmd, size_t index) const {
+void ViewState::record_host_pass(VkCommandBuffer cmd, size_t index) const {
     const PlanPass& pass = plan().passes[index];
-    HostPassContext context;
-    context.cmd = cmd;
-    context.pass = &pass;
-    context.frame = &frame_block_;
-    context.resource = [&](std::string_view port) -> const ResourceInstance* {
-        const PlanBinding* binding = pass.binding(port);
-        return binding && binding->source == BindingSource::resource ? &instance(*binding) : nullptr;
-    };
-    pass.callback(context);
+    pass.callback({cmd, &pass, &frame_block_, options_.user, this});
 }
 
-void View::end(VkCommandBuffer cmd) {
+void ViewState::end(VkCommandBuffer cmd) {
+    if (next_pass_ != plan().passes.size())
+        fail(ErrorCode::usage, plan().pipeline, "end() comes behind begin() and every pass");
+    next_pass_ = not_begun;
     record_dependency(cmd, plan().end[parity_]);
+    record_handovers(cmd, true);
     // Counters and captures are read by the host once the frame has completed.
     if (!plan().counters.empty() || !capture_passes_.empty())
-        memory_dependency(cmd, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
-                          VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                          VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+        memory_dependency(cmd, {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
+                                VK_PIPELINE_STAGE_2_HOST_BIT,
+                                VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                VK_ACCESS_2_HOST_READ_BIT,
+                                {}});
     ++recorded_;
 }
 

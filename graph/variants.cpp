@@ -46,8 +46,10 @@ std::map<std::string, std::vector<ParamValue>> values_in_conditions(const NodeTy
                 else if (const auto value = parse_param_text(param, atom.value, {}, "", unused))
                     add_around(*value, list);
             }
-        for (auto& [name, list] : values)
-            std::erase_if(list, [&](const ParamValue& value) { return !fits(*type.param(name), value); });
+        for (auto& [name, list] : values) {
+            const Param& param = *type.param(name);  // clang 14 captures no structured binding
+            std::erase_if(list, [&](const ParamValue& value) { return !fits(param, value); });
+        }
     }
     return values;
 }

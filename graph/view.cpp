@@ -1,75 +1,71 @@
 // SPDX-License-Identifier: MIT
 // A view's objects: immutable descriptor sets of internal resources per parity, and per frame in flight the
 // sets that hold what the host passes.
-#include "penumbra/view.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>
-#include <deque>
 #include <map>
 
 #include "graph/interface.h"
+#include "graph/view_state.h"
 
 namespace penumbra {
 
-// Collects descriptor writes; the infos they point to stay put until flush().
-class View::Writer {
-  public:
-    explicit Writer(VkDevice device) : device_(device) {}
-    ~Writer() { flush(); }
-    void image(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorImageInfo& info) {
-        write(set, b).pImageInfo = &images_.emplace_back(info);
-    }
-    void buffer(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorBufferInfo& info) {
-        write(set, b).pBufferInfo = &buffers_.emplace_back(info);
-    }
-    void texels(VkDescriptorSet set, const PlanBinding& b, VkBufferView view) {
-        write(set, b).pTexelBufferView = &views_.emplace_back(view);
-    }
-    void structure(VkDescriptorSet set, const PlanBinding& b, VkAccelerationStructureKHR handle) {
-        VkWriteDescriptorSetAccelerationStructureKHR structure{
-            VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
-        structure.accelerationStructureCount = 1;
-        structure.pAccelerationStructures = &handles_.emplace_back(handle);
-        write(set, b).pNext = &structures_.emplace_back(structure);
-    }
+DescriptorWriter::DescriptorWriter(const GraphDevice& device, size_t room) : device_(&device) {
+    writes_.reserve(room);
+    images_.reserve(room);
+    buffers_.reserve(room);
+    views_.reserve(room);
+    handles_.reserve(room);
+    structures_.reserve(room);
+}
 
-  private:
-    VkWriteDescriptorSet& write(VkDescriptorSet set, const PlanBinding& b) {
-        VkWriteDescriptorSet w{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-        w.dstSet = set;
-        w.dstBinding = b.binding;
-        w.descriptorCount = 1;
-        w.descriptorType = b.type;
-        return writes_.emplace_back(w);
-    }
-    void flush() {
-        vkUpdateDescriptorSets(device_, static_cast<uint32_t>(writes_.size()), writes_.data(), 0, nullptr);
-    }
+void DescriptorWriter::image(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorImageInfo& info) {
+    write(set, b).pImageInfo = &images_.emplace_back(info);
+}
 
-    VkDevice device_;
-    std::vector<VkWriteDescriptorSet> writes_;
-    std::deque<VkDescriptorImageInfo> images_;
-    std::deque<VkDescriptorBufferInfo> buffers_;
-    std::deque<VkBufferView> views_;
-    std::deque<VkAccelerationStructureKHR> handles_;
-    std::deque<VkWriteDescriptorSetAccelerationStructureKHR> structures_;
-};
+void DescriptorWriter::buffer(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorBufferInfo& info) {
+    write(set, b).pBufferInfo = &buffers_.emplace_back(info);
+}
+
+void DescriptorWriter::texels(VkDescriptorSet set, const PlanBinding& b, VkBufferView view) {
+    write(set, b).pTexelBufferView = &views_.emplace_back(view);
+}
+
+void DescriptorWriter::structure(VkDescriptorSet set, const PlanBinding& b,
+                                 VkAccelerationStructureKHR handle) {
+    VkWriteDescriptorSetAccelerationStructureKHR structure{
+        VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET_ACCELERATION_STRUCTURE_KHR};
+    structure.accelerationStructureCount = 1;
+    structure.pAccelerationStructures = &handles_.emplace_back(handle);
+    write(set, b).pNext = &structures_.emplace_back(structure);
+}
+
+VkWriteDescriptorSet& DescriptorWriter::write(VkDescriptorSet set, const PlanBinding& b) {
+    VkWriteDescriptorSet w{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+    w.dstSet = set;
+    w.dstBinding = b.binding;
+    w.descriptorCount = 1;
+    w.descriptorType = b.type;
+    return writes_.emplace_back(w);
+}
+
+void DescriptorWriter::flush() {
+    device_->vk().vkUpdateDescriptorSets(device_->get(), static_cast<uint32_t>(writes_.size()),
+                                         writes_.data(), 0, nullptr);
+    writes_.clear();
+    images_.clear();
+    buffers_.clear();
+    views_.clear();
+    handles_.clear();
+    structures_.clear();
+}
 
 namespace {
 
 uint32_t level_count(const PlanPass& pass) {
     return std::max(static_cast<uint32_t>(pass.level_groups.size()), 1u);
-}
-
-// Storage images are one level: a chain's finest for readers of one, its own for whoever writes level by
-// level.
-VkImageView view_of(const ResourceInstance& r, const PlanBinding& b, uint32_t level) {
-    if (b.type != VK_DESCRIPTOR_TYPE_STORAGE_IMAGE || r.level_views.empty()) return r.image_view.get();
-    if (b.level == PlanBinding::Level::finest) return r.level_views.front().get();
-    return r.level_views[b.level == PlanBinding::Level::finer && level > 0 ? level - 1 : level].get();
 }
 
 // A mip chain's finest level.
@@ -79,41 +75,58 @@ uint64_t captured_bytes(const PlanResource& r) {
     return r.count * r.element_bytes;
 }
 
+// The most descriptors that are written at once.
+size_t binding_count(const Plan& plan) {
+    size_t count = 0;
+    for (const PlanPass& pass : plan.passes) count += pass.bindings.size();
+    return count;
+}
+
 }  // namespace
 
-View::View(std::shared_ptr<const Program> program, const ViewOptions& options)
-    : program_(std::move(program)), options_(options), memory_(program_->handles(), program_->plan()) {
-    if (options_.frames_in_flight == 0) options_.frames_in_flight = 1;
+ViewState::ViewState(std::shared_ptr<const Program> program, const ViewOptions& options)
+    : keep_alive_(std::move(program)),
+      program_(keep_alive_->state()),
+      device_(*program_.device()),
+      options_(options),
+      memory_(device_, program_.plan(), options.transients),
+      writer_(device_, binding_count(program_.plan())) {
+    if (options_.frames_in_flight == 0) fail(ErrorCode::usage, "ViewOptions::frames_in_flight", "is 0");
     if (options_.poison && !plan().poison)
-        throw VulkanError(VK_ERROR_FEATURE_NOT_PRESENT,
-                          "poison needs a plan compiled with CompileOptions::poison");
+        fail(ErrorCode::usage, "ViewOptions::poison", "needs a plan compiled with CompileOptions::poison");
     for (size_t i = 0; i < plan().passes.size(); ++i) {
         if (plan().passes[i].kind == PassKind::capture) capture_passes_.push_back(i);
         push_.push_back(plan().passes[i].push);
     }
-    VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(program_->handles().physical, &properties);
+    const DeviceHandles& handles = device_.handles();
     uint32_t families = 0;
-    vkGetPhysicalDeviceQueueFamilyProperties(program_->handles().physical, &families, nullptr);
+    vk().vkGetPhysicalDeviceQueueFamilyProperties(handles.physical, &families, nullptr);
     std::vector<VkQueueFamilyProperties> queues(families);
-    vkGetPhysicalDeviceQueueFamilyProperties(program_->handles().physical, &families, queues.data());
-    const uint32_t bits = queues[program_->handles().queue_family].timestampValidBits;
-    if (bits > 0 && !plan().passes.empty()) {
-        ms_per_tick_ = static_cast<double>(properties.limits.timestampPeriod) * 1e-6;
+    vk().vkGetPhysicalDeviceQueueFamilyProperties(handles.physical, &families, queues.data());
+    if (handles.queue_family >= families)
+        fail(ErrorCode::usage, "DeviceHandles::queue_family",
+             fmt::format("is {}, of {} families", handles.queue_family, families));
+    const uint32_t bits = queues[handles.queue_family].timestampValidBits;
+    if (options_.timestamps && bits > 0 && !plan().passes.empty()) {
+        ms_per_tick_ = static_cast<double>(device_.properties().limits.timestampPeriod) * 1e-6;
         tick_mask_ = bits < 64 ? (uint64_t{1} << bits) - 1 : ~uint64_t{0};
     }
-    const VkDevice device = program_->handles().device;
-    begin_label_ = reinterpret_cast<PFN_vkCmdBeginDebugUtilsLabelEXT>(
-        vkGetDeviceProcAddr(device, "vkCmdBeginDebugUtilsLabelEXT"));
-    end_label_ = reinterpret_cast<PFN_vkCmdEndDebugUtilsLabelEXT>(
-        vkGetDeviceProcAddr(device, "vkCmdEndDebugUtilsLabelEXT"));
+    const size_t resources = plan().resources.size(), slots = plan().slots.size();
+    lent_.resize(resources);
+    bound_.resize(slots);
+    images_.reserve(resources + slots);
+    buffers_.reserve(slots);
+    ticks_.resize(2 * plan().passes.size());
+    completed_.passes.resize(plan().passes.size());
+    for (size_t p = 0; p < plan().passes.size(); ++p)
+        completed_.passes[p].counters.resize(plan().passes[p].counters.size());
     make_descriptor_pool();
     make_internal_sets();
     slots_.resize(options_.frames_in_flight);
     for (Slot& slot : slots_) make_slot(slot);
 }
 
-void View::make_descriptor_pool() {
+void ViewState::make_descriptor_pool() {
     std::map<VkDescriptorType, uint32_t> counts;
     uint32_t sets = 0;
     const uint32_t n = options_.frames_in_flight;
@@ -131,24 +144,25 @@ void View::make_descriptor_pool() {
     create.poolSizeCount = static_cast<uint32_t>(sizes.size());
     create.pPoolSizes = sizes.data();
     VkDescriptorPool pool = VK_NULL_HANDLE;
-    const VkDevice device = program_->handles().device;
-    check(vkCreateDescriptorPool(device, &create, nullptr, &pool), "vkCreateDescriptorPool", plan().pipeline);
-    pool_ = {device, pool};
+    const VkDevice device = device_.get();
+    require(vk().vkCreateDescriptorPool(device, &create, nullptr, &pool), "vkCreateDescriptorPool",
+            plan().pipeline);
+    pool_ = {device_, pool};
 }
 
-VkDescriptorSet View::allocate_set(size_t pass, size_t set) const {
-    const VkDescriptorSetLayout layout = program_->pass(pass).set_layouts[set].get();
+VkDescriptorSet ViewState::allocate_set(size_t pass, size_t set) const {
+    const VkDescriptorSetLayout layout = program_.pass(pass).set_layouts[set].get();
     VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
     allocate.descriptorPool = pool_.get();
     allocate.descriptorSetCount = 1;
     allocate.pSetLayouts = &layout;
     VkDescriptorSet handle = VK_NULL_HANDLE;
-    check(vkAllocateDescriptorSets(program_->handles().device, &allocate, &handle),
-          "vkAllocateDescriptorSets", plan().passes[pass].node);
+    require(vk().vkAllocateDescriptorSets(device_.get(), &allocate, &handle), "vkAllocateDescriptorSets",
+            plan().passes[pass].node);
     return handle;
 }
 
-void View::make_internal_sets() {
+void ViewState::make_internal_sets() {
     internal_sets_.resize(plan().passes.size());
     for (size_t p = 0; p < plan().passes.size(); ++p) {
         if (plan().passes[p].kind != PassKind::compute) continue;
@@ -158,125 +172,251 @@ void View::make_internal_sets() {
     }
 }
 
-VkDescriptorSet View::make_internal_set(size_t p, uint32_t parity, uint32_t level) {
+VkDescriptorSet ViewState::make_internal_set(size_t p, uint32_t parity, uint32_t level) {
     const VkDescriptorSet set = allocate_set(p, 0);
-    Writer writer(program_->handles().device);
     for (const PlanBinding& b : plan().passes[p].bindings) {
         if (b.set != 0) continue;
-        const VkSampler sampler = program_->sampler(b.linear);
+        const VkSampler sampler = program_.sampler(b.linear);
+        const uint32_t of = b.previous ? 1 - parity : parity;
         if (b.source == BindingSource::table)
-            writer.image(set, b,
-                         {sampler, program_->table(b.index), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+            writer_.image(set, b,
+                          {sampler, program_.table(b.index), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
         else if (b.source == BindingSource::nothing)
-            write_absent(writer, set, b);
-        else if (const ResourceInstance& r = memory_.at(b.index, b.previous ? 1 - parity : parity); r.image)
-            writer.image(set, b, {sampler, view_of(r, b, level), VK_IMAGE_LAYOUT_GENERAL});
+            write_absent(set, b);
+        else if (const ResourceHandles& r = memory_.at(b.index, of); r.image)
+            writer_.image(set, b, {sampler, view_of(b, of, level), VK_IMAGE_LAYOUT_GENERAL});
         else if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
-            writer.texels(set, b, r.buffer_view.get());
+            writer_.texels(set, b, r.texels);
         else
-            writer.buffer(set, b, {r.buffer.get(), 0, VK_WHOLE_SIZE});
+            writer_.buffer(set, b, {r.buffer, 0, VK_WHOLE_SIZE});
     }
+    writer_.flush();
     return set;
 }
 
-void View::write_absent(Writer& writer, VkDescriptorSet set, const PlanBinding& b) const {
-    if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
-        writer.texels(set, b, program_->absent_texels(b.format));
-    else if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER || b.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER)
-        writer.buffer(set, b, {program_->absent_buffer(), 0, VK_WHOLE_SIZE});
-    else
-        writer.image(set, b, {program_->sampler(false), program_->absent_image(b), VK_IMAGE_LAYOUT_GENERAL});
+// Storage images are one level: a chain's finest for readers of one, its own for whoever writes level by
+// level.
+VkImageView ViewState::view_of(const PlanBinding& b, uint32_t parity, uint32_t level) const {
+    const uint32_t wanted = b.level == PlanBinding::Level::finest               ? 0
+                            : b.level == PlanBinding::Level::finer && level > 0 ? level - 1
+                                                                                : level;
+    const VkImageView one =
+        b.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE ? memory_.level(b.index, parity, wanted) : VK_NULL_HANDLE;
+    return one ? one : memory_.at(b.index, parity).view;
 }
 
-void View::make_slot(Slot& slot) {
-    const DeviceHandles& handles = program_->handles();
+void ViewState::write_absent(VkDescriptorSet set, const PlanBinding& b) {
+    if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+        writer_.texels(set, b, program_.absent_texels(b.format));
+    else if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER || b.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER)
+        writer_.buffer(set, b, {program_.absent_buffer(), 0, VK_WHOLE_SIZE});
+    else
+        writer_.image(set, b, {program_.sampler(false), program_.absent_image(b), VK_IMAGE_LAYOUT_GENERAL});
+}
+
+void ViewState::make_slot(Slot& slot) {
     const auto passes = static_cast<uint32_t>(plan().passes.size());
     if (ms_per_tick_ > 0) {
         VkQueryPoolCreateInfo create{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
         create.queryType = VK_QUERY_TYPE_TIMESTAMP;
         create.queryCount = 2 * passes;
         VkQueryPool pool = VK_NULL_HANDLE;
-        check(vkCreateQueryPool(handles.device, &create, nullptr, &pool), "vkCreateQueryPool",
-              plan().pipeline);
-        slot.timestamps = {handles.device, pool};
+        require(vk().vkCreateQueryPool(device_.get(), &create, nullptr, &pool), "vkCreateQueryPool",
+                plan().pipeline);
+        slot.timestamps = {device_, pool};
     }
     slot.frame_block =
-        MappedBuffer(handles, sizeof(FrameBlock), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the frame block");
+        MappedBuffer(device_, sizeof(FrameBlock), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the frame block");
     slot.counters =
-        MappedBuffer(handles, std::max<size_t>(plan().counters.size(), 1) * sizeof(uint32_t),
+        MappedBuffer(device_, std::max<size_t>(plan().counters.size(), 1) * sizeof(uint32_t),
                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, "counters");
     for (const size_t p : capture_passes_)
-        slot.captures.emplace_back(handles,
+        slot.captures.emplace_back(device_,
                                    captured_bytes(plan().resources[plan().passes[p].bindings.front().index]),
                                    VK_BUFFER_USAGE_TRANSFER_DST_BIT, "a capture of " + plan().passes[p].node);
     slot.sets.resize(passes);
-    Writer writer(handles.device);
     for (size_t p = 0; p < passes; ++p) {
         if (plan().passes[p].kind != PassKind::compute) continue;
         slot.sets[p] = allocate_set(p, 1);
         for (const PlanBinding& b : plan().passes[p].bindings) {
             if (b.source == BindingSource::frame_block)
-                writer.buffer(slot.sets[p], b, {slot.frame_block.get(), 0, VK_WHOLE_SIZE});
+                writer_.buffer(slot.sets[p], b, {slot.frame_block.get(), 0, VK_WHOLE_SIZE});
             if (b.source == BindingSource::counters)
-                writer.buffer(slot.sets[p], b, {slot.counters.get(), 0, VK_WHOLE_SIZE});
+                writer_.buffer(slot.sets[p], b, {slot.counters.get(), 0, VK_WHOLE_SIZE});
         }
     }
+    writer_.flush();
 }
 
-void View::check_slot_bindings(std::span<const SlotBinding> bindings) const {
+void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const {
     if (bindings.size() != plan().slots.size())
-        throw VulkanError(VK_ERROR_INITIALIZATION_FAILED, fmt::format("{} slots were bound, the plan has {}",
-                                                                      bindings.size(), plan().slots.size()));
+        fail(ErrorCode::usage, plan().pipeline,
+             fmt::format("{} slots were bound, the plan has {}", bindings.size(), plan().slots.size()));
     for (size_t i = 0; i < bindings.size(); ++i) {
         const SlotBinding& b = bindings[i];
-        const PortKind kind = plan().slots[i].kind;
+        const HostSlot& slot = plan().slots[i];
+        const auto missing = [&](const char* text) {
+            fail(ErrorCode::usage, fmt::format("the slot \"{}\"", slot.name), text);
+        };
+        const PortKind kind = slot.kind;
         const bool bound = kind == PortKind::image       ? b.image != VK_NULL_HANDLE
                            : kind == PortKind::texels    ? b.texels != VK_NULL_HANDLE
                            : kind == PortKind::structure ? b.structure != VK_NULL_HANDLE
                                                          : b.buffer != VK_NULL_HANDLE;
-        if (!bound)
-            throw VulkanError(VK_ERROR_INITIALIZATION_FAILED,
-                              fmt::format("nothing is bound to the slot \"{}\"", plan().slots[i].name));
+        if (!bound) missing("nothing is bound to it");
+        if (slot.output && !b.handover)
+            missing("an image that is written is handed over (SlotBinding::handover)");
+        if (!b.handover) continue;
+        if (kind == PortKind::structure) missing("an acceleration structure cannot be handed over");
+        if (kind == PortKind::image ? b.handover->image == VK_NULL_HANDLE : b.buffer == VK_NULL_HANDLE)
+            missing("what is handed over is not named (Handover::image, SlotBinding::buffer)");
     }
 }
 
 // Written every frame, even where a handle is the same as before: drivers reuse the values of destroyed
 // handles.
-void View::write_slot_bindings(const Slot& slot, std::span<const SlotBinding> bindings) {
-    Writer writer(program_->handles().device);
+void ViewState::write_slot_bindings(const Slot& slot) {
     for (size_t p = 0; p < plan().passes.size(); ++p) {
         if (plan().passes[p].kind != PassKind::compute) continue;
         for (const PlanBinding& b : plan().passes[p].bindings) {
-            if (b.source != BindingSource::host) continue;
-            const SlotBinding& value = bindings[b.index];
+            if (b.set != 1 || (b.source != BindingSource::host && b.source != BindingSource::resource))
+                continue;
+            if (b.source == BindingSource::resource) {  // the host's image for an output
+                writer_.image(slot.sets[p], b,
+                              {program_.sampler(b.linear), lent_[b.index].view, VK_IMAGE_LAYOUT_GENERAL});
+                continue;
+            }
+            const SlotBinding& value = bound_[b.index];
             switch (b.type) {
                 case VK_DESCRIPTOR_TYPE_ACCELERATION_STRUCTURE_KHR:
-                    writer.structure(slot.sets[p], b, value.structure);
+                    writer_.structure(slot.sets[p], b, value.structure);
                     break;
                 case VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER:
-                    writer.texels(slot.sets[p], b, value.texels);
+                    writer_.texels(slot.sets[p], b, value.texels);
                     break;
                 case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:
                 case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
-                    writer.buffer(slot.sets[p], b, {value.buffer, value.offset, value.range});
+                    writer_.buffer(slot.sets[p], b, {value.buffer, value.offset, value.range});
                     break;
                 default:
-                    writer.image(slot.sets[p], b, {program_->sampler(b.linear), value.image, value.layout});
+                    writer_.image(slot.sets[p], b, {program_.sampler(b.linear), value.image, value.layout});
             }
         }
     }
+    writer_.flush();
 }
 
-const ResourceInstance& View::instance(const PlanBinding& binding) const {
-    return memory_.at(binding.index, binding.previous ? 1 - parity_ : parity_);
+const ResourceHandles& ViewState::instance(uint32_t resource, bool previous) const {
+    if (plan().resources[resource].slot) return lent_[resource];
+    return memory_.at(resource, previous ? 1 - parity_ : parity_);
 }
 
-bool View::set_param(size_t pass, size_t param, const ParamValue& value) {
+bool ViewState::set_param(size_t pass, size_t param, const ParamValue& value) {
     const PlanParam& p = plan().passes.at(pass).params.at(param);
     if (!fits(p.param, value)) return false;
     const std::vector<std::byte> bytes = value_bytes(p.param, value);
     std::memcpy(push_[pass].data() + p.offset, bytes.data(), bytes.size());
     return true;
+}
+
+std::span<const std::byte> ViewState::captured(std::string_view name) const {
+    for (size_t i = 0; i < capture_passes_.size(); ++i)
+        if (plan().passes[capture_passes_[i]].node == name)
+            return {slots_[slot_].captures[i].data(), slots_[slot_].captures[i].size()};
+    fail(ErrorCode::usage, fmt::format("\"{}\"", name), "the plan does not capture it");
+}
+
+void ViewState::read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
+                                std::vector<uint64_t>& ticks) const {
+    const bool timed =
+        slot.timestamps &&
+        vk().vkGetQueryPoolResults(device_.get(), slot.timestamps.get(), 0,
+                                   static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t),
+                                   ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+    for (size_t p = 0; p < passes.size(); ++p) {
+        passes[p].ms.reset();
+        if (timed)
+            passes[p].ms = static_cast<double>((ticks[2 * p + 1] - ticks[2 * p]) & tick_mask_) * ms_per_tick_;
+        const std::byte* first = slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t);
+        for (uint32_t& counter : passes[p].counters) {
+            std::memcpy(&counter, first, sizeof counter);
+            first += sizeof counter;
+        }
+    }
+}
+
+std::vector<PassStatistics> ViewState::statistics() const {
+    std::vector<PassStatistics> passes = completed_.passes;  // of the right shape
+    std::vector<uint64_t> ticks(ticks_.size());
+    read_statistics(slots_[slot_], passes, ticks);
+    return passes;
+}
+
+uint64_t ViewState::bytes() const {
+    uint64_t sum = memory_.bytes();
+    for (const Slot& slot : slots_) {
+        sum += slot.frame_block.allocated() + slot.counters.allocated();
+        for (const MappedBuffer& capture : slot.captures) sum += capture.allocated();
+    }
+    return sum;
+}
+
+Externals::Externals(const Plan& plan) : plan_(&plan), bindings_(plan.slots.size()) {}
+
+SlotBinding& Externals::operator[](std::string_view name) {
+    if (const auto slot = plan_->slot(name)) return bindings_[*slot];
+    std::vector<std::string> names;
+    for (const HostSlot& slot : plan_->slots) names.push_back(slot.name);
+    fail(ErrorCode::usage, plan_->pipeline,
+         fmt::format("the plan has no slot \"{}\"{}", name, did_you_mean(name, names)));
+}
+
+bool Externals::has(std::string_view name) const {
+    return plan_->slot(name).has_value();
+}
+
+const ResourceHandles* HostPassContext::resource(std::string_view port) const {
+    const PlanBinding* b = pass->binding(port);
+    return b && b->source == BindingSource::resource ? &view->instance(b->index, b->previous) : nullptr;
+}
+
+const SlotBinding* HostPassContext::slot(std::string_view port) const {
+    const PlanBinding* b = pass->binding(port);
+    return b && b->source == BindingSource::host ? &view->bound(b->index) : nullptr;
+}
+
+std::optional<ParamValue> HostPassContext::param(std::string_view name) const {
+    for (const PlanParam& p : pass->params)
+        if (p.param.name == name)
+            return value_of(p.param, view->push(static_cast<size_t>(pass - view->plan().passes.data()))
+                                         .subspan(p.offset, layout_of(p.param.type).size));
+    return std::nullopt;
+}
+
+View::View(std::shared_ptr<const Program> program, const ViewOptions& options)
+    : state_(std::make_unique<ViewState>(std::move(program), options)) {}
+View::~View() = default;
+
+void View::record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots) {
+    state_->begin(cmd, frame, slots);
+    for (size_t p = 0; p < plan().passes.size(); ++p) state_->record_pass(cmd, p);
+    state_->end(cmd);
+}
+
+void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots) {
+    state_->begin(cmd, frame, slots);
+}
+
+void View::record_pass(VkCommandBuffer cmd, size_t pass) {
+    state_->record_pass(cmd, pass);
+}
+
+void View::end(VkCommandBuffer cmd) {
+    state_->end(cmd);
+}
+
+bool View::set_param(size_t pass, size_t param, const ParamValue& value) {
+    return state_->set_param(pass, param, value);
 }
 
 bool View::set_param(std::string_view node, std::string_view param, const ParamValue& value) {
@@ -287,37 +427,34 @@ bool View::set_param(std::string_view node, std::string_view param, const ParamV
     return false;
 }
 
-const ResourceInstance& View::output(std::string_view name) const {
+const ResourceHandles& View::output(std::string_view name) const {
     const PlanOutput* found = plan().output(name);
-    if (!found) throw VulkanError(VK_ERROR_UNKNOWN, fmt::format("the plan has no output \"{}\"", name));
-    return memory_.at(found->resource, parity_);
+    if (!found) fail(ErrorCode::usage, fmt::format("\"{}\"", name), "the plan has no such output");
+    return state_->instance(found->resource, false);
 }
 
 std::span<const std::byte> View::captured(std::string_view name) const {
-    for (size_t i = 0; i < capture_passes_.size(); ++i)
-        if (plan().passes[capture_passes_[i]].node == name)
-            return {slots_[slot_].captures[i].data(), slots_[slot_].captures[i].size()};
-    throw VulkanError(VK_ERROR_UNKNOWN, fmt::format("the plan does not capture \"{}\"", name));
+    return state_->captured(name);
 }
 
 std::vector<PassStatistics> View::statistics() const {
-    const Slot& slot = slots_[slot_];
-    std::vector<PassStatistics> result(plan().passes.size());
-    std::vector<uint64_t> ticks(2 * result.size());
-    const bool timed =
-        slot.timestamps && !ticks.empty() &&
-        vkGetQueryPoolResults(program_->handles().device, slot.timestamps.get(), 0,
-                              static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t),
-                              ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
-    for (size_t p = 0; p < result.size(); ++p) {
-        if (timed)
-            result[p].ms = static_cast<double>((ticks[2 * p + 1] - ticks[2 * p]) & tick_mask_) * ms_per_tick_;
-        result[p].counters.resize(plan().passes[p].counters.size());
-        std::memcpy(result[p].counters.data(),
-                    slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t),
-                    result[p].counters.size() * sizeof(uint32_t));
-    }
-    return result;
+    return state_->statistics();
+}
+
+const FrameStatistics* View::completed() const {
+    return state_->completed();
+}
+
+const Reset& View::reset() const {
+    return state_->reset();
+}
+
+const Plan& View::plan() const {
+    return state_->plan();
+}
+
+uint64_t View::bytes() const {
+    return state_->bytes();
 }
 
 }  // namespace penumbra

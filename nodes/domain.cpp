@@ -28,19 +28,23 @@ Bundle scene() {
 }  // namespace
 
 std::shared_ptr<const Domain> shadow_domain() {
-    static const auto domain = std::make_shared<const Domain>(
-        Domain{.facts = {{"sun_up", "some part of the sun is above the horizon at some time"},
-                         {"sun_disc", "the sun is no point"},
-                         {"casters", "something can cast a shadow"},
-                         {"alpha", "some triangle's texture has holes"},
-                         {"moves", "the camera or an object moves"},
-                         {"sun_moves", "the sun moves"}},
-               .features = {"ray_query", "storage8"},
-               .structs = {{"Sun", sizeof(blocks::Sun)},
-                           {"Scene", sizeof(blocks::Scene)},
-                           {"Cascades", sizeof(blocks::Cascades)}},
-               .structs_file = "common/blocks.h",
-               .bundles = {scene()}});
+    static const auto domain = std::make_shared<const Domain>(Domain{
+        .facts = {{"sun_up", "some part of the sun is above the horizon at some time"},
+                  {"sun_disc", "the sun is no point"},
+                  {"casters", "something can cast a shadow"},
+                  {"alpha", "some triangle's texture has holes"},
+                  {"moves", "the camera or an object moves"},
+                  {"sun_moves", "the sun moves"}},
+        .features = {"ray_query", "storage8"},
+        .structs = {{"Sun", sizeof(blocks::Sun)},
+                    {"Scene", sizeof(blocks::Scene)},
+                    {"Cascades", sizeof(blocks::Cascades)}},
+        .structs_file = "common/blocks.h",
+        .bundles = {scene()},
+        .capabilities = {{4472,  // RayQueryKHR
+                          {.extensions = {"VK_KHR_ray_query", "VK_KHR_acceleration_structure",
+                                          "VK_KHR_deferred_host_operations"},
+                           .features = {"rayQuery", "accelerationStructure", "bufferDeviceAddress"}}}}});
     return domain;
 }
 

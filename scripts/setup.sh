@@ -21,6 +21,7 @@ packages=(
 if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
     packages+=(
         libgtest-dev vulkan-validationlayers
+        pkg-config                    # asks for what was installed
         libembree-dev libvalijson-dev # judges of rays and of JSON Schemas
         chromium                      # opens the report's page
         python3                       # scripts that compare

@@ -98,6 +98,19 @@ TEST_F(Cli, PlanIsTextOrDotOrJsonWithTheKeysOfTheReport) {
     const Json apart =
         Json::parse(run("plan pipelines/fidelityfx.json --size 64x64 --no-alias --format json").out);
     EXPECT_GT(apart["memory"]["heap_bytes"], plan["memory"]["heap_bytes"]);
+
+    // With its files, for a device: what docs/embedding.md tells to do.
+    const std::string out = (folder_ / "plan").string();
+    EXPECT_EQ(run("plan pipelines/shadows.json --size 64x64 --device '' --out " + out).code, 0);
+    const Json whole = Json::parse(read_file(folder_ / "plan/plan.json"));
+    EXPECT_NE(whole["device"], plan["device"]);
+    ASSERT_FALSE(whole["modules"].empty());
+    for (const Json& module : whole["modules"])
+        EXPECT_GT(read_file(folder_ / "plan" / module.get<std::string>()).size(), 100u);
+    for (const Json& table : whole["tables"])
+        EXPECT_FALSE(read_file(folder_ / "plan" / table["file"].get<std::string>()).empty());
+    expect(run("plan pipelines/shadows.json --size 64x64 --device nosuch"), 2, "nosuch");
+    expect(run("plan pipelines/shadows.json --size 64x64 --out /proc/nothing"), 1, "cannot be written");
 }
 
 TEST_F(Cli, NodesAreListedDescribedAndMadeASchema) {

@@ -17,10 +17,12 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "app/plan_json.h"
+#include "app/plan_schema.h"
 #include "app/vocabulary_page.h"
 #include "graph/vocabulary.h"
 #include "host/shots/shot.h"
-#include "penumbra/check.h"
+#include "penumbra/compile.h"
 #include "penumbra/shadow_nodes.h"
 #include "penumbra/user_nodes.h"
 #include "tests/golden_text.h"
@@ -119,6 +121,47 @@ TEST(Schema, CommittedPipelineSchemaIsTheDeclarations) {
 TEST(Schema, CommittedNodeSchemaIsTheVocabulary) {
     // penumbra nodes --format node-schema > nodes/node.schema.json
     test::expect_golden(schema_text(declaration_schema(*shadow_domain())), root / "nodes/node.schema.json");
+}
+
+TEST(Schema, CommittedPlanSchemaIsTheExecutors) {
+    // penumbra nodes --format plan-schema > pipelines/plan.schema.json
+    test::expect_golden(schema_text(plan_schema()), root / "pipelines/plan.schema.json");
+}
+
+// Every shipped plan is what the schema says, and no key of it may be missing or be another kind of thing.
+TEST(Schema, PlansAreWhatTheirSchemaSays) {
+    const SchemaFile schema(to_plain(plan_schema()));
+    const NodeSet nodes = shadow_nodes();
+    for (const fs::path& file : files_in("pipelines", ".json")) {
+        Diagnostics errors;
+        const auto pipeline = load_pipeline(file, {}, errors);
+        const auto checked = pipeline ? check(*pipeline, nodes, errors) : std::nullopt;
+        ASSERT_TRUE(checked) << errors.text();
+        CompileOptions options;
+        options.captures = {checked->output_names().front()};
+        options.share_transients = true;
+        const auto plan =
+            compile(*checked, {.extent = {64, 32}, .device = reference_device()}, options, errors);
+        ASSERT_TRUE(plan) << errors.text();
+        const json whole = to_plain(to_json(*plan));
+        EXPECT_EQ(schema.errors(whole), "") << file;
+        if (file.stem() != "shadows") continue;
+        for (const auto& [key, value] : whole.items()) {
+            json broken = whole;
+            broken.erase(key);
+            EXPECT_NE(schema.errors(broken), "") << "without " << key;
+            broken[key] = "rubbish";
+            if (!value.is_string()) {
+                EXPECT_NE(schema.errors(broken), "") << key;
+            }
+            if (!value.is_array() || !value[0].is_object()) continue;
+            for (const auto& [inner, unused] : value[0].items()) {
+                broken = whole;
+                broken[key][0].erase(inner);
+                EXPECT_NE(schema.errors(broken), "") << "without " << key << "." << inner;
+            }
+        }
+    }
 }
 
 TEST(Schema, CommittedPageIsTheVocabulary) {

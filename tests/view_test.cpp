@@ -216,7 +216,7 @@ TEST_F(ViewGpu, ASlotThatIsNotBoundIsNamed) {
         gpu().run([&](VkCommandBuffer cmd) {
             try {
                 view.record(cmd, description(0), slots);
-            } catch (const VulkanError& e) {
+            } catch (const Failure& e) {
                 text = e.what();
             }
         });
@@ -268,8 +268,8 @@ TEST_F(ViewGpu, AHostNodesCallbackRecordsBetweenItsNeighbours) {
         VkImageCopy copy{};
         copy.srcSubresource = copy.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.extent = {width, height, 1};
-        vkCmdCopyImage(context.cmd, context.resource("value")->image.get(), VK_IMAGE_LAYOUT_GENERAL,
-                       context.resource("drawn")->image.get(), VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+        vkCmdCopyImage(context.cmd, context.resource("value")->image, VK_IMAGE_LAYOUT_GENERAL,
+                       context.resource("drawn")->image, VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
     });
     View view(program_of(checked(engine_pipeline, set), true), {.frames_in_flight = 2, .poison = 0});
     std::vector<float> blended(width * height, 0.0f);
@@ -289,7 +289,7 @@ TEST_F(ViewGpu, AHostNodesCallbackRecordsBetweenItsNeighbours) {
 TEST_F(ViewGpu, AHostNodeWithoutACallbackIsAnErrorBeforeTheFirstFrame) {
     const NodeSet set = set_with_engine({});
     const CheckedPipeline pipeline = checked(engine_pipeline, set);
-    EXPECT_THROW(program_of(pipeline), VulkanError);
+    EXPECT_THROW(program_of(pipeline), Failure);
 }
 
 TEST_F(ViewGpu, AParameterKeepsItsValueWhereANewOneDoesNotFit) {

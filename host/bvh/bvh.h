@@ -30,7 +30,9 @@
 #include <span>
 #include <vector>
 
-namespace penumbra {
+#include "penumbra/export.h"
+
+namespace penumbra PENUMBRA_API {
 
 struct Triangle {
     float v[3][3];
@@ -102,4 +104,4 @@ using AlphaTest = std::function<bool(uint32_t leaf, uint32_t which, const std::a
 // divides correctly rounded.
 bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts = nullptr, const AlphaTest& alpha = {});
 
-}  // namespace penumbra
+}  // namespace PENUMBRA_API

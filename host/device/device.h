@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "penumbra/vulkan.h"
+#include "host/device/vulkan.h"
 
 namespace penumbra {
 

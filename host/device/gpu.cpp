@@ -229,7 +229,7 @@ void upload_image(Device& device, GpuImage& image, std::span<const std::byte> te
         const uint32_t height = std::max(image.extent.height >> level, 1u);
         VkBufferImageCopy& region = regions.emplace_back();
         region.bufferOffset = offset;
-        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, 1};
+        region.imageSubresource = {aspect_of(image.format), level, 0, 1};
         region.imageExtent = {width, height, 1};
         offset += VkDeviceSize(width) * height * texel_bytes(image.format);
     }

@@ -9,10 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/node_set.h"
 #include "penumbra/pipeline.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 inline constexpr uint32_t no_resource = ~0u;
 

@@ -7,13 +7,19 @@
 #include <optional>
 
 #include "penumbra/check.h"
+#include "penumbra/export.h"
 #include "penumbra/plan.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct CompileOptions {
     bool alias = true;                  // false: every resource has memory of its own
     bool poison = false;                // lets the view fill every activated resource with a pattern (tests)
+    // What lives within a frame gets heaps of its own, which several views may share (ViewOptions::transients).
+    bool share_transients = false;
+    // Another plan's view may take over what this one's leaves for its next frame, and the other way round
+    // (ViewOptions::heir_of): both were compiled so.
+    bool hand_on_history = false;
     std::vector<std::string> captures;  // resources to copy out every frame, by name
     std::map<std::string, OutputUse>
         outputs;  // by name, where OutputUse's defaults are not what the host does

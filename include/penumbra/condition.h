@@ -15,9 +15,10 @@
 #include <vector>
 
 #include "penumbra/domain.h"
+#include "penumbra/export.h"
 #include "penumbra/json_text.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct Param;
 using ParamValue = std::variant<bool, int32_t, uint32_t, float, std::vector<float>, std::string>;

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
-namespace penumbra {
+#include "penumbra/export.h"
+
+namespace penumbra PENUMBRA_API {
 
 // A position in a text file. Lines and columns count from 1; 0 means "the whole file" (or no file at all).
 struct Place {

@@ -10,9 +10,10 @@
 #include <string_view>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/format.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 // What a host may promise for a plan's lifetime; true where it says nothing.
 struct Fact {
@@ -50,12 +51,18 @@ struct Bundle {
     std::vector<Part> parts;  // in the order of their bindings
 };
 
+// What a capability that a shader declares takes of a device, where it is none of Vulkan 1.3's own.
+struct CapabilityNeed {
+    std::vector<std::string> extensions, features;
+};
+
 struct Domain {
     std::vector<Fact> facts;                  // at most max_facts
     std::vector<std::string> features;        // what "needs" may ask of a device; the host says what it has
     std::map<std::string, uint32_t> structs;  // of blocks and buffers: bytes
     std::string structs_file;                 // what shaders include for them; empty: none
     std::vector<Bundle> bundles;
+    std::map<uint32_t, CapabilityNeed> capabilities;  // by SPIR-V's number
 
     std::vector<std::string> fact_list() const;
 };

@@ -4,9 +4,10 @@
 
 #include <string>
 
+#include "penumbra/export.h"
 #include "penumbra/plan.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 std::string to_text(const Plan& plan);
 std::string to_dot(const Plan& plan);

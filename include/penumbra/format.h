@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
-namespace penumbra {
+#include "penumbra/export.h"
+
+namespace penumbra PENUMBRA_API {
 
 enum class Format : uint8_t {
     r8,

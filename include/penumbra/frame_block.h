@@ -6,7 +6,9 @@
 #include <array>
 #include <cstdint>
 
-namespace penumbra {
+#include "penumbra/export.h"
+
+namespace penumbra PENUMBRA_API {
 
 namespace std140 {
 using uint = uint32_t;

@@ -17,9 +17,12 @@
 
 #include "penumbra/check.h"
 #include "penumbra/compile.h"
+#include "penumbra/device.h"
 #include "penumbra/dump.h"
+#include "penumbra/error.h"
 #include "penumbra/node_set.h"
 #include "penumbra/pipeline.h"
 #include "penumbra/plan.h"
 #include "penumbra/program.h"
+#include "penumbra/requirements.h"
 #include "penumbra/view.h"

@@ -12,8 +12,9 @@
 #include <vector>
 
 #include "penumbra/diagnostic.h"
+#include "penumbra/export.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct JsonMember;
 

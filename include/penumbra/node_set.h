@@ -12,9 +12,10 @@
 #include <string>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/node_type.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct Variant;          // interface.h
 struct HostPassContext;  // view.h: command buffer, bindings and parameters of a host node's pass

@@ -14,9 +14,10 @@
 #include <vector>
 
 #include "penumbra/condition.h"
+#include "penumbra/export.h"
 #include "penumbra/format.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 // Whose extent a rule is about, as declared and as link_ports() finds it.
 struct SizeOf {

@@ -10,9 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/node_type.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct HostInput {
     enum class Extent : uint8_t { frame, fixed, any };

@@ -18,9 +18,10 @@
 #include <string>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/node_set.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 struct Extent {
     uint32_t width = 1, height = 1;
@@ -85,6 +86,9 @@ struct OutputUse {
     VkBufferUsageFlags buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
     VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     VkAccessFlags2 access = VK_ACCESS_2_MEMORY_READ_BIT;
+    // The host brings the image itself, at every frame (SlotBinding); it gets a slot of the output's name.
+    // Of images without a mip chain, whose previous value nobody reads.
+    bool host_image = false;
 };
 
 // Stages and accesses of one use of a resource; all internal images stay in VK_IMAGE_LAYOUT_GENERAL.
@@ -94,9 +98,10 @@ struct Use {
     bool write = false;
 };
 
-// A slot the host fills at every record(): an input, its previous value, or a part of a bundle.
+// A slot the host fills at every record(): an input, its previous value, a part of a bundle, or an image of
+// its own to put an output into.
 struct HostSlot {
-    std::string name;         // to print: "depth", "depth@-1", "world.nodes"
+    std::string name;         // by which the host binds it: "depth", "depth@-1", "world.nodes"
     std::string input, part;  // part: of a bundle, else empty
     bool previous = false;
     PortKind kind = PortKind::image;  // never bundle
@@ -105,7 +110,11 @@ struct HostSlot {
     uint32_t layers = 1;
     std::string element;
     uint32_t bytes = 0;                // blocks: size of the struct
-    std::vector<std::string> readers;  // node ids
+    std::vector<std::string> readers;  // node ids; of an output the writer's
+    bool output = false;
+    bool required = true;          // false: the host may leave the input out (Target::left_out)
+    std::vector<Format> accepted;  // images and texels: what it may bring (Target::inputs); `format` is one
+    Use use;                       // how the frame's passes access it
 };
 
 // One internal resource: an updates chain is one resource with several names.
@@ -131,6 +140,7 @@ struct PlanResource {
     uint64_t bytes = 0, alignment = 1;
     uint32_t heap = 0;
     std::array<uint64_t, 2> offset{0, 0};  // by frame parity
+    std::optional<uint32_t> slot;          // the host's image, in no heap: of Plan::slots
 
     uint64_t buffer_bytes() const;  // of the VkBuffer: whole words, never none
 };
@@ -250,6 +260,8 @@ struct Heap {
     std::string type;  // "images" | "buffers"
     uint64_t bytes = 0;
     uint32_t memory_type_bits = ~0u;
+    uint64_t alignment = 1;
+    bool shared = false;  // holds nothing from one frame to the next: views that take turns may share it
 };
 
 struct MemoryReport {
@@ -257,10 +269,12 @@ struct MemoryReport {
     std::optional<uint64_t> optimum_bytes;
     uint64_t dedicated_history_bytes = 0;  // what a dedicated pair per history resource would take in all
     uint64_t persistent_bytes = 0;         // live at the frame seam
+    uint64_t shared_bytes = 0;             // of heap_bytes: of shared heaps
 };
 
 struct Plan {
     std::string pipeline;
+    std::shared_ptr<const Domain> domain;
     Extent extent;
     Facts facts;  // every fact, with its value
     std::string device;
@@ -283,6 +297,7 @@ struct Plan {
 
     uint32_t period() const { return 2 * static_cast<uint32_t>(passes.size()); }
     const PlanOutput* output(std::string_view name) const;
+    std::optional<uint32_t> slot(std::string_view name) const;
     const PlanPass* pass(std::string_view node) const;  // nullptr: it does not run
 };
 

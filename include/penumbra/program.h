@@ -1,78 +1,60 @@
 // SPDX-License-Identifier: MIT
-// A plan's shaders and tables on a device, shared by any number of views of one queue. Immutable after
-// construction but for the one upload of the tables, which the first frame recorded carries.
+// A plan's pipelines and tables on a device, shared by any number of views, of which each may have a thread of
+// its own: nothing in here changes after construction.
 #pragma once
 
-#include <map>
+#include <cstddef>
 #include <memory>
-#include <string>
+#include <span>
 #include <vector>
 
-#include "penumbra/memory.h"
+#include "penumbra/device.h"
+#include "penumbra/error.h"
+#include "penumbra/export.h"
 #include "penumbra/plan.h"
-#include "penumbra/vulkan.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
-struct PassProgram {
-    std::array<Owned<VkDescriptorSetLayout>, 2> set_layouts;
-    Owned<VkPipelineLayout> layout;
-    Owned<VkPipeline> pipeline;
+struct ProgramOptions {
+    // What pipeline_cache() gave before; data of another driver are ignored.
+    std::span<const std::byte> pipeline_cache;
 };
 
-// An image of one texel array, sampled or stored to: a table, or what stands for an absent one.
-struct StaticImage {
-    Owned<VkDeviceMemory> memory;
-    Owned<VkImage> image;
-    Owned<VkImageView> view;
-};
+// Memory for the shared heaps of plans (CompileOptions::share_transients).
+class TransientMemory;
+uint64_t bytes_of(const TransientMemory& memory);
+
+class ProgramState;
 
 class Program {
   public:
-    // Throws VulkanError. `plan` was compiled for this device (device_table(handles)).
-    Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan);
+    // Throws Failure. `plan` was compiled for this device (device_table(handles)).
+    Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan, const ProgramOptions& options = {});
+    ~Program();
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
 
-    const DeviceHandles& handles() const { return handles_; }
-    const Plan& plan() const { return *plan_; }
-    const PassProgram& pass(size_t index) const { return passes_[index]; }
-    VkSampler sampler(bool linear) const { return samplers_[linear].get(); }
-    VkImageView table(uint32_t index) const { return tables_[index].image.view.get(); }
-    // What is bound where there is nothing: never read, so that all bindings alike share one.
-    VkImageView absent_image(const PlanBinding& binding) const;
-    VkBufferView absent_texels(Format format) const { return absent_texels_.at(format).get(); }
-    VkBuffer absent_buffer() const { return absent_buffer_.get(); }
+    const DeviceHandles& handles() const;
+    const Plan& plan() const;
 
-    // Copies the tables to the device and gives what is absent its layout; recorded before anything that
-    // reads them, once per program.
+    // What to keep for the next start.
+    std::vector<std::byte> pipeline_cache() const;
+
+    // Copies the tables to the device. Every view's first frame does so by itself, so that it does not matter
+    // which one the queue sees first; a host with many views does it once, before any of their frames, and
+    // says so (ViewOptions::tables_uploaded).
     void record_uploads(VkCommandBuffer cmd) const;
 
+    // For views that run one after another on the queue (ViewOptions::transients): of this plan, or of any
+    // that was compiled to share and needs no more.
+    std::shared_ptr<const TransientMemory> make_transients() const;
+
+    uint64_t bytes() const;  // allocated for the tables
+
+    const ProgramState& state() const { return *state_; }  // the views' own
+
   private:
-    struct TableImage {
-        StaticImage image;
-        MappedBuffer staging;
-    };
-    struct AbsentKey {
-        Format format;
-        bool storage, layered;
-        friend auto operator<=>(const AbsentKey&, const AbsentKey&) = default;
-    };
-
-    StaticImage make_image(Format format, std::array<uint32_t, 2> extent, VkImageUsageFlags usage,
-                           bool layered, const std::string& what) const;
-    void make_tables();
-    void make_absent();
-    void make_pass(size_t index);
-
-    DeviceHandles handles_;
-    std::shared_ptr<const Plan> plan_;
-    std::array<Owned<VkSampler>, 2> samplers_;
-    Owned<VkPipelineCache> cache_;
-    std::vector<PassProgram> passes_;
-    std::vector<TableImage> tables_;
-    std::map<AbsentKey, StaticImage> absent_images_;
-    MappedBuffer absent_buffer_;
-    std::map<Format, Owned<VkBufferView>> absent_texels_;
-    mutable bool uploaded_ = false;
+    std::unique_ptr<const ProgramState> state_;
 };
 
 }  // namespace penumbra

@@ -4,9 +4,10 @@
 
 #include <memory>
 
+#include "penumbra/export.h"
 #include "penumbra/node_set.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 // Every node type of nodes/*.json. A host adds its own with NodeSet::add.
 NodeSet shadow_nodes();

@@ -10,9 +10,10 @@
 #include <string>
 
 #include "penumbra/check.h"
+#include "penumbra/export.h"
 #include "penumbra/node_set.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
 
 // What has been compiled, on disk. `warn` is told what had to be thrown away and that a folder cannot be written.
 class ShaderCache;

@@ -1,33 +1,71 @@
 // SPDX-License-Identifier: MIT
 // One camera's use of a program: memory, history, descriptors, frames in flight. record() writes commands
-// into the host's command buffer; it submits nothing, waits for nothing and owns no thread.
+// into the host's command buffer; it submits nothing, waits for nothing and owns no thread. Views are
+// independent of each other: each may be recorded on a thread of its own.
 //
 // The host promises: one queue, frames submitted in the order they were recorded, and that frame f -
 // frames_in_flight has completed when frame f is recorded. Outputs are valid until the next record() of the
 // same view.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "penumbra/export.h"
 #include "penumbra/frame_block.h"
 #include "penumbra/program.h"
 
-namespace penumbra {
+namespace penumbra PENUMBRA_API {
+
+// How the host hands something over for a frame, and how it wants it back. Where a member says that nothing
+// changes, nothing is recorded for it.
+struct Handover {
+    VkImage image = VK_NULL_HANDLE;  // whose view is bound; null for buffers
+    // Before the frame, and behind it. What the host has written is made visible to the frame's reads of it;
+    // what the frame has done comes before the host's next accesses. Stages of 0: the host orders that
+    // itself.
+    VkPipelineStageFlags2 stages_before = 0, stages_after = 0;
+    VkAccessFlags2 access_before = 0, access_after = 0;
+    // In between it is in SlotBinding::layout; what the frame writes in VK_IMAGE_LAYOUT_GENERAL.
+    VkImageLayout layout_before = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+    VkImageLayout layout_after = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
+    // The queue family that owns it, where it is not the frame's: acquired before, released behind. The
+    // other half of each transfer is the host's, with the same two layouts.
+    uint32_t family_before = VK_QUEUE_FAMILY_IGNORED, family_after = VK_QUEUE_FAMILY_IGNORED;
+    VkImageAspectFlags aspects = 0;  // 0: as the format has them; of a depth-stencil image both
+};
 
 // What fills one host slot of this frame; the members that the slot's kind does not use are ignored.
 struct SlotBinding {
     VkImageView image = VK_NULL_HANDLE;  // kind image
-    VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-    VkBufferView texels = VK_NULL_HANDLE;  // kind texels
-    VkBuffer buffer = VK_NULL_HANDLE;      // kinds buffer and block
+    VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;  // while the frame reads it
+    VkBufferView texels = VK_NULL_HANDLE;                             // kind texels
+    VkBuffer buffer = VK_NULL_HANDLE;  // kinds buffer and block; of texels where they are handed over
     VkDeviceSize offset = 0, range = VK_WHOLE_SIZE;
     VkAccelerationStructureKHR structure = VK_NULL_HANDLE;  // kind structure
+    // Nothing: it is readable when the frame comes, stays as it is, and the host orders its own accesses:
+    // writes before the compute stage's reads of this frame, and the next frame's writes after them.
+    std::optional<Handover> handover;
 };
+
+// A frame's bindings by name. Made once; record() takes it as it is.
+class Externals {
+  public:
+    explicit Externals(const Plan& plan);  // which outlives it
+    SlotBinding& operator[](std::string_view slot);  // throws Failure, with a suggestion, where there is none
+    bool has(std::string_view slot) const;
+    operator std::span<const SlotBinding>() const { return bindings_; }
+
+  private:
+    const Plan* plan_;
+    std::vector<SlotBinding> bindings_;
+};
+
+class View;
 
 struct ViewOptions {
     uint32_t frames_in_flight = 2;
@@ -35,34 +73,82 @@ struct ViewOptions {
     // 0xDEADBEEF for pattern 0; other values for pattern 1. The plan must have been compiled with
     // CompileOptions::poison.
     std::optional<uint32_t> poison;
+    bool timestamps = true;        // two queries per pass; not where the queue has none
+    bool tables_uploaded = false;  // Program::record_uploads() runs before this view's first frame
+    // Where shared heaps lie; null: in memory of this view's own. Such views run one after another, and each
+    // frame waits for what is in them.
+    std::shared_ptr<const TransientMemory> transients;
+    // The view whose place this one takes, with other facts, say: what its last frame has left for the next
+    // one is copied in this one's first frame, by name, where both plans have it alike, and what this plan has
+    // besides is cleared. Where something is wanted that is neither, the first frame is a reset frame. That view
+    // stays until this frame has completed; both plans hand on their history (CompileOptions).
+    const View* heir_of = nullptr;
+    void* user = nullptr;  // for host nodes
 };
+
+// Why a frame had no history.
+struct Reset {
+    enum class Reason : uint8_t {
+        none,            // it had
+        first_frame,     // there was none before
+        asked,           // frame_reset in the frame's flags
+        not_handed_on    // the view that this one is the heir of does not have `resource` alike
+    };
+    Reason reason = Reason::none;
+    std::string resource;
+};
+
+// One instance of a resource; its images are in VK_IMAGE_LAYOUT_GENERAL.
+struct ResourceHandles {
+    VkImage image = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+    VkBuffer buffer = VK_NULL_HANDLE;
+    VkBufferView texels = VK_NULL_HANDLE;
+    VkDeviceSize bytes = 0;  // of the buffer
+};
+
+class ViewState;
 
 // What a host node's callback is given.
 struct HostPassContext {
     VkCommandBuffer cmd = VK_NULL_HANDLE;
     const PlanPass* pass = nullptr;
-    // Image and buffer bound to a port in this frame (internal resources; null handles for host slots).
-    std::function<const ResourceInstance*(std::string_view port)> resource;
     const FrameBlock* frame = nullptr;
+    void* user = nullptr;             // ViewOptions::user
+    const ViewState* view = nullptr;  // for the functions below
+
+    // What a port is bound to in this frame: a resource of the plan, or what the host has bound; null: neither.
+    const ResourceHandles* resource(std::string_view port) const;
+    const SlotBinding* slot(std::string_view port) const;
+    // A parameter's value in this view; nothing where there is none of this name.
+    std::optional<ParamValue> param(std::string_view name) const;
 };
 
 struct PassStatistics {
-    std::optional<double> ms;        // GPU timestamps; nothing where the queue has none
+    std::optional<double> ms;        // GPU timestamps; nothing where there are none
     std::vector<uint32_t> counters;  // in the declaration's order
+};
+
+struct FrameStatistics {
+    uint64_t frame = 0;  // counted from 0 by record()
+    std::vector<PassStatistics> passes;
 };
 
 class View {
   public:
+    // Throws Failure.
     View(std::shared_ptr<const Program> program, const ViewOptions& options);
+    ~View();
+    View(const View&) = delete;
+    View& operator=(const View&) = delete;
 
-    // Records the whole frame. `slots` is parallel to Plan::slots; one without a handle is a VulkanError that
-    // names it. The first frame is a reset frame whatever its flags. The host orders its own accesses to what
-    // it binds: writes before the compute stage's reads of this frame, and the next frame's writes after
-    // them.
+    // Records the whole frame. `slots` is parallel to Plan::slots (Externals fills it by name); one without a
+    // handle is a Failure that names it, and nothing has been recorded then. The first frame is a reset frame
+    // whatever its flags.
     void record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
 
-    // The same in parts, for hosts that put passes into separate command buffers of the same queue, in order:
-    // begin, every pass, end.
+    // The same in parts, for hosts that put passes into separate command buffers of the same queue: begin,
+    // every pass in order, end.
     void begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
     void record_pass(VkCommandBuffer cmd, size_t pass);
     void end(VkCommandBuffer cmd);
@@ -73,59 +159,28 @@ class View {
     // The same by names; also false where there is no such node or dynamic parameter.
     bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
 
-    // The most recently recorded frame's output (its image stays in VK_IMAGE_LAYOUT_GENERAL).
-    const ResourceInstance& output(std::string_view name) const;
+    // The most recently recorded frame's output.
+    const ResourceHandles& output(std::string_view name) const;
     // Bytes of a captured resource, tightly packed, after the most recently recorded frame has completed.
     std::span<const std::byte> captured(std::string_view name) const;
     // Per pass, after the most recently recorded frame has completed.
     std::vector<PassStatistics> statistics() const;
+    // Of the last frame that is known to have completed, which is frames_in_flight before the last one
+    // recorded: costs no waiting. Null: there is none yet.
+    const FrameStatistics* completed() const;
 
-    const Plan& plan() const { return program_->plan(); }
+    // Of the most recently recorded frame.
+    const Reset& reset() const;
+
+    const Plan& plan() const;
+    // Allocated for this view alone: its heaps (without shared ones), what the host writes per frame in
+    // flight, captures.
+    uint64_t bytes() const;
+
+    const ViewState& state() const { return *state_; }  // its heir's
 
   private:
-    struct Slot {  // one frame in flight
-        Owned<VkQueryPool> timestamps;
-        MappedBuffer frame_block, counters;
-        std::vector<VkDescriptorSet> sets;   // set 1 of every pass
-        std::vector<MappedBuffer> captures;  // parallel to capture_passes_
-    };
-
-    class Writer;
-    void make_descriptor_pool();
-    VkDescriptorSet allocate_set(size_t pass, size_t set) const;
-    void make_internal_sets();
-    void write_absent(Writer& writer, VkDescriptorSet set, const PlanBinding& b) const;
-    VkDescriptorSet make_internal_set(size_t pass, uint32_t parity, uint32_t level);
-    void record_dispatches(VkCommandBuffer cmd, size_t pass) const;
-    void make_slot(Slot& slot);
-    void check_slot_bindings(std::span<const SlotBinding> bindings) const;
-    void write_slot_bindings(const Slot& slot, std::span<const SlotBinding> bindings);
-    void record_reset(VkCommandBuffer cmd);
-    void record_dependency(VkCommandBuffer cmd, const Dependency& dependency) const;
-    void record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
-                      std::optional<uint32_t> poison) const;
-    void record_poison(VkCommandBuffer cmd, size_t pass) const;
-    void record_capture(VkCommandBuffer cmd, size_t pass) const;
-    void record_host_pass(VkCommandBuffer cmd, size_t pass) const;
-    const ResourceInstance& instance(const PlanBinding& binding) const;
-
-    std::shared_ptr<const Program> program_;
-    ViewOptions options_;
-    PlanMemory memory_;
-    Owned<VkDescriptorPool> pool_;
-    // Set 0 by pass, parity and level (one, but for writers of mip chains).
-    std::vector<std::array<std::vector<VkDescriptorSet>, 2>> internal_sets_;
-    std::vector<Slot> slots_;
-    std::vector<size_t> capture_passes_;
-    std::vector<std::vector<std::byte>> push_;  // per pass
-    FrameBlock frame_block_{};
-    double ms_per_tick_ = 0;  // 0: no timestamps
-    uint64_t tick_mask_ = 0;  // the bits of a timestamp that count
-    uint64_t recorded_ = 0;   // frames
-    uint32_t parity_ = 0;
-    uint32_t slot_ = 0;
-    PFN_vkCmdBeginDebugUtilsLabelEXT begin_label_ = nullptr;
-    PFN_vkCmdEndDebugUtilsLabelEXT end_label_ = nullptr;
+    std::unique_ptr<ViewState> state_;
 };
 
 }  // namespace penumbra

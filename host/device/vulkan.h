@@ -26,8 +26,7 @@ class VulkanError : public std::runtime_error {
 // Throws VulkanError unless `result` is VK_SUCCESS. `call` is the function's name, `what` the object or pass.
 void check(VkResult result, const char* call, std::string_view what);
 
-// Destroys a handle whose parent is a VkDevice; of the types that vulkan.cpp lists. No Vulkan function is called from a
-// header: a host that loads them by itself has no prototypes.
+// Destroys a handle whose parent is a VkDevice; of the types that vulkan.cpp lists.
 template <class Handle>
 void destroy(VkDevice device, Handle handle);
 

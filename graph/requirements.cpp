@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+// Each need with everything that has it, or for a limit with what has the most.
+#include "penumbra/requirements.h"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+#include "graph/functions.h"
+#include "penumbra/frame_block.h"
+
+namespace penumbra {
+namespace {
+
+using Kind = Requirement::Kind;
+
+// SPIR-V's capabilities that a feature or a subgroup operation of Vulkan 1.3 stands for. The rest of what
+// Vulkan lets a shader declare comes with every device.
+const std::map<uint32_t, const char*>& capability_features() {
+    static const std::map<uint32_t, const char*> features = {{9, "shaderFloat16"},
+                                                             {10, "shaderFloat64"},
+                                                             {11, "shaderInt64"},
+                                                             {22, "shaderInt16"},
+                                                             {39, "shaderInt8"},
+                                                             {49, "shaderStorageImageExtendedFormats"},
+                                                             {55, "shaderStorageImageReadWithoutFormat"},
+                                                             {56, "shaderStorageImageWriteWithoutFormat"},
+                                                             {4433, "storageBuffer16BitAccess"},
+                                                             {4434, "uniformAndStorageBuffer16BitAccess"},
+                                                             {4448, "storageBuffer8BitAccess"},
+                                                             {4449, "uniformAndStorageBuffer8BitAccess"},
+                                                             {5345, "vulkanMemoryModel"}};
+    return features;
+}
+const std::map<uint32_t, VkSubgroupFeatureFlags> capability_operations = {
+    {61, VK_SUBGROUP_FEATURE_BASIC_BIT},      {62, VK_SUBGROUP_FEATURE_VOTE_BIT},
+    {63, VK_SUBGROUP_FEATURE_ARITHMETIC_BIT}, {64, VK_SUBGROUP_FEATURE_BALLOT_BIT},
+    {65, VK_SUBGROUP_FEATURE_SHUFFLE_BIT},    {66, VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT},
+    {67, VK_SUBGROUP_FEATURE_CLUSTERED_BIT},  {68, VK_SUBGROUP_FEATURE_QUAD_BIT}};
+// Shader, Matrix, SampledBuffer, ImageBuffer, ImageQuery: with every device.
+constexpr uint32_t always_there[] = {0, 1, 46, 47, 50};
+
+std::vector<uint32_t> capabilities_of(const std::vector<uint32_t>& spirv) {
+    std::vector<uint32_t> found;
+    constexpr uint32_t op_capability = 17;
+    for (size_t at = 5; at + 1 < spirv.size() && (spirv[at] & 0xffff) == op_capability; at += 2)
+        found.push_back(spirv[at + 1]);
+    return found;
+}
+
+class Needs {
+  public:
+    void add(Kind kind, const std::string& name, uint64_t bits, const std::string& why) {
+        Requirement& r = at(kind, name);
+        r.value |= bits;
+        if ((" " + r.why + " ").find(" " + why + " ") == std::string::npos)
+            r.why += (r.why.empty() ? "" : " ") + why;
+    }
+    void at_least(const std::string& name, uint64_t value, const std::string& why) {
+        Requirement& r = at(Kind::limit, name);
+        if (value <= r.value) return;
+        r.value = value;
+        r.why = why;
+    }
+    std::vector<Requirement> list;
+
+  private:
+    Requirement& at(Kind kind, const std::string& name) {
+        const auto same = std::ranges::find_if(
+            list, [&](const Requirement& r) { return r.kind == kind && r.name == name; });
+        return same != list.end() ? *same : list.emplace_back(Requirement{kind, name, 0, {}});
+    }
+};
+
+void need_of_shader(const Plan& plan, const PlanPass& pass, Needs& needs) {
+    if (!pass.module) return;
+    for (const uint32_t capability : capabilities_of(plan.modules[*pass.module])) {
+        if (const auto known = capability_features().find(capability); known != capability_features().end()) {
+            needs.add(Kind::feature, known->second, 0, pass.node);
+        } else if (const auto operation = capability_operations.find(capability);
+                   operation != capability_operations.end()) {
+            needs.add(Kind::subgroup, "supportedOperations", operation->second, pass.node);
+        } else if (const auto own = plan.domain->capabilities.find(capability);
+                   own != plan.domain->capabilities.end()) {
+            for (const std::string& extension : own->second.extensions)
+                needs.add(Kind::extension, extension, 0, pass.node);
+            for (const std::string& feature : own->second.features)
+                needs.add(Kind::feature, feature, 0, pass.node);
+        } else if (std::ranges::find(always_there, capability) == std::end(always_there)) {
+            needs.add(Kind::feature, "SPIR-V capability " + std::to_string(capability), 0, pass.node);
+        }
+    }
+}
+
+void need_of_pass(const PlanPass& pass, Needs& needs) {
+    std::map<VkDescriptorType, uint32_t> count;
+    for (const PlanBinding& b : pass.bindings) ++count[b.type];
+    needs.at_least(
+        "maxPerStageDescriptorSampledImages",
+        count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] + count[VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER],
+        pass.node);
+    needs.at_least("maxPerStageDescriptorSamplers", count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER],
+                   pass.node);
+    needs.at_least("maxPerStageDescriptorStorageImages", count[VK_DESCRIPTOR_TYPE_STORAGE_IMAGE], pass.node);
+    needs.at_least("maxPerStageDescriptorStorageBuffers", count[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER],
+                   pass.node);
+    needs.at_least("maxPerStageDescriptorUniformBuffers", count[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER],
+                   pass.node);
+    needs.at_least("maxPerStageResources", pass.bindings.size(), pass.node);
+    needs.at_least("maxPushConstantsSize", pass.push.size(), pass.node);
+    needs.at_least("maxComputeWorkGroupInvocations",
+                   uint64_t{pass.constants[0]} * pass.constants[1] * pass.constants[2], pass.node);
+    for (size_t axis = 0; axis < 3; ++axis) {
+        const std::string of = "[" + std::to_string(axis) + "]";
+        needs.at_least("maxComputeWorkGroupSize" + of, pass.constants[axis], pass.node);
+        needs.at_least("maxComputeWorkGroupCount" + of, pass.groups[axis], pass.node);
+    }
+}
+
+void need_of_image(Extent extent, uint32_t layers, const std::string& name, Needs& needs) {
+    needs.at_least("maxImageDimension2D", std::max(extent.width, extent.height), name);
+    needs.at_least("maxImageArrayLayers", layers, name);
+}
+
+// What a binding asks of its format.
+void need_of_binding(const PlanBinding& b, const std::string& name, Needs& needs) {
+    VkFormatFeatureFlags features = 0;
+    if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE) features = VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
+    if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+        features = VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
+    if (b.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER) {
+        features = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
+        if (b.linear) features |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
+    }
+    if (features) needs.add(Kind::format, info(b.format).name, features, name);
+}
+
+struct NamedLimit {
+    const char* name;
+    uint64_t value;
+};
+
+std::vector<NamedLimit> limits_of(const VkPhysicalDeviceLimits& l) {
+    return {{"maxPerStageDescriptorSampledImages", l.maxPerStageDescriptorSampledImages},
+            {"maxPerStageDescriptorSamplers", l.maxPerStageDescriptorSamplers},
+            {"maxPerStageDescriptorStorageImages", l.maxPerStageDescriptorStorageImages},
+            {"maxPerStageDescriptorStorageBuffers", l.maxPerStageDescriptorStorageBuffers},
+            {"maxPerStageDescriptorUniformBuffers", l.maxPerStageDescriptorUniformBuffers},
+            {"maxPerStageResources", l.maxPerStageResources},
+            {"maxPushConstantsSize", l.maxPushConstantsSize},
+            {"maxComputeWorkGroupInvocations", l.maxComputeWorkGroupInvocations},
+            {"maxComputeWorkGroupSize[0]", l.maxComputeWorkGroupSize[0]},
+            {"maxComputeWorkGroupSize[1]", l.maxComputeWorkGroupSize[1]},
+            {"maxComputeWorkGroupSize[2]", l.maxComputeWorkGroupSize[2]},
+            {"maxComputeWorkGroupCount[0]", l.maxComputeWorkGroupCount[0]},
+            {"maxComputeWorkGroupCount[1]", l.maxComputeWorkGroupCount[1]},
+            {"maxComputeWorkGroupCount[2]", l.maxComputeWorkGroupCount[2]},
+            {"maxImageDimension2D", l.maxImageDimension2D},
+            {"maxImageArrayLayers", l.maxImageArrayLayers},
+            {"maxTexelBufferElements", l.maxTexelBufferElements},
+            {"maxStorageBufferRange", l.maxStorageBufferRange},
+            {"maxUniformBufferRange", l.maxUniformBufferRange}};
+}
+
+struct NamedFeature {
+    const char* name;
+    bool there;
+};
+
+}  // namespace
+
+const char* kind_name(Requirement::Kind kind) {
+    constexpr const char* names[] = {"version", "extension", "feature", "subgroup", "limit", "format"};
+    return names[static_cast<size_t>(kind)];
+}
+
+std::vector<Requirement> requirements(const Plan& plan) {
+    Needs needs;
+    needs.add(Kind::version, "Vulkan", VK_API_VERSION_1_3, "every plan");
+    needs.add(Kind::feature, "synchronization2", 0, "every plan");
+    needs.add(Kind::feature, "maintenance4", 0, "every plan");  // sizes before anything is made
+    for (const PlanPass& pass : plan.passes) {
+        if (pass.kind != PassKind::compute) continue;
+        need_of_shader(plan, pass, needs);
+        need_of_pass(pass, needs);
+        for (const PlanBinding& b : pass.bindings)
+            need_of_binding(b, b.source == BindingSource::host ? plan.slots[b.index].name : pass.node, needs);
+    }
+    for (const PlanResource& r : plan.resources) {
+        if (r.kind == PortKind::image)
+            need_of_image(r.extent, r.layers, r.names.front(), needs);
+        else
+            needs.at_least("maxStorageBufferRange", r.buffer_bytes(), r.names.front());
+        if (r.buffer_usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)
+            needs.at_least("maxTexelBufferElements", r.count, r.names.front());
+    }
+    for (const HostSlot& slot : plan.slots) {
+        if (slot.kind == PortKind::image) need_of_image(slot.extent, slot.layers, slot.name, needs);
+        if (slot.kind == PortKind::block) needs.at_least("maxUniformBufferRange", slot.bytes, slot.name);
+    }
+    for (const PlanTable& table : plan.tables)
+        need_of_image({table.extent[0], table.extent[1]}, 1, table.name, needs);
+    needs.at_least("maxUniformBufferRange", sizeof(FrameBlock), "the frame block");
+    std::ranges::stable_sort(needs.list, {}, &Requirement::kind);
+    return std::move(needs.list);
+}
+
+std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
+    const auto load = [&]<class F>(F& function, const char* name) {
+        function = reinterpret_cast<F>(handles.get_instance_proc_addr(handles.instance, name));
+    };
+    VulkanFunctions vk;
+#define PENUMBRA_LOAD(name) load(vk.name, #name);
+    PENUMBRA_INSTANCE_FUNCTIONS(PENUMBRA_LOAD)
+#undef PENUMBRA_LOAD
+    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
+    vk.vkGetPhysicalDeviceProperties2(handles.physical, &properties);
+    const uint32_t version = properties.properties.apiVersion;
+    VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                         version >= VK_API_VERSION_1_3 ? &v13 : nullptr};
+    VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, &v12};
+    VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                       version >= VK_API_VERSION_1_2 ? &v11 : nullptr};
+    vk.vkGetPhysicalDeviceFeatures2(handles.physical, &features);
+    const VkPhysicalDeviceFeatures& core = features.features;
+    const NamedFeature known[] = {
+        {"synchronization2", v13.synchronization2 != 0},
+        {"maintenance4", v13.maintenance4 != 0},
+        {"shaderFloat16", v12.shaderFloat16 != 0},
+        {"shaderFloat64", core.shaderFloat64 != 0},
+        {"shaderInt64", core.shaderInt64 != 0},
+        {"shaderInt16", core.shaderInt16 != 0},
+        {"shaderInt8", v12.shaderInt8 != 0},
+        {"shaderStorageImageExtendedFormats", core.shaderStorageImageExtendedFormats != 0},
+        {"shaderStorageImageReadWithoutFormat", core.shaderStorageImageReadWithoutFormat != 0},
+        {"shaderStorageImageWriteWithoutFormat", core.shaderStorageImageWriteWithoutFormat != 0},
+        {"storageBuffer16BitAccess", v11.storageBuffer16BitAccess != 0},
+        {"uniformAndStorageBuffer16BitAccess", v11.uniformAndStorageBuffer16BitAccess != 0},
+        {"storageBuffer8BitAccess", v12.storageBuffer8BitAccess != 0},
+        {"uniformAndStorageBuffer8BitAccess", v12.uniformAndStorageBuffer8BitAccess != 0},
+        {"vulkanMemoryModel", v12.vulkanMemoryModel != 0},
+        {"bufferDeviceAddress", v12.bufferDeviceAddress != 0}};
+    uint32_t count = 0;
+    vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, extensions.data());
+    const std::vector<NamedLimit> limits = limits_of(properties.properties.limits);
+
+    const auto met = [&](const Requirement& r) {
+        switch (r.kind) {
+            case Kind::version:
+                return version >= r.value;
+            case Kind::subgroup:
+                return (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+                       (subgroup.supportedOperations & r.value) == r.value;
+            case Kind::extension:
+                return std::ranges::any_of(extensions,
+                                           [&](const auto& e) { return r.name == e.extensionName; });
+            case Kind::limit:
+                return std::ranges::any_of(
+                    limits, [&](const NamedLimit& l) { return r.name == l.name && l.value >= r.value; });
+            case Kind::feature:
+                // An extension's own feature is there where the extension is.
+                return std::ranges::none_of(
+                    known, [&](const NamedFeature& f) { return r.name == f.name && !f.there; });
+            case Kind::format: {
+                VkFormatProperties supported;
+                vk.vkGetPhysicalDeviceFormatProperties(handles.physical, info(*format_named(r.name)).vk,
+                                                       &supported);
+                return ((supported.optimalTilingFeatures | supported.bufferFeatures) & r.value) == r.value;
+            }
+        }
+        return false;
+    };
+    std::vector<Requirement> left = requirements(plan);
+    std::erase_if(left, met);
+    return left;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// What a view holds, and how it records. Nothing is allocated while a frame is recorded: what grows per frame
+// has been reserved for the plan's largest.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "graph/program_state.h"
+#include "penumbra/view.h"
+
+namespace penumbra {
+
+// Collects descriptor writes. The infos they point to stay put until flush(), since there is room for as many
+// as were asked for.
+class DescriptorWriter {
+  public:
+    DescriptorWriter(const GraphDevice& device, size_t room);
+    void image(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorImageInfo& info);
+    void buffer(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorBufferInfo& info);
+    void texels(VkDescriptorSet set, const PlanBinding& b, VkBufferView view);
+    void structure(VkDescriptorSet set, const PlanBinding& b, VkAccelerationStructureKHR handle);
+    void flush();
+
+  private:
+    VkWriteDescriptorSet& write(VkDescriptorSet set, const PlanBinding& b);
+
+    const GraphDevice* device_;
+    std::vector<VkWriteDescriptorSet> writes_;
+    std::vector<VkDescriptorImageInfo> images_;
+    std::vector<VkDescriptorBufferInfo> buffers_;
+    std::vector<VkBufferView> views_;
+    std::vector<VkAccelerationStructureKHR> handles_;
+    std::vector<VkWriteDescriptorSetAccelerationStructureKHR> structures_;
+};
+
+class ViewState {
+  public:
+    ViewState(std::shared_ptr<const Program> program, const ViewOptions& options);
+
+    void begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
+    void record_pass(VkCommandBuffer cmd, size_t pass);
+    void end(VkCommandBuffer cmd);
+    bool set_param(size_t pass, size_t param, const ParamValue& value);
+
+    const Plan& plan() const { return program_.plan(); }
+    uint32_t parity() const { return parity_; }
+    // A resource's instance of this frame or the last; the host's own image where it has lent one.
+    const ResourceHandles& instance(uint32_t resource, bool previous) const;
+    const SlotBinding& bound(uint32_t slot) const { return bound_[slot]; }
+    std::span<const std::byte> push(size_t pass) const { return push_[pass]; }
+    std::span<const std::byte> captured(std::string_view name) const;
+    std::vector<PassStatistics> statistics() const;
+    const FrameStatistics* completed() const { return has_completed_ ? &completed_ : nullptr; }
+    uint64_t bytes() const;
+    const Reset& reset() const { return reset_; }
+
+  private:
+    struct Slot {  // one frame in flight
+        Held<VkQueryPool> timestamps;
+        MappedBuffer frame_block, counters;
+        std::vector<VkDescriptorSet> sets;   // set 1 of every pass
+        std::vector<MappedBuffer> captures;  // parallel to capture_passes_
+    };
+
+    const VulkanFunctions& vk() const { return device_.vk(); }
+    void make_descriptor_pool();
+    VkDescriptorSet allocate_set(size_t pass, size_t set) const;
+    void make_internal_sets();
+    void write_absent(VkDescriptorSet set, const PlanBinding& b);
+    VkDescriptorSet make_internal_set(size_t pass, uint32_t parity, uint32_t level);
+    VkImageView view_of(const PlanBinding& b, uint32_t parity, uint32_t level) const;
+    void make_slot(Slot& slot);
+    void check_slot_bindings(std::span<const SlotBinding> bindings) const;
+    void write_slot_bindings(const Slot& slot);
+    void read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
+                         std::vector<uint64_t>& ticks) const;
+
+    void record_handovers(VkCommandBuffer cmd, bool back);
+    void decide_reset(uint32_t flags);
+    void record_reset(VkCommandBuffer cmd);
+    void record_inheritance(VkCommandBuffer cmd) const;
+    void record_dependency(VkCommandBuffer cmd, const Dependency& dependency);
+    void record_clear(VkCommandBuffer cmd, uint32_t resource, uint32_t parity,
+                      std::optional<uint32_t> poison) const;
+    void record_poison(VkCommandBuffer cmd, size_t pass) const;
+    void record_capture(VkCommandBuffer cmd, size_t pass) const;
+    void record_host_pass(VkCommandBuffer cmd, size_t pass) const;
+    void record_dispatches(VkCommandBuffer cmd, size_t pass) const;
+    void memory_dependency(VkCommandBuffer cmd, const Dependency& dependency,
+                           std::span<const VkImageMemoryBarrier2> images = {}) const;
+    void full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemoryBarrier2> images = {}) const;
+
+    std::shared_ptr<const Program> keep_alive_;
+    const ProgramState& program_;
+    const GraphDevice& device_;
+    ViewOptions options_;
+    PlanMemory memory_;
+    Held<VkDescriptorPool> pool_;
+    DescriptorWriter writer_;
+    // Set 0 by pass, parity and level (one, but for writers of mip chains).
+    std::vector<std::array<std::vector<VkDescriptorSet>, 2>> internal_sets_;
+    std::vector<Slot> slots_;
+    std::vector<size_t> capture_passes_;
+    std::vector<std::vector<std::byte>> push_;   // per pass
+    std::vector<SlotBinding> bound_;             // of the frame that was begun last
+    std::vector<ResourceHandles> lent_;          // by resource: the host's images of this frame
+    std::vector<VkImageMemoryBarrier2> images_;  // scratch
+    std::vector<VkBufferMemoryBarrier2> buffers_;
+    Reset reset_;
+    std::vector<std::optional<uint32_t>> inherited_;  // by reset action: the resource of the view before
+    FrameStatistics completed_;
+    bool has_completed_ = false;
+    std::vector<uint64_t> ticks_;
+    FrameBlock frame_block_{};
+    double ms_per_tick_ = 0;  // 0: no timestamps
+    uint64_t tick_mask_ = 0;  // the bits of a timestamp that count
+    uint64_t recorded_ = 0;   // frames
+    uint32_t parity_ = 0;
+    uint32_t slot_ = 0;
+    static constexpr size_t not_begun = ~size_t{0};
+    size_t next_pass_ = not_begun;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: MIT */
+/* Penumbra for C (C11) and for whatever calls C: plans, programs and views behind opaque handles. What things
+   mean stands in the C++ headers of the same names (plan.h, device.h, view.h); here is what C adds.
+
+   Every struct begins with its size, which the caller sets: sizeof(struct) of the header that it was compiled
+   with. Members are only ever added at the end; those that an older caller does not have are taken as 0. Arrays
+   are of the caller's structs: their elements' sizes are those that the first element says.
+
+   Functions that can fail return a penumbra_code and fill in `error`, which may be null. Nothing throws across
+   this header. Different objects may be used from different threads at once, one object by one at a time;
+   plans and programs, once made, by any number. */
+#ifndef PENUMBRA_PENUMBRA_H
+#define PENUMBRA_PENUMBRA_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <vulkan/vulkan_core.h>
+
+#include "penumbra/export.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct penumbra_plan penumbra_plan;
+typedef struct penumbra_program penumbra_program;
+typedef struct penumbra_view penumbra_view;
+typedef struct penumbra_transients penumbra_transients;
+
+typedef enum penumbra_code {
+    PENUMBRA_OK = 0,
+    PENUMBRA_USAGE = 1,         /* the caller's mistake */
+    PENUMBRA_UNSUPPORTED = 2,   /* the device lacks something */
+    PENUMBRA_OUT_OF_MEMORY = 3, /* of the host, the device, or the caller's allocator */
+    PENUMBRA_DEVICE_LOST = 4,
+    PENUMBRA_VULKAN = 5,   /* another Vulkan call failed */
+    PENUMBRA_PIPELINE = 6, /* the pipeline, or what is said about its target, is wrong */
+    PENUMBRA_INTERNAL = 7  /* a defect of penumbra's */
+} penumbra_code;
+
+typedef struct penumbra_error {
+    uint32_t struct_size;
+    penumbra_code code;
+    VkResult result;  /* what Vulkan said, if it was asked */
+    char place[256];  /* slot, pass, resource or function; of a pipeline the first mistake's file:line:column */
+    char text[2048];  /* of a pipeline every mistake, a line each; cut off where it is longer */
+} penumbra_error;
+
+/* PENUMBRA_VERSION_TEXT of the library. */
+PENUMBRA_API const char* penumbra_version(void);
+
+/* --- The caller's device ------------------------------------------------------------------------------ */
+
+typedef struct penumbra_memory_request {
+    uint32_t struct_size;
+    VkMemoryPropertyFlags properties;
+    VkMemoryRequirements need;
+    VkBool32 mapped, linear;
+    const char* what;
+} penumbra_memory_request;
+
+typedef struct penumbra_memory_block {
+    uint32_t struct_size;
+    VkDeviceMemory memory;
+    VkDeviceSize offset;
+    void* mapped;
+    void* user;
+} penumbra_memory_block;
+
+typedef struct penumbra_device {
+    uint32_t struct_size;
+    uint32_t queue_family;
+    VkInstance instance;
+    VkPhysicalDevice physical;
+    VkDevice device;
+    PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+    /* Both, or neither: vkAllocateMemory. */
+    VkResult (*allocate)(void* user, const penumbra_memory_request* request, penumbra_memory_block* block);
+    void (*release)(void* user, const penumbra_memory_block* block);
+    void* memory_user;
+} penumbra_device;
+
+/* --- Plans -------------------------------------------------------------------------------------------- */
+
+typedef struct penumbra_fact {
+    uint32_t struct_size;
+    VkBool32 holds;
+    const char* name;
+} penumbra_fact;
+
+typedef struct penumbra_input {
+    uint32_t struct_size;
+    VkBool32 left_out; /* it is optional and not brought */
+    const char* name;
+    const char* format; /* "d32" */
+    uint32_t width, height, layers;
+} penumbra_input;
+
+typedef struct penumbra_plan_request {
+    uint32_t struct_size;
+    uint32_t width, height;
+    const char* file;                     /* a pipeline's */
+    const char* text;                     /* null: as the file has it; else `file` is its name and folder */
+    const penumbra_device* device;        /* null: a plan to look at, for no device */
+    const char* const* settings;          /* "nodes.filter0.params.step=2" */
+    const char* const* features;          /* of those that nodes may need, what is enabled */
+    const char* const* captures;          /* resources to copy out every frame */
+    const char* const* host_images;       /* outputs that the caller brings an image for, every frame */
+    const penumbra_fact* facts;           /* what is not named is true */
+    const penumbra_input* inputs;         /* what is not named is as the pipeline has it */
+    uint32_t setting_count, feature_count, capture_count, host_image_count, fact_count, input_count;
+    VkBool32 share_transients, hand_on_history;
+} penumbra_plan_request;
+
+PENUMBRA_API penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbra_plan** plan,
+                                                penumbra_error* error);
+/* Programs made of it stay. Null is nothing. */
+PENUMBRA_API void penumbra_plan_destroy(penumbra_plan* plan);
+
+typedef enum penumbra_slot_kind {
+    PENUMBRA_IMAGE = 0,
+    PENUMBRA_TEXELS = 1,
+    PENUMBRA_BUFFER = 2,
+    PENUMBRA_BLOCK = 3,
+    PENUMBRA_STRUCTURE = 5
+} penumbra_slot_kind;
+
+typedef struct penumbra_slot {
+    uint32_t struct_size;
+    penumbra_slot_kind kind;
+    const char* name; /* the plan's, like all text here */
+    VkFormat format;  /* images and texels */
+    uint32_t width, height, layers;
+    uint32_t bytes; /* blocks */
+    VkBool32 output, required;
+    VkPipelineStageFlags2 stages;
+    VkAccessFlags2 access;
+} penumbra_slot;
+
+typedef struct penumbra_requirement {
+    uint32_t struct_size;
+    const char *kind, *name, *why; /* kind: "version" "extension" "feature" "subgroup" "limit" "format" */
+    uint64_t value;
+} penumbra_requirement;
+
+typedef struct penumbra_memory {
+    uint32_t struct_size;
+    uint64_t heap_bytes, shared_bytes, persistent_bytes;
+} penumbra_memory;
+
+PENUMBRA_API uint32_t penumbra_plan_slot_count(const penumbra_plan* plan);
+PENUMBRA_API penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penumbra_slot* slot,
+                                              penumbra_error* error);
+PENUMBRA_API uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan);
+PENUMBRA_API penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,
+                                                     penumbra_requirement* requirement, penumbra_error* error);
+PENUMBRA_API penumbra_code penumbra_plan_memory(const penumbra_plan* plan, penumbra_memory* memory,
+                                                penumbra_error* error);
+
+/* --- Programs ----------------------------------------------------------------------------------------- */
+
+typedef struct penumbra_program_options {
+    uint32_t struct_size;
+    size_t pipeline_cache_size;
+    const void* pipeline_cache;
+} penumbra_program_options;
+
+/* `options` may be null. */
+PENUMBRA_API penumbra_code penumbra_program_create(const penumbra_device* device, const penumbra_plan* plan,
+                                                   const penumbra_program_options* options,
+                                                   penumbra_program** program, penumbra_error* error);
+/* Views made of it stay. */
+PENUMBRA_API void penumbra_program_destroy(penumbra_program* program);
+/* Fills in `size`; with `data`, which has room for `*size` bytes, also that. */
+PENUMBRA_API penumbra_code penumbra_program_pipeline_cache(const penumbra_program* program, size_t* size,
+                                                           void* data, penumbra_error* error);
+PENUMBRA_API void penumbra_program_record_uploads(const penumbra_program* program, VkCommandBuffer cmd);
+PENUMBRA_API penumbra_code penumbra_transients_create(const penumbra_program* program,
+                                                      penumbra_transients** transients, penumbra_error* error);
+PENUMBRA_API void penumbra_transients_destroy(penumbra_transients* transients);
+PENUMBRA_API uint64_t penumbra_transients_bytes(const penumbra_transients* transients);
+
+/* --- Views -------------------------------------------------------------------------------------------- */
+
+typedef struct penumbra_view_options {
+    uint32_t struct_size;
+    uint32_t frames_in_flight; /* 0: 2 */
+    VkBool32 no_timestamps, tables_uploaded;
+    const penumbra_transients* transients;
+    const penumbra_view* heir_of; /* whose history the first frame takes over */
+} penumbra_view_options;
+
+PENUMBRA_API penumbra_code penumbra_view_create(const penumbra_program* program,
+                                                const penumbra_view_options* options, penumbra_view** view,
+                                                penumbra_error* error);
+PENUMBRA_API void penumbra_view_destroy(penumbra_view* view);
+
+typedef struct penumbra_camera {
+    double position[3];
+    double world_from_view[9]; /* columns: right, up, back */
+    double clip_from_view[16]; /* columns; unjittered, Vulkan clip (y down) */
+    double near_m;
+} penumbra_camera;
+
+enum { PENUMBRA_FRAME_RESET = 1, PENUMBRA_FRAME_ORTHOGRAPHIC = 2 };
+
+typedef struct penumbra_frame {
+    uint32_t struct_size;
+    uint32_t index;
+    penumbra_camera camera, previous;
+    double jitter[2], prev_jitter[2];   /* uv */
+    uint32_t size[2], prev_size[2];     /* pixels */
+    float dt_s;
+    uint32_t flags;
+} penumbra_frame;
+
+typedef struct penumbra_handover {
+    uint32_t struct_size;
+    VkImageAspectFlags aspects; /* 0: as the format has them */
+    VkImage image;
+    VkPipelineStageFlags2 stages_before, stages_after;
+    VkAccessFlags2 access_before, access_after;
+    VkImageLayout layout_before, layout_after;
+    uint32_t family_before, family_after; /* VK_QUEUE_FAMILY_IGNORED: the frame's */
+} penumbra_handover;
+
+typedef struct penumbra_external {
+    uint32_t struct_size;
+    VkImageLayout layout; /* while the frame reads it; 0: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL */
+    const char* name;     /* of the slot */
+    VkImageView image;
+    VkBufferView texels;
+    VkBuffer buffer;
+    VkDeviceSize offset, range; /* range 0: VK_WHOLE_SIZE */
+    VkAccelerationStructureKHR structure;
+    const penumbra_handover* handover; /* null: the caller orders its accesses */
+} penumbra_external;
+
+PENUMBRA_API penumbra_code penumbra_view_record(penumbra_view* view, VkCommandBuffer cmd,
+                                                const penumbra_frame* frame, const penumbra_external* externals,
+                                                uint32_t external_count, penumbra_error* error);
+
+/* One number for a scalar, 0 or 1 for a bool, an enum's index, or a vector's numbers. */
+PENUMBRA_API penumbra_code penumbra_view_set_param(penumbra_view* view, const char* node, const char* param,
+                                                   const double* values, uint32_t count, penumbra_error* error);
+
+typedef struct penumbra_output {
+    uint32_t struct_size;
+    VkImage image; /* in VK_IMAGE_LAYOUT_GENERAL */
+    VkImageView view;
+    VkBuffer buffer;
+    VkBufferView texels;
+    VkDeviceSize bytes;
+} penumbra_output;
+
+/* The most recently recorded frame's. */
+PENUMBRA_API penumbra_code penumbra_view_output(const penumbra_view* view, const char* name,
+                                                penumbra_output* output, penumbra_error* error);
+/* What was copied out, once that frame has completed; the view's. */
+PENUMBRA_API penumbra_code penumbra_view_captured(const penumbra_view* view, const char* name,
+                                                  const void** data, size_t* size, penumbra_error* error);
+
+typedef struct penumbra_pass_statistics {
+    uint32_t struct_size;
+    const char* node;
+    double ms; /* negative: there are no timestamps */
+    const uint32_t* counters;
+    uint32_t counter_count;
+} penumbra_pass_statistics;
+
+/* Of the last frame known to have completed. `count` is the passes'; `passes` may be null, or has room for
+   `*count`. `*frame` is UINT64_MAX where none has. */
+PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame, uint32_t* count,
+                                                   penumbra_pass_statistics* passes, penumbra_error* error);
+/* Why the most recently recorded frame had no history: "none" (it had), "first_frame", "asked", or "not_handed_on",
+   of which `resource` says what; the view's text. `resource` may be null. */
+PENUMBRA_API const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource);
+PENUMBRA_API uint64_t penumbra_view_bytes(const penumbra_view* view);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

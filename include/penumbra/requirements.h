@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// What a plan needs of a device, as data: read from its shaders' SPIR-V, its bindings and its resources. A host
+// asks before it makes its device; what is enabled, only the host can tell.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "penumbra/device.h"
+#include "penumbra/export.h"
+
+namespace penumbra PENUMBRA_API {
+
+struct Requirement {
+    enum class Kind : uint8_t {
+        version,    // of Vulkan; value: VK_MAKE_API_VERSION
+        extension,  // to enable
+        feature,    // to enable, by the name of its member in Vulkan's structs
+        subgroup,   // operations in compute shaders; value: VkSubgroupFeatureFlags
+        limit,      // by the name of its member in VkPhysicalDeviceLimits; value: the least
+        format      // of penumbra's names; value: VkFormatFeatureFlags
+    };
+    Kind kind = Kind::feature;
+    std::string name;
+    uint64_t value = 0;
+    std::string why;  // what in the plan needs it: passes, resources
+};
+const char* kind_name(Requirement::Kind kind);
+
+std::vector<Requirement> requirements(const Plan& plan);
+
+// Those that a physical device cannot meet; `handles` needs no device.
+std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles);
+
+}  // namespace penumbra

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+// penumbra.h: errors are values, structs are read by their sizes, nothing throws. That frames come out right
+// is examples/minimal_c's to show (tests/install_test.sh).
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "penumbra/graph.h"
+#include "penumbra/penumbra.h"
+#include "penumbra/version.h"
+#include "tests/gpu_test.h"
+
+namespace penumbra::test {
+namespace {
+
+const char* const text = R"({ "penumbra": 1, "name": "c", "inputs": { "depth": {}, "normal": {} },
+    "outputs": ["view_depth"], "nodes": { "guides": { "type": "guides" } } })";
+
+penumbra_plan_request request_of(const char* pipeline) {
+    penumbra_plan_request request{};
+    request.struct_size = sizeof request;
+    request.width = 29;
+    request.height = 13;
+    request.file = "c.json";
+    request.text = pipeline;
+    return request;
+}
+
+penumbra_error no_error() {
+    penumbra_error error{};
+    error.struct_size = sizeof error;
+    return error;
+}
+
+penumbra_device host_device() {
+    penumbra_device device{};
+    device.struct_size = sizeof device;
+    device.queue_family = gpu().queue_family();
+    device.instance = gpu().instance();
+    device.physical = gpu().physical();
+    device.device = gpu().get();
+    device.get_instance_proc_addr = vkGetInstanceProcAddr;
+    return device;
+}
+
+class CApiGpu : public GpuTest {
+  protected:
+    penumbra_error error_ = no_error();
+    penumbra_plan* plan_ = nullptr;
+    ~CApiGpu() override { penumbra_plan_destroy(plan_); }
+};
+
+TEST_F(CApiGpu, PlansAndWhatTheyNeedAreData) {
+    EXPECT_STREQ(penumbra_version(), PENUMBRA_VERSION_TEXT);
+    const penumbra_plan_request request = request_of(text);
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_EQ(penumbra_plan_slot_count(plan_), 2u);
+    penumbra_slot slot{};
+    slot.struct_size = sizeof slot;
+    ASSERT_EQ(penumbra_plan_slot(plan_, 0, &slot, &error_), PENUMBRA_OK);
+    EXPECT_STREQ(slot.name, "depth");
+    EXPECT_EQ(slot.kind, PENUMBRA_IMAGE);
+    EXPECT_EQ(slot.width, 29u);
+    EXPECT_EQ(slot.struct_size, sizeof slot);
+    EXPECT_EQ(penumbra_plan_slot(plan_, 2, &slot, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "the plan has 2 slots");
+    EXPECT_GT(penumbra_plan_requirement_count(plan_), 3u);
+    penumbra_requirement need{};
+    need.struct_size = sizeof need;
+    ASSERT_EQ(penumbra_plan_requirement(plan_, 0, &need, nullptr), PENUMBRA_OK);
+    EXPECT_STREQ(need.kind, "version");
+    EXPECT_EQ(need.value, VK_API_VERSION_1_3);
+    penumbra_memory memory{};
+    memory.struct_size = sizeof memory;
+    ASSERT_EQ(penumbra_plan_memory(plan_, &memory, &error_), PENUMBRA_OK);
+    EXPECT_GT(memory.heap_bytes, 0u);
+}
+
+TEST_F(CApiGpu, APipelinesMistakesHaveTheirPlace) {
+    const penumbra_plan_request request = request_of(
+        "{ \"penumbra\": 1,\n  \"name\": \"c\", \"nodes\": { \"g\": { \"type\": \"gides\" } }, \"outputs\": "
+        "[\"x\"] }");
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_PIPELINE);
+    EXPECT_EQ(plan_, nullptr);
+    EXPECT_EQ(std::string(error_.place).substr(0, 9), "c.json:2:") << error_.place;
+    EXPECT_NE(std::strstr(error_.text, "did you mean \"guides\"?"), nullptr) << error_.text;
+    penumbra_plan_request none = request_of(nullptr);
+    none.file = "nosuch.json";
+    EXPECT_EQ(penumbra_plan_create(&none, &plan_, &error_), PENUMBRA_PIPELINE);
+}
+
+// An older caller's structs are shorter, a newer one's longer; one that says nothing is wrong.
+TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
+    struct Newer {
+        penumbra_plan_request request;
+        uint64_t more[4];
+    } newer{request_of(text), {1, 2, 3, 4}};
+    newer.request.struct_size = sizeof newer;
+    EXPECT_EQ(penumbra_plan_create(&newer.request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_plan* other = nullptr;
+    penumbra_plan_request unset = request_of(text);
+    unset.struct_size = 0;
+    EXPECT_EQ(penumbra_plan_create(&unset, &other, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "request.struct_size");
+    struct NewerSlot {
+        penumbra_slot slot;
+        uint64_t more;
+    } slots[2]{};
+    slots[0].slot.struct_size = sizeof slots[0];
+    slots[0].more = 7;
+    EXPECT_EQ(penumbra_plan_slot(plan_, 0, &slots[0].slot, &error_), PENUMBRA_OK);
+    EXPECT_EQ(slots[0].slot.struct_size, sizeof slots[0]);
+    EXPECT_EQ(slots[0].more, 7u);
+    // Elements of an array lie as far apart as the caller's header has them.
+    struct NewerFact {
+        penumbra_fact fact;
+        uint64_t more;
+    } facts[2]{{{sizeof(NewerFact), VK_FALSE, "moves"}, 1}, {{sizeof(NewerFact), VK_FALSE, "alhpa"}, 1}};
+    penumbra_plan_request request = request_of(text);
+    request.facts = &facts[0].fact;
+    request.fact_count = 2;
+    EXPECT_EQ(penumbra_plan_create(&request, &other, &error_), PENUMBRA_PIPELINE);
+    EXPECT_NE(std::strstr(error_.text, "alhpa"), nullptr) << error_.text;
+}
+
+TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
+    EXPECT_EQ(penumbra_plan_create(nullptr, nullptr, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_create(nullptr, &plan_, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "request");
+    EXPECT_EQ(penumbra_plan_slot(nullptr, 0, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_program_create(nullptr, nullptr, nullptr, nullptr, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_create(nullptr, nullptr, nullptr, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_record(nullptr, nullptr, nullptr, nullptr, 0, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_output(nullptr, nullptr, nullptr, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_captured(nullptr, nullptr, nullptr, nullptr, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_completed(nullptr, nullptr, nullptr, nullptr, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_set_param(nullptr, nullptr, nullptr, nullptr, 0, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_slot_count(nullptr), 0u);
+    EXPECT_EQ(penumbra_view_bytes(nullptr), 0u);
+    EXPECT_STREQ(penumbra_view_reset_reason(nullptr, nullptr), "none");
+    penumbra_plan_destroy(nullptr);
+    penumbra_program_destroy(nullptr);
+    penumbra_view_destroy(nullptr);
+    penumbra_transients_destroy(nullptr);
+}
+
+struct Counted {
+    uint32_t calls = 0, live = 0, fail_at = 0;
+};
+
+VkResult allocate(void* user, const penumbra_memory_request* request, penumbra_memory_block* block) {
+    auto& counted = *static_cast<Counted*>(user);
+    if (++counted.calls == counted.fail_at) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    uint32_t type = 0;
+    while (!(request->need.memoryTypeBits >> type & 1) ||
+           (gpu().memory().memoryTypes[type].propertyFlags & request->properties) != request->properties)
+        ++type;
+    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, request->need.size,
+                                    type};
+    const VkResult result = vkAllocateMemory(gpu().get(), &info, nullptr, &block->memory);
+    if (result != VK_SUCCESS) return result;
+    ++counted.live;
+    return request->mapped ? vkMapMemory(gpu().get(), block->memory, 0, VK_WHOLE_SIZE, 0, &block->mapped)
+                           : VK_SUCCESS;
+}
+
+void release(void* user, const penumbra_memory_block* block) {
+    --static_cast<Counted*>(user)->live;
+    vkFreeMemory(gpu().get(), block->memory, nullptr);
+}
+
+TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
+    Counted counted;
+    penumbra_device device = host_device();
+    device.allocate = allocate;
+    device.release = release;
+    device.memory_user = &counted;
+    penumbra_plan_request request = request_of(text);
+    request.device = &device;
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_program* program = nullptr;
+    ASSERT_EQ(penumbra_program_create(&device, plan_, nullptr, &program, &error_), PENUMBRA_OK)
+        << error_.text;
+    penumbra_view* view = nullptr;
+    ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_GT(penumbra_view_bytes(view), 0u);
+    EXPECT_GT(counted.live, 0u);
+    size_t size = 0;
+    EXPECT_EQ(penumbra_program_pipeline_cache(program, &size, nullptr, &error_), PENUMBRA_OK);
+    std::vector<char> cache(size);
+    EXPECT_EQ(penumbra_program_pipeline_cache(program, &size, cache.data(), &error_), PENUMBRA_OK);
+
+    penumbra_frame frame{};
+    frame.struct_size = sizeof frame;
+    frame.size[0] = frame.prev_size[0] = 29;
+    frame.size[1] = frame.prev_size[1] = 13;
+    gpu().run([&](VkCommandBuffer cmd) {
+        EXPECT_EQ(penumbra_view_record(view, cmd, &frame, nullptr, 0, &error_), PENUMBRA_USAGE);
+        EXPECT_STREQ(error_.place, "the slot \"depth\"");
+        EXPECT_EQ(error_.result, VK_SUCCESS);
+        penumbra_external external{};
+        external.struct_size = sizeof external;
+        external.name = "detph";
+        EXPECT_EQ(penumbra_view_record(view, cmd, &frame, &external, 1, &error_), PENUMBRA_USAGE);
+        EXPECT_NE(std::strstr(error_.text, "did you mean \"depth\"?"), nullptr) << error_.text;
+    });
+    const double one = 1;
+    EXPECT_EQ(penumbra_view_set_param(view, "nosuch", "x", &one, 1, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_set_param(view, "guides", "x", &one, 1, &error_), PENUMBRA_USAGE);
+    penumbra_output output{};
+    output.struct_size = sizeof output;
+    EXPECT_EQ(penumbra_view_output(view, "view_depth", &output, &error_), PENUMBRA_OK);
+    EXPECT_NE(output.image, VK_NULL_HANDLE);
+    uint64_t completed = 0;
+    uint32_t passes = 0;
+    EXPECT_EQ(penumbra_view_completed(view, &completed, &passes, nullptr, &error_), PENUMBRA_OK);
+    EXPECT_EQ(completed, UINT64_MAX);
+    EXPECT_EQ(passes, 1u);
+    penumbra_view_options heir{};
+    heir.struct_size = sizeof heir;
+    heir.heir_of = view;
+    penumbra_view* next = nullptr;
+    EXPECT_EQ(penumbra_view_create(program, &heir, &next, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_view_destroy(next);
+    penumbra_view_destroy(view);
+    penumbra_program_destroy(program);
+    EXPECT_EQ(counted.live, 0u);
+
+    counted = {};
+    ASSERT_EQ(penumbra_program_create(&device, plan_, nullptr, &program, &error_), PENUMBRA_OK);
+    ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error_), PENUMBRA_OK);
+    penumbra_view_destroy(view);
+    penumbra_program_destroy(program);
+    const uint32_t calls = counted.calls;
+    for (uint32_t n = 1; n <= calls; ++n) {
+        counted = {0, 0, n};
+        program = nullptr;
+        view = nullptr;
+        penumbra_code code = penumbra_program_create(&device, plan_, nullptr, &program, &error_);
+        if (code == PENUMBRA_OK) code = penumbra_view_create(program, nullptr, &view, &error_);
+        EXPECT_EQ(code, PENUMBRA_OUT_OF_MEMORY) << n;
+        EXPECT_EQ(error_.result, VK_ERROR_OUT_OF_DEVICE_MEMORY);
+        EXPECT_EQ(view, nullptr);
+        penumbra_program_destroy(program);
+        EXPECT_EQ(counted.live, 0u) << n;
+    }
+}
+
+}  // namespace
+}  // namespace penumbra::test

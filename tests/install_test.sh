@@ -1,0 +1,139 @@
+#!/usr/bin/env bash
+# What cmake --install gives is enough to build and run examples/ with: static, as the build folder has it, and shared, from a
+# build that looks for nothing but what the libraries need. Arguments: the build folder, a folder to work in (kept, so that the
+# shared build is made once), the program record_inputs, the compiler's launcher or nothing. Exits 1 on any failure.
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+build=$1 work=$2 record=$3 launcher=${4:-}
+checks=0 failures=0
+expect() { # what, command...
+    local what=$1
+    shift
+    checks=$((checks + 1))
+    if ! "$@" >"$work/now" 2>&1; then
+        failures=$((failures + 1))
+        printf 'FAILED %s: %s\n' "$what" "$*" >&2
+        cat "$work/now" >&2
+    fi
+    mv "$work/now" "$work/log" # what the next one may look at
+}
+expect_not() { expect "$1" bash -c '! "$@"' bash "${@:2}"; }
+
+# The examples, from a copy that no folder of the sources is above.
+examples_of() { # prefix, name, has glsl?
+    local prefix=$1 out=$work/$2
+    rm -rf "$out"
+    cp -r "$root/examples" "$out"
+    expect "$2: configure" cmake -G Ninja -S "$out" -B "$out/build" -DCMAKE_PREFIX_PATH="$prefix" \
+        -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER="$launcher" -DCMAKE_C_COMPILER_LAUNCHER="$launcher"
+    expect "$2: build" cmake --build "$out/build"
+    expect "$2: plan" "$out/build/plan"
+    expect "$2: the plan has shaders" grep -qE '[1-9][0-9]{3} bytes of SPIR-V' "$work/log"
+    expect_not "$2: a pipeline that is not there" "$out/build/plan" nosuch.json
+    expect "$2: bvh" "$out/build/bvh"
+    if [[ $3 == glsl ]]; then
+        expect "$2: a user's node is compiled" "$out/build/invert"
+    else
+        expect "$2: no invert without glsl" test ! -e "$out/build/invert"
+    fi
+}
+
+# Hosts that render give what the standalone program gives, bit for bit, and validation has nothing to say (they exit 1).
+images_of() { # prefix, name
+    local pipeline host file
+    for pipeline in shadows hybrid_shadows; do
+        for host in minimal minimal_c engine; do
+            expect "$2: $host runs $pipeline" "$work/$2/build/$host" "$1/share/penumbra/pipelines/$pipeline.json" 96 54 4 "$work/inputs/$pipeline"
+            for file in "$work/inputs/$pipeline"/*/visibility.out; do
+                expect "$2: $host gives the program's image of $pipeline" cmp "$file" "${file%.out}.$host"
+                rm -f "${file%.out}.$host"
+            done
+        done
+    done
+    # A host that says the wrong layout is found out: what found nothing above was listening.
+    for file in minimal/main.cpp minimal_c/main.c; do
+        host=${file%%/*}
+        sed -i 's/layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL/layout_before = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL/' "$work/$2/$file"
+        expect "$2: build $host with a mistake" cmake --build "$work/$2/build" --target "$host"
+        expect_not "$2: validation notices the mistake of $host" "$work/$2/build/$host" \
+            "$1/share/penumbra/pipelines/shadows.json" 96 54 1 "$work/inputs/shadows"
+    done
+    expect_not "$2: an input that is missing" "$work/$2/build/minimal" "$1/share/penumbra/pipelines/shadows.json" 96 54 1 "$work"
+}
+
+mkdir -p "$work"
+for pipeline in shadows hybrid_shadows; do
+    rm -rf "$work/inputs/$pipeline"
+    expect "inputs of $pipeline" "$record" $pipeline 96 54 4 "$work/inputs/$pipeline"
+    expect "frames differ" bash -c "! cmp -s '$work/inputs/$pipeline/1/visibility.out' '$work/inputs/$pipeline/3/visibility.out'"
+done
+prefix=$work/prefix_static
+rm -rf "$prefix"
+expect "install" cmake --install "$build" --prefix "$work/made"
+rm -rf "$prefix" && mv "$work/made" "$prefix" # a package may be moved
+for file in include/penumbra/graph.h include/penumbra/penumbra.h include/penumbra/version.h include/penumbra/blocks.h include/penumbra/bvh.h \
+    include/penumbra/frame_block.glsl share/penumbra/pipelines/hybrid_shadows.json \
+    share/penumbra/pipelines/pipeline.schema.json share/penumbra/nodes/node.schema.json \
+    share/penumbra/nodes/visibility/trace.json; do
+    expect "is installed" test -f "$prefix/$file"
+done
+expect "headers are the public ones" bash -c "[[ -z \$(ls '$prefix/include' | grep -vx penumbra) ]]"
+expect "no path of this machine is in the package" bash -c "! grep -rlF -e '$root' -e '$work/made' '$prefix'/lib*/cmake '$prefix'/lib*/pkgconfig"
+examples_of "$prefix" examples_static glsl
+images_of "$prefix" examples_static
+
+# pkg-config, with the linker's own words.
+pc=$(dirname "$(find "$prefix" -name penumbra.pc)")
+export PKG_CONFIG_PATH=$pc
+expect "pkg-config knows its version" pkg-config --exact-version=0.1.0 penumbra
+expect "pkg-config, static" bash -c "g++ -std=c++20 -DPIPELINES='\"$prefix/share/penumbra/pipelines\"' \
+    '$root/examples/plan/main.cpp' -o '$work/plan_pc' \$(pkg-config --static --cflags --libs penumbra) && '$work/plan_pc'"
+
+# Shared, without the program, run-time GLSL, and what only they need.
+shared=$work/build_shared
+hide=()
+for package in OpenEXR TinyGLTF CLI11 GTest embree valijson; do hide+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
+expect "shared: configure" cmake -G Ninja -S "$root" -B "$shared" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON \
+    -DPENUMBRA_BUILD_PROGRAM=OFF -DPENUMBRA_TESTS=OFF -DPENUMBRA_GLSL=OFF "${hide[@]}"
+expect "shared: build" cmake --build "$shared"
+prefix=$work/prefix_shared
+rm -rf "$prefix"
+expect "shared: install" cmake --install "$shared" --prefix "$prefix"
+library=$(find "$prefix" -name 'libpenumbra.so')
+expect "soname" bash -c "readelf -d '$library' | grep -q 'soname: .libpenumbra.so.0.1.'"
+# Everything that is shown is penumbra's, or a template of the standard library's that was made here.
+expect "what is not public is hidden" bash -c "nm -DC --defined-only '$library' | cut -d' ' -f3- |
+    grep -vE '(^|[ :&*<(])(penumbra|std)::|^penumbra_' | tee /dev/stderr | wc -l | grep -qx 0"
+expect_not "an inner function is hidden" bash -c "nm -DC --defined-only '$library' | grep -q 'penumbra::place_barriers'"
+expect_not "no embedded file is shown" bash -c "nm -D --defined-only '$library' | grep -q node_files"
+expect_not "glslang is not linked" bash -c "readelf -d '$library' | grep -qiE 'glslang|spirv'"
+expect_not "no Vulkan function is linked" bash -c "nm -D --undefined-only '$library' | grep -q ' vk[A-Z]'"
+examples_of "$prefix" examples_shared none
+images_of "$prefix" examples_shared
+
+# Who asks for what was not built is told so.
+cat >"$work/asks.cmake" <<'END'
+cmake_minimum_required(VERSION 3.25)
+project(asks LANGUAGES C CXX)
+find_package(penumbra REQUIRED COMPONENTS glsl)
+END
+rm -rf "$work/asks" && mkdir "$work/asks" && mv "$work/asks.cmake" "$work/asks/CMakeLists.txt"
+expect_not "asking for glsl" cmake -G Ninja -S "$work/asks" -B "$work/asks/build" -DCMAKE_PREFIX_PATH="$prefix"
+expect "says what is missing" grep -q "built with PENUMBRA_GLSL=OFF" "$work/log"
+
+# A folder of somebody's project.
+rm -rf "$work/inside" && mkdir "$work/inside"
+cat >"$work/inside/CMakeLists.txt" <<END
+cmake_minimum_required(VERSION 3.25)
+project(inside LANGUAGES CXX)
+add_subdirectory($root penumbra)
+add_executable(inside $root/examples/plan/main.cpp)
+target_compile_definitions(inside PRIVATE PIPELINES="$root/pipelines")
+target_link_libraries(inside PRIVATE penumbra::penumbra penumbra::bvh)
+END
+expect "add_subdirectory: configure" cmake -G Ninja -S "$work/inside" -B "$work/inside/build" "${hide[@]}"
+expect "add_subdirectory: no program, no tests" bash -c \
+    "! ninja -C '$work/inside/build' -t targets all | grep -qE 'penumbra_(app|host|models|test)|make_scenes'"
+
+echo "install: $((checks - failures)) of $checks checks passed"
+[[ $failures -eq 0 ]]

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "tests/recording.h"
+
+#include <fstream>
+#include <stdexcept>
+
+#include "app/session.h"
+#include "penumbra/shadow_nodes.h"
+#include "tests/gpu_test.h"
+#include "tests/test_scene.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+template <class T>
+std::vector<std::byte> bytes_of(const T& value) {
+    const auto bytes = std::as_bytes(std::span(&value, 1));
+    return {bytes.begin(), bytes.end()};
+}
+
+std::vector<std::byte> texels_of(const std::vector<Texel>& texels) {
+    const auto bytes = std::as_bytes(std::span(texels));
+    return {bytes.begin(), bytes.end()};
+}
+
+std::vector<std::byte> image_bytes(const GpuImage& image) {
+    return read_image(gpu(), image.get(), image.format, image.extent,
+                      VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+std::vector<std::byte> slot_bytes(const Session& session, const StandaloneFrame& frame,
+                                  const std::string& name) {
+    const GBufferImages& images = session.host().images();
+    if (name == "depth") return image_bytes(images.depth);
+    if (name == "normal") return image_bytes(images.normal);
+    if (name == "motion") return image_bytes(images.motion);
+    if (name == "albedo") return image_bytes(images.albedo);
+    if (name == "sun") return bytes_of(frame.sun);
+    if (name == "sun_prev") return bytes_of(frame.sun_prev);
+    if (name == "scene") return bytes_of(frame.scene);
+    if (name == "scene.nodes") return texels_of(session.bvh()->bvh().nodes);
+    if (name == "scene.leaves") return texels_of(session.bvh()->bvh().leaves);
+    if (name == "neighbours") return texels_of(leaf_neighbours(session.bvh()->bvh()));
+    throw std::invalid_argument("no recording of the slot " + name);
+}
+
+void write(const std::filesystem::path& file, std::span<const std::byte> bytes) {
+    std::ofstream out(file, std::ios::binary);
+    out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+}  // namespace
+
+Facts recorded_facts() {
+    return {{"alpha", false}};
+}
+
+Plan record_plaza(const CheckedPipeline& pipeline, std::array<uint32_t, 2> size, uint32_t frames,
+                  const std::filesystem::path& folder) {
+    SessionOptions options;
+    options.size = size;
+    options.captures = pipeline.output_names();
+    options.seed = 0;
+    options.optimum = false;
+    options.pass_costs = false;
+    options.facts = recorded_facts();
+    for (const Fact& fact : pipeline.domain->facts) options.facts.try_emplace(fact.name, true);
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = Session::open(gpu(), test_nodes(), pipeline, plaza_shot(size, frames), options,
+                                       diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    for (uint32_t f = 0; f < frames; ++f) {
+        session->run_frame(f, f == 0);
+        const StandaloneFrame frame = session->host().frame(f, f == 0);
+        const std::filesystem::path to = folder / std::to_string(f);
+        std::filesystem::create_directories(to);
+        for (const HostSlot& slot : session->plan().slots)
+            write(to / (slot.name + ".bin"), slot_bytes(*session, frame, slot.name));
+        const FrameDescription& description = session->frame_description();
+        write(to / "frame.bin", bytes_of(description));
+        FrameBlock block = make_frame_block(description);
+        write(to / "frame_block.bin", bytes_of(block));
+        for (const std::string& name : pipeline.output_names())
+            write(to / (name + ".out"), session->view().captured(name));
+    }
+    return session->plan();
+}
+
+}  // namespace penumbra::test
