@@ -234,7 +234,16 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     const bool many = pipeline == "many_rays", main = pipeline == "hybrid_shadows";
     const bool covers = shadow == Shadow::soft && (main || pipeline == "covered");
     if (traced) also("classify", "receiver_normal receiver_words", "", "scene scene.nodes scene.leaves", "");
-    if (traced && (!covers || main)) also("trace", "tile_list trace_args", "", "", "");
+    const bool budget = pipeline == "shadows";
+    if (traced && budget)
+        also(shadow == Shadow::soft ? "trace" : "trace_all", "candidates candidate_args", "", "", "");
+    if (traced && budget && shadow == Shadow::soft)
+        also("survey pilots worth allot refine",
+             "tile_list trace_args known pixel_counts ray_words ray_budget classes gains further_tiles "
+             "further_args "
+             "ray_bits frame_worth",
+             "", "", "");
+    if (traced && !budget && (!covers || main)) also("trace", "tile_list trace_args", "", "", "");
     if (traced && alpha) also("", "", "", "scene.alpha_uv scene.alpha_map", "");
     if (shadow == Shadow::soft) also("", "", "", "", "blue_noise");
     if (shadow == Shadow::none) also("open", "", "", "", "");
@@ -346,7 +355,7 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "shadows", "many_rays", "covered", "hybrid_shadows"}) {
+        for (const char* pipeline : {"raw", "one_ray", "shadows", "many_rays", "covered", "hybrid_shadows"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -376,7 +385,8 @@ std::string without_culled(const Plan& plan) {
 TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
-        for (const std::string pipeline : {"raw", "shadows", "many_rays", "covered", "hybrid_shadows"}) {
+        for (const std::string pipeline :
+             {"raw", "one_ray", "shadows", "many_rays", "covered", "hybrid_shadows"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);

@@ -33,7 +33,7 @@ Truth truth_of(const Shot& shot) {
 
 // Of the last of 48 frames, every eighth: one frame is as good as its luck. `facts`: what the pipeline is
 // told whatever the scene says.
-double n_eff(const Shot& shot, const Truth& truth, const Facts& facts) {
+double n_eff(const Shot& shot, const Truth& truth, const Facts& facts, const char* pipeline) {
     constexpr uint32_t frames = 48, judged = 16;
     SessionOptions options;
     options.size = shot.size;
@@ -43,7 +43,7 @@ double n_eff(const Shot& shot, const Truth& truth, const Facts& facts) {
     options.optimum = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file("shadows"), shot, options,
+    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(pipeline), shot, options,
                                        diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     double signal = 0, error = 0;
@@ -68,11 +68,17 @@ class ShadowsOfShots : public GpuTest {};
 TEST_F(ShadowsOfShots, StandingStillReachWhatManyRaysSay) {
     const Shot shot = still_shot("trees");
     const Truth truth = truth_of(shot);
-    const double still = n_eff(shot, truth, {}), may_move = n_eff(shot, truth, {{"moves", true}});
-    RecordProperty("still", std::to_string(still));
-    RecordProperty("may_move", std::to_string(may_move));
-    EXPECT_GT(still, 100);
-    EXPECT_GT(may_move, 100);  // the drift test doubts nothing
+    for (const char* pipeline : {"one_ray", "shadows"}) {
+        SCOPED_TRACE(pipeline);
+        const double still = n_eff(shot, truth, {}, pipeline),
+                     may_move = n_eff(shot, truth, {{"moves", true}}, pipeline);
+        RecordProperty(std::string(pipeline) + "_still", std::to_string(still));
+        RecordProperty(std::string(pipeline) + "_may_move", std::to_string(may_move));
+        EXPECT_GT(still, 100);
+        // The drift test doubts nothing; but where things may move, frames of many rays ask the past for
+        // less.
+        EXPECT_GT(may_move, pipeline == std::string("one_ray") ? 100 : 30);
+    }
 }
 
 // A camera that moves resamples the past of edges that are narrower than a pixel, and a shadow that moves

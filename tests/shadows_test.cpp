@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// What shadows.json promises, on a straight shadow edge that goes through the whole pipeline as real
-// geometry: effective samples per pixel on the first frame, in the long run and behind a moving edge, at any
-// angle (so the denoiser's sun is the tracer's); no worse than the ray anywhere; no trace of garbage or of
-// the borders. Gates are about half of what is reached (docs/denoiser.md).
+// What one_ray.json and shadows.json promise, on a straight shadow edge that goes through the whole pipeline
+// as real geometry: effective samples per pixel on the first frame, in the long run and behind a moving edge,
+// at any angle (so the denoiser's sun is the tracer's); no worse than the ray anywhere; no trace of garbage
+// or of the borders. Gates are about half of what is reached (docs/denoiser.md).
 #include "tests/edge_run.h"
 
 namespace penumbra::test {
 namespace {
 
-double n_eff(const Edge& edge, uint32_t seed = 1) {
-    return n_eff_inside(edge, EdgeRun(edge, "shadows", seed).up_to(edge.last));
+double n_eff(const Edge& edge, const char* pipeline = "one_ray") {
+    return n_eff_inside(edge, EdgeRun(edge, pipeline, 1).up_to(edge.last));
 }
 
 class Shadows : public GpuTest {};
@@ -51,6 +51,21 @@ TEST_F(Shadows, FollowAMovingEdge) {
         EXPECT_GT(n_eff({.width_px = 8, .speed_px = speed, .last = 24}), 40);
         EXPECT_GT(n_eff({.width_px = 32, .speed_px = speed, .last = 24}), 90);
     }
+}
+
+// The same edges under a budget of one ray per surface that looks at the sun: what surely lit and shadowed
+// pixels do not need, the edge has.
+TEST_F(Shadows, HaveMoreOfABudgetThanOfSingleRays) {
+    EXPECT_GT(n_eff({.width_px = 1, .last = 0}, "shadows_best"), 60);
+    EXPECT_GT(n_eff({.width_px = 8, .last = 0}, "shadows_best"), 150);
+    for (const double speed : {-4.0, 0.5}) {
+        SCOPED_TRACE(speed);
+        EXPECT_GT(n_eff({.width_px = 1, .speed_px = speed, .last = 24}, "shadows"), 4);
+        EXPECT_GT(n_eff({.width_px = 1, .speed_px = speed, .last = 24}, "shadows_best"), 40);
+        EXPECT_GT(n_eff({.width_px = 8, .speed_px = speed, .last = 24}, "shadows_best"), 120);
+        EXPECT_GT(n_eff({.width_px = 32, .speed_px = speed, .last = 24}, "shadows_best"), 300);
+    }
+    EXPECT_GT(n_eff({.width_px = 8}, "shadows"), 400);
 }
 
 TEST_F(Shadows, AreAsGoodAtTheBordersAsInside) {

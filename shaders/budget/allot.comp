@@ -46,6 +46,6 @@ void main() {
                 if (bin > t.bin || bin == t.bin && chosen) level = i + 1u;
             }
         append_tile(level != 0u, with_rays(pack_tile(tile, pixels[c], 0.0, WHOLE_RAY_M), RAYS_AT[level]));
-        count_rays(uint(bitCount(pixels[c])) * (RAYS_AT[level] - 1u));
+        count_allotted(uint(bitCount(pixels[c])) * (RAYS_AT[level] - 1u));
     }
 }

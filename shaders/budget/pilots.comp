@@ -46,6 +46,6 @@ void main() {
     }
     const uint rays = subgroupAdd(uint(bitCount(pixels)));
     if (subgroupElect() && rays != 0u) atomicAdd(ray_budget[1], rays);
-    if (index == 0u) ray_budget[0] = rounded(min(floor(budget), 8388607.0));
+    if (index == 0u) ray_budget[0] = uint(min(budget, 4294967040.0));
     append_tile(pixels != 0u, uvec4(record.x, pixels, record.zw));
 }

@@ -45,7 +45,13 @@ void compare_cell(uint at, ivec2 cell) {
             const Footprint foot = r.foot;
             const bool asked = (asking >> uint(i) & 1u) != 0u;
             Estimate now;
-            if (asked) now = unpack_estimate(estimates[PIXELS * at + uint(i)]);
+            if (asked) {
+                const uint word = estimates[PIXELS * at + uint(i)];
+                if (MANY_RAYS)
+                    now = unpack_estimate_of_many(word);
+                else
+                    now = unpack_estimate(word);
+            }
             for (int k = 0; k < (asked ? 0 : 1); ++k) now = agreement(r, reach_of(foot.s, penumbra).box);
             Past past;
             if (HAS_MOTION)
@@ -59,9 +65,10 @@ void compare_cell(uint at, ivec2 cell) {
             // Who has no ray trusts its past before what rays say that do not test its own disc, unless drift finds the past wrong.
             const bool told = now.rays > 0.0 && (tested || asked || past.count <= 0.0);
             worth = told ? frames_worth(now, further) : 0.0;
+            const float shared_by = max(now.rays / now.each, 1.0);  // pixels whose rays it counts
             now = with_own(now, further, bit > 0.5);
             if (HAS_MOTION || HAS_SUN_PREV) {  // the more this frame knows, the less it asks a past that could be over
-                const float most = COUNT_CAP / max(worth, 1.0);
+                const float most = COUNT_CAP * inversesqrt(max(worth, 1.0));
                 past.count = min(past.count, most);
                 past.own.count = min(past.own.count, most);
             }
@@ -95,7 +102,7 @@ void compare_cell(uint at, ivec2 cell) {
                 sums.v += variance;
                 sums.d2 += d * d;
                 sums.e2 += g.residual * g.residual;
-                sums.c += variance * (1.0 + 0.5 * (now.rays - 1.0));
+                sums.c += variance * (1.0 + 0.5 * (shared_by - 1.0));
             }
         }
         imageStore(gathered, p, uvec4(pack_gathered(g, worth, thresholds_at(p)), 0u, 0u));

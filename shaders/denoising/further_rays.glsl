@@ -12,12 +12,11 @@ Estimate with_own(Estimate around, uint word, bool first_lit) {
     if (word == 0u) return around;
     const float own = even_worth(word), all = own + rays_worth(around);
     const float v = around.visibility + own / all * (lit_share(word, first_lit) - around.visibility);
-    return Estimate(v, EVEN_GAIN * all, EVEN_GAIN);
+    return Estimate(v, EVEN_GAIN * all, EVEN_GAIN, around.each);
 }
 
 // Frames with one ray per pixel that this one is worth.
 float frames_worth(Estimate around, uint word) {
-    if (word == 0u) return 1.0;
-    const float rays = float(further_count(word) + 1u);
-    return (even_worth(word) + rays_worth(around)) / max(rays_worth(around) / rays, 1.0);
+    const float own = word == 0u ? 1.0 : even_worth(word), others = rays_worth(around);
+    return max((others > 0.0 && word == 0u ? others : own + others) / max(others / around.each, 1.0), 1.0);
 }

@@ -83,7 +83,8 @@ void ask_around(uint asking) {
     recall_rows(at);
     const ivec2 offset = in_cell(int(pixel)), p = cell_of(left_cells[at]) * CELL + offset;
     const Receiver r = receiver_at(p, offset, imageLoad(view_depth, p).x, light * normal_at(p), rays_of(p));
-    estimates[asking] = pack_estimate(this_frame(r, penumbra_of(at)));
+    const Estimate e = this_frame(r, penumbra_of(at));
+    estimates[asking] = MANY_RAYS ? pack_estimate_of_many(e) : pack_estimate(e);
 }
 
 #include "denoising/settled_cell.glsl"

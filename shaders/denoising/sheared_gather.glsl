@@ -24,6 +24,7 @@ struct Estimate {
     float visibility;
     float rays;  // independent ones that it is worth
     float gain;  // of its variance by regression, over v (1 - v) / rays
+    float each;  // rays that every pixel has which was asked, on average
 };
 
 // In a word: 16 bits of visibility, as many as the state has, 10 of rays (up to 85) and 6 of gain.
@@ -33,7 +34,19 @@ uint pack_estimate(Estimate e) {
     return rounded(clamp(e.visibility, 0.0, 1.0) * 65535.0) | rays << 16 | gain << 26;
 }
 Estimate unpack_estimate(uint word) {
-    return Estimate(float(word & 0xffffu) / 65535.0, float(word >> 16 & 0x3ffu) * RAYS_STEP, float(word >> 26) / 63.0);
+    return Estimate(float(word & 0xffffu) / 65535.0, float(word >> 16 & 0x3ffu) * RAYS_STEP, float(word >> 26) / 63.0, 1.0);
+}
+
+// Where pixels may have several rays: 15 bits of visibility, 7 of rays, 5 of gain and 5 of how many each has; 0 rays are 0.
+uint pack_estimate_of_many(Estimate e) {
+    const uint rays = e.rays > 0.0 ? 1u + rounded(clamp(log2(max(e.rays, 1.0)) * 12.0, 0.0, 126.0)) : 0u;
+    const uint gain = rounded(clamp(e.gain, 0.0, 1.0) * 31.0), each = rounded(clamp(log2(max(e.each, 1.0)) * 6.0, 0.0, 31.0));
+    return rounded(clamp(e.visibility, 0.0, 1.0) * 32767.0) | rays << 15 | gain << 22 | each << 27;
+}
+Estimate unpack_estimate_of_many(uint word) {
+    const uint rays = word >> 15 & 127u;
+    return Estimate(float(word & 0x7fffu) / 32767.0, rays == 0u ? 0.0 : exp2((float(rays) - 1.0) / 12.0), float(word >> 22 & 31u) / 31.0,
+                    exp2(float(word >> 27) / 6.0));
 }
 
 float radius_m(Penumbra p) { return p.distance_m * p.tangent; }
@@ -112,7 +125,7 @@ void add_ray(inout Moments m, bool usable, bool lit, vec3 at, vec2 point, Window
 Estimate estimate_of(Moments m, Horizon horizon) {
     const float by_n = 1.0 / m.n, rays = m.n * m.n / m.n2;
     const float mean = m.b * by_n, variance = mean * (1.0 - mean);
-    Estimate e = Estimate(mean, rays, 0.0);
+    Estimate e = Estimate(mean, rays, 0.0, 1.0);
     float left = variance;
     if (rays > FEWEST) {
         const vec2 eta = m.e * by_n, cov = m.be * by_n - mean * eta;

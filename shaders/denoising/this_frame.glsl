@@ -69,7 +69,7 @@ Estimate agreement(Receiver r, ivec2 box) {
     }
     const float n = flat_box ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
     const bool told = is_tested(r.in_rows) || flat_box && tests != 0;
-    return Estimate(lit != 0u ? 1.0 : 0.0, told ? n : 0.0, max(0.4, min(1.0, 3.0 / n)));
+    return Estimate(lit != 0u ? 1.0 : 0.0, told ? n : 0.0, max(0.4, min(1.0, 3.0 / n)), 1.0);
 }
 
 // Of a receiver without a ray: the mean of the rays next to it, which is nothing to average with others.
@@ -80,7 +80,7 @@ Estimate next_to(Receiver r) {
         lit += bitCount(rows[r.in_rows.y + dy] & columns);
         tests += bitCount(rows[r.in_rows.y + dy] & columns << 16);
     }
-    return Estimate(tests != 0 ? float(lit) / float(tests) : 1.0, 0.0, 1.0);
+    return Estimate(tests != 0 ? float(lit) / float(tests) : 1.0, 0.0, 1.0, 1.0);
 }
 
 // What the rays around say that hit the receiver's disc; `otherwise` where they are too few.
@@ -98,6 +98,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
     const float tolerance = r.surface.tolerance_m * window.by_radius;
     const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
+    float further_asked = 0.0;
     for (int dy = -reach.box.y; dy <= reach.box.y; ++dy) {  // a disc of pixels, cut off at the box
         const uint row = rows[r.in_rows.y + dy] >> uint(r.in_rows.x - R);
         const int half_width = min(int(rounded(floor(sqrt(float(R * R - dy * dy)) + 1e-3))), reach.box.x);
@@ -112,6 +113,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                 const uint word = usable ? further_at(r.p + ivec2(dx, dy)) : 0u;
                 const uint further = further_count(word);
                 if (further != 0u) {
+                    const float before = m.asked;
                     const float turn = 6.2831853 / float(further + 1u), c = cos(turn), s = sin(turn), r2 = dot(point, point);
                     vec2 unit = r2 > 0.0 ? point * inversesqrt(r2) : vec2(1.0, 0.0);
                     float area = r2;
@@ -120,11 +122,15 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                         area = fract(area + 0.618033989);
                         add_ray(m, true, (word >> k & 1u) == 0u, at, sqrt(area) * unit, window, horizon);
                     }
+                    further_asked += m.asked - before;
                 }
             }
         }
     }
-    return m.n > 0.0 && (m.asked > FEWEST || horizon.above == 1.0) ? estimate_of(m, horizon) : otherwise;
+    if (!(m.n > 0.0 && (m.asked > FEWEST || horizon.above == 1.0))) return otherwise;
+    Estimate e = estimate_of(m, horizon);
+    if (HAS_RAY_BITS) e.each = m.asked / max(m.asked - further_asked, 1.0);
+    return e;
 }
 
 // Of a receiver with unlike rays around, some of them beyond its reach perhaps.
@@ -135,7 +141,7 @@ Estimate this_frame(Receiver r, Penumbra penumbra) {
     for (int dy = -reach.box.y; dy <= reach.box.y; ++dy)
         said |= said_by(rows[r.in_rows.y + dy]) & (columns | columns << 16);
     const bool mixed = has_both(said);
-    Estimate e = Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, 1.0, 1.0);
+    Estimate e = Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, 1.0, 1.0, 1.0);
     if (HAS_RAY_WORDS && !is_tested(r.in_rows)) e = next_to(r);
     for (int i = 0; i < (mixed ? 0 : 1); ++i) e = agreement(r, reach.box);
     // Own ray only: a penumbra so narrow that no neighbour's can help.

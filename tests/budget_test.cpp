@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+// A budget of rays per frame: it is kept, whatever the camera does; nobody waits for a ray for longer than is
+// said; further rays are those that trace would cast; a budget of nothing casts nothing.
+#include <bit>
+#include <cmath>
+#include <map>
+
+#include "app/session.h"
+#include "penumbra/shadow_nodes.h"
+#include "tests/gpu_test.h"
+#include "tests/test_scene.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+Shot shot_named(const std::string& name) {
+    Diagnostics diagnostics;
+    auto shot =
+        read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (name + ".shot.json"), diagnostics);
+    if (!shot) throw std::runtime_error(diagnostics.text());
+    return std::move(*shot);
+}
+
+class Budgeted {
+  public:
+    Budgeted(Shot shot, const std::string& pipeline, std::vector<std::string> settings,
+             std::vector<std::string> captures)
+        : shot_(std::move(shot)) {
+        static const NodeSet nodes = shadow_nodes();
+        Diagnostics diagnostics;
+        std::vector<std::string> warnings;
+        settings.emplace_back("outputs=[\"visibility\"]");
+        const auto loaded =
+            load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (pipeline + ".json"),
+                          settings, diagnostics);
+        const auto checked = loaded ? check(*loaded, nodes, diagnostics) : std::nullopt;
+        if (!checked) throw std::runtime_error(diagnostics.text());
+        SessionOptions options;
+        options.size = {192, 108};
+        options.captures = std::move(captures);
+        options.captures.emplace_back("visibility");
+        options.optimum = false;
+        options.jitter = false;
+        session_ = Session::open(gpu(), nodes, *checked, shot_, options, diagnostics, warnings);
+        if (!session_) throw std::runtime_error(diagnostics.text());
+    }
+    const View& view() const { return session_->view(); }
+    void frame(uint32_t index, bool reset) { session_->run_frame(index, reset); }
+    std::vector<uint32_t> words(const char* name) const { return captured<uint32_t>(session_->view(), name); }
+    std::vector<uint16_t> visibility() const { return captured<uint16_t>(session_->view(), "visibility"); }
+
+  private:
+    Shot shot_;
+    std::unique_ptr<Session> session_;
+};
+
+uint64_t bits_in(const std::vector<uint32_t>& words) {
+    uint64_t n = 0;
+    for (const uint32_t word : words) n += uint64_t(std::popcount(word));
+    return n;
+}
+
+// Beside the first rays.
+uint64_t further_rays(const std::vector<uint32_t>& ray_bits) {
+    uint64_t n = 0;
+    for (const uint32_t word : ray_bits) n += word == 0 ? 0 : uint64_t(std::bit_width(word) - 1);
+    return n;
+}
+
+class Budget : public GpuTest {};
+
+TEST_F(Budget, IsKeptInEveryFrame) {
+    for (const double rays : {0.1, 0.5, 1.0, 2.0}) {
+        SCOPED_TRACE(rays);
+        Budgeted run(shot_named("colonnade"), "shadows",
+                     {"nodes.pilots.params.rays_per_frame=" + std::to_string(rays)},
+                     {"ray_words", "ray_bits", "sunward_words"});
+        for (uint32_t frame = 0; frame < 8; ++frame) {
+            run.frame(frame, frame == 0 || frame == 4);  // a cut: nothing is known
+            const double budget = std::floor(rays * double(bits_in(run.words("sunward_words"))));
+            const double cast = double(bits_in(run.words("ray_words")) + further_rays(run.words("ray_bits")));
+            EXPECT_LE(cast, budget * 1.01) << "frame " << frame;
+            // A tenth of a ray per pixel is in 32nds of a tile's pixels, and what is left is more than edges
+            // can take.
+            EXPECT_GE(cast, budget * (rays < 0.5 ? 0.95 : 0.99)) << "frame " << frame;
+        }
+    }
+}
+
+// Standing still nearly everything is lit or shadowed for certain: one ray in four frames, and no pixel is
+// forgotten.
+TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
+    Shot shot = shot_named("colonnade");
+    shot.camera.resize(1);
+    Budgeted run(shot, "shadows", {}, {"ray_words", "sunward_words", "known"});
+    std::map<size_t, uint32_t> cast;
+    uint64_t rays = 0;
+    for (uint32_t frame = 0; frame < 44; ++frame) {
+        run.frame(frame, frame == 0);
+        if (frame < 40) continue;
+        const auto words = run.words("ray_words");
+        rays += bits_in(words);
+        for (size_t i = 0; i < words.size(); ++i) cast[i] |= words[i];
+    }
+    const auto sunward = run.words("sunward_words");
+    EXPECT_LT(rays, 4 * bits_in(sunward) * 6 / 10);
+    for (size_t i = 0; i < sunward.size(); ++i) EXPECT_EQ(cast[i] & sunward[i], sunward[i]) << i;
+}
+
+TEST_F(Budget, OfNothingCastsNothing) {
+    Budgeted run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0"},
+                 {"ray_words", "ray_bits"});
+    for (uint32_t frame = 0; frame < 3; ++frame) {
+        run.frame(frame, frame == 0);
+        EXPECT_EQ(bits_in(run.words("ray_words")), 0u);
+        EXPECT_EQ(further_rays(run.words("ray_bits")), 0u);
+    }
+}
+
+// In a frame of which nothing is known before: a pixel that got n rays, said to be lit by so many of them, as
+// raw.json says with n rays per pixel.
+TEST_F(Budget, FurtherRaysAreThoseOfTheWholeSet) {
+    Budgeted run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=4"},
+                 {"ray_words", "ray_bits", "hits"});
+    run.frame(0, true);
+    const auto bits = run.words("ray_bits"), hits = run.words("hits");
+    std::map<uint32_t, std::vector<size_t>> by_count;
+    for (size_t i = 0; i < bits.size(); ++i)
+        if (bits[i] != 0) by_count[uint32_t(std::bit_width(bits[i]))].push_back(i);
+    ASSERT_GE(by_count.size(), 2u);
+    for (const auto& [n, pixels] : by_count) {
+        SCOPED_TRACE(n);
+        Budgeted raw(shot_named("colonnade"), "raw",
+                     {"nodes.trace.params.rays_per_pixel=" + std::to_string(n),
+                      "resources.visibility={\"format\": \"r16f\"}"},
+                     {"fraction", "hits"});
+        raw.frame(0, true);
+        const auto first = raw.words("hits");
+        const auto shares = captured<uint8_t>(raw.view(), "fraction");
+        size_t unlike = 0;
+        for (const size_t i : pixels) {
+            const size_t x = i % 192, y = i / 192, tile = y / 4 * 24 + x / 8, bit = y % 4 * 8 + x % 8;
+            const bool blocked = (hits[tile] >> bit & 1) != 0;
+            ASSERT_EQ(blocked, (first[tile] >> bit & 1) != 0) << i;
+            const uint32_t lit = n - uint32_t(std::popcount(bits[i])) + 1 - (blocked ? 1 : 0);
+            const uint32_t said = shares[i] != 0 ? uint32_t(std::lround(shares[i] / 255.0 * n))
+                                  : blocked      ? 0
+                                                 : n;
+            unlike += lit != said;
+        }
+        EXPECT_EQ(unlike, 0u) << "of " << pixels.size();
+    }
+}
+
+}  // namespace
+}  // namespace penumbra::test
