@@ -3,16 +3,16 @@
 # mean square error and CPU milliseconds of the mask, per shot and in the mean.
 #   scripts/tune.sh                                    pipelines/shadows.json as it is
 #   scripts/tune.sh 'few: --constant FEWEST=1.5' 'wide: --set nodes.gather.params.radius=5' 'covered: pipelines/covered.json'
-#   scripts/tune.sh --constants [NAME...]              halves and doubles the numbers of docs/constants.md, and writes there what
-#                                                      that does (all of them, or those named)
+#   scripts/tune.sh --constants [NAME...]              halves and doubles the numbers of docs/constants.md, with the pipeline that each
+#                                                      table there names, and writes there what that does (all of them, or those named)
 #   scripts/tune.sh --values                           reads the values there from the files; changes nothing else
 # A contender is NAME: OPTIONS, where an option is another pipeline, `--constant NAME=VALUE` (of docs/constants.md, also one of a
 # shader) or one of `penumbra render`'s, as --set or --nodes. The pipeline as it is comes first and is what ratios are over.
 # Columns: first = frame 0, without a past; moving = frames 4 to 28 (--constants: 8, 16, 24), harmonic mean; still = frame 31 of the
 # same shot with nothing that moves. Over shots: geometric mean. CPU milliseconds: of all passes but the guides.
 # FOLDER (scenes/tuning; held-out shots of another seed lie in one of yours), SHOTS (a pattern, '*'), SIZE (320x180), SEEDS ("0"),
-# RAYS (512, of the reference, which is kept in out/tuning), PIPELINE (pipelines/shadows.json), OPTIONS (for all contenders), TABLE
-# (docs/constants.md), JOBS (2, of --constants, which measures no time), PRESET (release) and PENUMBRA may be set; VK_DRIVER_FILES
+# RAYS (512, of the reference, which is kept in out/tuning), PIPELINE (pipelines/shadows.json; of --constants, instead of those that the
+# tables name), OPTIONS (for all contenders), TABLE (docs/constants.md), JOBS (2, of --constants, which measures no time), PRESET (release) and PENUMBRA may be set; VK_DRIVER_FILES
 # chooses the driver.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -50,12 +50,14 @@ def run(*command):
 
 
 # The table of constants. Its first columns are name, file and value. A name is that of a constant or of a node's parameter
-# (node.parameter), or a piece of the shader's text with the number in [[ ]].
+# (node.parameter), or a piece of the shader's text with the number in [[ ]]. A line "Measured with `FILE.json`" above a table names the
+# pipeline that its numbers are halved and doubled in.
 COLUMNS = ["first", "moving", "still"]
 
 
 class Constant:
-    def __init__(self, line):
+    def __init__(self, line, pipeline=None):
+        self.pipeline = pipeline
         self.cells = [c.strip() for c in re.split(r"(?<!\\)\|", line.strip())[1:-1]]
         self.name, self.file, self.value = (c.strip("`").replace("\\|", "|") for c in self.cells[:3])
 
@@ -72,7 +74,7 @@ class Constant:
         if "[[" in self.name:
             before, number, after = re.fullmatch(r"(.*)\[\[(.*)\]\](.*)", self.name).groups()
             return re.compile("(" + re.escape(before) + r")([^\s,;()]+?)(" + (re.escape(after) or r"(?![\w.])") + ")")
-        return re.compile(r"(\b" + re.escape(self.name) + r"(?:\[\d*\])? = )((?:[^,;(]|\([^)]*\))+)([,;])")
+        return re.compile(r"(\b" + re.escape(self.name) + r"(?:\[\w*\])? = )((?:[^,;(]|\([^)]*\))+)([,;])")
 
     def now(self):
         text = open(self.path()).read()
@@ -95,7 +97,7 @@ class Constant:
             return str(number) + ("u" if now.endswith("u") else "")
         if self.is_parameter():
             return repr(float(now) * factor)
-        array = re.fullmatch(r"(float\[\d*\])\((.*)\)", now)
+        array = re.fullmatch(r"(float\[\w*\])\((.*)\)", now)
         if array:
             return f"{array[1]}({', '.join(f'{factor} * ({x.strip()})' for x in array[2].split(','))})"
         return f"{factor} * ({now})"
@@ -106,10 +108,14 @@ class Constant:
 
 
 def constants():
-    rows = []
+    rows, pipeline = [], None
     for line in open(table_file):
+        said = re.match(r"Measured with `([^`]*\.json)`", line)
+        pipeline = said[1] if said else pipeline
         if re.match(r"\| `", line):
-            rows.append(Constant(line))
+            rows.append(Constant(line, os.environ.get("PIPELINE", pipeline)))
+            if rows[-1].is_measured() and rows[-1].pipeline is None:
+                sys.exit(f'tune.sh: {table_file}: no line "Measured with `FILE.json`" comes before the table with {rows[-1].name}')
     return rows
 
 
@@ -154,11 +160,11 @@ def changed_nodes(folder, pipeline, changes):
 
 
 class Contender:
-    def __init__(self, text):
+    def __init__(self, text, pipeline=base_pipeline):
         if ":" not in text:
             sys.exit(f"tune.sh: \"{text}\": a contender is NAME: OPTIONS")
         self.name, options = (part.strip() for part in text.split(":", 1))
-        self.pipeline, self.options, changes = base_pipeline, shlex.split(os.environ.get("OPTIONS", "")), []
+        self.pipeline, self.options, changes = pipeline, shlex.split(os.environ.get("OPTIONS", "")), []
         words = iter(shlex.split(options))
         for word in words:
             if word == "--constant":
@@ -312,20 +318,23 @@ def sensitivity(names):
     for name in names:
         if name not in [r.name for r in rows if r.is_measured()]:
             sys.exit(f"tune.sh: {table_file} has no such row with columns for half and double: {name}")
-    base = over_shots(Contender("base:"), jobs)
-    print("as it is: " + ", ".join(f"{c} {mean(base, c):.4g}" for c in COLUMNS), flush=True)
+    bases = {}
     families = sorted({s.rsplit("_", 1)[0] for s in shots})
     for row in rows:
         if not row.is_measured() or names and row.name not in names:
             continue
-        said = []
+        if row.pipeline not in bases:
+            bases[row.pipeline] = over_shots(Contender("base:", row.pipeline), jobs)
+            means = ", ".join(f"{c} {mean(bases[row.pipeline], c):.4g}" for c in COLUMNS)
+            print(f"{row.pipeline} as it is: {means}", flush=True)
+        base, said = bases[row.pipeline], []
         for factor in (0.5, 2.0):
             value = row.times(factor)
             if row.whole() and value == row.now():
                 said.append("-")
                 continue
             try:
-                found = over_shots(Contender("changed: " + shlex.join(["--constant", f"{row.file}:{row.name}={value}"])), jobs)
+                found = over_shots(Contender("changed: " + shlex.join(["--constant", f"{row.file}:{row.name}={value}"]), row.pipeline), jobs)
             except RuntimeError as error:
                 said.append("not possible")
                 print(f"{row.name}={value}: {error}", file=sys.stderr)

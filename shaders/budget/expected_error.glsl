@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The squared error that one ray is expected to leave in a pixel beside unlike rays, by what the previous frame knew of it. Figures are means of v (1 - v)
-// over pixels of the tuning shots, which agree within a third from shot to shot (docs/budget.md).
+// over pixels of the tuning shots; docs/constants.md says how far these agree.
 //
 // Includer has camera.glsl, blockers.glsl, shadow_state.glsl and sun_change.glsl, and declares the image history, the block sun and, where things
 // move, the image motion and the block sun_prev.
 
 // [0]: next to unlike rays; [1]: two pixels away; [2]: farther. By how far the past was from 0 and from 1.
-const float UNKNOWN[3] = float[3](0.07, 0.006, 0.002), SURE[3] = float[3](0.011, 0.0012, 0.0001), NEARLY[3] = float[3](0.045, 0.02, 0.01),
-            FAINT[3] = float[3](0.11, 0.065, 0.06), HALF[3] = float[3](0.195, 0.13, 0.11), CONTRADICTED[3] = float[3](0.075, 0.02, 0.01);
+const float UNKNOWN[3] = float[3](0.077, 0.025, 0.0035), SURE[3] = float[3](0.01, 0.0028, 0.0003), NEARLY[3] = float[3](0.05, 0.031, 0.024),
+            FAINT[3] = float[3](0.111, 0.08, 0.064), HALF[3] = float[3](0.2, 0.16, 0.14), CONTRADICTED[3] = float[3](0.088, 0.025, 0.028);
 const float NEARLY_BELOW = 0.05, FAINT_BELOW = 0.2;
 
 const float OF_RAYS = 20.0;        // of a past as good as so many rays a further ray is worth a quarter
