@@ -93,6 +93,7 @@ TEST_F(Budget, IsKeptInEveryFrame) {
 TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
     Shot shot = shot_named("colonnade");
     shot.camera.resize(1);
+    shot.objects.clear();
     Budgeted run(shot, "shadows", {}, {"ray_words", "sunward_words", "known"});
     std::map<size_t, uint32_t> cast;
     uint64_t rays = 0;

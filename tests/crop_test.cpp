@@ -88,7 +88,7 @@ TEST_F(Crop, OfALargerRenderEqualsTheSmallRender) {
                        {"normal", Format::rgba32f},
                        {"motion", Format::rgba16f},
                        {"albedo", Format::rgba8}};
-    const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
+    const CheckedPipeline pipeline = shadow_pipeline_file("one_ray");
     ViewRun whole(pipeline, {large, large}, options), part(pipeline, {small, small}, options);
 
     for (uint32_t index = 0; index < 4; ++index) {

@@ -31,6 +31,8 @@ std::vector<ListReader> list_readers(std::string_view name) {
     };
     if (name == "covered") return {of("cover", "candidates"), of("beams", "facing")};
     if (name == "hybrid_shadows") return {trace, of("cover", "candidates"), of("beams", "facing")};
+    if (name == "shadows")
+        return {trace, of("pilots", "candidates"), {"refine", "tile_list", "further_tiles", "further_args"}};
     if (name == "many_rays") return {trace, of("beams", "facing")};
     return {trace};
 }
@@ -100,10 +102,11 @@ TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
         std::vector<std::string> settings;
         for (const ListReader& r : list_readers(GetParam())) {
             const std::string other = "other_" + r.list;
-            settings.push_back("nodes." + other + "={ " + params +
-                               (r.node == "cover" ? R"(, "if": "sun_disc")" : "") +
-                               R"(, "in": { "tile_list": ")" + r.list + R"(", "trace_args": ")" + r.args +
-                               R"(" }, "out": { "permuted_list": ")" + other + R"(" } })");
+            settings.push_back(
+                "nodes." + other + "={ " + params +
+                (r.node == "cover" || GetParam() == std::string("shadows") ? R"(, "if": "sun_disc")" : "") +
+                R"(, "in": { "tile_list": ")" + r.list + R"(", "trace_args": ")" + r.args +
+                R"(" }, "out": { "permuted_list": ")" + other + R"(" } })");
             settings.push_back("nodes." + r.node + ".in." + r.port + "=" + other);
         }
         const ListReader last = list_readers(GetParam()).front();

@@ -798,7 +798,7 @@ TEST_F(EmbeddingGpu, RequirementsSayWhatAndWhy) {
     ASSERT_TRUE(queries) << diagnostics.text();
     const auto query = requirements(*queries);
     ASSERT_TRUE(need_of(query, "VK_KHR_ray_query"));
-    EXPECT_EQ(need_of(query, "rayQuery")->why, "trace");
+    EXPECT_EQ(need_of(query, "rayQuery")->why, "trace refine");
 
     Plan huge = *plan;
     huge.resources.front().extent = {1u << 20, 1};

@@ -32,7 +32,7 @@ class ReportMeasure : public test::GpuTest {
         fs::create_directories(folder_ / "shots");
         Diagnostics diagnostics;
         auto contenders =
-            open_contenders({pipeline("raw"), pipeline("shadows")}, PENUMBRA_SOURCE_DIR, nodes_, diagnostics);
+            open_contenders({pipeline("raw"), pipeline("one_ray")}, PENUMBRA_SOURCE_DIR, nodes_, diagnostics);
         ASSERT_TRUE(contenders) << diagnostics.text();
         results_.contenders = std::move(contenders->list);
         results_.device = test::gpu().info();
@@ -78,7 +78,7 @@ TEST_F(ReportMeasure, PlainRaysAreContendersOnce) {
     Diagnostics diagnostics;
     for (const bool all : {false, true}) {
         const std::vector<std::string> wanted =
-            all ? std::vector<std::string>{} : std::vector{pipeline("shadows")};
+            all ? std::vector<std::string>{} : std::vector{pipeline("one_ray")};
         const auto contenders = open_contenders(wanted, PENUMBRA_SOURCE_DIR, nodes_, diagnostics, true);
         ASSERT_TRUE(contenders) << diagnostics.text();
         std::multiset<std::pair<bool, uint32_t>> plain, every;
@@ -147,8 +147,8 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
     }
 
     for (const auto& [file, frames, every, id, setting, still] :
-         {std::tuple(shot->moving.file, "3..7", 4u, "shadows", "", false),
-          std::tuple(shot->still->file, "3", 1u, "shadows", "", true),
+         {std::tuple(shot->moving.file, "3..7", 4u, "one_ray", "", false),
+          std::tuple(shot->still->file, "3", 1u, "one_ray", "", true),
           std::tuple(shot->still->file, "3", 1u, "raw", "", true),
           std::tuple(shot->moving.file, "3..7", 4u, "raw", "", false),
           std::tuple(shot->moving.file, "3..7", 4u, "rays_4", "nodes.trace.params.rays_per_pixel=4",
@@ -268,7 +268,8 @@ TEST_F(ReportMeasure, AMaskWithoutHistoryDoesNotKnowItsPast) {
     using Names = std::set<std::string>;
     // hybrid_shadows and its presets remember which tiles were left to rays.
     EXPECT_EQ(with, (Names{"fidelityfx", "hybrid_cascades", "hybrid_fidelityfx", "hybrid_shadows",
-                           "hybrid_shadows_best", "hybrid_shadows_fast", "shadows"}));
+                           "hybrid_shadows_best", "hybrid_shadows_fast", "one_ray", "shadows", "shadows_best",
+                           "shadows_fast"}));
     EXPECT_EQ(without[CostMemory::all], (Names{"covered", "many_rays"}));
     EXPECT_EQ(without[CostMemory::frame_before], (Names{"cascades_only"}));
 }
@@ -314,7 +315,7 @@ TEST_F(ReportMeasure, AFrontIsMeasuredInMotionAlone) {
     arguments.size = "99x77";
     arguments.rounds = 1;
     arguments.rays = 64;
-    arguments.pipelines = {pipeline("shadows")};
+    arguments.pipelines = {pipeline("one_ray")};
     arguments.shots = {make_edge_shot(8, 0.5, 15, folder_ / "shots", diagnostics).shot.file.string()};
     testing::internal::CaptureStdout();
     testing::internal::CaptureStderr();

@@ -179,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
                          ::testing::Values("raw", "many_rays", "fidelityfx", "shadows", "covered",
                                            "hybrid_shadows"),
                          [](const auto& test) { return std::string(test.param); });
-INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline, ::testing::Values("raw", "fidelityfx", "shadows"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline, ::testing::Values("raw", "fidelityfx", "one_ray"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
