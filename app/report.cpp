@@ -110,7 +110,7 @@ OrderedJson by_frame_json(const Session& session, const RenderedFrames& rendered
     for (const FrameCost& cost : rendered.costs) {
         const uint32_t frame = rendered.start + static_cast<uint32_t>(frames.size());
         std::optional<double> mask_cpu_ms = 0;
-        OrderedJson counted = {{"receivers", nullptr}, {"rays", nullptr}};
+        OrderedJson counted = {{"receivers", nullptr}, {"sunward", nullptr}, {"rays", nullptr}};
         for (size_t p = 0; p < plan.passes.size(); ++p) {
             if (mask[p])
                 mask_cpu_ms = mask_cpu_ms && cost.pass_cpu_ms[p]
@@ -126,6 +126,7 @@ OrderedJson by_frame_json(const Session& session, const RenderedFrames& rendered
                           {"cpu_ms", cost.cpu_ms},
                           {"mask_cpu_ms", mask_cpu_ms ? OrderedJson(*mask_cpu_ms) : OrderedJson()},
                           {"receivers", counted["receivers"]},
+                          {"sunward", counted["sunward"]},
                           {"rays", counted["rays"]}});
     }
     return frames;

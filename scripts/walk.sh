@@ -2,7 +2,7 @@
 # How steady a frame is when the camera walks, swings and cuts: rays per receiver beside the budget, and CPU milliseconds of what
 # makes the mask, of every frame of a shot; a row of a Markdown table for each pipeline.
 #   scripts/walk.sh shadows hybrid_shadows            # names in pipelines/, or files
-# The budget is the pipeline's parameter rays_per_frame, in rays per receiver. Frames without history (the first one, cuts) count for
+# The budget is the pipeline's parameter rays_per_frame, in rays per surface that looks at the sun. Frames without history (the first one, cuts) count for
 # the rays and not for the time. SHOT (scenes/walk.shot.json), SIZE (640x360), RUNS (3, pipelines in turn; of each frame the least
 # time counts, as other work on the machine only adds) and PENUMBRA may be set; VK_DRIVER_FILES chooses the driver.
 set -euo pipefail
@@ -48,7 +48,7 @@ for p in pipelines:
             if a["rays"] != b["rays"]:
                 sys.exit(f"{p}: frame {a['frame']} took {a['rays']} rays in one run and {b['rays']} in another")
     seen = [f for f in frames if f["receivers"]]
-    rays = [(f["rays"] or 0) / f["receivers"] for f in seen]
+    rays = [(f["rays"] or 0) / (f["sunward"] or f["receivers"]) for f in seen]  # without a budget, of all surfaces
     over = "-" if budget is None else f"{sum(abs(r / budget - 1) > .01 for r in rays)} of {len(rays)}"
     least = [min(run["by_frame"][i]["mask_cpu_ms"] for run in reports[p]) for i in range(len(frames))]
     ms = [t for t, f in zip(least, frames) if not f["reset"]]

@@ -47,5 +47,6 @@ void main() {
     const uint rays = subgroupAdd(uint(bitCount(pixels)));
     if (subgroupElect() && rays != 0u) atomicAdd(ray_budget[1], rays);
     if (index == 0u) ray_budget[0] = uint(min(budget, 4294967040.0));
+    count_sunward(uint(bitCount(record.y)));
     append_tile(pixels != 0u, uvec4(record.x, pixels, record.zw));
 }

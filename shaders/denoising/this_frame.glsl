@@ -83,6 +83,22 @@ Estimate next_to(Receiver r) {
     return Estimate(tests != 0 ? float(lit) / float(tests) : 1.0, 0.0, 1.0, 1.0);
 }
 
+// The points of a pixel's further rays from that of its first one: turned evenly, and of evenly spread areas (noise_step()).
+struct FurtherPoint {
+    vec2 unit, turn;
+    float area;
+};
+
+FurtherPoint further_point(vec2 first, uint further) {
+    const float turn = 6.2831853 / float(further + 1u), r2 = dot(first, first);
+    return FurtherPoint(r2 > 0.0 ? first * inversesqrt(r2) : vec2(1.0, 0.0), vec2(cos(turn), sin(turn)), r2);
+}
+
+void step_on(inout FurtherPoint p) {
+    p.unit = vec2(p.turn.x * p.unit.x - p.turn.y * p.unit.y, p.turn.y * p.unit.x + p.turn.x * p.unit.y);
+    p.area = fract(p.area + 0.618033989);
+}
+
 // What the rays around say that hit the receiver's disc; `otherwise` where they are too few.
 Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate otherwise) {
     Window window;
@@ -114,14 +130,14 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                 const uint further = further_count(word);
                 if (further != 0u) {
                     const float before = m.asked;
-                    const float turn = 6.2831853 / float(further + 1u), c = cos(turn), s = sin(turn), r2 = dot(point, point);
-                    vec2 unit = r2 > 0.0 ? point * inversesqrt(r2) : vec2(1.0, 0.0);
-                    float area = r2;
-                    for (uint k = 0u; k < further; ++k) {  // see noise_step(): turned evenly, and of evenly spread areas
-                        unit = vec2(c * unit.x - s * unit.y, s * unit.x + c * unit.y);
-                        area = fract(area + 0.618033989);
-                        add_ray(m, true, (word >> k & 1u) == 0u, at, sqrt(area) * unit, window, horizon);
-                    }
+                    FurtherPoint next = further_point(point, further);
+                    // By eights: one driver ends all loops of a workgroup after 65 535 turns (common/branch.glsl).
+                    for (uint k = 0u; k < further; k += 8u)
+                        [[unroll]] for (uint j = 0u; j < 8u; ++j) {
+                            step_on(next);
+                            const bool lit = (word >> k + j & 1u) == 0u;
+                            add_ray(m, k + j < further, lit, at, sqrt(next.area) * next.unit, window, horizon);
+                        }
                     further_asked += m.asked - before;
                 }
             }
