@@ -130,7 +130,7 @@ TEST_F(Denoise, WithAllThatIsKnownOfRaysIsTheirPipeline) {
 }
 
 // Rays of a host for every second pixel, in turns, or for one in four. A pixel without a ray takes its
-// neighbours' and its past; counted as a test of its own, what is not known of it would leave 1.6 and less.
+// neighbours' and its past. Gates are about half of what is reached.
 uint32_t checkerboard(uint32_t frame) {
     return frame % 2 == 0 ? 0xaa55aa55 : 0x55aa55aa;
 }

@@ -2,8 +2,7 @@
 // The squared error that one ray is expected to leave in a pixel beside unlike rays, by what the previous frame knew of it. Figures are means of v (1 - v)
 // over pixels of the tuning shots; docs/constants.md says how far these agree.
 //
-// Includer has camera.glsl, blockers.glsl, shadow_state.glsl and sun_change.glsl, and declares the image history, the block sun and, where things
-// move, the image motion and the block sun_prev.
+// Includer has nearest_past.glsl, blockers.glsl and sun_change.glsl, and declares the block sun and, where it moves, sun_prev.
 
 // [0]: next to unlike rays; [1]: two pixels away; [2]: farther. By how far the past was from 0 and from 1.
 const float UNKNOWN[3] = float[3](0.077, 0.025, 0.0035), SURE[3] = float[3](0.01, 0.0028, 0.0003), NEARLY[3] = float[3](0.05, 0.031, 0.024),

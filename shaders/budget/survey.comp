@@ -16,7 +16,7 @@ const bool MANY_RAYS = true;
 #include "common/branch.glsl"
 #include "budget/nearest_past.glsl"
 
-const float NEVER_ELSE = 0.003;
+const float NEVER_ELSE = 0.003;  // of 0 or of 1: less than one ray among those that a past stands for
 const float SETTLED = 24.0;  // frames after which, where nothing can move, a pixel that was never in penumbra needs no more than its turn
 
 // Pixels that are new or were in penumbra; those that have long been lit or shadowed; those that were lit.

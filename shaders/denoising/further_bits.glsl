@@ -22,4 +22,3 @@ float lit_share(uint word, bool first_lit) {
 }
 
 float even_worth(uint word) { return pow(float(further_count(word) + 1u), EVEN_POINTS); }
-
