@@ -103,7 +103,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
     compile_options.captures = options.captures;
-    if (options.optimum) compile_options.optimum_search_nodes = report_search_nodes;
+    if (options.optimum) compile_options.optimum_search_nodes = render_search_nodes;
     host_options.jitter = options.jitter;
     session->host_ =
         std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
@@ -120,7 +120,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;
-    session->host_->set_jitter(options.jitter && plan->jitter);
+    session->host_->set_jitter(options.jitter && (plan->jitter || options.always_jitter));
 
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));
     session->view_ = std::make_unique<View>(program, ViewOptions{1, options.poison});

@@ -25,7 +25,8 @@ struct SessionOptions {
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
     bool alias = true;
-    bool jitter = true;
+    bool jitter = true;          // where a node of the plan needs it
+    bool always_jitter = false;  // whether one does or not
     bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;             // instead of what the scene says

@@ -16,10 +16,6 @@ namespace penumbra {
 
 namespace {
 
-// What the exact search at the end may cost: at most a tenth of a second. Real pipelines take some hundred
-// nodes.
-constexpr uint64_t small_search_nodes = 20'000;
-
 uint64_t align_up(uint64_t value, uint64_t alignment) {
     return (value + alignment - 1) & ~(alignment - 1);
 }

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+// Members of a glTF extension's object, and the buffer views that it names.
+#pragma once
+
+#include <tiny_gltf.h>
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "host/models/gltf_accessor.h"
+
+namespace penumbra {
+
+// A whole number of an extension's object; GltfError, with the extension's name, where there is none.
+int extension_integer(const tinygltf::Value& object, const char* key, const char* extension);
+// Numbers of a list; those that the object does not have stay as `out` has them.
+void extension_numbers(const tinygltf::Value& object, const char* key, const char* extension,
+                       std::span<double> out);
+
+// A buffer view's bytes, checked to lie in its buffer. GltfError.
+std::span<const unsigned char> view_bytes(const tinygltf::Model& file, int view);
+
+}  // namespace penumbra

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "host/models/gltf_meshopt.h"
+
+#include <fmt/format.h>
+#include <meshoptimizer.h>
+
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "host/models/gltf_extension.h"
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* name = "EXT_meshopt_compression";
+constexpr uint32_t glb_magic = 0x46546C67, json_chunk = 0x4E4F534A;
+constexpr size_t glb_header = 12, chunk_header = 8;
+
+uint32_t word(const std::string& bytes, size_t at) {
+    uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    return value;
+}
+
+// The JSON with a byte of data in every buffer that is a place alone; nothing where there is no such buffer.
+std::string patched(const std::string& text) {
+    if (text.find(name) == std::string::npos) return "";
+    Json json = Json::parse(text, nullptr, false);
+    if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return "";
+    bool changed = false;
+    for (Json& buffer : json["buffers"]) {
+        if (!buffer.is_object() || buffer.contains("uri") || !buffer.contains("extensions") ||
+            !buffer["extensions"].is_object() || !buffer["extensions"].contains(name))
+            continue;
+        buffer["uri"] = "data:application/octet-stream;base64,AA==";
+        buffer["byteLength"] = 1;
+        changed = true;
+    }
+    return changed ? json.dump(-1, ' ', false, Json::error_handler_t::replace) : "";
+}
+
+std::string text_member(const tinygltf::Value& object, const char* key, const char* otherwise) {
+    return object.Has(key) && object.Get(key).IsString() ? object.Get(key).Get<std::string>() : otherwise;
+}
+
+// `count` elements of `stride` bytes.
+std::vector<unsigned char> decoded(const tinygltf::Value& how, std::span<const unsigned char> source,
+                                   size_t count, size_t stride) {
+    const std::string mode = text_member(how, "mode", ""), filter = text_member(how, "filter", "NONE");
+    std::vector<unsigned char> out(count * stride);
+    int failure = -1;
+    if (mode == "ATTRIBUTES" && stride % 4 == 0 && stride <= 256)
+        failure = meshopt_decodeVertexBuffer(out.data(), count, stride, source.data(), source.size());
+    else if (mode == "TRIANGLES" && count % 3 == 0 && (stride == 2 || stride == 4))
+        failure = meshopt_decodeIndexBuffer(out.data(), count, stride, source.data(), source.size());
+    else if (mode == "INDICES" && (stride == 2 || stride == 4))
+        failure = meshopt_decodeIndexSequence(out.data(), count, stride, source.data(), source.size());
+    else
+        throw GltfError(fmt::format("{}: mode \"{}\" with {} elements of {} bytes", name, mode, count, stride));
+    if (failure) throw GltfError(fmt::format("{}: a buffer view cannot be decoded", name));
+    if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8))
+        meshopt_decodeFilterOct(out.data(), count, stride);
+    else if (filter == "QUATERNION" && stride == 8)
+        meshopt_decodeFilterQuat(out.data(), count, stride);
+    else if (filter == "EXPONENTIAL" && stride % 4 == 0)
+        meshopt_decodeFilterExp(out.data(), count, stride);
+    else if (filter != "NONE")
+        throw GltfError(fmt::format("{}: there is no filter \"{}\" of {} bytes", name, filter, stride));
+    return out;
+}
+
+}  // namespace
+
+std::string without_fallback_buffers(std::string bytes) {
+    const bool binary = bytes.size() >= glb_header + chunk_header && word(bytes, 0) == glb_magic;
+    if (!binary) {
+        const std::string text = patched(bytes);
+        return text.empty() ? bytes : text;
+    }
+    const size_t start = glb_header + chunk_header, length = word(bytes, glb_header);
+    if (word(bytes, glb_header + 4) != json_chunk || length > bytes.size() - start) return bytes;
+    std::string text = patched(bytes.substr(start, length));
+    if (text.empty()) return bytes;
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    bytes.replace(start, length, text);
+    const uint32_t sizes[2] = {static_cast<uint32_t>(bytes.size()), static_cast<uint32_t>(text.size())};
+    std::memcpy(bytes.data() + 8, sizes, sizeof sizes);
+    return bytes;
+}
+
+void decode_meshopt(tinygltf::Model& file) {
+    for (tinygltf::BufferView& view : file.bufferViews) {
+        const auto found = view.extensions.find(name);
+        if (found == view.extensions.end()) continue;
+        const tinygltf::Value& how = found->second;
+        const auto number = [&](const char* key, int64_t most) {
+            const int64_t value = extension_integer(how, key, name);
+            if (value < 0 || value > most) throw GltfError(fmt::format("{}: \"{}\" is {}", name, key, value));
+            return static_cast<size_t>(value);
+        };
+        const std::vector<unsigned char>& data =
+            element(file.buffers, extension_integer(how, "buffer", name), "buffer").data;
+        const size_t offset = how.Has("byteOffset") ? number("byteOffset", INT32_MAX) : 0,
+                     length = number("byteLength", INT32_MAX), stride = number("byteStride", 256),
+                     count = number("count", 1 << 28);
+        if (offset > data.size() || length > data.size() - offset)
+            throw GltfError(fmt::format("{}: a buffer view reaches past the end of its buffer", name));
+        // No element takes less than some bits: a count beyond that is no file's.
+        if (count / 256 > length || stride == 0)
+            throw GltfError(fmt::format("{}: {} elements from {} bytes", name, count, length));
+        tinygltf::Buffer buffer;
+        buffer.data = decoded(how, std::span(data).subspan(offset, length), count, stride);
+        view.byteOffset = 0;
+        view.byteLength = buffer.data.size();
+        view.buffer = static_cast<int>(file.buffers.size());
+        file.buffers.push_back(std::move(buffer));
+    }
+}
+
+}  // namespace penumbra
