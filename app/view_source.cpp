@@ -2,6 +2,7 @@
 #include "app/view_source.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -21,7 +22,7 @@ std::optional<ViewSource> open_model(const std::string& file, bool ground, const
     const auto model = load_gltf(file, diagnostics);
     if (!model) return std::nullopt;
     if (model->triangle_count() == 0) {
-        diagnostics.add({file, 0, 0}, "", "there is no triangle in it");
+        diagnostics.add({file, 0, 0}, "", fmt::format("{}", fmt::join(model->warnings, "; ")));
         return std::nullopt;
     }
     const ModelShot made = make_model_shot(*model, file, folder, ground);

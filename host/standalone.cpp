@@ -3,6 +3,7 @@
 #include "host/standalone.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
@@ -25,7 +26,7 @@ blocks::Sun sun_block(const SunState& sun) {
 void add_ground(Model& model, const Ground& ground) {
     Shape shape = penumbra::ground(ground.half_extent, ground.half_extent, 32, 32);
     const int material = static_cast<int>(model.materials.size());
-    model.materials.push_back({.base_color = {0.55f, 0.55f, 0.55f, 1}});
+    model.materials.push_back({.base_color = {0.3f, 0.3f, 0.3f, 1}});
     model.meshes.emplace_back().parts.push_back(to_part(std::move(shape), material));
     Node& node = model.nodes.emplace_back();
     node.name = ground_name;
@@ -41,7 +42,7 @@ std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
     if (!model) return std::nullopt;
     if (!shot.analytic && model->triangle_count() == 0) {
         diagnostics.add({shot.model.string(), 0, 0}, "",
-                        "there is no triangle in it" + (model->warnings.empty() ? "" : " (" + model->warnings.front() + ")"));
+                        fmt::format("{}", fmt::join(model->warnings, "; ")));
         return std::nullopt;
     }
     if (!check_objects(shot, *model, diagnostics)) return std::nullopt;

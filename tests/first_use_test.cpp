@@ -94,7 +94,7 @@ TEST_F(FirstUse, AModelIsFramed) {
 
 TEST_F(FirstUse, FilesWithoutAPictureAreRefused) {
     const std::string empty = file("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
-    expect(run("render " + empty + " --out " + in("o")), 2, "no triangle");
+    expect(run("render " + empty + " --out " + in("o")), 2, "there are no triangles");
     const std::string old = file("old.gltf", R"({"asset": {"version": "1.0"}, "scenes": {"s": {"nodes": ["n"]}},
         "scene": "s", "nodes": {"n": {"meshes": []}}})");
     expect(run("render " + old + " --out " + in("o")), 2, "glTF 1.0");

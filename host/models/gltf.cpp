@@ -13,7 +13,6 @@
 #include <iterator>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "host/models/gltf_accessor.h"
@@ -21,6 +20,7 @@
 #include "host/models/gltf_meshopt.h"
 #include "host/models/gltf_motion.h"
 #include "host/models/gltf_primitive.h"
+#include "host/models/gltf_text.h"
 
 namespace penumbra {
 
@@ -491,17 +491,6 @@ std::string read_bytes(const std::filesystem::path& path) {
     return bytes;
 }
 
-// "1.0" of a file of that version, whose scenes and meshes are objects instead of lists; nothing where it may be 2.0.
-std::string old_version(const std::string& bytes) {
-    if (bytes.size() >= 8 && bytes.starts_with("glTF")) return bytes[4] == 1 ? "1.0" : "";
-    const auto json = nlohmann::json::parse(bytes, nullptr, false);
-    if (!json.is_object() || !json.contains("asset") || !json["asset"].is_object()) return "";
-    const auto version = json["asset"].find("version");
-    if (version == json["asset"].end() || !version->is_string()) return "";
-    const std::string text = version->get<std::string>();
-    return text.starts_with("2.") ? "" : text;
-}
-
 bool is_binary(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     std::ranges::transform(extension, extension.begin(),
@@ -524,7 +513,7 @@ std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& d
         loader.SetImageLoader(decode_image, nullptr);  // null: the default options, which convert to RGBA
         tinygltf::Model file;
         std::string error, warning;
-        const std::string bytes = without_fallback_buffers(read_bytes(path));
+        const std::string bytes = taken_by_tinygltf(read_bytes(path));
         if (const std::string version = old_version(bytes); !version.empty()) {
             diagnostics.add(place, "", fmt::format("is glTF {}; this program reads glTF 2.0", version));
             return std::nullopt;

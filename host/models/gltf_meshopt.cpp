@@ -4,42 +4,15 @@
 #include <fmt/format.h>
 #include <meshoptimizer.h>
 
-#include <cstring>
-#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "host/models/gltf_extension.h"
 
 namespace penumbra {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr const char* name = "EXT_meshopt_compression";
-constexpr uint32_t glb_magic = 0x46546C67, json_chunk = 0x4E4F534A;
-constexpr size_t glb_header = 12, chunk_header = 8;
-
-uint32_t word(const std::string& bytes, size_t at) {
-    uint32_t value = 0;
-    std::memcpy(&value, bytes.data() + at, sizeof value);
-    return value;
-}
-
-// The JSON with a byte of data in every buffer that is a place alone; nothing where there is no such buffer.
-std::string patched(const std::string& text) {
-    if (text.find(name) == std::string::npos) return "";
-    Json json = Json::parse(text, nullptr, false);
-    if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return "";
-    bool changed = false;
-    for (Json& buffer : json["buffers"]) {
-        if (!buffer.is_object() || buffer.contains("uri") || !buffer.contains("extensions") ||
-            !buffer["extensions"].is_object() || !buffer["extensions"].contains(name))
-            continue;
-        buffer["uri"] = "data:application/octet-stream;base64,AA==";
-        buffer["byteLength"] = 1;
-        changed = true;
-    }
-    return changed ? json.dump(-1, ' ', false, Json::error_handler_t::replace) : "";
-}
 
 std::string text_member(const tinygltf::Value& object, const char* key, const char* otherwise) {
     return object.Has(key) && object.Get(key).IsString() ? object.Get(key).Get<std::string>() : otherwise;
@@ -72,23 +45,6 @@ std::vector<unsigned char> decoded(const tinygltf::Value& how, std::span<const u
 }
 
 }  // namespace
-
-std::string without_fallback_buffers(std::string bytes) {
-    const bool binary = bytes.size() >= glb_header + chunk_header && word(bytes, 0) == glb_magic;
-    if (!binary) {
-        const std::string text = patched(bytes);
-        return text.empty() ? bytes : text;
-    }
-    const size_t start = glb_header + chunk_header, length = word(bytes, glb_header);
-    if (word(bytes, glb_header + 4) != json_chunk || length > bytes.size() - start) return bytes;
-    std::string text = patched(bytes.substr(start, length));
-    if (text.empty()) return bytes;
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    bytes.replace(start, length, text);
-    const uint32_t sizes[2] = {static_cast<uint32_t>(bytes.size()), static_cast<uint32_t>(text.size())};
-    std::memcpy(bytes.data() + 8, sizes, sizeof sizes);
-    return bytes;
-}
 
 void decode_meshopt(tinygltf::Model& file) {
     for (tinygltf::BufferView& view : file.bufferViews) {
