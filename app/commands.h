@@ -40,6 +40,12 @@ struct PlanArguments {
     bool no_alias = false, on_device = false;
 };
 
+struct StaticsArguments {
+    std::vector<std::string> pipelines;
+    std::string facts, format = "table", device;
+    std::vector<std::string> settings, node_folders;
+};
+
 struct CheckArguments {
     std::vector<std::string> pipelines, node_folders;
 };
@@ -99,6 +105,7 @@ struct ExplainArguments {
 
 int run_render(const RenderArguments& arguments);
 int run_plan(const PlanArguments& arguments);
+int run_statics(const StaticsArguments& arguments);
 int run_check(const CheckArguments& arguments);
 int run_nodes(const NodesArguments& arguments);
 int run_devices();

@@ -57,6 +57,17 @@ void add_plan(CLI::App& app, PlanArguments& a) {
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
 }
 
+void add_statics(CLI::App& app, StaticsArguments& a) {
+    CLI::App* c = app.add_subcommand(
+        "statics", "what a driver's compiler made of every pass: registers, spills, memory, occupancy");
+    c->add_option("pipelines", a.pipelines, "pipeline files")->required();
+    c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
+    c->add_option("--format", a.format, "table or json")->check(CLI::IsMember({"table", "json"}));
+    c->add_option("--set", a.settings, "PATH=VALUE: change the pipelines")->allow_extra_args(false);
+    c->add_option("--device", a.device, "part of a device's name");
+    add_node_folders(c, a.node_folders);
+}
+
 void add_reference(CLI::App& app, ReferenceArguments& a) {
     CLI::App* c =
         app.add_subcommand("reference", "write the true visibility of a shot, each frame frozen in time");
@@ -148,7 +159,8 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
              const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates,
-             const ExplainArguments& explain) {
+             const ExplainArguments& explain, const StaticsArguments& statics) {
+    if (app.got_subcommand("statics")) return run_statics(statics);
     if (app.got_subcommand("explain")) return run_explain(explain);
     if (app.got_subcommand("gates")) return run_gates(gates);
     if (app.got_subcommand("report")) return run_report(report);
@@ -176,6 +188,7 @@ int main(int argc, char** argv) {
     ReportArguments report;
     GatesArguments gates;
     ExplainArguments explain;
+    StaticsArguments statics;
     add_render(app, render);
     add_plan(app, plan);
     add_reference(app, reference);
@@ -183,6 +196,7 @@ int main(int argc, char** argv) {
     add_report(app, report);
     add_gates(app, gates);
     add_explain(app, explain);
+    add_statics(app, statics);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
     checking->add_option("pipelines", check.pipelines)->required();
     add_node_folders(checking, check.node_folders);
@@ -205,7 +219,8 @@ int main(int argc, char** argv) {
     }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain);
+        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain,
+                        statics);
     } catch (const std::exception&
                  e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";
