@@ -57,13 +57,15 @@ struct NodesArguments {
 
 struct ReferenceArguments {
     std::string shot, out, frames, size, device;
-    uint32_t rays = 1024;  // per pixel
+    std::string signal = "visibility";  // or specular, diffuse
+    uint32_t rays = 1024;               // per pixel
 };
 
 struct CompareArguments {
     std::string image, reference;   // folders
     std::vector<std::string> also;  // folders of the same images under other seeds
     std::string frames, mask;
+    std::string signal = "visibility";  // or specular, diffuse
     uint32_t border = 0;  // pixels along the image's border that are left out
     bool json = false;
     std::string whole_rays;  // folder of the same image, its rays traced without intervals

@@ -75,7 +75,10 @@ void add_reference(CLI::App& app, ReferenceArguments& a) {
     c->add_option("--out", a.out, "folder to write to")->required();
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
-    c->add_option("--rays", a.rays, "per pixel of a penumbra; analytic scenes need none")
+    c->add_option("--signal", a.signal,
+                  "visibility, or specular or diffuse: radiance that arrives under a surface's lobe")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
+    c->add_option("--rays", a.rays, "per pixel (visibility: of a penumbra; analytic scenes need none)")
         ->check(CLI::Range(16u, 1u << 24));
     c->add_option("--device", a.device, "part of a device's name");
 }
@@ -87,6 +90,8 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     c->add_option("--also", a.also, "the same images under another seed; may be repeated")
         ->allow_extra_args(false);
     c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
+    c->add_option("--signal", a.signal, "what to compare: visibility, specular or diffuse radiance")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
     c->add_option("--mask", a.mask, "EXR; only pixels where its first channel is above 0 are measured");
     c->add_option("--border", a.border, "leave out this many pixels along the image's border");
     c->add_flag("--json", a.json, "print JSON");

@@ -25,7 +25,8 @@ double process_cpu_ms() {
 const std::vector<std::string> known_slots = {
     "depth",        "normal",       "motion",         "albedo",         "sun",   "sun_prev",
     "cascades",     "cascade_maps", "cascade_bounds", "neighbours",     "scene", "scene.nodes",
-    "scene.leaves", "scene.tlas",   "scene.alpha_uv", "scene.alpha_map"};
+    "scene.leaves", "scene.tlas",   "scene.alpha_uv", "scene.alpha_map", "material", "emissive",
+    "environment",  "surfaces",     "surface_texels"};
 
 bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
@@ -67,6 +68,9 @@ Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& dev
                      {"normal", {Format::rgba32f, target.extent}},
                      {"motion", {Format::rgba16f, target.extent}},
                      {"albedo", {Format::rgba8, target.extent}},
+                     {"material", {Format::rg8, target.extent}},
+                     {"emissive", {Format::rgba16f, target.extent}},
+                     {"environment", {Format::rgba32f, {4, 1024}}},
                      {"cascade_maps", {Format::d32, cascade_extent, cascades}},
                      {"cascade_bounds", {Format::rgba32f, cascade_extent, cascades}}};
     std::erase_if(target.inputs, [&](const auto& input) {
@@ -105,13 +109,31 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     compile_options.captures = options.captures;
     if (options.optimum) compile_options.optimum_search_nodes = report_search_nodes;
     host_options.jitter = options.jitter;
+    host_options.materials = std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
+        return input.name == "material" || input.name == "emissive";
+    });
+    const bool looks_beyond = std::ranges::find(pipeline.inputs, "environment", &HostInput::name) != pipeline.inputs.end();
+    std::optional<EnvironmentMap> environment;
+    if (looks_beyond) {
+        environment = make_environment(shot, diagnostics);
+        if (!environment) return nullptr;
+    }
     session->host_ =
         std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
     Facts facts = options.facts;
     facts.merge(session->host_->facts());  // keeps what is there
-    const Target target =
+    Target target =
         standalone_target(pipeline, table, options.size, facts, {options.cascade_size, options.cascade_size},
                           session->host_->cascade_layers());
+    if (environment) {
+        target.inputs["environment"] = {Format::rgba32f, {environment->width, environment->height}};
+        if (std::max(environment->width, environment->height) > table.max_image_extent) {
+            diagnostics.add({}, "environment",
+                            fmt::format("{}x{} exceeds the device's largest image, {} per axis", environment->width,
+                                        environment->height, table.max_image_extent));
+            return nullptr;
+        }
+    }
     std::optional<CheckedPipeline> validating;
     if (options.validate) {
         validating = with_validation(pipeline, nodes, diagnostics);
@@ -129,6 +151,11 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (needs("scene.nodes") || needs("neighbours"))
         session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"));
     if (needs("scene.tlas")) session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0);
+    if (needs("surfaces") || needs("surface_texels")) {
+        session->surfaces_ = std::make_unique<HitSurfaces>(device, session->host_->scene());
+        session->update_surfaces(0, 0);
+    }
+    if (needs("environment")) session->environment_ = upload_environment(device, *environment);
     if (needs("cascade_maps") || needs("cascade_bounds"))
         session->cascade_maps_ =
             std::make_unique<CascadeMaps>(device, session->host_->scene(), options.cascade_size,
@@ -160,6 +187,11 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "normal") b.image = images.normal.view.get();
         if (slot.name == "motion") b.image = images.motion.view.get();
         if (slot.name == "albedo") b.image = images.albedo.view.get();
+        if (slot.name == "material") b.image = images.material.view.get();
+        if (slot.name == "emissive") b.image = images.emissive.view.get();
+        if (slot.name == "environment") b.image = environment_.view.get();
+        if (slot.name == "surfaces") b.texels = surfaces_->surfaces();
+        if (slot.name == "surface_texels") b.texels = surfaces_->texels();
         if (slot.name == "sun") b.buffer = sun_.get();
         if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
         if (slot.name == "scene") b.buffer = scene_.get();
@@ -187,6 +219,12 @@ FrameCost Session::repeat_frame() {
     return run_passes([](VkCommandBuffer) {}, {});
 }
 
+void Session::update_surfaces(uint32_t index, uint32_t previous) {
+    surfaces_->update(index, previous, bvh_ ? &bvh_->bvh() : nullptr,
+                      tlas_ ? tlas_->first_triangles() : std::vector<uint32_t>{});
+    surfaces_frames_ = {index, previous};
+}
+
 void Session::draw_cascades(uint32_t index, FrameCost& cost) {
     const double before = process_cpu_ms();
     device_.run([&](VkCommandBuffer cmd) {
@@ -208,6 +246,13 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
         if (cascade_maps_) cascade_maps_->update(index);
     }
     traced_frame_ = index;
+    if (surfaces_) {
+        const uint32_t previous = frame.description.flags & frame_reset ? index : index - 1;
+        const auto moved = [&](uint32_t a, uint32_t b) { return host_->scene().moved(a, b); };
+        if (moved(surfaces_frames_[0], index) || moved(surfaces_frames_[0], surfaces_frames_[1]) ||
+            moved(previous, index))
+            update_surfaces(index, previous);
+    }
     write_blocks(frame);
     last_ = frame.description;
     FrameCost cost;

@@ -12,6 +12,8 @@
 #include "host/cascades/cascade_maps.h"
 #include "host/device/device.h"
 #include "host/device/gpu.h"
+#include "host/materials/environment.h"
+#include "host/materials/hit_surfaces.h"
 #include "host/scene/scene_bvh.h"
 #include "host/scene/scene_tlas.h"
 #include "host/standalone.h"
@@ -72,6 +74,8 @@ class Session {
     explicit Session(Device& device) : device_(device) {}
     std::vector<SlotBinding> bind_slots() const;
     void write_blocks(const StandaloneFrame& frame);
+    // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is none.
+    void update_surfaces(uint32_t index, uint32_t previous);
     void draw_cascades(uint32_t index, FrameCost& cost);
     // Adds what the passes cost to `cost`.
     FrameCost run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost);
@@ -83,8 +87,11 @@ class Session {
     std::unique_ptr<StandaloneHost> host_;
     std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it
     std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
+    std::unique_ptr<HitSurfaces> surfaces_;  // where a pass shades what its rays hit
+    GpuImage environment_;                   // where a pass looks beyond the scene
     std::unique_ptr<CascadeMaps> cascade_maps_;
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
+    std::array<uint32_t, 2> surfaces_frames_{};  // what `surfaces_` was made for: the frame and its previous one
     GpuBuffer sun_, sun_prev_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
