@@ -6,7 +6,12 @@
 // const bool HAS_SCENE_ALPHA_UV.
 #include "common/scene_alpha.glsl"
 // Runs of alpha-tested triangles are instances that are not opaque and carry the number of their first record.
-const uint ray_query_flags = gl_RayFlagsTerminateOnFirstHitEXT | (HAS_SCENE_ALPHA_UV ? 0u : gl_RayFlagsOpaqueEXT);
+#ifdef NEAREST_HIT
+const uint ray_query_ends = gl_RayFlagsNoneEXT;
+#else
+const uint ray_query_ends = gl_RayFlagsTerminateOnFirstHitEXT;
+#endif
+const uint ray_query_flags = ray_query_ends | (HAS_SCENE_ALPHA_UV ? 0u : gl_RayFlagsOpaqueEXT);
 
 // Whether anything lies on the ray between t_min and t_max; both sides of a triangle block. `direction` is finite and of
 // any length but zero, the unit of t; 0 <= t_min. `t_hit` becomes where some such thing lies; without one it stays.
