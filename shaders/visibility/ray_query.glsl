@@ -6,7 +6,12 @@
 // const bool HAS_SCENE_ALPHA_UV.
 #include "common/scene_alpha.glsl"
 // Runs of alpha-tested triangles are instances that are not opaque and carry the number of their first record.
-const uint ray_query_flags = gl_RayFlagsTerminateOnFirstHitEXT | (HAS_SCENE_ALPHA_UV ? 0u : gl_RayFlagsOpaqueEXT);
+#ifdef NEAREST_HIT
+const uint ray_query_ends = gl_RayFlagsNoneEXT;
+#else
+const uint ray_query_ends = gl_RayFlagsTerminateOnFirstHitEXT;
+#endif
+const uint ray_query_flags = ray_query_ends | (HAS_SCENE_ALPHA_UV ? 0u : gl_RayFlagsOpaqueEXT);
 
 // Whether the candidate that a query has come to, which is not opaque, is there where the ray meets it. A macro: a query is
 // no parameter.
