@@ -93,6 +93,19 @@ struct GatesArguments {
     std::string device;
 };
 
+// What pipelines cost.
+struct BenchArguments {
+    std::vector<std::string> pipelines;  // files, or names of shipped ones
+    std::vector<std::string> shots{"colonnade", "engine", "lamp"}, sizes{"640x360"};
+    std::string frames = "8..15";  // timed, of those from 0 on
+    uint32_t rounds = 5;
+    bool still = false;
+    std::string format = "table";
+    std::vector<std::string> settings, node_folders;
+    std::string device;
+    std::string command_line;  // as it was given, for the JSON
+};
+
 // A figure of one pixel of a shot, or of what rendered frames cost.
 struct ExplainArguments {
     std::string shot, out;
@@ -115,6 +128,7 @@ int run_reference(const ReferenceArguments& arguments);
 int run_compare(const CompareArguments& arguments);
 int run_report(const ReportArguments& arguments);
 int run_gates(const GatesArguments& arguments);
+int run_bench(const BenchArguments& arguments);
 int run_explain(const ExplainArguments& arguments);
 
 // "1280x720"; nothing where it is not two positive numbers.

@@ -161,11 +161,30 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
         ->excludes(shot);
 }
 
+void add_bench(CLI::App& app, BenchArguments& a) {
+    CLI::App* c = app.add_subcommand("bench",
+                                     "measure what pipelines cost: every pass, the frame, start-up, memory");
+    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines, which take turns")->required();
+    c->add_option("--shots", a.shots, "files or names of shipped shots (default: colonnade, engine, lamp)")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    c->add_option("--sizes", a.sizes, "WxH,... (default: 640x360)")->delimiter(',')->allow_extra_args(false);
+    c->add_option("--frames", a.frames, "A..B: which are timed, of those from 0 on (default: 8..15)");
+    c->add_option("--rounds", a.rounds, "times that everything is run (default: 5)")
+        ->check(CLI::Range(1u, 1024u));
+    c->add_flag("--still", a.still, "shots cut to their first keys: nothing moves but the jitter");
+    c->add_option("--format", a.format, "table (Markdown) or json")->check(CLI::IsMember({"table", "json"}));
+    c->add_option("--set", a.settings, "PATH=VALUE: change the pipelines");
+    add_node_folders(c, a.node_folders);
+    c->add_option("--device", a.device, "part of a device's name");
+}
+
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
              const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates,
-             const ExplainArguments& explain, const StaticsArguments& statics) {
+             const ExplainArguments& explain, const StaticsArguments& statics, const BenchArguments& bench) {
     if (app.got_subcommand("statics")) return run_statics(statics);
+    if (app.got_subcommand("bench")) return run_bench(bench);
     if (app.got_subcommand("explain")) return run_explain(explain);
     if (app.got_subcommand("gates")) return run_gates(gates);
     if (app.got_subcommand("report")) return run_report(report);
@@ -202,6 +221,8 @@ int main(int argc, char** argv) {
     add_gates(app, gates);
     add_explain(app, explain);
     add_statics(app, statics);
+    BenchArguments bench;
+    add_bench(app, bench);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
     checking->add_option("pipelines", check.pipelines)->required();
     add_node_folders(checking, check.node_folders);
@@ -223,9 +244,10 @@ int main(int argc, char** argv) {
         return exit_wrong;
     }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
+    bench.command_line = report.command_line;
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain,
-                        statics);
+        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
+                        bench);
     } catch (const std::exception&
                  e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <ctime>
 
@@ -19,6 +20,11 @@ double process_cpu_ms() {
     timespec t{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
     return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
+double wall_ms() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
 }
 
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
@@ -144,8 +150,10 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (!plan || !diagnostics.empty()) return nullptr;
     session->host_->set_jitter(options.jitter && plan->jitter);
 
+    const double before = wall_ms();
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));
     session->view_ = std::make_unique<View>(program, ViewOptions{1, options.poison});
+    session->program_ms_ = wall_ms() - before;
     session->set_param("seed", session->seed_);
     const auto needs = [&](std::string_view slot) { return reads(session->plan(), slot); };
     if (needs("scene.nodes") || needs("neighbours"))
@@ -279,7 +287,14 @@ FrameCost Session::run_passes(const std::function<void(VkCommandBuffer)>& record
         device_.run([&](VkCommandBuffer cmd) { view_->end(cmd); });
     } else {
         const double before = process_cpu_ms();
-        device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, last_, slots); });
+        double wall = 0;
+        device_.run([&](VkCommandBuffer cmd) {
+            const double start = process_cpu_ms();
+            view_->record(cmd, last_, slots);
+            cost.record_cpu_ms = process_cpu_ms() - start;
+            wall = wall_ms();
+        });
+        cost.wall_ms = wall_ms() - wall;
         cost.cpu_ms = process_cpu_ms() - before;
     }
     cost.passes = view_->statistics();

@@ -42,6 +42,8 @@ struct FrameCost {
     std::vector<std::optional<double>> pass_cpu_ms;
     double cpu_ms = 0;  // of the graph's passes, without captures (with those that validate)
     std::optional<double> ms;
+    // Of a frame that is one submission: recording its passes, and from its submission to its completion.
+    std::optional<double> record_cpu_ms, wall_ms;
     // Of drawing the sun's shadow maps, where the pipeline reads any; 0 where nothing had moved.
     std::optional<double> cascades_cpu_ms;
     uint32_t cascades_drawn = 0;  // how many of them
@@ -59,6 +61,8 @@ class Session {
 
     // The last frame's passes once more, on the same inputs and the history that they have just left.
     FrameCost repeat_frame();
+    // From the next frame on, on a CPU device: whether every pass is a submission of its own.
+    void set_pass_costs(bool wanted) { pass_costs_ = wanted; }
     // A dynamic parameter of every node that has one of this name, from the next frame on.
     void set_param(std::string_view name, const ParamValue& value);
 
@@ -66,6 +70,7 @@ class Session {
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
     uint32_t seed() const { return seed_; }
+    double program_ms() const { return program_ms_; }  // of making the device's objects of the plan
     const SceneBvh* bvh() const { return bvh_.get(); }                       // null: nobody traces with it
     const FrameDescription& frame_description() const { return last_; }      // of the last frame
     const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
@@ -83,6 +88,7 @@ class Session {
     Device& device_;
     uint32_t seed_ = 0;
     bool pass_costs_ = true;
+    double program_ms_ = 0;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
     std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it
