@@ -11,6 +11,7 @@
 #include "app/mask_folder.h"
 #include "app/outputs.h"
 #include "app/progress.h"
+#include "app/radiance_truth.h"
 #include "app/truth.h"
 #include "app/view_source.h"
 #include "host/truth/analytic.h"
@@ -75,6 +76,34 @@ std::optional<Job> prepare(const ReferenceArguments& arguments, Diagnostics& dia
     return job;
 }
 
+int write_radiance(const ReferenceArguments& arguments, const Job& job) {
+    const Shot& shot = job.shot;
+    Device device({arguments.device, false});
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings);
+    for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
+    if (!session) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    const fs::path folder = arguments.out;
+    fs::create_directories(folder);
+    if (!job.made_up.empty()) write_file(shot.file, std::as_bytes(std::span(job.made_up)));
+    Progress progress("reference", job.frames.size());
+    for (const uint32_t frame : job.frames) {
+        const PlanarImage truth = radiance_truth(device, *session, frame, arguments.rays);
+        const fs::path file = folder / fmt::format("{}.{:04}.exr", arguments.signal, frame);
+        std::vector<float> rgb;
+        for (size_t i = 0; i < truth.planes[0].values.size(); ++i)
+            for (size_t c = 0; c < 3; ++c) rgb.push_back(truth.planes[c].values[i]);
+        write_png_color(fs::path(file).replace_extension(".png"), truth.width, truth.height, rgb);
+        write_exr(file, truth);
+        progress.step();
+    }
+    return exit_good;
+}
+
 int write_reference(const ReferenceArguments& arguments, const Job& job) {
     const Shot& shot = job.shot;
     Device device({arguments.device, false});
@@ -130,7 +159,11 @@ int run_reference(const ReferenceArguments& arguments) {
                                        "render with --no-jitter\n";
         return exit_wrong;
     }
-    return write_reference(arguments, *job);
+    if (arguments.signal == "visibility") return write_reference(arguments, *job);
+    if (!job->jitter) return write_radiance(arguments, *job);
+    std::cerr << arguments.like << ": was rendered with jitter, and the truth of " << arguments.signal
+              << " is that of pixel centres: render with --no-jitter\n";
+    return exit_wrong;
 }
 
 }  // namespace penumbra

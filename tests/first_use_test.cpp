@@ -101,5 +101,69 @@ TEST_F(FirstUse, FilesWithoutAPictureAreRefused) {
     EXPECT_FALSE(fs::exists(folder_ / "o"));
 }
 
+// Every command tells by example, and shells complete what is there.
+TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
+    const Result all = run("--help");
+    ASSERT_EQ(all.code, 0);
+    const Result script = run("completion bash");
+    ASSERT_EQ(script.code, 0) << script.err;
+    size_t commands = 0;
+    for (const char* name : {"render", "shot", "reference", "compare", "report", "plan", "check", "nodes", "gates", "bench",
+                             "explain", "statics", "devices", "completion"}) {
+        const Result help = run(std::string(name) + " --help");
+        EXPECT_EQ(help.code, 0);
+        EXPECT_NE(help.out.find("Examples:\n  penumbra " + std::string(name)), std::string::npos) << help.out;
+        EXPECT_NE(all.out.find(std::string("  ") + name), std::string::npos) << name;
+        EXPECT_NE(script.out.find(std::string("        ") + name + ") words="), std::string::npos) << name;
+        ++commands;
+    }
+    EXPECT_EQ(commands, 14u);
+    const std::string file_name = file("completion", script.out);
+    const std::string ask = "bash -c 'source " + file_name +
+                            "; COMP_WORDS=(penumbra reference --li); COMP_CWORD=2; _penumbra; test \"${COMPREPLY[*]}\" = --like'";
+    EXPECT_EQ(std::system(ask.c_str()), 0);
+    expect(run("completion csh"), 2, "csh");
+    EXPECT_EQ(run("completion fish").out.find("complete -c penumbra -n __fish_use_subcommand -a") == std::string::npos, false);
+}
+
+// docs/first_steps.md from its first block to its last: files are written under their names, commands are run.
+class FirstSteps : public Cli {};
+
+TEST_F(FirstSteps, EveryStepWorks) {
+    std::istringstream page(read_file(fs::path(PENUMBRA_SOURCE_DIR) / "docs/first_steps.md"));
+    std::string line, name, text;
+    bool inside = false, shell = false;
+    int files = 0, commands = 0;
+    while (std::getline(page, line)) {
+        if (line.starts_with("```") && !inside) {
+            inside = true;
+            shell = line == "```sh";
+            name = shell ? "" : line.substr(line.find(' ') + 1);
+            text.clear();
+        } else if (line.starts_with("```")) {
+            inside = false;
+            if (shell) continue;
+            fs::create_directories((folder_ / name).parent_path());
+            std::ofstream(folder_ / name) << text;
+            ++files;
+        } else if (inside && shell) {
+            ASSERT_TRUE(line.starts_with("penumbra ")) << line;
+            const std::string command = "cd '" + folder_.string() + "' && '" PENUMBRA_PROGRAM "'" + line.substr(8) +
+                                        " >said 2>errors";
+            EXPECT_EQ(std::system(command.c_str()), 0) << line << "\n" << read_file(folder_ / "errors");
+            ++commands;
+        } else if (inside) {
+            text += line + "\n";
+        }
+    }
+    EXPECT_EQ(files, 4);
+    EXPECT_GE(commands, 6);
+    const Json report = Json::parse(read_file(folder_ / "out/darker/report.json"));
+    const Json& outputs = report["outputs"];
+    ASSERT_EQ(outputs.size(), 2u);
+    EXPECT_EQ(outputs[0]["min"], 0) << "there is full shadow";
+    EXPECT_EQ(outputs[1]["min"], 0.25) << "of which the node lets a quarter through";
+}
+
 }  // namespace
 }  // namespace penumbra::test

@@ -25,12 +25,4 @@ void extension_numbers(const tinygltf::Value& object, const char* key, const cha
     }
 }
 
-std::span<const unsigned char> view_bytes(const tinygltf::Model& file, int index) {
-    const tinygltf::BufferView& view = element(file.bufferViews, index, "buffer view");
-    const std::vector<unsigned char>& data = element(file.buffers, view.buffer, "buffer").data;
-    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
-        throw GltfError(fmt::format("buffer view {} reaches past the end of its buffer", index));
-    return std::span(data).subspan(view.byteOffset, view.byteLength);
-}
-
 }  // namespace penumbra

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Members of a glTF extension's object, and the buffer views that it names.
+// Members of a glTF extension's object.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -17,8 +17,5 @@ int extension_integer(const tinygltf::Value& object, const char* key, const char
 // Numbers of a list; those that the object does not have stay as `out` has them.
 void extension_numbers(const tinygltf::Value& object, const char* key, const char* extension,
                        std::span<double> out);
-
-// A buffer view's bytes, checked to lie in its buffer. GltfError.
-std::span<const unsigned char> view_bytes(const tinygltf::Model& file, int view);
 
 }  // namespace penumbra

@@ -46,7 +46,7 @@ std::vector<unsigned char> decoded(const tinygltf::Value& how, std::span<const u
 
 }  // namespace
 
-void decode_meshopt(tinygltf::Model& file) {
+void decode_meshopt(tinygltf::Model& file, ReadBudget& budget) {
     for (tinygltf::BufferView& view : file.bufferViews) {
         const auto found = view.extensions.find(name);
         if (found == view.extensions.end()) continue;
@@ -63,9 +63,8 @@ void decode_meshopt(tinygltf::Model& file) {
                      count = number("count", 1 << 28);
         if (offset > data.size() || length > data.size() - offset)
             throw GltfError(fmt::format("{}: a buffer view reaches past the end of its buffer", name));
-        // No element takes less than some bits: a count beyond that is no file's.
-        if (count / 256 > length || stride == 0)
-            throw GltfError(fmt::format("{}: {} elements from {} bytes", name, count, length));
+        budget.spend(uint64_t{count} * stride);
+        if (stride == 0) throw GltfError(fmt::format("{}: elements of no bytes", name));
         tinygltf::Buffer buffer;
         buffer.data = decoded(how, std::span(data).subspan(offset, length), count, stride);
         view.byteOffset = 0;

@@ -4,9 +4,11 @@
 
 #include <tiny_gltf.h>
 
+#include "host/models/gltf_accessor.h"
+
 namespace penumbra {
 
 // Replaces every compressed view by its decoded bytes. GltfError.
-void decode_meshopt(tinygltf::Model& file);
+void decode_meshopt(tinygltf::Model& file, ReadBudget& budget);
 
 }  // namespace penumbra

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/models/gltf_accessor.h"
 
 namespace penumbra {
 namespace {
@@ -30,15 +29,15 @@ Interpolation interpolation_of(const std::string& name) {
     throw GltfError(fmt::format("there is no interpolation \"{}\"", name));
 }
 
-AnimationChannel read_channel(const tinygltf::Model& file, const tinygltf::AnimationSampler& sampler, Path path,
+AnimationChannel read_channel(AccessorReader& accessors, const tinygltf::AnimationSampler& sampler, Path path,
                               int node, size_t targets) {
     AnimationChannel out;
     out.node = node;
     out.path = path;
     out.interpolation = interpolation_of(sampler.interpolation);
-    out.times = read_floats(file, sampler.input, 1);
+    out.times = accessors.floats(sampler.input, 1);
     const int width = path == Path::weights ? 1 : path == Path::rotation ? 4 : 3;
-    out.values = read_floats(file, sampler.output, width);
+    out.values = accessors.floats(sampler.output, width);
     const size_t per_key = (path == Path::weights ? targets : static_cast<size_t>(width)) *
                            (out.interpolation == Interpolation::cubic ? 3 : 1);
     if (out.times.empty() || out.values.size() != out.times.size() * per_key)
@@ -51,34 +50,42 @@ AnimationChannel read_channel(const tinygltf::Model& file, const tinygltf::Anima
     return out;
 }
 
+size_t targets_of(const Model& model, int node) {
+    const int mesh = model.nodes[static_cast<size_t>(node)].mesh;
+    size_t count = 0;
+    if (mesh >= 0)
+        for (const Part& part : model.meshes[static_cast<size_t>(mesh)].parts)
+            count = std::max(count, part.targets.size());
+    return count;
+}
+
 }  // namespace
 
-void read_animations(const tinygltf::Model& file, const std::vector<int>& model_node,
-                     const std::function<size_t(int)>& targets, Model& model,
-                     const std::function<void(const std::string&)>& warn) {
+void read_animations(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node,
+                     Model& model, const GltfTell& tell) {
     for (const tinygltf::Animation& animation : file.animations) {
         Animation& out = model.animations.emplace_back();
         out.name = animation.name;
         for (const tinygltf::AnimationChannel& channel : animation.channels) {
             if (channel.target_node < 0) {
-                warn("animations of what is no node (KHR_animation_pointer) are not played");
+                tell("animations of what is no node (KHR_animation_pointer) are not played");
                 continue;
             }
             element(file.nodes, channel.target_node, "node");
             const int node = model_node[static_cast<size_t>(channel.target_node)];
             const auto path = path_of(channel.target_path);
             if (!path) {
-                warn(fmt::format("animations of \"{}\" are not played", channel.target_path));
+                tell(fmt::format("animations of \"{}\" are not played", channel.target_path));
                 continue;
             }
             if (node < 0) continue;
             if (model.nodes[static_cast<size_t>(node)].matrix) {
-                warn("animations of nodes with a matrix are not played");
+                tell("animations of nodes with a matrix are not played");
                 continue;
             }
             try {
-                const size_t count = *path == Path::weights ? targets(node) : 0;
-                out.channels.push_back(read_channel(file, element(animation.samplers, channel.sampler, "sampler"),
+                const size_t count = *path == Path::weights ? targets_of(model, node) : 0;
+                out.channels.push_back(read_channel(accessors, element(animation.samplers, channel.sampler, "sampler"),
                                                     *path, node, count));
             } catch (const GltfError& error) {
                 throw GltfError(fmt::format("animation \"{}\": {}", animation.name, error.what()));
@@ -88,8 +95,8 @@ void read_animations(const tinygltf::Model& file, const std::vector<int>& model_
     }
 }
 
-void read_skins(const tinygltf::Model& file, const std::vector<int>& model_node, Model& model,
-                const std::function<void(const std::string&)>& warn) {
+void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node, Model& model,
+                const GltfTell& tell) {
     for (const tinygltf::Skin& skin : file.skins) {
         Skin& out = model.skins.emplace_back();
         for (const int joint : skin.joints) {
@@ -97,17 +104,30 @@ void read_skins(const tinygltf::Model& file, const std::vector<int>& model_node,
             out.joints.push_back(model_node[static_cast<size_t>(joint)]);
         }
         if (std::ranges::find(out.joints, -1) != out.joints.end()) {
-            warn(fmt::format("skin \"{}\" has joints outside of the scene: its meshes are in their rest pose", skin.name));
+            tell(fmt::format("skin \"{}\" has joints outside of the scene: its meshes are in their rest pose", skin.name));
             out.joints.clear();
             continue;
         }
         out.inverse_bind.assign(out.joints.size(), glm::dmat4(1));
         if (skin.inverseBindMatrices < 0) continue;
-        const std::vector<float> numbers = read_floats(file, skin.inverseBindMatrices, 16);
+        const std::vector<float>& numbers = accessors.floats(skin.inverseBindMatrices, 16);
         if (numbers.size() < out.joints.size() * 16)
             throw GltfError(fmt::format("skin \"{}\" has fewer inverse bind matrices than joints", skin.name));
         for (size_t i = 0; i < out.joints.size(); ++i)
             out.inverse_bind[i] = glm::dmat4(glm::make_mat4(&numbers[16 * i]));
+    }
+}
+
+void check_joints(const Model& model) {
+    for (const Node& node : model.nodes) {
+        if (node.skin < 0) continue;
+        const size_t joints = model.skins[static_cast<size_t>(node.skin)].joints.size();
+        for (const Part& part : model.meshes[static_cast<size_t>(node.mesh)].parts)
+            for (size_t i = 0; i < part.joints.size(); ++i)
+                for (int k = 0; k < 4; ++k)
+                    if (part.weights[i][k] > 0 && part.joints[i][static_cast<size_t>(k)] >= joints)
+                        throw GltfError(fmt::format("node \"{}\": a vertex is moved by joint {} of {}", node.name,
+                                                    part.joints[i][static_cast<size_t>(k)], joints));
     }
 }
 

@@ -4,22 +4,22 @@
 
 #include <tiny_gltf.h>
 
-#include <functional>
-#include <string>
 #include <vector>
 
+#include "host/models/gltf_primitive.h"
 #include "host/models/model.h"
 
 namespace penumbra {
 
-// `model_node`: the model's node for each of the file's, -1 where it is not shown. `targets`: of a model's node, how many
-// morph targets its mesh has. What cannot be played is told to `warn`. GltfError.
-void read_animations(const tinygltf::Model& file, const std::vector<int>& model_node,
-                     const std::function<size_t(int)>& targets, Model& model,
-                     const std::function<void(const std::string&)>& warn);
+// `model_node`: the model's node for each of the file's, -1 where it is not shown. What cannot be played is told. GltfError.
+void read_animations(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node,
+                     Model& model, const GltfTell& tell);
 
-// Skins of the file, in its order; one with joints that are not shown has none and is told to `warn`. GltfError.
-void read_skins(const tinygltf::Model& file, const std::vector<int>& model_node, Model& model,
-                const std::function<void(const std::string&)>& warn);
+// Skins of the file, in its order; one with joints that are not shown has none, and is told of. GltfError.
+void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node, Model& model,
+                const GltfTell& tell);
+
+// GltfError where a vertex is moved by a joint that its node's skin does not have.
+void check_joints(const Model& model);
 
 }  // namespace penumbra

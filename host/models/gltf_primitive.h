@@ -1,36 +1,35 @@
 // SPDX-License-Identifier: MIT
-// Attributes and indices of one glTF primitive, wherever the file keeps them: in accessors, or compressed by
+// One glTF primitive, wherever the file keeps its attributes and indices: in accessors, or compressed by
 // KHR_draco_mesh_compression.
 #pragma once
 
 #include <tiny_gltf.h>
 
-#include <cstdint>
-#include <memory>
+#include <functional>
+#include <glm/glm.hpp>
+#include <optional>
 #include <string>
-#include <vector>
+
+#include "host/models/gltf_accessor.h"
+#include "host/models/model.h"
 
 namespace penumbra {
 
-class GltfPrimitive {
-  public:
-    // Throws GltfError.
-    GltfPrimitive(const tinygltf::Model& file, const tinygltf::Primitive& primitive);
-    ~GltfPrimitive();
+// Told what of a file is not shown as it says, once per text.
+using GltfTell = std::function<void(const std::string&)>;
 
-    bool has(const std::string& attribute) const;
-    // Components of an accessor, as read_floats() needs to know them: 3 or 4 of a colour.
-    int width(const std::string& attribute) const;
-    // `width` floats per vertex. Throws GltfError.
-    std::vector<float> floats(const std::string& attribute, int width) const;
-    // Of a primitive of `vertices`; 0, 1, 2 .. where it has none. Checked to be less than `vertices`.
-    std::vector<uint32_t> corners(size_t vertices) const;
-
-  private:
-    struct Decoded;  // of Draco
-    const tinygltf::Model& file_;
-    const tinygltf::Primitive& primitive_;
-    std::unique_ptr<Decoded> decoded_;
+// How a material's textures are looked up: by which coordinates, and what is done to them.
+struct TextureUse {
+    int coordinates = 0;  // TEXCOORD_n
+    glm::dmat3 transform{1};
+    bool operator==(const TextureUse&) const = default;
 };
+
+// With KHR_texture_transform. GltfError.
+TextureUse texture_use(const tinygltf::TextureInfo& info);
+
+// Its triangles, for add_part(); nothing where there are none to draw, which `tell` hears of. GltfError.
+std::optional<Part> read_primitive(const tinygltf::Model& file, AccessorReader& accessors, ReadBudget& budget,
+                                   const tinygltf::Primitive& primitive, const TextureUse& use, const GltfTell& tell);
 
 }  // namespace penumbra

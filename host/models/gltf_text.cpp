@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <vector>
+#include <string_view>
 
 namespace penumbra {
 namespace {
@@ -15,7 +15,7 @@ constexpr const char *meshopt = "EXT_meshopt_compression", *draco = "KHR_draco_m
 constexpr uint32_t glb_magic = 0x46546C67, json_chunk = 0x4E4F534A;
 constexpr size_t glb_header = 12, chunk_header = 8;
 
-uint32_t word(const std::string& bytes, size_t at) {
+uint32_t word(const std::vector<unsigned char>& bytes, size_t at) {
     uint32_t value = 0;
     std::memcpy(&value, bytes.data() + at, sizeof value);
     return value;
@@ -35,8 +35,8 @@ bool has_extension(Json& object, const char* name) {
 }
 
 // Nothing where nothing is to be changed.
-std::string patched(const std::string& text) {
-    if (text.find(meshopt) == std::string::npos && text.find(draco) == std::string::npos) return "";
+std::string patched(std::string_view text) {
+    if (text.find(meshopt) == text.npos && text.find(draco) == text.npos) return "";
     Json json = Json::parse(text, nullptr, false);
     bool changed = false;
     for (Json* buffer : items(json, "buffers")) {
@@ -53,26 +53,30 @@ std::string patched(const std::string& text) {
 
 }  // namespace
 
-std::string taken_by_tinygltf(std::string bytes) {
+void make_readable(std::vector<unsigned char>& bytes) {
+    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const bool binary = bytes.size() >= glb_header + chunk_header && word(bytes, 0) == glb_magic;
     if (!binary) {
-        const std::string text = patched(bytes);
-        return text.empty() ? bytes : text;
+        if (const std::string text = patched(all); !text.empty()) bytes.assign(text.begin(), text.end());
+        return;
     }
     const size_t start = glb_header + chunk_header, length = word(bytes, glb_header);
-    if (word(bytes, glb_header + 4) != json_chunk || length > bytes.size() - start) return bytes;
-    std::string text = patched(bytes.substr(start, length));
-    if (text.empty()) return bytes;
+    if (word(bytes, glb_header + 4) != json_chunk || length > bytes.size() - start) return;
+    std::string text = patched(all.substr(start, length));
+    if (text.empty()) return;
     text.resize((text.size() + 3) / 4 * 4, ' ');
-    bytes.replace(start, length, text);
-    const uint32_t sizes[2] = {static_cast<uint32_t>(bytes.size()), static_cast<uint32_t>(text.size())};
-    std::memcpy(bytes.data() + 8, sizes, sizeof sizes);
-    return bytes;
+    std::vector<unsigned char> out(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(start));
+    out.insert(out.end(), text.begin(), text.end());
+    out.insert(out.end(), bytes.begin() + static_cast<ptrdiff_t>(start + length), bytes.end());
+    const uint32_t sizes[2] = {static_cast<uint32_t>(out.size()), static_cast<uint32_t>(text.size())};
+    std::memcpy(out.data() + 8, sizes, sizeof sizes);
+    bytes = std::move(out);
 }
 
-std::string old_version(const std::string& bytes) {
-    if (bytes.size() >= 8 && bytes.starts_with("glTF")) return bytes[4] == 1 ? "1.0" : "";
-    const auto json = Json::parse(bytes, nullptr, false);
+std::string old_version(const std::vector<unsigned char>& bytes) {
+    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (all.starts_with("glTF")) return bytes.size() >= 8 && bytes[4] == 1 ? "1.0" : "";
+    const Json json = Json::parse(all, nullptr, false);
     if (!json.is_object() || !json.contains("asset") || !json["asset"].is_object()) return "";
     const auto version = json["asset"].find("version");
     if (version == json["asset"].end() || !version->is_string()) return "";

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "host/truth/analytic_scene.h"
@@ -48,6 +49,18 @@ struct Ground {
 };
 inline constexpr const char* ground_name = "ground";  // of its node
 
+// What is seen beyond the scene, in radiance. A sky depends on the height of a direction alone: linear in it, from
+// `low` straight down to `high` straight up; else as `shade` draws it, from the horizon, in the square root of the
+// height.
+struct EnvironmentSky {
+    bool linear = false;
+    glm::dvec3 low{0.512, 0.6612, 0.912}, high{0.1408, 0.3192, 0.72};
+};
+struct EnvironmentFile {
+    std::filesystem::path path;  // EXR, resolved against the shot's folder
+    double scale = 1;
+};
+
 struct Shot {
     std::string name;  // the file's name without ".shot.json"
     std::filesystem::path file;
@@ -64,6 +77,7 @@ struct Shot {
     std::map<std::string, ObjectMotion> objects;  // by the name of a glTF node
     std::string animation;  // of the model: its name or number; empty: none is played. Frame 0 is its second 0
     std::optional<Ground> ground;
+    std::variant<EnvironmentSky, EnvironmentFile> environment;
     glm::dvec3 origin{0};
     uint32_t seed = 0;
 };
