@@ -52,7 +52,8 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
         const auto file = shipped_file(name, root, shipped_pipelines, diagnostics);
         const auto pipeline = file ? load_pipeline(*file, arguments.settings, diagnostics) : std::nullopt;
         if (auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt)
-            job.bench.contenders.push_back({file->stem().string(), file->generic_string(), std::move(*checked)});
+            job.bench.contenders.push_back(
+                {file->stem().string(), file->generic_string(), std::move(*checked)});
     }
     make_unique(job.bench.contenders);
     for (const std::string& name : arguments.shots)
@@ -74,8 +75,9 @@ bool measure_all(Job& job, Device& device, const NodeSet& nodes, Diagnostics& di
                                    options.rounds * (options.frames[1] + 1));
     for (const auto& size : job.sizes)
         for (const Shot& shot : job.shots) {
-            auto scene = bench::measure(device, nodes, job.bench.contenders, shot, size, options,
-                                        [&] { progress.step(); }, diagnostics, warnings);
+            auto scene = bench::measure(
+                device, nodes, job.bench.contenders, shot, size, options, [&] { progress.step(); },
+                diagnostics, warnings);
             if (!scene) return false;
             job.bench.scenes.push_back(std::move(*scene));
             progress.note(fmt::format("{} at {}x{}", shot.name, size[0], size[1]));

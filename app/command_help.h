@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What `--help` says beyond the options, and completion for shells: both follow the command line as it is declared.
+// What `--help` says beyond the options, and completion for shells: both follow the command line as it is
+// declared.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,8 +8,8 @@
 
 namespace penumbra {
 
-// Gives every command its examples. Throws std::logic_error where a command has none, or where there are examples of
-// one that does not exist.
+// Gives every command its examples. Throws std::logic_error where a command has none, or where there are
+// examples of one that does not exist.
 void add_examples(CLI::App& app);
 
 // A script for "bash", "zsh" or "fish" that completes commands, options and their values.

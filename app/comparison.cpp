@@ -64,8 +64,8 @@ void check_size(const PlanarImage& image, const PlanarImage& reference, const fs
                                 reference.width, reference.height));
 }
 
-// A frame that was rasterised off its pixels' centres shows other points than a truth of the centres does, and
-// at a silhouette that is an error as large as any. Folders without a report say nothing of it.
+// A frame that was rasterised off its pixels' centres shows other points than a truth of the centres does,
+// and at a silhouette that is an error as large as any. Folders without a report say nothing of it.
 void check_jitter(const fs::path& folder, const fs::path& reference, const ReferenceInfo& info,
                   const std::vector<uint32_t>& frames, Diagnostics& diagnostics) {
     if (!fs::exists(folder / "report.json")) return;

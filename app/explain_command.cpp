@@ -75,8 +75,7 @@ struct Job {
 
 std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
-    const auto file =
-        shipped_file("covered", shipped_root(), shipped_pipelines, diagnostics);
+    const auto file = shipped_file("covered", shipped_root(), shipped_pipelines, diagnostics);
     auto view = open_view(arguments.view, fs::path(arguments.out).parent_path(), diagnostics);
     if (!file || !view) std::cerr << diagnostics.text();
     if (!file || !view) return std::nullopt;

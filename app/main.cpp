@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "app/colored_errors.h"
 #include "app/command_help.h"
 #include "app/commands.h"
 
@@ -21,15 +22,18 @@ void add_node_folders(CLI::App* command, std::vector<std::string>& folders) {
 // What to look at; the first is for commands whose help says more.
 CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
     CLI::Option* shot = command->add_option("--shot", a.shot, "shot: a file, or the name of a shipped one");
-    command->add_option("--model", a.model, "glTF 2.0 file (.glb, .gltf) instead, seen as `penumbra shot` says");
+    command->add_option("--model", a.model,
+                        "glTF 2.0 file (.glb, .gltf) instead, seen as `penumbra shot` says");
     command->add_flag("--ground", a.ground, "put a ground below the model");
     return shot;
 }
 
 void add_render(CLI::App& app, RenderArguments& a) {
-    CLI::App* c = app.add_subcommand("render", "run a pipeline on a shot or a model and write what it puts out");
-    c->add_option("files", a.files,
-                  "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
+    CLI::App* c =
+        app.add_subcommand("render", "run a pipeline on a shot or a model and write what it puts out");
+    c->add_option(
+         "files", a.files,
+         "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
         ->expected(0, 2);
     add_view(c, a.view);
     c->add_option("--out", a.out, "folder to write to (default: out/NAME of the shot or model)");
@@ -83,8 +87,9 @@ void add_reference(CLI::App& app, ReferenceArguments& a) {
     CLI::App* c =
         app.add_subcommand("reference", "write the true visibility of a shot, each frame frozen in time");
     add_view(c, a.view);
-    c->add_option("--like", a.like,
-                  "a folder written by render: of its shot, size and frames, at the very points that it shows");
+    c->add_option(
+        "--like", a.like,
+        "a folder written by render: of its shot, size and frames, at the very points that it shows");
     c->add_option("--out", a.out, "folder to write to")->required();
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
@@ -156,7 +161,8 @@ void add_gates(CLI::App& app, GatesArguments& a) {
 }
 
 void add_shot(CLI::App& app, ShotArguments& a) {
-    CLI::App* c = app.add_subcommand("shot", "write the shot that `render MODEL` makes up, as a start for your own");
+    CLI::App* c =
+        app.add_subcommand("shot", "write the shot that `render MODEL` makes up, as a start for your own");
     c->add_option("model", a.view.model, "glTF 2.0 file (.glb, .gltf)")->required();
     c->add_option("--out", a.out, "file to write (default: NAME.shot.json here)");
     c->add_flag("--ground", a.view.ground, "put a ground below the model");
@@ -182,9 +188,10 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
 }
 
 void add_bench(CLI::App& app, BenchArguments& a) {
-    CLI::App* c = app.add_subcommand("bench",
-                                     "measure what pipelines cost: every pass, the frame, start-up, memory");
-    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines, which take turns")->required();
+    CLI::App* c =
+        app.add_subcommand("bench", "measure what pipelines cost: every pass, the frame, start-up, memory");
+    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines, which take turns")
+        ->required();
     c->add_option("--shots", a.shots, "files or names of shipped shots (default: colonnade, engine, lamp)")
         ->delimiter(',')
         ->allow_extra_args(false);
@@ -222,6 +229,7 @@ int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArgum
 }  // namespace
 
 int main(int argc, char** argv) {
+    const ColoredErrors colors;
     CLI::App app("penumbra: a render graph for hybrid ray-traced shadows");
     app.require_subcommand(1);
     app.set_version_flag("--version", PENUMBRA_VERSION);
@@ -260,7 +268,8 @@ int main(int argc, char** argv) {
     add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
     std::string shell;
-    CLI::App* completion = app.add_subcommand("completion", "print a script that completes commands and options");
+    CLI::App* completion =
+        app.add_subcommand("completion", "print a script that completes commands and options");
     completion->add_option("shell", shell, "bash, zsh or fish")
         ->required()
         ->check(CLI::IsMember({"bash", "zsh", "fish"}));

@@ -38,7 +38,8 @@ struct Job {
     bool jitter = false;
 };
 
-// What a rendered folder shows: its shot and size, the frames that it has, and where in their pixels they look.
+// What a rendered folder shows: its shot and size, the frames that it has, and where in their pixels they
+// look.
 std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostics& diagnostics) {
     if (!arguments.view.shot.empty() || !arguments.view.model.empty() || !arguments.size.empty()) {
         diagnostics.add({}, "--like", "says which shot and size; give neither beside it");
@@ -57,9 +58,8 @@ std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostic
         if (job.frames.empty())
             diagnostics.add({arguments.like, 0, 0}, "--frames", "none of these has been written there");
     }
-    job.jitter = std::ranges::any_of(rendered->jitter, [](const auto& frame) {
-        return frame.second != std::array<double, 2>{};
-    });
+    job.jitter = std::ranges::any_of(
+        rendered->jitter, [](const auto& frame) { return frame.second != std::array<double, 2>{}; });
     return job;
 }
 
@@ -130,9 +130,10 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
             } else {
                 Truth truth = counted_truth(*session, frame, arguments.rays);
                 if (truth.lost)
-                    progress.say(fmt::format("warning: frame {}: {} pixels show what no triangle explains; they "
-                                             "are no receivers",
-                                             frame, truth.lost));
+                    progress.say(
+                        fmt::format("warning: frame {}: {} pixels show what no triangle explains; they "
+                                    "are no receivers",
+                                    frame, truth.lost));
                 write_truth(folder, shot, frame, std::move(truth));
             }
             for (const char* name : {"depth", "motion", "normal", "albedo"})
@@ -155,8 +156,9 @@ int run_reference(const ReferenceArguments& arguments) {
     if (!diagnostics.empty()) std::cerr << diagnostics.text();
     if (!job || !diagnostics.empty()) return exit_wrong;
     if (job->jitter && job->shot.analytic) {
-        std::cerr << arguments.like << ": was rendered with jitter, and a closed form knows pixel centres alone: "
-                                       "render with --no-jitter\n";
+        std::cerr << arguments.like
+                  << ": was rendered with jitter, and a closed form knows pixel centres alone: "
+                     "render with --no-jitter\n";
         return exit_wrong;
     }
     if (arguments.signal == "visibility") return write_reference(arguments, *job);

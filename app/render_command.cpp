@@ -53,7 +53,8 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
         place = given;
     }
     auto pipeline = open_pipeline(file.empty() ? default_pipeline : file, arguments.settings, nodes);
-    const fs::path folder = arguments.out.empty() ? fs::path("out") / view_name(wanted) : fs::path(arguments.out);
+    const fs::path folder =
+        arguments.out.empty() ? fs::path("out") / view_name(wanted) : fs::path(arguments.out);
     auto view = open_view(wanted, folder, diagnostics);
     if (!view) std::cerr << diagnostics.text();
     if (!pipeline || !view) return std::nullopt;
@@ -64,8 +65,15 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     if (!size || !frames || !facts) return std::nullopt;
     // A model that stands still is one picture, which the frames before it only make smooth.
     if (!view->made_up.empty() && arguments.frames.empty() && !moves(shot)) (*frames)[0] = (*frames)[1];
-    Job job{std::move(*pipeline), std::move(view->shot), std::move(view->made_up), folder, *size, *frames,
-            *facts, {}, {}};
+    Job job{std::move(*pipeline),
+            std::move(view->shot),
+            std::move(view->made_up),
+            folder,
+            *size,
+            *frames,
+            *facts,
+            {},
+            {}};
     job.graph_captures = job.pipeline.output_names();
     for (const std::string& name : arguments.captures) {
         auto& list = is_host_image(name) ? job.host_captures : job.graph_captures;

@@ -19,8 +19,8 @@ struct RenderedFrames {
     std::vector<FrameCost> costs;
 };
 
-// The first two frames are left out of medians where there are more. `shot_file`: as seen from the folder that
-// the report goes to.
+// The first two frames are left out of medians where there are more. `shot_file`: as seen from the folder
+// that the report goes to.
 nlohmann::ordered_json render_report(const RenderArguments& arguments, const Session& session,
                                      const CheckedPipeline& pipeline, const DeviceInfo& device,
                                      const RenderedFrames& frames, const std::vector<Finding>& findings,

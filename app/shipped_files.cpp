@@ -33,8 +33,8 @@ std::vector<fs::path> shipped_files(const fs::path& root, const ShippedKind& kin
     return files;
 }
 
-std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& root,
-                                     const ShippedKind& kind, Diagnostics& diagnostics) {
+std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& root, const ShippedKind& kind,
+                                     Diagnostics& diagnostics) {
     std::error_code failure;
     if (fs::exists(wanted, failure)) return fs::path(wanted);  // a folder: whoever reads it says so
     std::vector<std::string> names;

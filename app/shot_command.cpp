@@ -12,8 +12,8 @@ namespace penumbra {
 
 int run_shot(const ShotArguments& arguments) {
     namespace fs = std::filesystem;
-    const fs::path out = arguments.out.empty() ? fs::path(view_name(arguments.view) + ".shot.json")
-                                               : fs::path(arguments.out);
+    const fs::path out =
+        arguments.out.empty() ? fs::path(view_name(arguments.view) + ".shot.json") : fs::path(arguments.out);
     Diagnostics diagnostics;
     const auto view = open_view(arguments.view, out.parent_path(), diagnostics);
     if (view && fs::exists(out)) diagnostics.add({out.string(), 0, 0}, "", "is there already");

@@ -109,13 +109,14 @@ Truth counted_truth(Session& session, uint32_t frame, uint32_t rays) {
             for (uint32_t x = 0; x < width; ++x) {
                 const size_t p = size_t{y} * width + x;
                 if (!(depth[p] > 0)) continue;
-                const auto point =
-                    counted.shown(view_rays.at(x, y), depth[p], octahedral_normal({normal[2 * p], normal[2 * p + 1]}));
+                const auto point = counted.shown(view_rays.at(x, y), depth[p],
+                                                 octahedral_normal({normal[2 * p], normal[2 * p + 1]}));
                 if (!point) {
                     ++lost;
                     continue;
                 }
-                const SunStrata strata{sun.to_sun, sun.angular_radius, side, pcg(uint32_t(p) + pcg(session.seed()))};
+                const SunStrata strata{sun.to_sun, sun.angular_radius, side,
+                                       pcg(uint32_t(p) + pcg(session.seed()))};
                 truth.visibility[p] = static_cast<float>(counted.visibility(*point, strata));
                 truth.receiver[p] = 1;
                 truth.rays[p] = static_cast<float>(side * side);

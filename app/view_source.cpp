@@ -30,8 +30,8 @@ std::optional<ViewSource> open_model(const std::string& file, bool ground, const
     auto shot = parse_shot(made.text, shot_file, diagnostics);
     if (!shot) return std::nullopt;
     const auto& [low, high] = made.bounds;
-    fmt::print(stderr, "{}: {} triangles, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n", file,
-               model->triangle_count(), low.x, high.x, low.y, high.y, low.z, high.z);
+    fmt::print(stderr, "{}: {} triangles, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n",
+               file, model->triangle_count(), low.x, high.x, low.y, high.y, low.z, high.z);
     return ViewSource{std::move(*shot), made.text};
 }
 
@@ -57,7 +57,8 @@ std::optional<ViewSource> open_view(const ViewArguments& arguments, const fs::pa
         return std::nullopt;
     }
     if (!arguments.model.empty()) return open_model(arguments.model, arguments.ground, folder, diagnostics);
-    if (is_model_file(arguments.shot)) return open_model(arguments.shot, arguments.ground, folder, diagnostics);
+    if (is_model_file(arguments.shot))
+        return open_model(arguments.shot, arguments.ground, folder, diagnostics);
     if (arguments.ground) {
         diagnostics.add({}, "--ground", "goes with a model; a shot has a \"ground\" of its own");
         return std::nullopt;

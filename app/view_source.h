@@ -15,11 +15,13 @@ bool is_model_file(const std::string& name);  // by its ending
 
 struct ViewSource {
     Shot shot;
-    // Of a shot that was made up: its text, to be written as shot.file. It stands in the folder that was given.
+    // Of a shot that was made up: its text, to be written as shot.file. It stands in the folder that was
+    // given.
     std::string made_up;
 };
 
-// `folder`: where a made-up shot will stand. Errors go to `diagnostics`; what is to be said about a model goes to stderr.
+// `folder`: where a made-up shot will stand. Errors go to `diagnostics`; what is to be said about a model
+// goes to stderr.
 std::optional<ViewSource> open_view(const ViewArguments& arguments, const std::filesystem::path& folder,
                                     Diagnostics& diagnostics);
 

@@ -58,8 +58,7 @@ std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
     std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_gltf(shot.model, diagnostics);
     if (!model) return std::nullopt;
     if (!shot.analytic && model->triangle_count() == 0) {
-        diagnostics.add({shot.model.string(), 0, 0}, "",
-                        fmt::format("{}", fmt::join(model->warnings, "; ")));
+        diagnostics.add({shot.model.string(), 0, 0}, "", fmt::format("{}", fmt::join(model->warnings, "; ")));
         return std::nullopt;
     }
     if (!check_objects(shot, *model, diagnostics)) return std::nullopt;

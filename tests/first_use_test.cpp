@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What somebody types on the first day: names instead of paths, a model instead of a shot, and README's own sequence.
+// What somebody types on the first day: names instead of paths, a model instead of a shot, and README's own
+// sequence.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,8 +16,8 @@ class FirstUse : public Cli {
     std::string in(const char* name) const { return (folder_ / name).string(); }
 };
 
-// A frame is rasterised off its pixels' centres where anti-aliasing asks for it. Judged by the truth of the centres,
-// a pipeline as good as this one has the error of a few rays.
+// A frame is rasterised off its pixels' centres where anti-aliasing asks for it. Judged by the truth of the
+// centres, a pipeline as good as this one has the error of a few rays.
 TEST_F(FirstUse, RenderReferenceCompareAgreeOnTheirPoints) {
     const std::string small = " --size 160x90 --frames 3";
     ASSERT_EQ(run("render hybrid_shadows --shot colonnade --out " + in("image") + small).code, 0);
@@ -37,10 +38,12 @@ TEST_F(FirstUse, RenderReferenceCompareAgreeOnTheirPoints) {
 }
 
 TEST_F(FirstUse, ReferenceLikeAFolderTakesItsFrames) {
-    ASSERT_EQ(run("render raw --shot colonnade --size 48x32 --frames 1..5 --every 2 --out " + in("a")).code, 0);
+    ASSERT_EQ(run("render raw --shot colonnade --size 48x32 --frames 1..5 --every 2 --out " + in("a")).code,
+              0);
     ASSERT_EQ(run("reference --like " + in("a") + " --rays 16 --out " + in("t")).code, 0);
     for (int frame = 0; frame < 6; ++frame)
-        EXPECT_EQ(fs::exists(folder_ / "t" / ("visibility.000" + std::to_string(frame) + ".exr")), frame % 2 == 1);
+        EXPECT_EQ(fs::exists(folder_ / "t" / ("visibility.000" + std::to_string(frame) + ".exr")),
+                  frame % 2 == 1);
     expect(run("reference --like " + in("a") + " --shot colonnade --out " + in("u")), 2, "--like");
     expect(run("reference --like " + folder_.string() + " --out " + in("u")), 2, "report.json");
     expect(run("reference --like " + in("a") + " --frames 2 --out " + in("u")), 2, "--frames");
@@ -70,12 +73,18 @@ TEST_F(FirstUse, AModelIsEnough) {
     const Json report = Json::parse(read_file(folder_ / "a/report.json"));
     EXPECT_EQ(report["frames"], (Json{15, 15})) << "a still model is one picture";
     EXPECT_GT(report["counts"]["receivers"].get<int>(), 96 * 54 / 2);
-    ASSERT_EQ(run("render raw --shot " + in("a/lamp.shot.json") + " --size 96x54 --frames 15 --out " + in("b")).code, 0);
+    ASSERT_EQ(
+        run("render raw --shot " + in("a/lamp.shot.json") + " --size 96x54 --frames 15 --out " + in("b"))
+            .code,
+        0);
     EXPECT_EQ(read_file(folder_ / "a/visibility.0015.exr"), read_file(folder_ / "b/visibility.0015.exr"));
 
     const Result shot = run("shot " + model + " --ground --out " + in("c/mine.shot.json"));
     ASSERT_EQ(shot.code, 0) << shot.err;
-    ASSERT_EQ(run("render raw --shot " + in("c/mine.shot.json") + " --size 96x54 --frames 15 --out " + in("d")).code, 0);
+    ASSERT_EQ(
+        run("render raw --shot " + in("c/mine.shot.json") + " --size 96x54 --frames 15 --out " + in("d"))
+            .code,
+        0);
     EXPECT_EQ(read_file(folder_ / "a/visibility.0015.exr"), read_file(folder_ / "d/visibility.0015.exr"));
     expect(run("shot " + model + " --out " + in("c/mine.shot.json")), 2, "is there already");
     expect(run("render raw --shot colonnade --ground --out " + in("e")), 2, "--ground");
@@ -93,9 +102,11 @@ TEST_F(FirstUse, AModelIsFramed) {
 }
 
 TEST_F(FirstUse, FilesWithoutAPictureAreRefused) {
-    const std::string empty = file("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
+    const std::string empty =
+        file("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
     expect(run("render " + empty + " --out " + in("o")), 2, "there are no triangles");
-    const std::string old = file("old.gltf", R"({"asset": {"version": "1.0"}, "scenes": {"s": {"nodes": ["n"]}},
+    const std::string old =
+        file("old.gltf", R"({"asset": {"version": "1.0"}, "scenes": {"s": {"nodes": ["n"]}},
         "scene": "s", "nodes": {"n": {"meshes": []}}})");
     expect(run("render " + old + " --out " + in("o")), 2, "glTF 1.0");
     EXPECT_FALSE(fs::exists(folder_ / "o"));
@@ -108,8 +119,8 @@ TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
     const Result script = run("completion bash");
     ASSERT_EQ(script.code, 0) << script.err;
     size_t commands = 0;
-    for (const char* name : {"render", "shot", "reference", "compare", "report", "plan", "check", "nodes", "gates", "bench",
-                             "explain", "statics", "devices", "completion"}) {
+    for (const char* name : {"render", "shot", "reference", "compare", "report", "plan", "check", "nodes",
+                             "gates", "bench", "explain", "statics", "devices", "completion"}) {
         const Result help = run(std::string(name) + " --help");
         EXPECT_EQ(help.code, 0);
         EXPECT_NE(help.out.find("Examples:\n  penumbra " + std::string(name)), std::string::npos) << help.out;
@@ -119,14 +130,32 @@ TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
     }
     EXPECT_EQ(commands, 14u);
     const std::string file_name = file("completion", script.out);
-    const std::string ask = "bash -c 'source " + file_name +
-                            "; COMP_WORDS=(penumbra reference --li); COMP_CWORD=2; _penumbra; test \"${COMPREPLY[*]}\" = --like'";
+    const std::string ask =
+        "bash -c 'source " + file_name +
+        "; COMP_WORDS=(penumbra reference --li); COMP_CWORD=2; _penumbra; test \"${COMPREPLY[*]}\" = --like'";
     EXPECT_EQ(std::system(ask.c_str()), 0);
     expect(run("completion csh"), 2, "csh");
-    EXPECT_EQ(run("completion fish").out.find("complete -c penumbra -n __fish_use_subcommand -a") == std::string::npos, false);
+    EXPECT_EQ(run("completion fish").out.find("complete -c penumbra -n __fish_use_subcommand -a") ==
+                  std::string::npos,
+              false);
 }
 
-// docs/first_steps.md from its first block to its last: files are written under their names, commands are run.
+TEST_F(FirstUse, ErrorsAreColouredOnATerminalAlone) {
+    EXPECT_EQ(run("check nosuch").err.find('\x1b'), std::string::npos);
+    const std::string seen = in("seen");
+    const auto on_terminal = [&](const std::string& before) {
+        const std::string command = before +
+                                    " script -qec \"'" PENUMBRA_PROGRAM "' check nosuch\" /dev/null >'" +
+                                    seen + "' </dev/null";
+        EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);
+        return read_file(seen);
+    };
+    EXPECT_NE(on_terminal("").find("\x1b[31mnosuch"), std::string::npos) << read_file(seen);
+    EXPECT_EQ(on_terminal("NO_COLOR=1").find('\x1b'), std::string::npos) << read_file(seen);
+}
+
+// docs/first_steps.md from its first block to its last: files are written under their names, commands are
+// run.
 class FirstSteps : public Cli {};
 
 TEST_F(FirstSteps, EveryStepWorks) {
@@ -148,8 +177,8 @@ TEST_F(FirstSteps, EveryStepWorks) {
             ++files;
         } else if (inside && shell) {
             ASSERT_TRUE(line.starts_with("penumbra ")) << line;
-            const std::string command = "cd '" + folder_.string() + "' && '" PENUMBRA_PROGRAM "'" + line.substr(8) +
-                                        " >said 2>errors";
+            const std::string command = "cd '" + folder_.string() + "' && '" PENUMBRA_PROGRAM "'" +
+                                        line.substr(8) + " >said 2>errors";
             EXPECT_EQ(std::system(command.c_str()), 0) << line << "\n" << read_file(folder_ / "errors");
             ++commands;
         } else if (inside) {

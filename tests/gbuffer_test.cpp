@@ -360,13 +360,15 @@ TEST_F(GBufferTest, WhatDeformsIsWhereItIsAndComesFromWhereItWas) {
     const auto moving = [](AnimationChannel::Path path, int node, std::vector<float> values) {
         Animation animation;
         animation.duration_s = 4;
-        animation.channels = {{node, path, AnimationChannel::Interpolation::linear, {0, 4}, std::move(values)}};
+        animation.channels = {
+            {node, path, AnimationChannel::Interpolation::linear, {0, 4}, std::move(values)}};
         return animation;
     };
     const glm::vec3 way(0.6f, 0.3f, 0.2f), start(-1.5f, 0.1f, 0);
     Model by_node = boxes(), by_joint = boxes(), by_target = boxes();
-    by_node.animations = {moving(AnimationChannel::Path::translation, 1,
-                                 {start.x, start.y, start.z, start.x + way.x, start.y + way.y, start.z + way.z})};
+    by_node.animations = {
+        moving(AnimationChannel::Path::translation, 1,
+               {start.x, start.y, start.z, start.x + way.x, start.y + way.y, start.z + way.z})};
 
     by_joint.nodes[1].translation = {7, 7, 7};  // of no consequence
     by_joint.nodes[1].skin = 0;
@@ -377,8 +379,9 @@ TEST_F(GBufferTest, WhatDeformsIsWhereItIsAndComesFromWhereItWas) {
     Part& bound = by_joint.meshes[2].parts[0];
     bound.joints.assign(bound.positions.size(), {0, 0, 0, 0});
     bound.weights.assign(bound.positions.size(), {1, 0, 0, 0});
-    by_joint.animations = {moving(AnimationChannel::Path::translation, 4,
-                                  {start.x, start.y, start.z, start.x + way.x, start.y + way.y, start.z + way.z})};
+    by_joint.animations = {
+        moving(AnimationChannel::Path::translation, 4,
+               {start.x, start.y, start.z, start.x + way.x, start.y + way.y, start.z + way.z})};
 
     by_target.meshes.push_back(by_target.meshes[1]);
     by_target.nodes[1].mesh = 2;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// glTF as users have it: compressed meshes, what moves, transformed and coloured textures, cameras and lights. Files are
-// made here, with the compressors' own encoders.
+// glTF as users have it: compressed meshes, what moves, transformed and coloured textures, cameras and
+// lights. Files are made here, with the compressors' own encoders.
 #include <draco/compression/encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <fmt/format.h>
@@ -55,8 +55,9 @@ struct Glb {
             return std::string(reinterpret_cast<const char*>(&v), 4);
         };
         const fs::path file = fs::path(::testing::TempDir()) / name;
-        std::ofstream(file, std::ios::binary) << "glTF" << word(2) << word(28 + text.size() + bytes.size()) << word(text.size())
-                                              << "JSON" << text << word(bytes.size()) << std::string("BIN\0", 4) << bytes;
+        std::ofstream(file, std::ios::binary)
+            << "glTF" << word(2) << word(28 + text.size() + bytes.size()) << word(text.size()) << "JSON"
+            << text << word(bytes.size()) << std::string("BIN\0", 4) << bytes;
         return file;
     }
 };
@@ -78,7 +79,8 @@ Glb square_file() {
     glb.json["nodes"] = {{{"mesh", 0}}};
     const int position = glb.floats(square, "VEC3", 3);
     const int indices = glb.accessor(glb.view(square_indices.data(), 24), 5125, 6, "SCALAR");
-    glb.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", indices}}}}}};
+    glb.json["meshes"] = {
+        {{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", indices}}}}}};
     return glb;
 }
 Json& primitive(Glb& glb) {
@@ -104,7 +106,8 @@ TEST(GltfFeatures, DracoHoldsTheSameSquare) {
     const int attribute = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
     for (int face = 0; face < 2; ++face) {
         const auto corner = [&](size_t k) { return &square[3 * square_indices[size_t(face) * 3 + k]]; };
-        builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(static_cast<uint32_t>(face)), corner(0), corner(1), corner(2));
+        builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(static_cast<uint32_t>(face)), corner(0),
+                                          corner(1), corner(2));
     }
     const auto mesh = builder.Finalize();
     ASSERT_TRUE(mesh);
@@ -115,13 +118,16 @@ TEST(GltfFeatures, DracoHoldsTheSameSquare) {
     Glb glb;
     glb.json["nodes"] = {{{"mesh", 0}}};
     const int view = glb.view(encoded.data(), encoded.size());
-    const int position = glb.accessor(-1, 5126, mesh->num_points(), "VEC3"), indices = glb.accessor(-1, 5125, 6, "SCALAR");
+    const int position = glb.accessor(-1, 5126, mesh->num_points(), "VEC3"),
+              indices = glb.accessor(-1, 5125, 6, "SCALAR");
     glb.json["extensionsRequired"] = glb.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
     const uint32_t id = mesh->attribute(attribute)->unique_id();
     glb.json["meshes"] = {{{"primitives",
                             {{{"attributes", {{"POSITION", position}}},
                               {"indices", indices},
-                              {"extensions", {{"KHR_draco_mesh_compression", {{"bufferView", view}, {"attributes", {{"POSITION", id}}}}}}}}}}}};
+                              {"extensions",
+                               {{"KHR_draco_mesh_compression",
+                                 {{"bufferView", view}, {"attributes", {{"POSITION", id}}}}}}}}}}}};
     expect_square(loaded(glb, "draco.glb"), 1e-3);
 
     glb.bytes[glb.bytes.size() / 2] ^= 0x55;
@@ -134,31 +140,41 @@ TEST(GltfFeatures, DracoHoldsTheSameSquare) {
 // Views of a buffer that holds nothing until they are decoded, as gltfpack writes them.
 TEST(GltfFeatures, MeshoptHoldsTheSameSquare) {
     std::vector<float> padded;  // 16 bytes a vertex
-    for (size_t i = 0; i < 4; ++i) padded.insert(padded.end(), {square[3 * i], square[3 * i + 1], square[3 * i + 2], 0});
+    for (size_t i = 0; i < 4; ++i)
+        padded.insert(padded.end(), {square[3 * i], square[3 * i + 1], square[3 * i + 2], 0});
     std::vector<unsigned char> vertices(meshopt_encodeVertexBufferBound(4, 16)),
         indices(meshopt_encodeIndexBufferBound(6, 4));
     vertices.resize(meshopt_encodeVertexBuffer(vertices.data(), vertices.size(), padded.data(), 4, 16));
     indices.resize(meshopt_encodeIndexBuffer(indices.data(), indices.size(), square_indices.data(), 6));
     Glb glb;
     glb.json["nodes"] = {{{"mesh", 0}}};
-    const auto compressed = [&](const std::vector<unsigned char>& data, size_t stride, size_t count, const char* mode) {
+    const auto compressed = [&](const std::vector<unsigned char>& data, size_t stride, size_t count,
+                                const char* mode) {
         glb.bytes.resize((glb.bytes.size() + 3) / 4 * 4);
-        glb.json["bufferViews"].push_back(
-            {{"buffer", 1},
-             {"byteOffset", 0},
-             {"byteLength", stride * count},
-             {"extensions",
-              {{"EXT_meshopt_compression",
-                {{"buffer", 0}, {"byteOffset", glb.bytes.size()}, {"byteLength", data.size()}, {"byteStride", stride}, {"count", count}, {"mode", mode}}}}}});
+        glb.json["bufferViews"].push_back({{"buffer", 1},
+                                           {"byteOffset", 0},
+                                           {"byteLength", stride * count},
+                                           {"extensions",
+                                            {{"EXT_meshopt_compression",
+                                              {{"buffer", 0},
+                                               {"byteOffset", glb.bytes.size()},
+                                               {"byteLength", data.size()},
+                                               {"byteStride", stride},
+                                               {"count", count},
+                                               {"mode", mode}}}}}});
         glb.bytes.append(reinterpret_cast<const char*>(data.data()), data.size());
         return static_cast<int>(glb.json["bufferViews"].size()) - 1;
     };
-    const int position_view = compressed(vertices, 16, 4, "ATTRIBUTES"), index_view = compressed(indices, 4, 6, "TRIANGLES");
+    const int position_view = compressed(vertices, 16, 4, "ATTRIBUTES"),
+              index_view = compressed(indices, 4, 6, "TRIANGLES");
     glb.json["bufferViews"][0]["byteStride"] = 16;
-    const int position = glb.accessor(position_view, 5126, 4, "VEC3"), index = glb.accessor(index_view, 5125, 6, "SCALAR");
+    const int position = glb.accessor(position_view, 5126, 4, "VEC3"),
+              index = glb.accessor(index_view, 5125, 6, "SCALAR");
     glb.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", index}}}}}};
     glb.json["extensionsRequired"] = glb.json["extensionsUsed"] = {"EXT_meshopt_compression"};
-    glb.json["buffers"] = {Json::object(), {{"byteLength", 100000}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
+    glb.json["buffers"] = {
+        Json::object(),
+        {{"byteLength", 100000}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
     expect_square(loaded(glb, "meshopt.glb"), 1e-6);
 
     glb.bytes[0] ^= 0x55;
@@ -175,10 +191,13 @@ TEST(GltfFeatures, TextureCoordinatesAreTransformedAndColoursRead) {
     glb.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
     glb.json["textures"] = {{{"source", 0}}};
     const double turn = std::acos(0.0);
-    glb.json["materials"] = {{{"pbrMetallicRoughness",
-                               {{"baseColorTexture",
-                                 {{"index", 0},
-                                  {"extensions", {{"KHR_texture_transform", {{"offset", {.25, .5}}, {"scale", {2, 4}}, {"rotation", turn}, {"texCoord", 1}}}}}}}}}}};
+    glb.json["materials"] = {
+        {{"pbrMetallicRoughness",
+          {{"baseColorTexture",
+            {{"index", 0},
+             {"extensions",
+              {{"KHR_texture_transform",
+                {{"offset", {.25, .5}}, {"scale", {2, 4}}, {"rotation", turn}, {"texCoord", 1}}}}}}}}}}};
     glb.json["extensionsRequired"] = {"KHR_texture_transform"};
     const Model model = loaded(glb, "transform.glb");
     ASSERT_EQ(model.triangle_count(), 2u);
@@ -196,9 +215,10 @@ Glb animated_file(const char* path, const char* interpolation, const std::vector
                   const std::vector<float>& values, const char* type, size_t width) {
     Glb glb = square_file();
     const int input = glb.floats(times, "SCALAR", 1), output = glb.floats(values, type, width);
-    glb.json["animations"] = {{{"name", "go"},
-                               {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
-                               {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}}};
+    glb.json["animations"] = {
+        {{"name", "go"},
+         {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}}};
     return glb;
 }
 
@@ -213,8 +233,8 @@ TEST(GltfFeatures, AnimationsInterpolateAndHold) {
         cubic = animated_file("translation", "CUBICSPLINE", {1, 3},
                               {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 4, 0, 0, 0, 0, 0}, "VEC3", 3),
         turning = animated_file("rotation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0, -1, 0}, "VEC4", 4);
-    const Model a = loaded(linear, "linear.glb"), b = loaded(step, "step.glb"), c = loaded(cubic, "cubic.glb"),
-                d = loaded(turning, "turning.glb");
+    const Model a = loaded(linear, "linear.glb"), b = loaded(step, "step.glb"),
+                c = loaded(cubic, "cubic.glb"), d = loaded(turning, "turning.glb");
     EXPECT_EQ(a.animations[0].duration_s, 3);
     EXPECT_DOUBLE_EQ(x_at(a, 0), 0);
     EXPECT_DOUBLE_EQ(x_at(a, 1.5), 1);
@@ -222,7 +242,8 @@ TEST(GltfFeatures, AnimationsInterpolateAndHold) {
     EXPECT_DOUBLE_EQ(x_at(b, 2.999), 0);
     EXPECT_DOUBLE_EQ(x_at(b, 3), 4);
     // p = (t3 - 2 t2 + t) 2 + (3 t2 - 2 t3) 4 + (t3 - t2) 2 at t = 1/4.
-    EXPECT_NEAR(x_at(c, 1.5), 2 * (1 / 64. - 2 / 16. + 1 / 4.) + 4 * (3 / 16. - 2 / 64.) + 2 * (1 / 64. - 1 / 16.), 1e-12);
+    EXPECT_NEAR(x_at(c, 1.5),
+                2 * (1 / 64. - 2 / 16. + 1 / 4.) + 4 * (3 / 16. - 2 / 64.) + 2 * (1 / 64. - 1 / 16.), 1e-12);
     const glm::dquat half = pose_at(d, 0, 0.5)[0].rotation;  // of half a turn about z, the shorter way
     EXPECT_NEAR(std::abs(half.w), std::sqrt(0.5), 1e-12);
     EXPECT_NEAR(std::abs(half.z), std::sqrt(0.5), 1e-12);
@@ -242,10 +263,14 @@ TEST(GltfFeatures, BrokenAnimationsAreErrorsByName) {
 // Two bones: the square's upper edge follows the second, which moves; the mesh's own node does not matter.
 TEST(GltfFeatures, SkinsFollowTheirJoints) {
     Glb glb = square_file();
-    const std::array<std::array<uint8_t, 4>, 4> joints{{{0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}}};
+    const std::array<std::array<uint8_t, 4>, 4> joints{
+        {{0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}}};
     primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
-    primitive(glb)["attributes"]["WEIGHTS_0"] = glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
-    glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {50, 0, 0}}}, {{"name", "root"}}, {{"name", "tip"}, {"translation", {0, 1, 0}}}};
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
+    glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {50, 0, 0}}},
+                         {{"name", "root"}},
+                         {{"name", "tip"}, {"translation", {0, 1, 0}}}};
     glb.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
     std::vector<float> bind(32, 0);
     for (size_t i = 0; i < 2; ++i)
@@ -253,8 +278,9 @@ TEST(GltfFeatures, SkinsFollowTheirJoints) {
     bind[16 + 13] = -1;  // the second joint's rest is one metre up
     glb.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", glb.floats(bind, "MAT4", 16)}}};
     const int input = glb.floats({0, 1}, "SCALAR", 1), output = glb.floats({0, 1, 0, 0, 1, 3}, "VEC3", 3);
-    glb.json["animations"] = {{{"samplers", {{{"input", input}, {"output", output}}}},
-                               {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "translation"}}}}}}}};
+    glb.json["animations"] = {
+        {{"samplers", {{{"input", input}, {"output", output}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "translation"}}}}}}}};
     Shot shot;
     shot.fps = 10;
     shot.animation = "0";
@@ -275,9 +301,11 @@ TEST(GltfFeatures, SkinsFollowTheirJoints) {
 
 TEST(GltfFeatures, JointsThatAreNotThereAreErrors) {
     Glb glb = square_file();
-    const std::array<std::array<uint8_t, 4>, 4> joints{{{7, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}};
+    const std::array<std::array<uint8_t, 4>, 4> joints{
+        {{7, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}};
     primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
-    primitive(glb)["attributes"]["WEIGHTS_0"] = glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
     glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "root"}}};
     glb.json["scenes"] = {{{"nodes", {0, 1}}}};
     glb.json["skins"] = {{{"joints", {1}}}};
@@ -289,7 +317,8 @@ TEST(GltfFeatures, JointsThatAreNotThereAreErrors) {
 TEST(GltfFeatures, InstancesAreNodes) {
     Glb glb = square_file();
     const int translations = glb.floats({0, 0, 0, 5, 0, 0, 9, 0, 0}, "VEC3", 3);
-    glb.json["nodes"][0]["extensions"] = {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", translations}}}}}};
+    glb.json["nodes"][0]["extensions"] = {
+        {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", translations}}}}}};
     const Scene scene(loaded(glb, "instances.glb"), Shot{});
     EXPECT_EQ(scene.instances().size(), 3u);
     EXPECT_EQ(scene.bounds()[1].x, 10);
@@ -300,15 +329,18 @@ TEST(GltfFeatures, AShotTakesTheFilesCameraAndSun) {
     glb.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.25}}}}};
     const double h = std::sqrt(0.5);
     glb.json["extensionsUsed"] = {"KHR_lights_punctual"};
-    glb.json["extensions"] = {{"KHR_lights_punctual", {{"lights", {{{"type", "directional"}}, {{"type", "point"}}}}}}};
+    glb.json["extensions"] = {
+        {"KHR_lights_punctual", {{"lights", {{{"type", "directional"}}, {{"type", "point"}}}}}}};
     glb.json["nodes"].push_back({{"camera", 0}, {"translation", {1, 2, 8}}});
-    glb.json["nodes"].push_back({{"rotation", {-h, 0, 0, h}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    glb.json["nodes"].push_back(
+        {{"rotation", {-h, 0, 0, h}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
     glb.json["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
     glb.json["scenes"] = {{{"nodes", {0, 1, 2, 3}}}};
     const Model model = loaded(glb, "camera.glb");
     EXPECT_EQ(model.warnings, std::vector<std::string>{"KHR_lights_punctual: point lights are not drawn"});
     Diagnostics diagnostics;
-    const auto shot = parse_shot(make_model_shot(model, "camera.glb", "", false).text, "camera.shot.json", diagnostics);
+    const auto shot =
+        parse_shot(make_model_shot(model, "camera.glb", "", false).text, "camera.shot.json", diagnostics);
     ASSERT_TRUE(shot) << diagnostics.text();
     EXPECT_NEAR(shot->vertical_fov_deg, glm::degrees(0.5), 1e-3);
     EXPECT_EQ(shot->near, 0.25);
@@ -321,8 +353,13 @@ TEST(GltfFeatures, AShotTakesTheFilesCameraAndSun) {
 TEST(GltfFeatures, NodesWithAMatrixCanBeMoved) {
     for (const double mirror : {1.0, -1.0}) {
         Model model;
-        model.meshes.push_back({{Part{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, .indices = {0, 1, 2}}}});
-        Node plain{.name = "thing", .mesh = 0, .translation = {3, 1, 2}, .rotation = glm::normalize(glm::dquat(1, .3, -.2, .5)), .scale = {mirror * 2, .5, 1.5}};
+        model.meshes.push_back(
+            {{Part{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, .indices = {0, 1, 2}}}});
+        Node plain{.name = "thing",
+                   .mesh = 0,
+                   .translation = {3, 1, 2},
+                   .rotation = glm::normalize(glm::dquat(1, .3, -.2, .5)),
+                   .scale = {mirror * 2, .5, 1.5}};
         Model with_matrix = model;
         model.nodes = {plain};
         Shot still;
@@ -330,13 +367,16 @@ TEST(GltfFeatures, NodesWithAMatrixCanBeMoved) {
         matrix.matrix = Scene(model, still).transforms(0)[0];
         with_matrix.nodes = {matrix};
         Shot shot;
-        shot.objects["thing"].keys = {{.frame = 0}, {.frame = 4, .translation = {1, 2, 3}, .rotation_deg = {0, 0, 40}}};
-        const glm::dmat4 a = Scene(model, shot).transforms(4)[0], b = Scene(with_matrix, shot).transforms(4)[0];
+        shot.objects["thing"].keys = {{.frame = 0},
+                                      {.frame = 4, .translation = {1, 2, 3}, .rotation_deg = {0, 0, 40}}};
+        const glm::dmat4 a = Scene(model, shot).transforms(4)[0],
+                         b = Scene(with_matrix, shot).transforms(4)[0];
         EXPECT_NEAR(glm::length(a[3] - b[3]), 0, 1e-12);
         if (mirror > 0)
             for (int c = 0; c < 3; ++c) EXPECT_NEAR(glm::length(a[c] - b[c]), 0, 1e-9) << c;
         EXPECT_NEAR(glm::determinant(a), glm::determinant(b), 1e-9);
-        EXPECT_EQ(Scene(with_matrix, shot).transforms(0)[0][0], Scene(with_matrix, still).transforms(0)[0][0]);
+        EXPECT_EQ(Scene(with_matrix, shot).transforms(0)[0][0],
+                  Scene(with_matrix, still).transforms(0)[0][0]);
     }
 }
 

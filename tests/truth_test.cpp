@@ -209,8 +209,9 @@ TEST_F(Reference, AgreesWithEmbreeBehindLeafCards) {
     EXPECT_LE(seen.rms, 1e-2);
 }
 
-// A wall on the floor, as high as the lift of 1/512 pixel that rays of a rasterised point need, and a fiftieth of a pixel
-// beside the point: its edge is half of a sun's height up, and whoever starts on that lift looks over it.
+// A wall on the floor, as high as the lift of 1/512 pixel that rays of a rasterised point need, and a
+// fiftieth of a pixel beside the point: its edge is half of a sun's height up, and whoever starts on that
+// lift looks over it.
 TEST_F(Reference, JudgesContactsByThePointItself) {
     Shot shot;
     shot.size = {64, 36};
@@ -238,7 +239,8 @@ TEST_F(Reference, JudgesContactsByThePointItself) {
     fs::remove(shot.model);
     const size_t p = 18 * size_t{shot.size[0]} + 31;
     ASSERT_EQ(truth.receiver[p], 1);
-    // The wall hides what is below the plane through its edge and the point, which the floor's own plane is part of.
+    // The wall hides what is below the plane through its edge and the point, which the floor's own plane is
+    // part of.
     const auto seen_above = [&](double from_height) {
         const double edge = std::atan2(height - from_height, wall_x + 0.5 * pixel);
         return half_plane_visibility(std::atan(0.03) - edge, glm::radians(5.0));

@@ -23,8 +23,7 @@ TEST(TuningShots, AreNotAmongTheShippedOnes) {
             for (const fs::path& other : shipped)
                 EXPECT_FALSE(fs::equivalent(file, other) || other.filename() == file.filename()) << other;
             Diagnostics diagnostics;
-            EXPECT_FALSE(shipped_file(name, PENUMBRA_SOURCE_DIR, shipped_shots, diagnostics))
-                << name;
+            EXPECT_FALSE(shipped_file(name, PENUMBRA_SOURCE_DIR, shipped_shots, diagnostics)) << name;
         }
 }
 

@@ -137,7 +137,8 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
             for (auto* list : {&item.vertices, &item.prev_vertices})
                 for (uint32_t slot = 0; slot < frames_in_flight; ++slot)
                     list->push_back(make_host_buffer(device, item.range.vertex_count * sizeof(RasterVertex),
-                                                     VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "vertices that deform"));
+                                                     VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+                                                     "vertices that deform"));
         }
     }
     create_images(extent);

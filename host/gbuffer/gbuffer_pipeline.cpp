@@ -16,8 +16,9 @@ Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout l
     const VkSpecializationMapEntry constant{0, 0, sizeof(tested)};  // ALPHA_TESTED
     const VkSpecializationInfo specialization{1, &constant, sizeof(tested), &tested};
     // The second binding holds the previous frame's vertices: the same ones of what does not deform.
-    const VkVertexInputBindingDescription bindings[] = {{0, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX},
-                                                        {1, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
+    const VkVertexInputBindingDescription bindings[] = {
+        {0, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX},
+        {1, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
     const VkVertexInputAttributeDescription attributes[] = {
         {0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RasterVertex, position)},
         {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RasterVertex, winding_normal)},

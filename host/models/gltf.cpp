@@ -25,14 +25,14 @@ namespace penumbra {
 
 namespace {
 
-// Extensions that a file may require: those that are read, and those that do not change where its triangles are.
+// Extensions that a file may require: those that are read, and those that do not change where its triangles
+// are.
 bool is_harmless(std::string_view extension) {
-    constexpr std::string_view known[] = {"KHR_lights_punctual",   "KHR_mesh_quantization",
-                                          "KHR_texture_transform", "KHR_draco_mesh_compression",
-                                          "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
-                                          "KHR_texture_basisu",    "EXT_texture_webp",
-                                          "EXT_texture_avif",      "MSFT_texture_dds",
-                                          "KHR_animation_pointer", "KHR_xmp_json_ld"};
+    constexpr std::string_view known[] = {
+        "KHR_lights_punctual",        "KHR_mesh_quantization",   "KHR_texture_transform",
+        "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+        "KHR_texture_basisu",         "EXT_texture_webp",        "EXT_texture_avif",
+        "MSFT_texture_dds",           "KHR_animation_pointer",   "KHR_xmp_json_ld"};
     return extension.starts_with("KHR_materials_") || std::ranges::find(known, extension) != std::end(known);
 }
 
@@ -153,11 +153,13 @@ class Loader {
         double strength = 1;
         if (const auto found = material.extensions.find("KHR_materials_emissive_strength");
             found != material.extensions.end() && found->second.Has("emissiveStrength"))
-            strength = factor("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
+            strength =
+                factor("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
         for (size_t i = 0; i < std::min<size_t>(3, material.emissiveFactor.size()); ++i)
             out.emissive[i] =
                 factor("emissiveFactor", material.emissiveFactor[i], 1) * static_cast<float>(strength);
-        out.metallic_roughness_texture = surface_image("metallic-roughness", pbr.metallicRoughnessTexture, use);
+        out.metallic_roughness_texture =
+            surface_image("metallic-roughness", pbr.metallicRoughnessTexture, use);
         out.emissive_texture = surface_image("emissive", material.emissiveTexture, use);
     }
 
@@ -175,9 +177,10 @@ class Loader {
         if (info.index < 0) return -1;
         const tinygltf::Texture& texture = element(file_.textures, info.index, "texture");
         if (texture_use(info) != use || texture.source < 0) {
-            warn(fmt::format("{} textures without a core image, or with other coordinates than the base colour's, "
-                             "are ignored: the factor is used",
-                             kind));
+            warn(fmt::format(
+                "{} textures without a core image, or with other coordinates than the base colour's, "
+                "are ignored: the factor is used",
+                kind));
             return -1;
         }
         element(file_.images, texture.source, "image");
@@ -216,7 +219,8 @@ class Loader {
 
     void add_primitive(Mesh& mesh, const tinygltf::Primitive& primitive) {
         if (primitive.material >= 0) element(file_.materials, primitive.material, "material");
-        const TextureUse use = primitive.material < 0 ? TextureUse{} : texture_uses_[static_cast<size_t>(primitive.material)];
+        const TextureUse use =
+            primitive.material < 0 ? TextureUse{} : texture_uses_[static_cast<size_t>(primitive.material)];
         if (auto part = read_primitive(file_, accessors_, budget_, primitive, use, tell_))
             add_part(model_, mesh, std::move(*part));
     }
@@ -278,8 +282,9 @@ class Loader {
         }
         const double fov = glm::degrees(camera.perspective.yfov), near = camera.perspective.znear;
         if (!(fov > 0.01 && fov < 170 && near > 1e-6 && near < 1e6)) {
-            warn(fmt::format("camera \"{}\" is not looked through: a field of view of {} degrees from {} m on",
-                             camera.name, fov, near));
+            warn(
+                fmt::format("camera \"{}\" is not looked through: a field of view of {} degrees from {} m on",
+                            camera.name, fov, near));
             return;
         }
         model_.cameras.push_back({self, fov, near});
@@ -290,7 +295,8 @@ class Loader {
         constexpr const char* name = "KHR_lights_punctual";
         const auto found = node.extensions.find(name);
         if (found == node.extensions.end()) return;
-        const tinygltf::Light& light = element(file_.lights, extension_integer(found->second, "light", name), "light");
+        const tinygltf::Light& light =
+            element(file_.lights, extension_integer(found->second, "light", name), "light");
         if (light.type == "directional")
             model_.suns.push_back(self);
         else
@@ -302,7 +308,8 @@ class Loader {
         constexpr const char* name = "EXT_mesh_gpu_instancing";
         const auto found = node.extensions.find(name);
         if (found == node.extensions.end() || node.mesh < 0) return;
-        const tinygltf::Value attributes = found->second.IsObject() ? found->second.Get("attributes") : tinygltf::Value();
+        const tinygltf::Value attributes =
+            found->second.IsObject() ? found->second.Get("attributes") : tinygltf::Value();
         const auto read = [&](const char* key, int width) {
             return attributes.IsObject() && attributes.Has(key)
                        ? accessors_.floats(extension_integer(attributes, key, name), width)
@@ -311,14 +318,16 @@ class Loader {
         const std::vector<float> t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
         const size_t count = std::max({t.size() / 3, r.size() / 4, s.size() / 3});
         for (const auto& [size, width] : {std::pair(t.size(), size_t{3}), {r.size(), 4}, {s.size(), 3}})
-            if (size != 0 && size != count * width) throw GltfError(fmt::format("{}: attributes differ in count", name));
+            if (size != 0 && size != count * width)
+                throw GltfError(fmt::format("{}: attributes differ in count", name));
         model_.nodes[static_cast<size_t>(self)].mesh = -1;
         for (size_t i = 0; i < count; ++i) {
             Node& out = model_.nodes.emplace_back();
             out.parent = self;
             out.mesh = node.mesh;
             if (!t.empty()) out.translation = glm::make_vec3(&t[3 * i]);
-            if (!r.empty()) out.rotation = glm::normalize(glm::dquat(r[4 * i + 3], r[4 * i], r[4 * i + 1], r[4 * i + 2]));
+            if (!r.empty())
+                out.rotation = glm::normalize(glm::dquat(r[4 * i + 3], r[4 * i], r[4 * i + 1], r[4 * i + 2]));
             if (!s.empty()) out.scale = glm::make_vec3(&s[3 * i]);
         }
     }

@@ -31,7 +31,8 @@ std::vector<unsigned char> decoded(const tinygltf::Value& how, std::span<const u
     else if (mode == "INDICES" && (stride == 2 || stride == 4))
         failure = meshopt_decodeIndexSequence(out.data(), count, stride, source.data(), source.size());
     else
-        throw GltfError(fmt::format("{}: mode \"{}\" with {} elements of {} bytes", name, mode, count, stride));
+        throw GltfError(
+            fmt::format("{}: mode \"{}\" with {} elements of {} bytes", name, mode, count, stride));
     if (failure) throw GltfError(fmt::format("{}: a buffer view cannot be decoded", name));
     if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8))
         meshopt_decodeFilterOct(out.data(), count, stride);

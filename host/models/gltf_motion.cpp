@@ -7,7 +7,6 @@
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
-
 namespace penumbra {
 namespace {
 
@@ -41,11 +40,13 @@ AnimationChannel read_channel(AccessorReader& accessors, const tinygltf::Animati
     const size_t per_key = (path == Path::weights ? targets : static_cast<size_t>(width)) *
                            (out.interpolation == Interpolation::cubic ? 3 : 1);
     if (out.times.empty() || out.values.size() != out.times.size() * per_key)
-        throw GltfError(fmt::format("{} keys have {} numbers, not {} each", out.times.size(), out.values.size(), per_key));
+        throw GltfError(fmt::format("{} keys have {} numbers, not {} each", out.times.size(),
+                                    out.values.size(), per_key));
     const auto finite = [](float v) { return std::isfinite(v); };
     if (!std::ranges::all_of(out.times, finite) || !std::ranges::all_of(out.values, finite))
         throw GltfError("keys are not finite");
-    if (out.times.front() < 0 || std::ranges::adjacent_find(out.times, std::greater_equal<>()) != out.times.end())
+    if (out.times.front() < 0 ||
+        std::ranges::adjacent_find(out.times, std::greater_equal<>()) != out.times.end())
         throw GltfError("times of keys do not rise");
     return out;
 }
@@ -61,8 +62,8 @@ size_t targets_of(const Model& model, int node) {
 
 }  // namespace
 
-void read_animations(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node,
-                     Model& model, const GltfTell& tell) {
+void read_animations(const tinygltf::Model& file, AccessorReader& accessors,
+                     const std::vector<int>& model_node, Model& model, const GltfTell& tell) {
     for (const tinygltf::Animation& animation : file.animations) {
         Animation& out = model.animations.emplace_back();
         out.name = animation.name;
@@ -85,8 +86,8 @@ void read_animations(const tinygltf::Model& file, AccessorReader& accessors, con
             }
             try {
                 const size_t count = *path == Path::weights ? targets_of(model, node) : 0;
-                out.channels.push_back(read_channel(accessors, element(animation.samplers, channel.sampler, "sampler"),
-                                                    *path, node, count));
+                out.channels.push_back(read_channel(
+                    accessors, element(animation.samplers, channel.sampler, "sampler"), *path, node, count));
             } catch (const GltfError& error) {
                 throw GltfError(fmt::format("animation \"{}\": {}", animation.name, error.what()));
             }
@@ -95,8 +96,8 @@ void read_animations(const tinygltf::Model& file, AccessorReader& accessors, con
     }
 }
 
-void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node, Model& model,
-                const GltfTell& tell) {
+void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node,
+                Model& model, const GltfTell& tell) {
     for (const tinygltf::Skin& skin : file.skins) {
         Skin& out = model.skins.emplace_back();
         for (const int joint : skin.joints) {
@@ -104,7 +105,8 @@ void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const st
             out.joints.push_back(model_node[static_cast<size_t>(joint)]);
         }
         if (std::ranges::find(out.joints, -1) != out.joints.end()) {
-            tell(fmt::format("skin \"{}\" has joints outside of the scene: its meshes are in their rest pose", skin.name));
+            tell(fmt::format("skin \"{}\" has joints outside of the scene: its meshes are in their rest pose",
+                             skin.name));
             out.joints.clear();
             continue;
         }
@@ -112,7 +114,8 @@ void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const st
         if (skin.inverseBindMatrices < 0) continue;
         const std::vector<float>& numbers = accessors.floats(skin.inverseBindMatrices, 16);
         if (numbers.size() < out.joints.size() * 16)
-            throw GltfError(fmt::format("skin \"{}\" has fewer inverse bind matrices than joints", skin.name));
+            throw GltfError(
+                fmt::format("skin \"{}\" has fewer inverse bind matrices than joints", skin.name));
         for (size_t i = 0; i < out.joints.size(); ++i)
             out.inverse_bind[i] = glm::dmat4(glm::make_mat4(&numbers[16 * i]));
     }
@@ -126,8 +129,9 @@ void check_joints(const Model& model) {
             for (size_t i = 0; i < part.joints.size(); ++i)
                 for (int k = 0; k < 4; ++k)
                     if (part.weights[i][k] > 0 && part.joints[i][static_cast<size_t>(k)] >= joints)
-                        throw GltfError(fmt::format("node \"{}\": a vertex is moved by joint {} of {}", node.name,
-                                                    part.joints[i][static_cast<size_t>(k)], joints));
+                        throw GltfError(fmt::format("node \"{}\": a vertex is moved by joint {} of {}",
+                                                    node.name, part.joints[i][static_cast<size_t>(k)],
+                                                    joints));
     }
 }
 

@@ -11,13 +11,14 @@
 
 namespace penumbra {
 
-// `model_node`: the model's node for each of the file's, -1 where it is not shown. What cannot be played is told. GltfError.
-void read_animations(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node,
-                     Model& model, const GltfTell& tell);
+// `model_node`: the model's node for each of the file's, -1 where it is not shown. What cannot be played is
+// told. GltfError.
+void read_animations(const tinygltf::Model& file, AccessorReader& accessors,
+                     const std::vector<int>& model_node, Model& model, const GltfTell& tell);
 
 // Skins of the file, in its order; one with joints that are not shown has none, and is told of. GltfError.
-void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node, Model& model,
-                const GltfTell& tell);
+void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const std::vector<int>& model_node,
+                Model& model, const GltfTell& tell);
 
 // GltfError where a vertex is moved by a joint that its node's skin does not have.
 void check_joints(const Model& model);

@@ -30,15 +30,16 @@ class Attributes {
     bool has(const std::string& name) const { return primitive_.attributes.contains(name); }
 
     int width(const std::string& name) const {
-        return tinygltf::GetNumComponentsInType(static_cast<uint32_t>(
-            element(file_.accessors, primitive_.attributes.at(name), "accessor").type));
+        return tinygltf::GetNumComponentsInType(
+            static_cast<uint32_t>(element(file_.accessors, primitive_.attributes.at(name), "accessor").type));
     }
 
     const std::vector<float>& floats(const std::string& name, int width) {
         const auto id = ids_.find(name);
         if (id == ids_.end()) return accessors_.floats(primitive_.attributes.at(name), width);
         const auto components = static_cast<size_t>(width);
-        const draco::PointAttribute* values = mesh_->GetAttributeByUniqueId(static_cast<uint32_t>(id->second));
+        const draco::PointAttribute* values =
+            mesh_->GetAttributeByUniqueId(static_cast<uint32_t>(id->second));
         if (!values || values->num_components() != width)
             throw GltfError(fmt::format("{}: {} is not what its accessor says", draco_name, name));
         budget_.spend(mesh_->num_points() * components * sizeof(float));
@@ -57,7 +58,8 @@ class Attributes {
         if (mesh_) {
             budget_.spend(uint64_t{mesh_->num_faces()} * 3 * sizeof(uint32_t));
             for (draco::FaceIndex face(0); face < mesh_->num_faces(); ++face)
-                for (size_t corner = 0; corner < 3; ++corner) out.push_back(mesh_->face(face)[corner].value());
+                for (size_t corner = 0; corner < 3; ++corner)
+                    out.push_back(mesh_->face(face)[corner].value());
         } else if (primitive_.indices >= 0) {
             out = accessors_.indices(primitive_.indices);
         } else {
@@ -185,16 +187,19 @@ TextureUse texture_use(const tinygltf::TextureInfo& info) {
                 throw GltfError("KHR_texture_transform: \"rotation\" is not a number");
             rotation = found->second.Get("rotation").GetNumberAsDouble();
         }
-        if (found->second.Has("texCoord")) use.coordinates = extension_integer(found->second, "texCoord", name);
+        if (found->second.Has("texCoord"))
+            use.coordinates = extension_integer(found->second, "texCoord", name);
         const double c = std::cos(rotation), s = std::sin(rotation);
-        use.transform = {{c * scale[0], -s * scale[0], 0}, {s * scale[1], c * scale[1], 0}, {offset[0], offset[1], 1}};
+        use.transform = {
+            {c * scale[0], -s * scale[0], 0}, {s * scale[1], c * scale[1], 0}, {offset[0], offset[1], 1}};
     }
     if (use.coordinates < 0) throw GltfError(fmt::format("there is no TEXCOORD_{}", use.coordinates));
     return use;
 }
 
 std::optional<Part> read_primitive(const tinygltf::Model& file, AccessorReader& accessors, ReadBudget& budget,
-                                   const tinygltf::Primitive& primitive, const TextureUse& use, const GltfTell& tell) {
+                                   const tinygltf::Primitive& primitive, const TextureUse& use,
+                                   const GltfTell& tell) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode < TINYGLTF_MODE_TRIANGLES) {
         tell("points and lines are ignored: they cast no shadow");

@@ -30,6 +30,7 @@ TextureUse texture_use(const tinygltf::TextureInfo& info);
 
 // Its triangles, for add_part(); nothing where there are none to draw, which `tell` hears of. GltfError.
 std::optional<Part> read_primitive(const tinygltf::Model& file, AccessorReader& accessors, ReadBudget& budget,
-                                   const tinygltf::Primitive& primitive, const TextureUse& use, const GltfTell& tell);
+                                   const tinygltf::Primitive& primitive, const TextureUse& use,
+                                   const GltfTell& tell);
 
 }  // namespace penumbra

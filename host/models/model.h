@@ -44,9 +44,11 @@ struct Part {
     std::vector<glm::vec2> uv;  // as many as positions, or none
     std::vector<uint32_t> indices;
     int material = -1;  // -1: white
-    std::vector<std::array<uint8_t, 4>> colors = {};  // linear, times the material's; as many as positions, or none
-    // What moves its vertices (host/scene/deform.h): per vertex four joints of the node's skin, as indices into
-    // Skin::joints, with weights whose sum is 1; and offsets of each morph target. As many as positions, or none.
+    std::vector<std::array<uint8_t, 4>> colors =
+        {};  // linear, times the material's; as many as positions, or none
+    // What moves its vertices (host/scene/deform.h): per vertex four joints of the node's skin, as indices
+    // into Skin::joints, with weights whose sum is 1; and offsets of each morph target. As many as positions,
+    // or none.
     std::vector<std::array<uint16_t, 4>> joints = {};
     std::vector<glm::vec4> weights = {};
     std::vector<std::vector<glm::vec3>> targets = {};
@@ -67,12 +69,12 @@ struct Node {
     glm::dquat rotation{1, 0, 0, 0};
     glm::dvec3 scale{1};
     std::optional<glm::dmat4> matrix;
-    int skin = -1;                   // its mesh then stands where the joints put it, whatever its own transform
+    int skin = -1;  // its mesh then stands where the joints put it, whatever its own transform
     std::vector<double> weights{};  // of the mesh's morph targets; fewer than these: 0
 };
 
 struct Skin {
-    std::vector<int> joints;                // nodes
+    std::vector<int> joints;               // nodes
     std::vector<glm::dmat4> inverse_bind;  // as many
 };
 
@@ -84,7 +86,8 @@ struct AnimationChannel {
     Path path = Path::translation;
     Interpolation interpolation = Interpolation::linear;
     std::vector<float> times;   // seconds, rising
-    std::vector<float> values;  // per time as many numbers as the path has (rotation: x, y, z, w); cubic: three times as many
+    std::vector<float> values;  // per time as many numbers as the path has (rotation: x, y, z, w); cubic:
+                                // three times as many
 };
 
 struct Animation {
@@ -123,8 +126,9 @@ uint32_t least_opaque_alpha(const Material& material);
 // Whether the material's test removes anything at all of its texture; -1, no material, is opaque.
 bool is_alpha_tested(const Model& model, int material);
 
-// Appends a part after dropping bad triangles and choosing its origin. `part.indices` has three per triangle. Parts
-// that deform keep triangles without area, which may get one, and the origin that their joints refer to.
+// Appends a part after dropping bad triangles and choosing its origin. `part.indices` has three per triangle.
+// Parts that deform keep triangles without area, which may get one, and the origin that their joints refer
+// to.
 void add_part(Model& model, Mesh& mesh, Part part);
 void add_part(Model& model, Mesh& mesh, std::vector<glm::vec3> positions, std::vector<glm::vec2> uv,
               std::vector<uint32_t> indices, int material);

@@ -17,18 +17,19 @@ glm::vec3 winding_normal(const glm::dvec3& a, const glm::dvec3& b, const glm::dv
 
 PartRange append(const Part& part, RasterGeometry& out) {
     const size_t first_vertex = out.vertices.size();
-    PartRange range{static_cast<uint32_t>(out.indices.size()),
-                          static_cast<uint32_t>(part.indices.size()), static_cast<int32_t>(first_vertex)};
+    PartRange range{static_cast<uint32_t>(out.indices.size()), static_cast<uint32_t>(part.indices.size()),
+                    static_cast<int32_t>(first_vertex)};
     for (size_t i = 0; i < part.positions.size(); ++i) {
-        out.vertices.push_back({part.positions[i], glm::vec3(0), part.uv.empty() ? glm::vec2(0) : part.uv[i],
-                                part.colors.empty() ? std::array<uint8_t, 4>{255, 255, 255, 255} : part.colors[i]});
+        out.vertices.push_back(
+            {part.positions[i], glm::vec3(0), part.uv.empty() ? glm::vec2(0) : part.uv[i],
+             part.colors.empty() ? std::array<uint8_t, 4>{255, 255, 255, 255} : part.colors[i]});
         out.sources.push_back(static_cast<uint32_t>(i));
     }
     std::vector<bool> taken(part.positions.size(), false);
     for (size_t i = 0; i < part.indices.size(); i += 3) {
         std::array<uint32_t, 3> corners{part.indices[i], part.indices[i + 1], part.indices[i + 2]};
-        const glm::vec3 normal =
-            winding_normal(part.positions[corners[0]], part.positions[corners[1]], part.positions[corners[2]]);
+        const glm::vec3 normal = winding_normal(part.positions[corners[0]], part.positions[corners[1]],
+                                                part.positions[corners[2]]);
         size_t own = 0;
         while (own < 3 && taken[corners[own]]) ++own;
         if (own < 3) {
@@ -67,8 +68,8 @@ std::vector<RasterVertex> moved_vertices(const RasterGeometry& geometry, const P
         out[i].position = positions[geometry.sources[static_cast<size_t>(range.vertex_offset) + i]];
     for (size_t i = range.first_index; i < size_t{range.first_index} + range.index_count; i += 3) {
         RasterVertex& a = out[geometry.indices[i]];
-        a.winding_normal =
-            winding_normal(a.position, out[geometry.indices[i + 1]].position, out[geometry.indices[i + 2]].position);
+        a.winding_normal = winding_normal(a.position, out[geometry.indices[i + 1]].position,
+                                          out[geometry.indices[i + 2]].position);
     }
     return out;
 }

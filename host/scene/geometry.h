@@ -29,7 +29,7 @@ struct PartRange {
 struct RasterGeometry {
     std::vector<RasterVertex> vertices;
     std::vector<uint32_t> indices;
-    std::vector<uint32_t> sources;  // per vertex, which of its part's positions it is
+    std::vector<uint32_t> sources;               // per vertex, which of its part's positions it is
     std::vector<std::vector<PartRange>> meshes;  // as Model::meshes and its parts
 };
 

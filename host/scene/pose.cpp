@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// glTF 2.0, appendix C: step, linear (rotations along the shorter arc), cubic Hermite with tangents per second.
+// glTF 2.0, appendix C: step, linear (rotations along the shorter arc), cubic Hermite with tangents per
+// second.
 #include "host/scene/pose.h"
 
 #include <algorithm>
@@ -11,7 +12,8 @@ namespace {
 using Path = AnimationChannel::Path;
 using Interpolation = AnimationChannel::Interpolation;
 
-// A key's numbers: `part` 0 the value; of cubic channels 0 the tangent before it, 1 the value, 2 the one after.
+// A key's numbers: `part` 0 the value; of cubic channels 0 the tangent before it, 1 the value, 2 the one
+// after.
 std::vector<double> numbers(const AnimationChannel& channel, size_t key, size_t width, size_t part) {
     const size_t parts = channel.interpolation == Interpolation::cubic ? 3 : 1;
     const auto first = channel.values.begin() + static_cast<ptrdiff_t>((key * parts + part) * width);
@@ -24,14 +26,16 @@ glm::dquat quaternion(const std::vector<double>& v) {
 
 std::vector<double> value_at(const AnimationChannel& channel, double seconds) {
     const bool cubic = channel.interpolation == Interpolation::cubic;
-    const size_t width = channel.values.size() / channel.times.size() / (cubic ? 3 : 1), value = cubic ? 1 : 0;
+    const size_t width = channel.values.size() / channel.times.size() / (cubic ? 3 : 1),
+                 value = cubic ? 1 : 0;
     const auto after = std::ranges::upper_bound(channel.times, seconds);
     if (after == channel.times.begin()) return numbers(channel, 0, width, value);
     const auto a = static_cast<size_t>(after - channel.times.begin()) - 1;
     std::vector<double> from = numbers(channel, a, width, value);
     if (after == channel.times.end() || channel.interpolation == Interpolation::step) return from;
     const std::vector<double> to = numbers(channel, a + 1, width, value);
-    const double span = double(channel.times[a + 1]) - channel.times[a], t = (seconds - channel.times[a]) / span;
+    const double span = double(channel.times[a + 1]) - channel.times[a],
+                 t = (seconds - channel.times[a]) / span;
     if (!cubic && channel.path == Path::rotation) {
         const glm::dquat q = glm::slerp(glm::normalize(quaternion(from)), glm::normalize(quaternion(to)), t);
         return {q.x, q.y, q.z, q.w};
@@ -40,7 +44,8 @@ std::vector<double> value_at(const AnimationChannel& channel, double seconds) {
         for (size_t i = 0; i < width; ++i) from[i] += t * (to[i] - from[i]);
         return from;
     }
-    const std::vector<double> out_of = numbers(channel, a, width, 2), into = numbers(channel, a + 1, width, 0);
+    const std::vector<double> out_of = numbers(channel, a, width, 2),
+                              into = numbers(channel, a + 1, width, 0);
     const double t2 = t * t, t3 = t2 * t;
     for (size_t i = 0; i < width; ++i)
         from[i] = (2 * t3 - 3 * t2 + 1) * from[i] + span * (t3 - 2 * t2 + t) * out_of[i] +
@@ -91,7 +96,8 @@ std::vector<glm::vec3> deformed_positions(const Part& part, const std::vector<do
             glm::dvec3 sum(0);
             for (int k = 0; k < 4; ++k)
                 if (const double weight = part.weights[i][k]; weight > 0)
-                    sum += weight * glm::dvec3(joints[part.joints[i][static_cast<size_t>(k)]] * glm::dvec4(p, 1));
+                    sum += weight *
+                           glm::dvec3(joints[part.joints[i][static_cast<size_t>(k)]] * glm::dvec4(p, 1));
             p = sum;
         }
         out.emplace_back(p);

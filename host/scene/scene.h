@@ -35,8 +35,8 @@ class Scene {
     const std::vector<Instance>& instances() const { return instances_; }
     int dropped_instances() const { return dropped_instances_; }
 
-    // World transforms of all nodes at a frame, without the shot's origin. Of nodes with a skin the identity: their
-    // vertices are where the joints put them.
+    // World transforms of all nodes at a frame, without the shot's origin. Of nodes with a skin the identity:
+    // their vertices are where the joints put them.
     std::vector<glm::dmat4> transforms(double frame) const;
     // Whether a part's vertices move in its instance's frame.
     bool deforms(const Instance& instance, const Part& part) const;

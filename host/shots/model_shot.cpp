@@ -46,13 +46,13 @@ View framed(const std::array<glm::dvec3, 2>& box) {
     const glm::dvec3 center = 0.5 * (box[0] + box[1]);
     double distance = 0;
     for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 c = glm::dvec3(box[corner & 1].x, box[corner >> 1 & 1].y, box[corner >> 2].z) - center;
+        const glm::dvec3 c =
+            glm::dvec3(box[corner & 1].x, box[corner >> 1 & 1].y, box[corner >> 2].z) - center;
         distance = std::max({distance, glm::dot(c, back) + std::abs(glm::dot(c, right)) / tan_x,
                              glm::dot(c, back) + std::abs(glm::dot(c, up)) / tan_y});
     }
     return {center + distance * back, center};
 }
-
 
 // Boxes of sixteen moments, joined.
 std::array<glm::dvec3, 2> bounds_of(const Scene& scene, uint32_t frames) {
@@ -84,7 +84,10 @@ OrderedJson camera_of(const Scene& scene, const ModelCamera& camera, uint32_t fr
                                   glm::normalize(glm::dvec3(world[1])), size));
         if (frame == 0 && !scene.animated()) break;
     }
-    if (std::ranges::all_of(keys, [&](const OrderedJson& key) { return key["position"] == keys[0]["position"] && key["target"] == keys[0]["target"] && key["up"] == keys[0]["up"]; }))
+    if (std::ranges::all_of(keys, [&](const OrderedJson& key) {
+            return key["position"] == keys[0]["position"] && key["target"] == keys[0]["target"] &&
+                   key["up"] == keys[0]["up"];
+        }))
         keys = OrderedJson::array({keys[0]});
     return {{"vertical_fov_deg", rounded(camera.vertical_fov_deg, 100)},
             {"near", rounded(camera.near, camera.near)},

@@ -10,9 +10,9 @@
 
 namespace penumbra {
 
-// Seen by the file's first camera, or as large as it fits from the front, the left and above; lit by the file's first
-// directional light, or from behind the viewer's left shoulder; playing the file's first animation once, or
-// standing still for as long as anti-aliasing takes to settle.
+// Seen by the file's first camera, or as large as it fits from the front, the left and above; lit by the
+// file's first directional light, or from behind the viewer's left shoulder; playing the file's first
+// animation once, or standing still for as long as anti-aliasing takes to settle.
 struct ModelShot {
     std::string text;                    // a shot file; `scene` as seen from the folder that it was made for
     std::array<glm::dvec3, 2> bounds{};  // of everything that is shown, over all frames

@@ -43,15 +43,15 @@ struct ObjectMotion {
 
 // A horizontal square that is no part of the model: something for its shadow to fall on.
 struct Ground {
-    double height = 0;  // y
+    double height = 0;               // y
     std::array<double, 2> center{};  // x, z
     double half_extent = 1;          // metres
 };
 inline constexpr const char* ground_name = "ground";  // of its node
 
-// What is seen beyond the scene, in radiance. A sky depends on the height of a direction alone: linear in it, from
-// `low` straight down to `high` straight up; else as `shade` draws it, from the horizon, in the square root of the
-// height.
+// What is seen beyond the scene, in radiance. A sky depends on the height of a direction alone: linear in it,
+// from `low` straight down to `high` straight up; else as `shade` draws it, from the horizon, in the square
+// root of the height.
 struct EnvironmentSky {
     bool linear = false;
     glm::dvec3 low{0.512, 0.6612, 0.912}, high{0.1408, 0.3192, 0.72};
@@ -75,7 +75,8 @@ struct Shot {
     double sun_angular_radius_deg = 0.2665;  // the sun as seen from the Earth, mean over the year
     std::vector<SunKey> sun;
     std::map<std::string, ObjectMotion> objects;  // by the name of a glTF node
-    std::string animation;  // of the model: its name or number; empty: none is played. Frame 0 is its second 0
+    std::string
+        animation;  // of the model: its name or number; empty: none is played. Frame 0 is its second 0
     std::optional<Ground> ground;
     std::variant<EnvironmentSky, EnvironmentFile> environment;
     glm::dvec3 origin{0};
@@ -91,8 +92,8 @@ std::optional<Shot> parse_shot(std::string_view text, const std::filesystem::pat
 // Every object must name one node of the model.
 bool check_objects(const Shot& shot, const Model& model, Diagnostics& diagnostics);
 
-// The model's animation of that name, or else of that number; -1 for "". Throws std::runtime_error, with the names that
-// there are, where there is none.
+// The model's animation of that name, or else of that number; -1 for "". Throws std::runtime_error, with the
+// names that there are, where there is none.
 int find_animation(const Model& model, const std::string& animation);
 
 struct SunState {

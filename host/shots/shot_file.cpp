@@ -449,7 +449,8 @@ std::optional<Shot> shot_of(const std::optional<Json>& root, const std::filesyst
         else if (animation->kind == Json::Kind::integer && animation->integer >= 0)
             shot.animation = std::to_string(animation->integer);
         else
-            reader.error(animation->place, "animation", "expected the name or the number of one of the model's");
+            reader.error(animation->place, "animation",
+                         "expected the name or the number of one of the model's");
     }
     if (analytic) refuse_with_analytic(reader, *root);
     read_environment(reader, *root, shot);

@@ -70,8 +70,7 @@ double height_over_origin(const Corners& v) {
 
 // Within what double precision makes of a plane through the origin, with room.
 bool in_plane_of_origin(const Corners& v, double height, const glm::dvec3& origin) {
-    return std::abs(height) <=
-           0x1p-46 * taxi(v[1] - v[0]) * taxi(v[2] - v[0]) * (taxi(v[0]) + taxi(origin));
+    return std::abs(height) <= 0x1p-46 * taxi(v[1] - v[0]) * taxi(v[2] - v[0]) * (taxi(v[0]) + taxi(origin));
 }
 
 // The square to the unit disc, areas kept: Shirley and Chiu 1997, "A Low Distortion Map Between Disk and
@@ -154,8 +153,7 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
         const glm::dvec3 n = glm::normalize(winding), nearest = nearest_to_origin(v);
         if (glm::length(nearest) > margin.x) return;
         // At an edge between two triangles both are as near; the normal says which one it was.
-        const double unlike =
-            glm::length(nearest) / margin.x + 1e3 * (1 - std::abs(glm::dot(n, normal)));
+        const double unlike = glm::length(nearest) / margin.x + 1e3 * (1 - std::abs(glm::dot(n, normal)));
         if (unlike >= least) return;
         least = unlike;
         const double slope = glm::dot(n, ray.direction);

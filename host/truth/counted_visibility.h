@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The truth where no closed form is: how many of many directions to the sun's disc are free, from the very
-// point that a pixel shows. Everything is in double precision and nothing starts off the surface: a start that
-// is lifted by what a rasteriser's rounding needs (half of 1/256 pixel) looks past whatever stands within that
-// height, and at a contact that is most of what there is.
+// point that a pixel shows. Everything is in double precision and nothing starts off the surface: a start
+// that is lifted by what a rasteriser's rounding needs (half of 1/256 pixel) looks past whatever stands
+// within that height, and at a contact that is most of what there is.
 #pragma once
 
 #include <cstdint>
