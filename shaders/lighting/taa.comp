@@ -11,7 +11,7 @@
 // come into view starts anew. Where nothing moves, a pixel's history is its own.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "lighting/finite.glsl"
+#include "common/finite.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"

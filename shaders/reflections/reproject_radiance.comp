@@ -75,19 +75,24 @@ vec4 past_at(Shown here, vec2 uv, float depth, float tolerance) {
 
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
-    if (HAS_MATERIAL) imageStore(roughness_kept, p, vec4(here.roughness));
-    vec4 of_surface = vec4(0.0), of_image = vec4(0.0);
+#if HAS_ROUGHNESS_KEPT
+    imageStore(roughness_kept, p, vec4(here.roughness));
+#endif
+    vec4 of_surface = vec4(0.0), of_image = vec4(0.0);  // the second of a specular lobe alone
     if (here.z > 0.0 && (frame.flags & FRAME_RESET) == 0u) {
         const float cosine = max(dot(here.n, to_viewer(p)), 0.1);
         // A host whose motion has no third component gives 0 there, which is right of nothing that comes nearer by itself.
         const float change = HAS_MOTION ? texelFetch(motion, p, 0).z : 0.0;
         const float depth = change != 0.0 ? here.z + change : previous_depth(here.x);
         of_surface = past_at(here, past_of_surface(p), depth, DEPTH_TOLERANCE * here.z / cosine);
-        if (LOBE == LOBE_SPECULAR)
-            of_image = past_at(here, past_of_image(p, here.z, abs(texelFetch(gathered, p, 0).w)), here.z, 1e30);
+#if HAS_PAST_IMAGE
+        of_image = past_at(here, past_of_image(p, here.z, abs(texelFetch(gathered, p, 0).w)), here.z, 1e30);
+#endif
     }
     imageStore(past_surface, p, of_surface);
-    if (LOBE == LOBE_SPECULAR) imageStore(past_image, p, of_image);
+#if HAS_PAST_IMAGE
+    imageStore(past_image, p, of_image);
+#endif
 }
 
 void main() { for_each_pixel(); }
