@@ -29,8 +29,8 @@ double wall_ms() {
 
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
 const std::vector<std::string> known_slots = {
-    "depth",        "normal",       "motion",         "albedo",         "sun",   "sun_prev",
-    "cascades",     "cascade_maps", "cascade_bounds", "neighbours",     "scene", "scene.nodes",
+    "depth",        "normal",       "motion",         "albedo",          "sun",      "sun_prev",
+    "cascades",     "cascade_maps", "cascade_bounds", "neighbours",      "scene",    "scene.nodes",
     "scene.leaves", "scene.tlas",   "scene.alpha_uv", "scene.alpha_map", "material", "emissive",
     "environment",  "surfaces",     "surface_texels"};
 
@@ -118,7 +118,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     host_options.materials = std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
         return input.name == "material" || input.name == "emissive";
     });
-    const bool looks_beyond = std::ranges::find(pipeline.inputs, "environment", &HostInput::name) != pipeline.inputs.end();
+    const bool looks_beyond =
+        std::ranges::find(pipeline.inputs, "environment", &HostInput::name) != pipeline.inputs.end();
     std::optional<EnvironmentMap> environment;
     if (looks_beyond) {
         environment = make_environment(shot, diagnostics);
@@ -135,8 +136,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         target.inputs["environment"] = {Format::rgba32f, {environment->width, environment->height}};
         if (std::max(environment->width, environment->height) > table.max_image_extent) {
             diagnostics.add({}, "environment",
-                            fmt::format("{}x{} exceeds the device's largest image, {} per axis", environment->width,
-                                        environment->height, table.max_image_extent));
+                            fmt::format("{}x{} exceeds the device's largest image, {} per axis",
+                                        environment->width, environment->height, table.max_image_extent));
             return nullptr;
         }
     }
