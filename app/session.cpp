@@ -96,6 +96,16 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         return nullptr;
     }
 
+    const uint64_t gbuffer = uint64_t{options.size[0]} * options.size[1] * gbuffer_bytes_per_pixel();
+    const auto too_much = [&](uint64_t bytes, const char* of_what) {
+        diagnostics.add({}, "size",
+                        fmt::format("{}x{} takes {} MiB for {}, {} more than the device's {}",
+                                    options.size[0], options.size[1], bytes >> 20, of_what,
+                                    (bytes - table.memory_bytes) >> 20, table.memory_bytes >> 20));
+        return nullptr;
+    };
+    if (gbuffer > table.memory_bytes) return too_much(gbuffer, "the G-buffer alone");
+
     // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in
     // between.
     StandaloneOptions host_options{options.size, 1, false, options.cascade_size};
@@ -105,8 +115,13 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     compile_options.captures = options.captures;
     if (options.optimum) compile_options.optimum_search_nodes = report_search_nodes;
     host_options.jitter = options.jitter;
-    session->host_ =
-        std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+    try {
+        session->host_ =
+            std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+    } catch (const VulkanError& error) {  // what a call says of itself does not say that the frame is large
+        throw VulkanError(error.result(),
+                          fmt::format("at {}x{}: {}", options.size[0], options.size[1], error.what()));
+    }
     Facts facts = options.facts;
     facts.merge(session->host_->facts());  // keeps what is there
     const Target target =
@@ -120,6 +135,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;
+    if (const uint64_t all = gbuffer + plan->memory.heap_bytes; all > table.memory_bytes)
+        return too_much(all, "the G-buffer and the pipeline");
     session->host_->set_jitter(options.jitter && plan->jitter);
 
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));

@@ -110,6 +110,12 @@ VkRenderingAttachmentInfo cleared_attachment(const GpuImage& image) {
 
 }  // namespace
 
+uint64_t gbuffer_bytes_per_pixel() {
+    uint64_t bytes = texel_bytes(gbuffer_depth_format);
+    for (const VkFormat format : gbuffer_color_formats) bytes += texel_bytes(format);
+    return bytes;
+}
+
 GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight)
     : device_(device), scene_(scene), textures_(device, scene.model().textures) {
     const RasterGeometry geometry = make_raster_geometry(scene.model());

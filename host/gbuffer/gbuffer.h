@@ -25,6 +25,9 @@ struct GBufferImages {
     GpuImage albedo;  // rgba8
 };
 
+// Of device memory, for the images below.
+uint64_t gbuffer_bytes_per_pixel();
+
 class GBuffer {
   public:
     // `scene` must outlive the G-buffer. `frames_in_flight`: how many recorded frames may be pending at once.
