@@ -64,7 +64,8 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
-      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {
+      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
+               options.materials) {
     for (uint32_t index = 0; index < shot_.frames; ++index)
         cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
 }

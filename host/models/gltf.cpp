@@ -88,6 +88,7 @@ class Loader {
             out.base_color[i] = static_cast<float>(value);
         }
         read_alpha_mode(material, out);
+        read_surface(material, out);
         if (pbr.baseColorTexture.index < 0) return;
         const tinygltf::Texture& texture = element(file_.textures, pbr.baseColorTexture.index, "texture");
         if (pbr.baseColorTexture.texCoord != 0 ||
@@ -111,6 +112,48 @@ class Loader {
         const tinygltf::Sampler& sampler = element(file_.samplers, texture.sampler, "sampler");
         if (sampler.wrapS != TINYGLTF_TEXTURE_WRAP_REPEAT || sampler.wrapT != TINYGLTF_TEXTURE_WRAP_REPEAT)
             warn("textures of alpha-tested materials are repeated, whatever their samplers say");
+    }
+
+    // Sections 3.9.2 and 3.9.3, and KHR_materials_emissive_strength: what reflections see of a surface.
+    void read_surface(const tinygltf::Material& material, Material& out) {
+        const auto& pbr = material.pbrMetallicRoughness;
+        const auto factor = [&](const char* what, double value, double high) {
+            if (!(value >= 0 && value <= high))
+                throw GltfError(
+                    fmt::format("material \"{}\": {} {} is not in 0..{}", material.name, what, value, high));
+            return static_cast<float>(value);
+        };
+        out.metallic = factor("metallicFactor", pbr.metallicFactor, 1);
+        out.roughness = factor("roughnessFactor", pbr.roughnessFactor, 1);
+        double strength = 1;
+        if (const auto found = material.extensions.find("KHR_materials_emissive_strength");
+            found != material.extensions.end() && found->second.Has("emissiveStrength"))
+            strength = factor("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
+        for (size_t i = 0; i < std::min<size_t>(3, material.emissiveFactor.size()); ++i)
+            out.emissive[i] =
+                factor("emissiveFactor", material.emissiveFactor[i], 1) * static_cast<float>(strength);
+        out.metallic_roughness_texture =
+            surface_image("metallic-roughness", pbr.metallicRoughnessTexture.index,
+                          pbr.metallicRoughnessTexture.texCoord, pbr.metallicRoughnessTexture.extensions);
+        out.emissive_texture =
+            surface_image("emissive", material.emissiveTexture.index, material.emissiveTexture.texCoord,
+                          material.emissiveTexture.extensions);
+    }
+
+    // The image of a texture of the given kind, or -1 with a warning where it cannot be used.
+    int surface_image(const char* kind, int index, int set, const tinygltf::ExtensionMap& extensions) {
+        if (index < 0) return -1;
+        const tinygltf::Texture& texture = element(file_.textures, index, "texture");
+        if (set != 0 || extensions.count("KHR_texture_transform") || texture.source < 0) {
+            warn(fmt::format("{} textures with transforms, without a core image or other than TEXCOORD_0 are "
+                             "ignored: the factor is used",
+                             kind));
+            return -1;
+        }
+        element(file_.images, texture.source, "image");
+        if (model_.textures[static_cast<size_t>(texture.source)].width > 0) return texture.source;
+        warn(fmt::format("image {} cannot be read: the {} factor is used", texture.source, kind));
+        return -1;
     }
 
     // Section 3.9.4. What is half transparent has no place in a shadow of ray hits.
