@@ -110,8 +110,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     Facts facts = options.facts;
     facts.merge(session->host_->facts());  // keeps what is there
     const Target target =
-        standalone_target(pipeline, table, options.size, facts, {options.cascade_size, options.cascade_size},
-                          session->host_->cascade_layers());
+        standalone_target(pipeline, table, options.largest.value_or(options.size), facts,
+                          {options.cascade_size, options.cascade_size}, session->host_->cascade_layers());
     std::optional<CheckedPipeline> validating;
     if (options.validate) {
         validating = with_validation(pipeline, nodes, diagnostics);
