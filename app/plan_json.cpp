@@ -165,6 +165,7 @@ OrderedJson dependency_json(const Dependency& d) {
     for (const Activation& a : d.activations)
         activations.push_back({{"resource", a.resource},
                                {"from_stages", flags_json(a.src_stages, stage_words)},
+                               {"from_access", flags_json(a.src_access, access_words)},
                                {"to_stages", flags_json(a.dst_stages, stage_words)},
                                {"to_access", flags_json(a.dst_access, access_words)}});
     return {{"from_stages", flags_json(d.src_stages, stage_words)},

@@ -66,6 +66,7 @@ Schema definitions() {
         words({"storage", "sampled", "texels", "arguments", "copy_source", "copy_target", "attachment"}));
     d["activation"] = doc(object({{"resource", number},
                                   {"from_stages", use("stages")},
+                                  {"from_access", use("access")},
                                   {"to_stages", use("stages")},
                                   {"to_access", use("access")}}),
                           "an image begins to use its memory: from an undefined layout to the general one");

@@ -22,9 +22,10 @@ VkImageAspectFlags aspects_of(Format format) {
 }
 
 VkImageMemoryBarrier2 activate(VkImage image, VkPipelineStageFlags2 src, VkPipelineStageFlags2 dst,
-                               VkAccessFlags2 access) {
+                               VkAccessFlags2 access, VkAccessFlags2 src_access = 0) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = src;
+    barrier.srcAccessMask = src_access;
     barrier.dstStageMask = dst;
     barrier.dstAccessMask = access;
     barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
@@ -284,7 +285,8 @@ void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& depende
         VkPipelineStageFlags2 before = a.src_stages;
         if (const auto lent = plan().resources[a.resource].slot)
             before |= bound_[*lent].handover->stages_before;
-        images_.push_back(activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access));
+        images_.push_back(
+            activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access, a.src_access));
     }
     memory_dependency(cmd, dependency, images_);
 }

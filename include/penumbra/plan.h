@@ -192,7 +192,9 @@ struct PlanBinding {
 // One image that starts to use its memory: UNDEFINED -> GENERAL.
 struct Activation {
     uint32_t resource = 0;
-    VkPipelineStageFlags2 src_stages = 0;  // last accesses of the memory's previous occupants; access 0
+    // Last accesses of the memory's previous occupants, and of those the writes that nobody has read.
+    VkPipelineStageFlags2 src_stages = 0;
+    VkAccessFlags2 src_access = 0;
     VkPipelineStageFlags2 dst_stages = 0;
     VkAccessFlags2 dst_access = 0;
 };
