@@ -40,6 +40,12 @@ struct PlanArguments {
     bool no_alias = false, on_device = false;
 };
 
+struct StaticsArguments {
+    std::vector<std::string> pipelines;
+    std::string facts, format = "table", device;
+    std::vector<std::string> settings, node_folders;
+};
+
 struct CheckArguments {
     std::vector<std::string> pipelines, node_folders;
 };
@@ -51,13 +57,15 @@ struct NodesArguments {
 
 struct ReferenceArguments {
     std::string shot, out, frames, size, device;
-    uint32_t rays = 1024;  // per pixel
+    std::string signal = "visibility";  // or specular, diffuse
+    uint32_t rays = 1024;               // per pixel
 };
 
 struct CompareArguments {
     std::string image, reference;   // folders
     std::vector<std::string> also;  // folders of the same images under other seeds
     std::string frames, mask;
+    std::string signal = "visibility";  // or specular, diffuse
     uint32_t border = 0;  // pixels along the image's border that are left out
     bool json = false;
     std::string whole_rays;  // folder of the same image, its rays traced without intervals
@@ -85,6 +93,19 @@ struct GatesArguments {
     std::string device;
 };
 
+// What pipelines cost.
+struct BenchArguments {
+    std::vector<std::string> pipelines;  // files, or names of shipped ones
+    std::vector<std::string> shots{"colonnade", "engine", "lamp"}, sizes{"640x360"};
+    std::string frames = "8..15";  // timed, of those from 0 on
+    uint32_t rounds = 5;
+    bool still = false;
+    std::string format = "table";
+    std::vector<std::string> settings, node_folders;
+    std::string device;
+    std::string command_line;  // as it was given, for the JSON
+};
+
 // A figure of one pixel of a shot, or of what rendered frames cost.
 struct ExplainArguments {
     std::string shot, out;
@@ -99,6 +120,7 @@ struct ExplainArguments {
 
 int run_render(const RenderArguments& arguments);
 int run_plan(const PlanArguments& arguments);
+int run_statics(const StaticsArguments& arguments);
 int run_check(const CheckArguments& arguments);
 int run_nodes(const NodesArguments& arguments);
 int run_devices();
@@ -106,6 +128,7 @@ int run_reference(const ReferenceArguments& arguments);
 int run_compare(const CompareArguments& arguments);
 int run_report(const ReportArguments& arguments);
 int run_gates(const GatesArguments& arguments);
+int run_bench(const BenchArguments& arguments);
 int run_explain(const ExplainArguments& arguments);
 
 // "1280x720"; nothing where it is not two positive numbers.

@@ -57,6 +57,17 @@ void add_plan(CLI::App& app, PlanArguments& a) {
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
 }
 
+void add_statics(CLI::App& app, StaticsArguments& a) {
+    CLI::App* c = app.add_subcommand(
+        "statics", "what a driver's compiler made of every pass: registers, spills, memory, occupancy");
+    c->add_option("pipelines", a.pipelines, "pipeline files")->required();
+    c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
+    c->add_option("--format", a.format, "table or json")->check(CLI::IsMember({"table", "json"}));
+    c->add_option("--set", a.settings, "PATH=VALUE: change the pipelines")->allow_extra_args(false);
+    c->add_option("--device", a.device, "part of a device's name");
+    add_node_folders(c, a.node_folders);
+}
+
 void add_reference(CLI::App& app, ReferenceArguments& a) {
     CLI::App* c =
         app.add_subcommand("reference", "write the true visibility of a shot, each frame frozen in time");
@@ -64,7 +75,10 @@ void add_reference(CLI::App& app, ReferenceArguments& a) {
     c->add_option("--out", a.out, "folder to write to")->required();
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
-    c->add_option("--rays", a.rays, "per pixel of a penumbra; analytic scenes need none")
+    c->add_option("--signal", a.signal,
+                  "visibility, or specular or diffuse: radiance that arrives under a surface's lobe")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
+    c->add_option("--rays", a.rays, "per pixel (visibility: of a penumbra; analytic scenes need none)")
         ->check(CLI::Range(16u, 1u << 24));
     c->add_option("--device", a.device, "part of a device's name");
 }
@@ -76,6 +90,8 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     c->add_option("--also", a.also, "the same images under another seed; may be repeated")
         ->allow_extra_args(false);
     c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
+    c->add_option("--signal", a.signal, "what to compare: visibility, specular or diffuse radiance")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
     c->add_option("--mask", a.mask, "EXR; only pixels where its first channel is above 0 are measured");
     c->add_option("--border", a.border, "leave out this many pixels along the image's border");
     c->add_flag("--json", a.json, "print JSON");
@@ -145,10 +161,30 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
         ->excludes(shot);
 }
 
+void add_bench(CLI::App& app, BenchArguments& a) {
+    CLI::App* c = app.add_subcommand("bench",
+                                     "measure what pipelines cost: every pass, the frame, start-up, memory");
+    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines, which take turns")->required();
+    c->add_option("--shots", a.shots, "files or names of shipped shots (default: colonnade, engine, lamp)")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    c->add_option("--sizes", a.sizes, "WxH,... (default: 640x360)")->delimiter(',')->allow_extra_args(false);
+    c->add_option("--frames", a.frames, "A..B: which are timed, of those from 0 on (default: 8..15)");
+    c->add_option("--rounds", a.rounds, "times that everything is run (default: 5)")
+        ->check(CLI::Range(1u, 1024u));
+    c->add_flag("--still", a.still, "shots cut to their first keys: nothing moves but the jitter");
+    c->add_option("--format", a.format, "table (Markdown) or json")->check(CLI::IsMember({"table", "json"}));
+    c->add_option("--set", a.settings, "PATH=VALUE: change the pipelines");
+    add_node_folders(c, a.node_folders);
+    c->add_option("--device", a.device, "part of a device's name");
+}
+
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
              const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates,
-             const ExplainArguments& explain) {
+             const ExplainArguments& explain, const StaticsArguments& statics, const BenchArguments& bench) {
+    if (app.got_subcommand("statics")) return run_statics(statics);
+    if (app.got_subcommand("bench")) return run_bench(bench);
     if (app.got_subcommand("explain")) return run_explain(explain);
     if (app.got_subcommand("gates")) return run_gates(gates);
     if (app.got_subcommand("report")) return run_report(report);
@@ -176,6 +212,7 @@ int main(int argc, char** argv) {
     ReportArguments report;
     GatesArguments gates;
     ExplainArguments explain;
+    StaticsArguments statics;
     add_render(app, render);
     add_plan(app, plan);
     add_reference(app, reference);
@@ -183,6 +220,9 @@ int main(int argc, char** argv) {
     add_report(app, report);
     add_gates(app, gates);
     add_explain(app, explain);
+    add_statics(app, statics);
+    BenchArguments bench;
+    add_bench(app, bench);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
     checking->add_option("pipelines", check.pipelines)->required();
     add_node_folders(checking, check.node_folders);
@@ -204,8 +244,10 @@ int main(int argc, char** argv) {
         return exit_wrong;
     }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
+    bench.command_line = report.command_line;
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain);
+        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
+                        bench);
     } catch (const std::exception&
                  e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // penumbra reference: the true visibility of a shot's frames, each frozen in time. Analytic scenes have it in
 // closed form; elsewhere rays are counted.
+#include <fmt/format.h>
+
 #include <iostream>
 
 #include "app/commands.h"
@@ -8,6 +10,7 @@
 #include "app/mask_folder.h"
 #include "app/outputs.h"
 #include "app/progress.h"
+#include "app/radiance_truth.h"
 #include "app/truth.h"
 #include "host/truth/analytic.h"
 
@@ -24,6 +27,32 @@ void write_truth(const fs::path& folder, const Shot& shot, uint32_t frame, Truth
     write_exr(visibility_file(folder, frame), image);
     write_png_linear(fs::path(visibility_file(folder, frame)).replace_extension(".png"), image.width,
                      image.height, image.planes[0].values);
+}
+
+int write_radiance(const ReferenceArguments& arguments, const Shot& shot, const FrameRange& frames) {
+    Device device({arguments.device, false});
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings);
+    for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
+    if (!session) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    const fs::path folder = arguments.out;
+    fs::create_directories(folder);
+    Progress progress("reference", frames[1] - frames[0] + 1);
+    for (uint32_t frame = frames[0]; frame <= frames[1]; ++frame) {
+        const PlanarImage truth = radiance_truth(device, *session, frame, arguments.rays);
+        const fs::path file = folder / fmt::format("{}.{:04}.exr", arguments.signal, frame);
+        std::vector<float> rgb;
+        for (size_t i = 0; i < truth.planes[0].values.size(); ++i)
+            for (size_t c = 0; c < 3; ++c) rgb.push_back(truth.planes[c].values[i]);
+        write_png_color(fs::path(file).replace_extension(".png"), truth.width, truth.height, rgb);
+        write_exr(file, truth);
+        progress.step();
+    }
+    return exit_good;
 }
 
 int write_reference(const ReferenceArguments& arguments, const Shot& shot, const FrameRange& frames) {
@@ -76,6 +105,7 @@ int run_reference(const ReferenceArguments& arguments) {
     const auto frames = parse_frames(arguments.frames, shot->frames);
     if (!size || !frames) return exit_wrong;
     shot->size = *size;
+    if (arguments.signal != "visibility") return write_radiance(arguments, *shot, *frames);
     return write_reference(arguments, *shot, *frames);
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "host/images/input_limit.h"
 #include "host/models/gltf.h"
 #include "host/shots/shot_facts.h"
 #include "host/truth/analytic.h"
@@ -21,12 +22,34 @@ blocks::Sun sun_block(const SunState& sun) {
     return block;
 }
 
+// A triangle of the tree: its corners, its leaf, its share of the nodes above.
+constexpr uint64_t bytes_per_triangle = 128;
+
+// A mesh is there once per node that shows it: a file of a thousand nodes and one mesh is a thousand meshes.
+uint64_t instance_bytes(const Model& model) {
+    std::vector<uint64_t> triangles;
+    for (const Mesh& mesh : model.meshes) {
+        uint64_t& count = triangles.emplace_back();
+        for (const Part& part : mesh.parts) count += part.indices.size() / 3;
+    }
+    uint64_t bytes = 0;
+    for (const Node& node : model.nodes)
+        if (node.mesh >= 0) bytes += triangles[static_cast<size_t>(node.mesh)] * bytes_per_triangle;
+    return bytes;
+}
+
 }  // namespace
 
 std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
                                 std::vector<std::string>& warnings) {
     std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_gltf(shot.model, diagnostics);
     if (!model || !check_objects(shot, *model, diagnostics)) return std::nullopt;
+    if (const uint64_t bytes = instance_bytes(*model); bytes > input_limit()) {
+        diagnostics.add({shot.model.string()}, "",
+                        fmt::format("its nodes show {} triangles, which take {}", bytes / bytes_per_triangle,
+                                    over_input_limit()));
+        return std::nullopt;
+    }
     for (const std::string& warning : model->warnings)
         warnings.push_back(shot.model.string() + ": " + warning);
     Scene scene(std::move(*model), shot);
@@ -41,7 +64,8 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
-      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight) {
+      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
+               options.materials) {
     for (uint32_t index = 0; index < shot_.frames; ++index)
         cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
 }

@@ -22,6 +22,7 @@ struct StandaloneOptions {
     uint32_t frames_in_flight = 2;
     bool jitter = true;            // whether frames are jittered where the pipeline wants it
     uint32_t cascade_size = 1024;  // texels along a side of a shadow map
+    bool materials = false;        // whether the G-buffer has `material` and `emissive`
 };
 
 // One frame's data, a pure function of its index.

@@ -177,9 +177,10 @@ TEST_F(ShadowsSky, IsLit) {
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, ShadowPipeline,
                          ::testing::Values("raw", "many_rays", "fidelityfx", "shadows", "covered",
-                                           "hybrid_shadows"),
+                                           "hybrid_shadows", "sigma"),
                          [](const auto& test) { return std::string(test.param); });
-INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline, ::testing::Values("raw", "fidelityfx", "one_ray"),
+INSTANTIATE_TEST_SUITE_P(Pipelines, TracedShadowPipeline,
+                         ::testing::Values("raw", "fidelityfx", "one_ray", "sigma"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -55,6 +55,8 @@ constexpr const char* ray_query_extensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EX
                                                 VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
                                                 VK_KHR_RAY_QUERY_EXTENSION_NAME};
 
+constexpr const char* statistics_extension = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
+
 // A family that does graphics, compute and transfers; every desktop device and lavapipe has one.
 std::optional<uint32_t> find_queue_family(VkPhysicalDevice physical, bool* timestamps = nullptr) {
     uint32_t count = 0;
@@ -180,7 +182,7 @@ Device::Device(const DeviceOptions& options) : messages_(std::make_unique<Messag
     try {
         create_instance(options);
         pick_physical_device(options.name);
-        create_device();
+        create_device(options.statistics);
     } catch (...) {
         destroy();
         throw;
@@ -255,7 +257,7 @@ void Device::pick_physical_device(const std::string& wish) {
                           : fmt::format("no usable Vulkan device is named \"{}\" among:{}", wish, seen));
 }
 
-void Device::create_device() {
+void Device::create_device(bool statistics) {
     bool timestamps = false;
     queue_family_ = *find_queue_family(physical_, &timestamps);
     VkPhysicalDeviceProperties properties{};
@@ -289,6 +291,15 @@ void Device::create_device() {
     use.acceleration.accelerationStructure = caps_.ray_query;
     use.ray_query.rayQuery = caps_.ray_query;
     if (caps_.ray_query) extensions_.assign(std::begin(ray_query_extensions), std::end(ray_query_extensions));
+    VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR, nullptr, VK_TRUE};
+    if (statistics) {
+        if (!has_extensions(physical_, {&statistics_extension, 1}))
+            throw DeviceError(fmt::format("{} ({}) tells no statistics of pipelines: it lacks {}", info_.name,
+                                          info_.driver, statistics_extension));
+        extensions_.push_back(statistics_extension);
+        (caps_.ray_query ? use.ray_query.pNext : use.v13.pNext) = &executables;
+    }
 
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};

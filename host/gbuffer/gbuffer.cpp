@@ -110,8 +110,12 @@ VkRenderingAttachmentInfo cleared_attachment(const GpuImage& image) {
 
 }  // namespace
 
-GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight)
-    : device_(device), scene_(scene), textures_(device, scene.model().textures) {
+GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight,
+                 bool materials)
+    : device_(device),
+      scene_(scene),
+      materials_(materials),
+      textures_(device, scene.model().materials, scene.model().textures, materials) {
     const RasterGeometry geometry = make_raster_geometry(scene.model());
     vertices_ = upload_buffer(device, std::as_bytes(std::span(geometry.vertices)),
                               VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "vertices");
@@ -142,13 +146,22 @@ void GBuffer::create_images(VkExtent2D extent) {
     images_.normal = make_image(device_, gbuffer_color_formats[0], extent, 1, color, "normal");
     images_.motion = make_image(device_, gbuffer_color_formats[1], extent, 1, color, "motion");
     images_.albedo = make_image(device_, gbuffer_color_formats[2], extent, 1, color, "albedo");
+    if (!materials_) return;
+    images_.material = make_image(device_, gbuffer_color_formats[3], extent, 1, color, "material");
+    images_.emissive = make_image(device_, gbuffer_color_formats[4], extent, 1, color, "emissive");
+}
+
+std::vector<const GpuImage*> GBuffer::color_images() const {
+    std::vector<const GpuImage*> images{&images_.normal, &images_.motion, &images_.albedo};
+    if (materials_) images.insert(images.end(), {&images_.material, &images_.emissive});
+    return images;
 }
 
 void GBuffer::create_draw_records(uint32_t frames_in_flight) {
     VkDescriptorSetLayoutBinding binding{};
     binding.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     binding.descriptorCount = 1;
-    binding.stageFlags = VK_SHADER_STAGE_VERTEX_BIT;
+    binding.stageFlags = draw_constant_stages;
     draws_ = make_descriptor_sets(device_, {&binding, 1}, frames_in_flight, "draw records");
     const VkDeviceSize bytes = std::max<size_t>(items_.size(), 1) * sizeof(DrawRecord);
     for (uint32_t slot = 0; slot < frames_in_flight; ++slot) {
@@ -163,7 +176,8 @@ void GBuffer::create_pipeline() {
     pipeline_layout_ =
         make_pipeline_layout(device_, sets, draw_constant_stages, sizeof(DrawConstants), "G-buffer");
     const auto made = [&](bool alpha_tested) {
-        return make_gbuffer_pipeline(device_, pipeline_layout_.get(), images_.depth.extent, alpha_tested);
+        return make_gbuffer_pipeline(device_, pipeline_layout_.get(), images_.depth.extent, alpha_tested,
+                                     materials_);
     };
     opaque_ = made(false);
     if (std::ranges::any_of(items_, [](const DrawItem& item) { return item.least_alpha > 0; }))
@@ -191,9 +205,12 @@ void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const 
         for (int c = 0; c < 3; ++c) record.world_from_local[c] = glm::vec4(glm::vec3(normals[c]), 0);
         record.camera_local = glm::vec4(glm::vec3(camera), glm::determinant(linear) < 0 ? -1 : 1);
         record.base_color = glm::vec4(1);
+        record.metallic_roughness = glm::vec4(0, 1, 0, 0);
         if (item.part->material >= 0) {
-            record.base_color = glm::make_vec4(
-                scene_.model().materials[static_cast<size_t>(item.part->material)].base_color.data());
+            const Material& material = scene_.model().materials[static_cast<size_t>(item.part->material)];
+            record.base_color = glm::make_vec4(material.base_color.data());
+            record.metallic_roughness = glm::vec4(material.metallic, material.roughness, 0, 0);
+            record.emissive = glm::vec4(glm::make_vec3(material.emissive.data()), 0);
         }
         std::memcpy(records + i, &record, sizeof(record));
     }
@@ -209,17 +226,17 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
     const size_t slot = frame.index % records_.size();
     write_draw_records(frame, world, prev_world, origin, slot);
 
-    const GpuImage* all[] = {&images_.depth, &images_.normal, &images_.motion, &images_.albedo};
+    std::vector<const GpuImage*> all = color_images();
+    std::vector<VkRenderingAttachmentInfo> colors;
+    for (const GpuImage* image : all) colors.push_back(cleared_attachment(*image));
+    all.push_back(&images_.depth);
     begin_writing(commands, all);
     const VkRenderingAttachmentInfo depth = cleared_attachment(images_.depth);
-    const VkRenderingAttachmentInfo colors[] = {cleared_attachment(images_.normal),
-                                                cleared_attachment(images_.motion),
-                                                cleared_attachment(images_.albedo)};
     VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
     rendering.renderArea = {{0, 0}, images_.depth.extent};
     rendering.layerCount = 1;
-    rendering.colorAttachmentCount = 3;
-    rendering.pColorAttachments = colors;
+    rendering.colorAttachmentCount = static_cast<uint32_t>(colors.size());
+    rendering.pColorAttachments = colors.data();
     rendering.pDepthAttachment = &depth;
     vkCmdBeginRendering(commands, &rendering);
     draw(commands, frame, slot);
@@ -242,8 +259,7 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
     for (size_t i = 0; i < items_.size(); ++i) {
         const DrawItem& item = items_[i];
         const int material = item.part->material;
-        const VkDescriptorSet texture = textures_.set(
-            material < 0 ? -1 : scene_.model().materials[static_cast<size_t>(material)].texture);
+        const VkDescriptorSet texture = textures_.set(material);
         if (texture != bound) {
             vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 1, 1,
                                     &texture, 0, nullptr);

@@ -11,7 +11,7 @@
 namespace penumbra {
 
 Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, VkExtent2D area,
-                                        bool alpha_tested) {
+                                        bool alpha_tested, bool materials) {
     const VkBool32 tested = alpha_tested;
     const VkSpecializationMapEntry constant{0, 0, sizeof(tested)};  // ALPHA_TESTED
     const VkSpecializationInfo specialization{1, &constant, sizeof(tested), &tested};
@@ -22,7 +22,7 @@ Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout l
         {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(RasterVertex, uv)}};
     RasterPipeline pipeline;
     pipeline.vertex = host_shader("gbuffer.vert");
-    pipeline.fragment = host_shader("gbuffer.frag");
+    pipeline.fragment = host_shader(materials ? "gbuffer_materials.frag" : "gbuffer.frag");
     pipeline.fragment_constants = &specialization;
     pipeline.input.vertexBindingDescriptionCount = 1;
     pipeline.input.pVertexBindingDescriptions = &binding;
@@ -30,7 +30,8 @@ Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout l
     pipeline.input.pVertexAttributeDescriptions = attributes;
     pipeline.layout = layout;
     pipeline.area = area;
-    pipeline.colors = gbuffer_color_formats;
+    pipeline.colors = std::span(gbuffer_color_formats)
+                          .first(materials ? gbuffer_color_formats.size() : gbuffer_colors_without_materials);
     pipeline.depth = gbuffer_depth_format;
     pipeline.passes = VK_COMPARE_OP_GREATER;  // reverse Z
     return make_raster_pipeline(device, pipeline, "G-buffer");

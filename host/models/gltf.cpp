@@ -10,9 +10,13 @@
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
+#include <numeric>
 #include <set>
 
+#include "host/images/image_decode.h"
+#include "host/images/input_limit.h"
 #include "host/models/gltf_accessor.h"
+#include "host/models/gltf_files.h"
 
 namespace penumbra {
 
@@ -26,7 +30,12 @@ bool is_harmless(std::string_view extension) {
 
 class Loader {
   public:
-    Loader(const tinygltf::Model& file, Model& model) : file_(file), model_(model) {}
+    Loader(const GltfFiles& files, Model& model)
+        : files_(files),
+          file_(files.model),
+          budget_(files.bytes),
+          accessors_(file_, budget_),
+          model_(model) {}
 
     void load() {
         for (const std::string& extension : file_.extensionsRequired) {
@@ -35,7 +44,7 @@ class Loader {
                     fmt::format("the file requires the extension {}, which is not supported", extension));
             }
         }
-        for (const tinygltf::Image& image : file_.images) add_texture(image);
+        for (size_t image = 0; image < file_.images.size(); ++image) add_texture(image);
         for (const tinygltf::Material& material : file_.materials) add_material(material);
         for (const tinygltf::Mesh& mesh : file_.meshes) add_mesh(mesh);
         add_scene();
@@ -53,18 +62,19 @@ class Loader {
         if (warned_.insert(text).second) model_.warnings.push_back(text);
     }
 
-    void add_texture(const tinygltf::Image& image) {
+    // An image that cannot be decoded stays empty, and the materials that use it say so.
+    void add_texture(size_t image) {
         Texture& texture = model_.textures.emplace_back();
-        const size_t texels =
-            static_cast<size_t>(std::max(image.width, 0)) * static_cast<size_t>(std::max(image.height, 0));
-        const size_t step = static_cast<size_t>(image.bits) / 8;
-        if (texels == 0 || image.component != 4 || step == 0 || image.image.size() < texels * 4 * step)
-            return;
-        texture.width = static_cast<uint32_t>(image.width);
-        texture.height = static_cast<uint32_t>(image.height);
-        texture.rgba.resize(texels * 4);
-        // 16-bit images are little-endian here: the high byte is the last one.
-        for (size_t i = 0; i < texels * 4; ++i) texture.rgba[i] = image.image[i * step + step - 1];
+        std::span<const std::byte> bytes;
+        try {
+            bytes = encoded_image(files_, image);
+        } catch (const GltfError& error) {
+            throw GltfError(fmt::format("image {}: {}", image, error.what()));
+        }
+        std::optional<RgbaImage> decoded = decode_image(bytes, image_bytes_left_);
+        if (!decoded) return;
+        image_bytes_left_ -= decoded->rgba.size();
+        texture = {decoded->width, decoded->height, std::move(decoded->rgba)};
     }
 
     void add_material(const tinygltf::Material& material) {
@@ -78,6 +88,7 @@ class Loader {
             out.base_color[i] = static_cast<float>(value);
         }
         read_alpha_mode(material, out);
+        read_surface(material, out);
         if (pbr.baseColorTexture.index < 0) return;
         const tinygltf::Texture& texture = element(file_.textures, pbr.baseColorTexture.index, "texture");
         if (pbr.baseColorTexture.texCoord != 0 ||
@@ -101,6 +112,48 @@ class Loader {
         const tinygltf::Sampler& sampler = element(file_.samplers, texture.sampler, "sampler");
         if (sampler.wrapS != TINYGLTF_TEXTURE_WRAP_REPEAT || sampler.wrapT != TINYGLTF_TEXTURE_WRAP_REPEAT)
             warn("textures of alpha-tested materials are repeated, whatever their samplers say");
+    }
+
+    // Sections 3.9.2 and 3.9.3, and KHR_materials_emissive_strength: what reflections see of a surface.
+    void read_surface(const tinygltf::Material& material, Material& out) {
+        const auto& pbr = material.pbrMetallicRoughness;
+        const auto factor = [&](const char* what, double value, double high) {
+            if (!(value >= 0 && value <= high))
+                throw GltfError(
+                    fmt::format("material \"{}\": {} {} is not in 0..{}", material.name, what, value, high));
+            return static_cast<float>(value);
+        };
+        out.metallic = factor("metallicFactor", pbr.metallicFactor, 1);
+        out.roughness = factor("roughnessFactor", pbr.roughnessFactor, 1);
+        double strength = 1;
+        if (const auto found = material.extensions.find("KHR_materials_emissive_strength");
+            found != material.extensions.end() && found->second.Has("emissiveStrength"))
+            strength = factor("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
+        for (size_t i = 0; i < std::min<size_t>(3, material.emissiveFactor.size()); ++i)
+            out.emissive[i] =
+                factor("emissiveFactor", material.emissiveFactor[i], 1) * static_cast<float>(strength);
+        out.metallic_roughness_texture =
+            surface_image("metallic-roughness", pbr.metallicRoughnessTexture.index,
+                          pbr.metallicRoughnessTexture.texCoord, pbr.metallicRoughnessTexture.extensions);
+        out.emissive_texture =
+            surface_image("emissive", material.emissiveTexture.index, material.emissiveTexture.texCoord,
+                          material.emissiveTexture.extensions);
+    }
+
+    // The image of a texture of the given kind, or -1 with a warning where it cannot be used.
+    int surface_image(const char* kind, int index, int set, const tinygltf::ExtensionMap& extensions) {
+        if (index < 0) return -1;
+        const tinygltf::Texture& texture = element(file_.textures, index, "texture");
+        if (set != 0 || extensions.count("KHR_texture_transform") || texture.source < 0) {
+            warn(fmt::format("{} textures with transforms, without a core image or other than TEXCOORD_0 are "
+                             "ignored: the factor is used",
+                             kind));
+            return -1;
+        }
+        element(file_.images, texture.source, "image");
+        if (model_.textures[static_cast<size_t>(texture.source)].width > 0) return texture.source;
+        warn(fmt::format("image {} cannot be read: the {} factor is used", texture.source, kind));
+        return -1;
     }
 
     // Section 3.9.4. What is half transparent has no place in a shadow of ray hits.
@@ -149,40 +202,53 @@ class Loader {
         if (primitive.attributes.count("COLOR_0")) warn("vertex colours are ignored");
         if (primitive.material >= 0) element(file_.materials, primitive.material, "material");
 
-        const std::vector<float> numbers = read_floats(file_, position->second, 3);
-        std::vector<glm::vec3> positions(numbers.size() / 3);
-        for (size_t i = 0; i < positions.size(); ++i) positions[i] = glm::make_vec3(&numbers[3 * i]);
+        const std::vector<float>& numbers = accessors_.floats(position->second, 3);
+        const size_t count = numbers.size() / 3;
+        std::vector<uint32_t> corners, used;
+        if (primitive.indices >= 0) {
+            corners = accessors_.indices(primitive.indices);
+            for (const uint32_t corner : corners)
+                if (corner >= count)
+                    throw GltfError(fmt::format("index {} is out of range ({} vertices)", corner, count));
+            if (corners.size() < count) used = keep_used(corners);
+        } else {
+            budget_.spend(count * sizeof(uint32_t));
+            corners.resize(count);
+            std::iota(corners.begin(), corners.end(), 0u);
+        }
+        const auto vertex = [&](size_t i) { return used.empty() ? i : used[i]; };
+        budget_.spend((used.empty() ? count : used.size()) * (sizeof(glm::vec3) + sizeof(glm::vec2)) +
+                      corners.size() * 3 * sizeof(uint32_t));
+        std::vector<glm::vec3> positions(used.empty() ? count : used.size());
+        for (size_t i = 0; i < positions.size(); ++i) positions[i] = glm::make_vec3(&numbers[3 * vertex(i)]);
 
         std::vector<glm::vec2> uv;
         const auto coordinates = primitive.attributes.find("TEXCOORD_0");
         if (coordinates != primitive.attributes.end()) {
-            const std::vector<float> values = read_floats(file_, coordinates->second, 2);
-            if (values.size() / 2 != positions.size())
-                throw GltfError("TEXCOORD_0 and POSITION differ in count");
+            const std::vector<float>& values = accessors_.floats(coordinates->second, 2);
+            if (values.size() / 2 != count) throw GltfError("TEXCOORD_0 and POSITION differ in count");
             uv.resize(positions.size());
             for (size_t i = 0; i < uv.size(); ++i) {
-                uv[i] = glm::make_vec2(&values[2 * i]);
+                uv[i] = glm::make_vec2(&values[2 * vertex(i)]);
                 if (std::isfinite(uv[i].x) && std::isfinite(uv[i].y)) continue;
                 warn("texture coordinates that are not finite are taken as 0");
                 uv[i] = glm::vec2(0);
             }
         }
 
-        std::vector<uint32_t> corners;
-        if (primitive.indices >= 0) {
-            corners = read_indices(file_, primitive.indices);
-            for (const uint32_t corner : corners) {
-                if (corner >= positions.size()) {
-                    throw GltfError(
-                        fmt::format("index {} is out of range ({} vertices)", corner, positions.size()));
-                }
-            }
-        } else {
-            corners.resize(positions.size());
-            for (size_t i = 0; i < corners.size(); ++i) corners[i] = static_cast<uint32_t>(i);
-        }
         add_part(model_, mesh, std::move(positions), std::move(uv), to_triangles(corners, mode),
                  primitive.material);
+    }
+
+    // Of vertices that other primitives have, too, those of these corners, which from then on count among
+    // them alone: many primitives of a file may share one accessor.
+    static std::vector<uint32_t> keep_used(std::vector<uint32_t>& corners) {
+        std::vector<uint32_t> used = corners;
+        std::ranges::sort(used);
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        for (uint32_t& corner : corners)
+            corner = static_cast<uint32_t>(std::ranges::lower_bound(used, corner) - used.begin());
+        return used;
     }
 
     // Section 3.7.2.1: strips and fans to lists, with the winding kept.
@@ -267,64 +333,29 @@ class Loader {
         }
     }
 
+    const GltfFiles& files_;
     const tinygltf::Model& file_;
+    ReadBudget budget_;
+    AccessorReader accessors_;
+    uint64_t image_bytes_left_ = input_limit();
     Model& model_;
     std::set<std::string> warned_;
     std::set<int> visited_;
 };
 
-// Takes every image; one that cannot be decoded stays empty, and the materials that use it say so.
-bool decode_image(tinygltf::Image* image, const int index, std::string*, std::string*, int width, int height,
-                  const unsigned char* bytes, int size, void* options) {
-    std::string ignored_error, ignored_warning;
-    if (!tinygltf::LoadImageData(image, index, &ignored_error, &ignored_warning, width, height, bytes, size,
-                                 options)) {
-        image->width = image->height = 0;
-        image->image.clear();
-    }
-    return true;
-}
-
-std::string one_line(std::string text) {
-    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-    std::ranges::replace(text, '\n', ' ');
-    return text;
-}
-
-bool is_binary(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".glb";
-}
-
 }  // namespace
 
 std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics) {
-    const Place place{path.string(), 0, 0};
-    std::error_code failure;
-    if (!std::filesystem::is_regular_file(path, failure)) {
-        diagnostics.add(place, "", "no such file");
-        return std::nullopt;
-    }
     // Malformed JSON and absurd sizes reach us as exceptions of the JSON library and of the allocator.
     try {
-        tinygltf::TinyGLTF loader;
-        loader.SetImageLoader(decode_image, nullptr);  // null: the default options, which convert to RGBA
-        tinygltf::Model file;
-        std::string error, warning;
-        const bool good = is_binary(path) ? loader.LoadBinaryFromFile(&file, &error, &warning, path.string())
-                                          : loader.LoadASCIIFromFile(&file, &error, &warning, path.string());
-        if (!good) {
-            diagnostics.add(place, "", "not a valid glTF 2.0 file: " + one_line(error));
-            return std::nullopt;
-        }
+        const std::optional<GltfFiles> files = read_gltf_files(path, diagnostics);
+        if (!files) return std::nullopt;
         Model model;
-        if (!warning.empty()) model.warnings.push_back(one_line(warning));
-        Loader(file, model).load();
+        if (!files->warnings.empty()) model.warnings.push_back(files->warnings);
+        Loader(*files, model).load();
         return model;
     } catch (const std::exception& error) {
-        diagnostics.add(place, "", error.what());
+        diagnostics.add({path.string(), 0, 0}, "", error.what());
         return std::nullopt;
     }
 }

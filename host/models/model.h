@@ -26,6 +26,12 @@ struct Material {
     // Set: alpha-tested (glTF's alphaMode MASK). Texels whose alpha times base_color[3] is below it are not
     // there.
     std::optional<double> alpha_cutoff = std::nullopt;
+    // Of the metallic-roughness model (glTF 2.0, section 3.9.2): factors of the texture's blue and green,
+    // which are linear. The roughness is the perceptual one, its square is the width of the GGX lobe.
+    float metallic = 0, roughness = 1;
+    int metallic_roughness_texture = -1;
+    std::array<float, 3> emissive{0, 0, 0};  // linear radiance; a factor of the texture
+    int emissive_texture = -1;
 };
 
 // Triangles that share a material.

@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "host/truth/analytic_scene.h"
@@ -39,6 +40,18 @@ struct ObjectMotion {
     std::vector<ObjectKey> keys;
 };
 
+// What is seen beyond the scene, in radiance. A sky depends on the height of a direction alone: linear in it, from
+// `low` straight down to `high` straight up; else as `shade` draws it, from the horizon, in the square root of the
+// height.
+struct EnvironmentSky {
+    bool linear = false;
+    glm::dvec3 low{0.512, 0.6612, 0.912}, high{0.1408, 0.3192, 0.72};
+};
+struct EnvironmentFile {
+    std::filesystem::path path;  // EXR, resolved against the shot's folder
+    double scale = 1;
+};
+
 struct Shot {
     std::string name;  // the file's name without ".shot.json"
     std::filesystem::path file;
@@ -53,6 +66,7 @@ struct Shot {
     double sun_angular_radius_deg = 0.2665;  // the sun as seen from the Earth, mean over the year
     std::vector<SunKey> sun;
     std::map<std::string, ObjectMotion> objects;  // by the name of a glTF node
+    std::variant<EnvironmentSky, EnvironmentFile> environment;
     glm::dvec3 origin{0};
     uint32_t seed = 0;
 };

@@ -305,6 +305,43 @@ void read_objects(Reader& reader, const Json& root, Shot& shot) {
     }
 }
 
+// { "file", "scale" }, or a sky { "down", "up" }.
+void read_environment(Reader& reader, const Json& root, Shot& shot) {
+    const Json* json = root.find("environment");
+    if (!json || !reader.object(*json, "environment", {"file", "scale", "down", "up"})) return;
+    const auto refuse = [&](const char* key, const char* beside) {
+        if (const Json* value = json->find(key))
+            reader.error(value->place, std::string("environment.") + key,
+                         fmt::format("an environment with \"{}\" has no \"{}\"", beside, key));
+    };
+    if (const Json* file = json->find("file")) {
+        refuse("down", "file");
+        refuse("up", "file");
+        EnvironmentFile out;
+        if (file->kind != Json::Kind::string || file->string.empty())
+            reader.error(file->place, "environment.file", "expected the name of an EXR file");
+        else
+            out.path = shot.file.parent_path() / file->string;
+        if (const Json* scale = json->find("scale"))
+            reader.number(*scale, "environment.scale", 0, 1e9, out.scale);
+        shot.environment = out;
+        return;
+    }
+    refuse("scale", "up");
+    EnvironmentSky out;
+    out.linear = true;
+    const auto color = [&](const char* key, glm::dvec3& value) {
+        const Json* v = reader.required(*json, "environment", key);
+        if (!v) return;
+        reader.vector(*v, std::string("environment.") + key, value);
+        if (!(std::min({value.x, value.y, value.z}) >= 0))
+            reader.error(v->place, std::string("environment.") + key, "a radiance may not be negative");
+    };
+    color("down", out.low);
+    color("up", out.high);
+    shot.environment = out;
+}
+
 // Keys that are good one by one may still meet on the way, so every frame is looked at.
 void check_frames(Reader& reader, const Json& root, const Shot& shot) {
     const auto all_finite = [](const auto& list) {
@@ -353,7 +390,7 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     Reader reader(diagnostics);
     if (!reader.object(*root, "",
                        {"$schema", "penumbra_shot", "scene", "size", "frames", "cuts", "fps", "camera", "sun",
-                        "objects", "origin", "seed"})) {
+                        "objects", "environment", "origin", "seed"})) {
         return std::nullopt;
     }
     Shot shot;
@@ -385,6 +422,7 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     read_sun(reader, *root, shot);
     if (!analytic) read_objects(reader, *root, shot);
     if (analytic) refuse_with_analytic(reader, *root);
+    read_environment(reader, *root, shot);
     if (const Json* origin = root->find("origin")) reader.vector(*origin, "origin", shot.origin);
     if (const Json* seed = root->find("seed")) {
         reader.integer(*seed, "seed", 0, std::numeric_limits<uint32_t>::max(), shot.seed);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The unit in which costs carry over from one machine to another: a 3x3 edge-aware pass over mean and
 // variance, depth and normals, written by hand for eight pixels at a time (AVX2, FMA, F16C) and run by one
-// thread.
+// thread. Elsewhere a plain loop takes its place: a unit of that machine's own, several times as large.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-namespace penumbra::test {
+namespace penumbra {
 
 // Rows of `stride` texels; `border` of them lie around the image, so that no tap needs a test.
 struct NativeImages {
@@ -26,9 +26,15 @@ NativeImages native_images(uint32_t width, uint32_t height);
 constexpr float native_kernel[2] = {1.0F, 0.5F};  // per axis: centre, side
 constexpr float native_tolerance = 0.02F;         // of the depth
 
-bool has_native_pass();  // of this processor
+bool has_avx2();  // this processor, and what else the pass by hand needs
 
-// Filters images.signal into `out`, which has the same size. Only where has_native_pass().
-void native_pass(const NativeImages& images, std::vector<uint32_t>& out);
+// Filters images.signal into `out`, which has the same size. By hand only where has_avx2().
+void native_pass_avx2(const NativeImages& images, std::vector<uint32_t>& out);
+void native_pass_plain(const NativeImages& images, std::vector<uint32_t>& out);
 
-}  // namespace penumbra::test
+// The one that this processor can run.
+inline void native_pass(const NativeImages& images, std::vector<uint32_t>& out) {
+    has_avx2() ? native_pass_avx2(images, out) : native_pass_plain(images, out);
+}
+
+}  // namespace penumbra

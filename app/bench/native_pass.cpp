@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "tests/native_pass.h"
+#include "app/bench/native_pass.h"
 
+#include <algorithm>
 #include <glm/gtc/packing.hpp>
 #include <glm/packing.hpp>
 #include <random>
@@ -10,7 +11,7 @@
 #define PENUMBRA_AVX2 __attribute__((target("avx2,fma,f16c")))
 #endif
 
-namespace penumbra::test {
+namespace penumbra {
 
 NativeImages native_images(uint32_t width, uint32_t height) {
     NativeImages images{width, height, width + 2 * NativeImages::border, {}, {}, {}};
@@ -32,10 +33,37 @@ NativeImages native_images(uint32_t width, uint32_t height) {
     return images;
 }
 
+void native_pass_plain(const NativeImages& images, std::vector<uint32_t>& out) {
+    const auto normal = [&](size_t texel) {
+        return 2.0F * glm::vec3(glm::unpackUnorm3x10_1x2(images.normal[texel])) - 1.0F;
+    };
+    for (uint32_t y = 0; y < images.height; ++y)
+        for (uint32_t x = 0; x < images.width; ++x) {
+            const size_t here = images.at(x, y);
+            const glm::vec3 n = normal(here);
+            const float by_tolerance = 1 / (native_tolerance * images.depth[here]);
+            float mean = 0, variance = 0, weights = 0;
+            for (int dy = -1; dy <= 1; ++dy)
+                for (int dx = -1; dx <= 1; ++dx) {
+                    const size_t there = here + ptrdiff_t(dy) * images.stride + dx;
+                    const glm::vec2 s = glm::unpackHalf2x16(images.signal[there]);
+                    const float cosine = std::max(glm::dot(n, normal(there)), 0.0F);
+                    const float off = (images.depth[there] - images.depth[here]) * by_tolerance;
+                    const float square = cosine * cosine;
+                    const float w =
+                        native_kernel[dx & 1] * native_kernel[dy & 1] * square * square / (1 + off * off);
+                    mean += w * s.x;
+                    variance += w * w * s.y;
+                    weights += w;
+                }
+            out[here] = glm::packHalf2x16({mean / weights, variance / (weights * weights)});
+        }
+}
+
 #if defined(__x86_64__)
 
 // What has AVX2 has F16C, for which clang 14 has no name.
-bool has_native_pass() {
+bool has_avx2() {
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
 }
 
@@ -74,7 +102,7 @@ PENUMBRA_AVX2 Codes normal_at(const uint32_t* texels) {
 
 }  // namespace
 
-PENUMBRA_AVX2 void native_pass(const NativeImages& images, std::vector<uint32_t>& out) {
+PENUMBRA_AVX2 void native_pass_avx2(const NativeImages& images, std::vector<uint32_t>& out) {
     const __m256 one = _mm256_set1_ps(1), zero = _mm256_setzero_ps(), step = _mm256_set1_ps(2.0F / 1023);
     for (uint32_t y = 0; y < images.height; ++y)
         for (uint32_t x = 0; x < images.width; x += 8) {
@@ -116,11 +144,11 @@ PENUMBRA_AVX2 void native_pass(const NativeImages& images, std::vector<uint32_t>
 
 #else
 
-bool has_native_pass() {
+bool has_avx2() {
     return false;
 }
-void native_pass(const NativeImages&, std::vector<uint32_t>&) {}
+void native_pass_avx2(const NativeImages&, std::vector<uint32_t>&) {}
 
 #endif
 
-}  // namespace penumbra::test
+}  // namespace penumbra
