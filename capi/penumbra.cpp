@@ -236,7 +236,6 @@ FrameDescription frame_of(const penumbra_frame& f) {
     std::ranges::copy(f.jitter, frame.jitter.begin());
     std::ranges::copy(f.prev_jitter, frame.prev_jitter.begin());
     std::ranges::copy(f.size, frame.size.begin());
-    std::ranges::copy(f.prev_size, frame.prev_size.begin());
     frame.index = f.index;
     frame.dt_s = f.dt_s;
     frame.flags = f.flags;

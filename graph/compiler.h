@@ -32,6 +32,7 @@ class Compiler {
     struct Size {
         Extent extent;
         uint32_t layers = 1;
+        std::optional<Follows> follows;
     };
 
     void error(const Place& place, const std::string& path, const std::string& message);

@@ -192,8 +192,8 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
 
     penumbra_frame frame{};
     frame.struct_size = sizeof frame;
-    frame.size[0] = frame.prev_size[0] = 29;
-    frame.size[1] = frame.prev_size[1] = 13;
+    frame.size[0] = 29;
+    frame.size[1] = 13;
     gpu().run([&](VkCommandBuffer cmd) {
         EXPECT_EQ(penumbra_view_record(view, cmd, &frame, nullptr, 0, &error_), PENUMBRA_USAGE);
         EXPECT_STREQ(error_.place, "the slot \"depth\"");

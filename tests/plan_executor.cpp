@@ -367,6 +367,7 @@ struct PlanExecutor::Parts {
         for (const Json& a : d["activations"]) {
             images.push_back(activation(instance(a["resource"], false).image.get()));
             images.back().srcStageMask = flags(a["from_stages"], stages);
+            images.back().srcAccessMask = flags(a["from_access"], accesses);
             images.back().dstStageMask = flags(a["to_stages"], stages);
             images.back().dstAccessMask = flags(a["to_access"], accesses);
         }

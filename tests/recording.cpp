@@ -57,36 +57,51 @@ Facts recorded_facts() {
     return {{"alpha", false}};
 }
 
-Plan record_plaza(const CheckedPipeline& pipeline, std::array<uint32_t, 2> size, uint32_t frames,
-                  const std::filesystem::path& folder) {
+Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t frames, const Facts& facts,
+                 bool jitter) {
     SessionOptions options;
-    options.size = size;
+    options.size = shot.size;
     options.captures = pipeline.output_names();
     options.seed = 0;
     options.optimum = false;
     options.pass_costs = false;
-    options.facts = recorded_facts();
+    options.facts = facts;
+    options.jitter = jitter;
     for (const Fact& fact : pipeline.domain->facts) options.facts.try_emplace(fact.name, true);
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), pipeline, plaza_shot(size, frames), options,
-                                       diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), test_nodes(), pipeline, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
+    Recording recording{session->plan(), {}};
     for (uint32_t f = 0; f < frames; ++f) {
         session->run_frame(f, f == 0);
         const StandaloneFrame frame = session->host().frame(f, f == 0);
+        RecordedFrame& to = recording.frames.emplace_back();
+        to.description = session->frame_description();
+        for (const HostSlot& slot : session->plan().slots)
+            to.slots[slot.name] = slot_bytes(*session, frame, slot.name);
+        for (const std::string& name : pipeline.output_names()) {
+            const auto bytes = session->view().captured(name);
+            to.outputs[name] = {bytes.begin(), bytes.end()};
+        }
+    }
+    return recording;
+}
+
+Plan record_plaza(const CheckedPipeline& pipeline, std::array<uint32_t, 2> size, uint32_t frames,
+                  const std::filesystem::path& folder) {
+    Recording recording = record(pipeline, plaza_shot(size, frames), frames, recorded_facts());
+    for (uint32_t f = 0; f < frames; ++f) {
+        const RecordedFrame& frame = recording.frames[f];
         const std::filesystem::path to = folder / std::to_string(f);
         std::filesystem::create_directories(to);
-        for (const HostSlot& slot : session->plan().slots)
-            write(to / (slot.name + ".bin"), slot_bytes(*session, frame, slot.name));
-        const FrameDescription& description = session->frame_description();
-        write(to / "frame.bin", bytes_of(description));
-        FrameBlock block = make_frame_block(description);
-        write(to / "frame_block.bin", bytes_of(block));
-        for (const std::string& name : pipeline.output_names())
-            write(to / (name + ".out"), session->view().captured(name));
+        for (const auto& [name, bytes] : frame.slots) write(to / (name + ".bin"), bytes);
+        for (const auto& [name, bytes] : frame.outputs) write(to / (name + ".out"), bytes);
+        write(to / "frame.bin", bytes_of(frame.description));
+        write(to / "frame_block.bin", bytes_of(make_frame_block(frame.description)));
     }
-    return session->plan();
+    return std::move(recording.plan);
 }
 
 }  // namespace penumbra::test

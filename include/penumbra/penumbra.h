@@ -209,7 +209,7 @@ typedef struct penumbra_frame {
     uint32_t index;
     penumbra_camera camera, previous;
     double jitter[2], prev_jitter[2];   /* uv */
-    uint32_t size[2], prev_size[2];     /* pixels */
+    uint32_t size[2];                   /* pixels, at most the plan's */
     float dt_s;
     uint32_t flags;
 } penumbra_frame;
