@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The penumbra program: a host of the graph like any other. The command line is declared here, one file per
 // command.
+#include <fcntl.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <iostream>
+#include <new>
 
 #include "app/commands.h"
 
@@ -162,9 +166,10 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
 }
 
 void add_bench(CLI::App& app, BenchArguments& a) {
-    CLI::App* c = app.add_subcommand("bench",
-                                     "measure what pipelines cost: every pass, the frame, start-up, memory");
-    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines, which take turns")->required();
+    CLI::App* c =
+        app.add_subcommand("bench", "measure what pipelines cost: every pass, the frame, start-up, memory");
+    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines, which take turns")
+        ->required();
     c->add_option("--shots", a.shots, "files or names of shipped shots (default: colonnade, engine, lamp)")
         ->delimiter(',')
         ->allow_extra_args(false);
@@ -197,9 +202,17 @@ int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArgum
     return run_devices();
 }
 
-}  // namespace
+// The first option whose value is the empty text, which names nothing; of a device it means the first.
+std::string empty_option(const CLI::App& app) {
+    for (const CLI::App* command : app.get_subcommands())
+        for (const CLI::Option* option : command->get_options())
+            if (option->get_name() != "--device")
+                for (const std::string& text : option->results())
+                    if (text.empty()) return option->get_name();
+    return "";
+}
 
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     CLI::App app("penumbra: a render graph for hybrid ray-traced shadows");
     app.require_subcommand(1);
     app.set_version_flag("--version", PENUMBRA_VERSION);
@@ -243,14 +256,38 @@ int main(int argc, char** argv) {
         app.exit(e);
         return exit_wrong;
     }
+    if (const std::string option = empty_option(app); !option.empty()) {
+        std::cerr << option << ": the text is empty\n";
+        return exit_wrong;
+    }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     bench.command_line = report.command_line;
+    return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
+                    bench);
+}
+
+// A standard stream that is closed gives its number to the next file that is opened, which would then be
+// written into. What stands in for it can be opened and not written, so that output is not lost without a
+// word.
+void occupy_standard_streams() {
+    for (int stream = 0; stream < 3; ++stream)
+        if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDONLY);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    int code = exit_failed;
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
-                        bench);
-    } catch (const std::exception&
-                 e) {  // DeviceError and VulkanError among them: their texts are meant for people
-        std::cerr << "penumbra: " << e.what() << "\n";
+        occupy_standard_streams();
+        code = run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        std::fputs("penumbra: there is not enough memory\n", stderr);
+    } catch (const std::exception& e) {  // DeviceError and VulkanError among them: their texts are for people
+        std::fprintf(stderr, "penumbra: %s\n", e.what());
     }
-    return exit_failed;
+    std::cout.flush();
+    if (std::fflush(stdout) == 0 && std::cout && !std::ferror(stdout)) return code;
+    std::fputs("penumbra: standard output cannot be written\n", stderr);
+    return code == exit_good ? exit_failed : code;
 }

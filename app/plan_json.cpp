@@ -6,10 +6,10 @@
 
 #include <cstddef>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "host/images/image_file.h"
 #include "penumbra/frame_block.h"
 #include "penumbra/requirements.h"
 
@@ -396,11 +396,13 @@ bool write_plan(const Plan& plan, const std::filesystem::path& folder, Diagnosti
     std::error_code error;
     std::filesystem::create_directories(folder, error);
     const auto write = [&](const std::string& name, const void* data, size_t bytes) {
-        std::ofstream out(folder / name, std::ios::binary);
-        out.write(static_cast<const char*>(data), static_cast<std::streamsize>(bytes));
-        if (out.flush()) return true;
-        diagnostics.add({(folder / name).generic_string()}, "", "cannot be written");
-        return false;
+        try {
+            write_file(folder / name, {static_cast<const std::byte*>(data), bytes});
+            return true;
+        } catch (const FileError& failure) {
+            diagnostics.add({}, "", failure.what());
+            return false;
+        }
     };
     for (size_t i = 0; i < plan.modules.size(); ++i)
         if (!write(module_file(i), plan.modules[i].data(), 4 * plan.modules[i].size())) return false;

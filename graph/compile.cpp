@@ -51,6 +51,18 @@ std::optional<Plan> Compiler::run() {
     }
     place_lifetimes(plan_);
     place_memory(plan_, target_.device, options_.share_transients, options_.optimum_search_nodes);
+    if (plan_.memory.heap_bytes > target_.device.memory_bytes) {
+        constexpr double mib = 1 << 20;
+        const double needed = static_cast<double>(plan_.memory.heap_bytes) / mib,
+                     there = static_cast<double>(target_.device.memory_bytes) / mib;
+        error({pipeline_.file}, "",
+              fmt::format("at {}x{} it takes {:.0f} MiB of memory, {:.0f} more than the {:.0f} of the "
+                          "largest heap of the "
+                          "device \"{}\"",
+                          target_.extent.width, target_.extent.height, needed, needed - there, there,
+                          plan_.device));
+        return std::nullopt;
+    }
     place_barriers(plan_);
     for (uint32_t i = 0; i < plan_.resources.size(); ++i)
         if (plan_.resources[i].history || plan_.resources[i].kept)

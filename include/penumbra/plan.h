@@ -50,6 +50,7 @@ struct DeviceTable {
     uint32_t max_texel_elements = 1u << 27;
     uint32_t max_storage_bytes = 1u << 27;  // of one buffer binding
     uint32_t max_workgroup_invocations = 1024;
+    uint64_t memory_bytes = ~uint64_t{0};  // of the largest heap
     std::set<std::string>
         features;  // of Domain::features, those enabled on the device, which only the host can tell
     std::function<MemoryNeed(const ImageNeed&)> image_memory;
@@ -223,12 +224,12 @@ struct PlanParam {
 
 struct PlanPass {
     PassKind kind = PassKind::compute;
-    std::string node;       // node id; captures: the resource's name
-    std::string type;       // node type; "capture"
-    std::string variant;    // of the shader, to print
-    std::string backends;   // of the node's bundles, to print
+    std::string node;                // node id; captures: the resource's name
+    std::string type;                // node type; "capture"
+    std::string variant;             // of the shader, to print
+    std::string backends;            // of the node's bundles, to print
     std::optional<uint32_t> module;  // of Plan::modules, entry point "main"; none: the type has no shader
-    HostCallback callback;  // host nodes
+    HostCallback callback;           // host nodes
     std::vector<PlanBinding> bindings;
     std::vector<uint32_t> constants;  // specialisation data: ids 0 .. n-1, four bytes each
     std::vector<std::byte> push;      // the parameters' initial values
@@ -326,4 +327,4 @@ struct Plan {
     const PlanPass* pass(std::string_view node) const;  // nullptr: it does not run
 };
 
-}  // namespace penumbra
+}  // namespace PENUMBRA_API
