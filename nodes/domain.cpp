@@ -13,7 +13,7 @@ Bundle scene() {
                        .feature = "ray_query",
                        .gpu_only = true,
                        .glsl = "#extension GL_EXT_ray_query : require\n"},
-                      {.name = "bvh"}};
+                      {.name = "bvh", .fact = "tree"}};
     scene.parts = {
         {.name = "nodes", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh"},
         {.name = "leaves", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh"},

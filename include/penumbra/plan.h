@@ -301,7 +301,7 @@ struct MemoryReport {
 struct Plan {
     std::string pipeline;
     std::shared_ptr<const Domain> domain;
-    Extent extent;
+    Extent extent;  // of the largest frame
     Facts facts;  // every fact, with its value
     std::string device;
     bool cpu = false;
