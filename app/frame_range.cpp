@@ -11,7 +11,9 @@ namespace {
 std::optional<uint32_t> parse_index(std::string_view text) {
     uint32_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+    constexpr uint32_t most = 9'999'999;  // a loop over frames ends, and their numbers fit file names
+    if (text.empty() || error != std::errc() || end != text.data() + text.size() || value > most)
+        return std::nullopt;
     return value;
 }
 
@@ -23,7 +25,7 @@ std::optional<FrameRange> parse_frames(const std::string& text) {
     const auto last =
         dots == std::string::npos ? first : parse_index(std::string_view(text).substr(dots + 2));
     if (first && last && *first <= *last) return FrameRange{*first, *last};
-    std::cerr << "--frames: \"" << text << "\" is not A..B with A <= B\n";
+    std::cerr << "--frames: \"" << text << "\" is not A..B with A <= B <= 9999999\n";
     return std::nullopt;
 }
 

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The penumbra program: a host of the graph like any other. The command line is declared here, one file per
 // command.
+#include <fcntl.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <iostream>
+#include <new>
 
 #include "app/colored_errors.h"
 #include "app/command_help.h"
@@ -226,10 +230,17 @@ int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArgum
     return run_devices();
 }
 
-}  // namespace
+// The first option whose value is the empty text, which names nothing; of a device it means the first.
+std::string empty_option(const CLI::App& app) {
+    for (const CLI::App* command : app.get_subcommands())
+        for (const CLI::Option* option : command->get_options())
+            if (option->get_name() != "--device")
+                for (const std::string& text : option->results())
+                    if (text.empty()) return option->get_name();
+    return "";
+}
 
-int main(int argc, char** argv) {
-    const ColoredErrors colors;
+int run(int argc, char** argv) {
     CLI::App app("penumbra: a render graph for hybrid ray-traced shadows");
     app.require_subcommand(1);
     app.set_version_flag("--version", PENUMBRA_VERSION);
@@ -282,18 +293,43 @@ int main(int argc, char** argv) {
         app.exit(e);
         return exit_wrong;
     }
+    if (const std::string option = empty_option(app); !option.empty()) {
+        std::cerr << option << ": the text is empty\n";
+        return exit_wrong;
+    }
     if (completion->parsed()) {
         std::cout << completion_script(app, shell);
         return exit_good;
     }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     bench.command_line = report.command_line;
+    return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
+                    bench, shot);
+}
+
+// A standard stream that is closed gives its number to the next file that is opened, which would then be
+// written into. What stands in for it can be opened and not written, so that output is not lost without a
+// word.
+void occupy_standard_streams() {
+    for (int stream = 0; stream < 3; ++stream)
+        if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDONLY);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const ColoredErrors colors;
+    int code = exit_failed;
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
-                        bench, shot);
-    } catch (const std::exception&
-                 e) {  // DeviceError and VulkanError among them: their texts are meant for people
+        occupy_standard_streams();
+        code = run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        std::cerr << "penumbra: there is not enough memory\n";
+    } catch (const std::exception& e) {  // DeviceError and VulkanError among them: their texts are for people
         std::cerr << "penumbra: " << e.what() << "\n";
     }
-    return exit_failed;
+    std::cout.flush();
+    if (std::fflush(stdout) == 0 && std::cout && !std::ferror(stdout)) return code;
+    std::fputs("penumbra: standard output cannot be written\n", stderr);
+    return code == exit_good ? exit_failed : code;
 }

@@ -106,6 +106,16 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         return nullptr;
     }
 
+    const uint64_t gbuffer = uint64_t{options.size[0]} * options.size[1] * gbuffer_bytes_per_pixel();
+    const auto too_much = [&](uint64_t bytes, const char* of_what) {
+        diagnostics.add({}, "size",
+                        fmt::format("{}x{} takes {} MiB for {}, {} more than the device's {}",
+                                    options.size[0], options.size[1], bytes >> 20, of_what,
+                                    (bytes - table.memory_bytes) >> 20, table.memory_bytes >> 20));
+        return nullptr;
+    };
+    if (gbuffer > table.memory_bytes) return too_much(gbuffer, "the G-buffer alone");
+
     // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in
     // between.
     StandaloneOptions host_options{options.size, 1, false, options.cascade_size};
@@ -125,13 +135,18 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         environment = make_environment(shot, diagnostics);
         if (!environment) return nullptr;
     }
-    session->host_ =
-        std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+    try {
+        session->host_ =
+            std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+    } catch (const VulkanError& error) {  // what a call says of itself does not say that the frame is large
+        throw VulkanError(error.result(),
+                          fmt::format("at {}x{}: {}", options.size[0], options.size[1], error.what()));
+    }
     Facts facts = options.facts;
     facts.merge(session->host_->facts());  // keeps what is there
     Target target =
-        standalone_target(pipeline, table, options.size, facts, {options.cascade_size, options.cascade_size},
-                          session->host_->cascade_layers());
+        standalone_target(pipeline, table, options.largest.value_or(options.size), facts,
+                          {options.cascade_size, options.cascade_size}, session->host_->cascade_layers());
     if (environment) {
         target.inputs["environment"] = {Format::rgba32f, {environment->width, environment->height}};
         if (std::max(environment->width, environment->height) > table.max_image_extent) {
@@ -149,6 +164,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;
+    if (const uint64_t all = gbuffer + plan->memory.heap_bytes; all > table.memory_bytes)
+        return too_much(all, "the G-buffer and the pipeline");
     session->host_->set_jitter(options.jitter && (plan->jitter || options.always_jitter));
 
     const double before = wall_ms();

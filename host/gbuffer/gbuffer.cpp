@@ -110,6 +110,12 @@ VkRenderingAttachmentInfo cleared_attachment(const GpuImage& image) {
 
 }  // namespace
 
+uint64_t gbuffer_bytes_per_pixel() {
+    uint64_t bytes = texel_bytes(gbuffer_depth_format);
+    for (size_t i = 0; i < 3; ++i) bytes += texel_bytes(gbuffer_color_formats[i]);
+    return bytes;
+}
+
 GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight,
                  bool materials)
     : device_(device),

@@ -28,6 +28,9 @@ struct GBufferImages {
     GpuImage emissive;  // rgba16f: linear radiance
 };
 
+// Of device memory, for what is always rendered: depth, normal, motion, albedo.
+uint64_t gbuffer_bytes_per_pixel();
+
 class GBuffer {
   public:
     // `scene` must outlive the G-buffer. `frames_in_flight`: how many recorded frames may be pending at once.
