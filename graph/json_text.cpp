@@ -260,7 +260,7 @@ std::optional<Json> parse_json(std::string_view text, const std::string& file, D
         return std::nullopt;
     }
     if (tokens.size() > most_tokens) {
-        const Token& last = tokens.back();
+        const Token& last = tokens[most_tokens];
         diagnostics.add(
             {file, last.line, last.column}, "",
             fmt::format("the text has more than {} values, keys and punctuation marks", most_tokens));

@@ -27,7 +27,7 @@ if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
         python3                       # scripts that compare
     )
 fi
-[[ ${1:-} == --dev ]] && packages+=(ccache clang-14 clang-format-14 clang-tidy-14 shellcheck)
+[[ ${1:-} == --dev ]] && packages+=(ccache clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev shellcheck)
 driver="mesa-vulkan-drivers"
 
 if [[ ${PENUMBRA_SKIP_SETUP:-} == 1 ]]; then

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// docs/constants.md says of every number that moves an error or a cost where it comes from. The number itself stands in a
-// shader or a declaration, and a change of one is a change of the other: no test of pictures sees all of them.
+// docs/constants.md says of every number that moves an error or a cost where it comes from. The number itself
+// stands in a shader or a declaration, and a change of one is a change of the other: no test of pictures sees
+// all of them.
 #include <gtest/gtest.h>
 
 #include <algorithm>

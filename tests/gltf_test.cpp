@@ -397,6 +397,16 @@ TEST_F(Gltf, InstancesAreCounted) {
         << diagnostics_.text();
 }
 
+// The parser walks what it does not know by recursion.
+TEST_F(Gltf, DepthIsBounded) {
+    const auto file = [](size_t depth) {
+        return R"({"asset":{"version":"2.0","extras":)" + std::string(depth, '[') + std::string(depth, ']') +
+               "}}";
+    };
+    EXPECT_TRUE(load(file(200))) << diagnostics_.text();
+    expect_error(file(1'000'000), "nested more than 256 levels deep");
+}
+
 // A model names files; devices and pipes, which never end, are none.
 TEST_F(Gltf, OnlyRegularFilesAreRead) {
     ASSERT_EQ(::mkfifo((folder_ / "pipe.bin").c_str(), 0600), 0);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <string_view>
 
 #include "host/images/input_limit.h"
 #include "host/models/gltf_accessor.h"
@@ -71,10 +72,29 @@ std::string one_line(std::string text) {
     return text;
 }
 
-// Of a .glb the JSON chunk, of a .gltf all of it.
-uint64_t document_bytes(const std::vector<unsigned char>& bytes, bool binary) {
-    if (!binary || bytes.size() < 16) return bytes.size();
-    return bytes[12] | bytes[13] << 8 | bytes[14] << 16 | uint64_t(bytes[15]) << 24;
+// Of a .glb the JSON chunk, of a .gltf all of it. What a header says beyond the file's end is for tinygltf to
+// refuse.
+std::string_view document_of(const std::vector<unsigned char>& bytes, bool binary) {
+    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (!binary || bytes.size() < 20) return all;
+    const uint64_t length = bytes[12] | bytes[13] << 8 | bytes[14] << 16 | uint64_t(bytes[15]) << 24;
+    return all.substr(20, length);
+}
+
+// tinygltf walks "extras" and extensions by recursion, on whatever stack there is.
+bool is_nested_too_deep(std::string_view json) {
+    constexpr size_t deepest = 256;
+    size_t depth = 0;
+    bool quoted = false;
+    for (size_t i = 0; i < json.size(); ++i) {
+        const char c = json[i];
+        if (quoted && c == '\\') ++i;
+        if (c == '"') quoted = !quoted;
+        if (quoted) continue;
+        if ((c == '[' || c == '{') && ++depth > deepest) return true;
+        if ((c == ']' || c == '}') && depth > 0) --depth;
+    }
+    return false;
 }
 
 bool is_binary(const std::filesystem::path& path) {
@@ -100,9 +120,10 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     std::string error, warning;
     if (!read_whole(&bytes, &error, path.string(), &reading)) return refuse(error);
     const bool binary = is_binary(path);
-    if (document_bytes(bytes, binary) > reading.limit / most_of_a_document)
-        return refuse(fmt::format("its JSON of {} bytes would take {}", document_bytes(bytes, binary),
-                                  over_input_limit()));
+    const std::string_view document = document_of(bytes, binary);
+    if (document.size() > reading.limit / most_of_a_document)
+        return refuse(fmt::format("its JSON of {} bytes would take {}", document.size(), over_input_limit()));
+    if (is_nested_too_deep(document)) return refuse("its JSON is nested more than 256 levels deep");
 
     GltfFiles files;
     tinygltf::TinyGLTF loader;

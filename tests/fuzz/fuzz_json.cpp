@@ -120,7 +120,7 @@ class Mutator {
                 std::swap(*at, *in.begin());
                 break;
             case 7:
-                json["outputs"].push_back(other);
+                if (json["outputs"].is_array()) json["outputs"].push_back(other);
                 break;
             default: {
                 constexpr const char* conditions[] = {"moves", "!moves", "alpha & moves", "moves | !alpha",
