@@ -27,6 +27,7 @@ struct RenderArguments {
     std::vector<std::string> node_folders;  // --nodes
     std::string device;
     std::optional<uint32_t> seed;
+    std::string light;  // of the shot's; empty: the only one
     uint32_t cascade_size = 1024;
     std::string facts;  // "a,!b": instead of what the scene says
     bool validate = false;
@@ -50,7 +51,7 @@ struct NodesArguments {
 };
 
 struct ReferenceArguments {
-    std::string shot, out, frames, size, device;
+    std::string shot, out, frames, size, light, device;
     uint32_t rays = 1024;  // per pixel
 };
 

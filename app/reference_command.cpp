@@ -5,6 +5,7 @@
 
 #include "app/commands.h"
 #include "app/frame_range.h"
+#include "app/light_truth.h"
 #include "app/mask_folder.h"
 #include "app/outputs.h"
 #include "app/progress.h"
@@ -30,7 +31,10 @@ int write_reference(const ReferenceArguments& arguments, const Shot& shot, const
     Device device({arguments.device, false});
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = open_truth(device, shot, diagnostics, warnings);
+    const auto chosen = choose_light(shot, arguments.light, diagnostics);
+    const auto session = !chosen         ? nullptr
+                         : chosen->light ? open_light_truth(device, shot, chosen->name, diagnostics, warnings)
+                                         : open_truth(device, shot, diagnostics, warnings);
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();
@@ -47,7 +51,9 @@ int write_reference(const ReferenceArguments& arguments, const Shot& shot, const
                 session->run_frame(frame, false);  // for the images beside
                 write_truth(folder, shot, frame, analytic_truth(shot, frame));
             } else {
-                write_truth(folder, shot, frame, counted_truth(*session, frame, arguments.rays));
+                write_truth(folder, shot, frame,
+                            chosen->light ? counted_light_truth(*session, frame, arguments.rays)
+                                          : counted_truth(*session, frame, arguments.rays));
             }
             for (const char* name : {"depth", "motion", "normal", "albedo"})
                 host_images.write(*session, name, frame);

@@ -24,6 +24,7 @@ struct SessionOptions {
     uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
+    std::string light;  // of the shot, that masks are of; empty: the only one
     bool alias = true;
     bool jitter = true;
     bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
@@ -85,7 +86,7 @@ class Session {
     std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
     std::unique_ptr<CascadeMaps> cascade_maps_;
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
-    GpuBuffer sun_, sun_prev_, scene_, cascades_;
+    GpuBuffer sun_, sun_prev_, light_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
 

@@ -63,6 +63,7 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
     SessionOptions options;
     options.size = shot.size;
     options.captures = {"counts"};
+    options.light = "sun";
     options.jitter = false;
     options.optimum = false;
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
