@@ -102,7 +102,8 @@ void on_all_cores(uint32_t rows, const std::function<void(uint32_t)>& work) {
 }  // namespace
 
 std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, const std::string& light,
-                                          Diagnostics& diagnostics, std::vector<std::string>& warnings) {
+                                          Diagnostics& diagnostics, std::vector<std::string>& warnings,
+                                          bool jitter) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
     const std::vector<std::string> settings{"inputs.light={}"};
     const auto pipeline = parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics);
@@ -111,7 +112,7 @@ std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, cons
     SessionOptions options;
     options.size = shot.size;
     options.captures = {"view_depth", "receiver_normal"};
-    options.jitter = false;
+    options.jitter = options.always_jitter = jitter;
     options.optimum = false;
     options.light = light;
     options.facts = {{"sun_up", true}, {"casters", true}};  // so that both are made in any case
