@@ -123,7 +123,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
     compile_options.captures = options.captures;
-    if (options.optimum) compile_options.optimum_search_nodes = report_search_nodes;
+    if (options.optimum) compile_options.optimum_search_nodes = render_search_nodes;
     host_options.jitter = options.jitter;
     host_options.materials = std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
         return input.name == "material" || input.name == "emissive";
@@ -166,7 +166,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (!plan || !diagnostics.empty()) return nullptr;
     if (const uint64_t all = gbuffer + plan->memory.heap_bytes; all > table.memory_bytes)
         return too_much(all, "the G-buffer and the pipeline");
-    session->host_->set_jitter(options.jitter && plan->jitter);
+    session->host_->set_jitter(options.jitter && (plan->jitter || options.always_jitter));
 
     const double before = wall_ms();
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));

@@ -28,8 +28,9 @@ struct SessionOptions {
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
     bool alias = true;
-    bool jitter = true;
-    bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
+    bool jitter = true;          // where a node of the plan needs it
+    bool always_jitter = false;  // whether one does or not
+    bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;             // instead of what the scene says
     bool optimum = true;     // search for the smallest possible heap, for the report
@@ -71,8 +72,8 @@ class Session {
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
     uint32_t seed() const { return seed_; }
-    double program_ms() const { return program_ms_; }  // of making the device's objects of the plan
-    const SceneBvh* bvh() const { return bvh_.get(); }                       // null: nobody traces with it
+    double program_ms() const { return program_ms_; }   // of making the device's objects of the plan
+    const SceneBvh* bvh() const { return bvh_.get(); }  // null: nobody traces with it
     const FrameDescription& frame_description() const { return last_; }      // of the last frame
     const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
 

@@ -39,7 +39,8 @@ uint64_t lower_bound(std::span<const Interval> intervals, uint32_t period);
 Packing pack(std::span<const Interval> intervals, uint32_t period);
 
 // The smallest possible heap by exhaustive search, or nothing where `max_nodes` search nodes do not suffice
-// (a node takes one to two microseconds) or where there are more than 64 intervals with bytes or 64 passes.
+// (a node takes one to two microseconds; a tenth of a second at most where less than an alignment is at
+// stake) or where there are more than 64 intervals with bytes or 64 passes.
 std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period,
                                 uint64_t max_nodes = 2'000'000);
 

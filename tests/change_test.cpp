@@ -74,6 +74,22 @@ TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
     EXPECT_EQ(after.reset().reason, Reset::Reason::first_frame);
 }
 
+// A frame of a smaller size runs as many groups as it needs, also of a mip chain's levels.
+TEST_F(ChangeGpu, DispatchesFollowTheFramesSize) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["picked"], "nodes": { "fill": { "type": "toy_fill" },
+        "chain": { "type": "toy_chain" }, "pick": { "type": "toy_pick" } })");
+    View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, {})), {});
+    using Groups = std::vector<std::array<uint32_t, 3>>;
+    const auto dispatches_of = [&](Extent size) {
+        Spy::dispatches.clear();
+        gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0, size), {}); });
+        return Spy::dispatches;
+    };
+    // 8x8 pixels of 29x13, then 4x4 of each level: 29x13 14x6 7x3 3x1 1x1, then 8x8 again.
+    EXPECT_EQ(dispatches_of({29, 13}), (Groups{{4, 2, 1}, {8, 4, 1}, {4, 2, 1}, {2, 1, 1}, {1, 1, 1}, {1, 1, 1}, {4, 2, 1}}));
+    EXPECT_EQ(dispatches_of({9, 8}), (Groups{{2, 1, 1}, {3, 2, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {2, 1, 1}}));
+}
+
 // Sizes and facts change at random, two frames in flight. A size that the plan is large enough for makes and allocates
 // nothing; beyond it, and for other facts, another plan's view takes over. All of them have what there was of history;
 // views retire by fences, all memory comes back, and nothing that waits or submits was so much as asked for.
