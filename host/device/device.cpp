@@ -55,6 +55,8 @@ constexpr const char* ray_query_extensions[] = {VK_KHR_ACCELERATION_STRUCTURE_EX
                                                 VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
                                                 VK_KHR_RAY_QUERY_EXTENSION_NAME};
 
+constexpr const char* statistics_extension = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
+
 // A family that does graphics, compute and transfers; every desktop device and lavapipe has one.
 std::optional<uint32_t> find_queue_family(VkPhysicalDevice physical, bool* timestamps = nullptr) {
     uint32_t count = 0;
@@ -180,7 +182,7 @@ Device::Device(const DeviceOptions& options) : messages_(std::make_unique<Messag
     try {
         create_instance(options);
         pick_physical_device(options.name);
-        create_device();
+        create_device(options.statistics);
     } catch (...) {
         destroy();
         throw;
@@ -229,12 +231,16 @@ void Device::create_instance(const DeviceOptions& options) {
         create.enabledExtensionCount = 2;
         create.ppEnabledExtensionNames = extensions;
     }
-    check(vkCreateInstance(&create, nullptr, &instance_), "vkCreateInstance", "standalone host");
+    // What a call that fails leaves in its result is undefined; destroy() must not see it.
+    VkInstance instance = VK_NULL_HANDLE;
+    check(vkCreateInstance(&create, nullptr, &instance), "vkCreateInstance", "standalone host");
+    instance_ = instance;
     if (options.validation) {
         const auto make = instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(
             instance_, "vkCreateDebugUtilsMessengerEXT");
-        check(make(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT",
-              "messenger");
+        VkDebugUtilsMessengerEXT made = VK_NULL_HANDLE;
+        check(make(instance_, &messenger, nullptr, &made), "vkCreateDebugUtilsMessengerEXT", "messenger");
+        messenger_ = made;
     }
 }
 
@@ -255,7 +261,7 @@ void Device::pick_physical_device(const std::string& wish) {
                           : fmt::format("no usable Vulkan device is named \"{}\" among:{}", wish, seen));
 }
 
-void Device::create_device() {
+void Device::create_device(bool statistics) {
     bool timestamps = false;
     queue_family_ = *find_queue_family(physical_, &timestamps);
     VkPhysicalDeviceProperties properties{};
@@ -289,6 +295,15 @@ void Device::create_device() {
     use.acceleration.accelerationStructure = caps_.ray_query;
     use.ray_query.rayQuery = caps_.ray_query;
     if (caps_.ray_query) extensions_.assign(std::begin(ray_query_extensions), std::end(ray_query_extensions));
+    VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR, nullptr, VK_TRUE};
+    if (statistics) {
+        if (!has_extensions(physical_, {&statistics_extension, 1}))
+            throw DeviceError(fmt::format("{} ({}) tells no statistics of pipelines: it lacks {}", info_.name,
+                                          info_.driver, statistics_extension));
+        extensions_.push_back(statistics_extension);
+        (caps_.ray_query ? use.ray_query.pNext : use.v13.pNext) = &executables;
+    }
 
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
@@ -300,7 +315,9 @@ void Device::create_device() {
     create.pQueueCreateInfos = &queue;
     create.enabledExtensionCount = static_cast<uint32_t>(extensions_.size());
     create.ppEnabledExtensionNames = extensions_.data();
-    check(vkCreateDevice(physical_, &create, nullptr, &device_), "vkCreateDevice", info_.name);
+    VkDevice device = VK_NULL_HANDLE;
+    check(vkCreateDevice(physical_, &create, nullptr, &device), "vkCreateDevice", info_.name);
+    device_ = device;
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};

@@ -34,6 +34,7 @@ struct DeviceInfo {
 struct DeviceOptions {
     std::string name;         // substring of the device's name, any case; empty: the first usable one
     bool validation = false;  // the Khronos validation layer with synchronisation checks
+    bool statistics = false;  // have the driver say what it made of pipelines; an error where it cannot
 };
 
 // What the device has beyond the required features.
@@ -80,7 +81,7 @@ class Device {
     struct Messages;
     void create_instance(const DeviceOptions& options);
     void pick_physical_device(const std::string& wish);
-    void create_device();
+    void create_device(bool statistics);
     void destroy();
 
     std::unique_ptr<Messages> messages_;

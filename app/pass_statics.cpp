@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: MIT
+// Layouts, modules and pipelines alone, made from the plan as data: a Program would also make images and memory for its
+// tables, which null hardware does not have.
+#include "app/pass_statics.h"
+
+#include <map>
+
+namespace penumbra {
+namespace {
+
+template <class Function>
+Function device_function(const Device& device, const char* name) {
+    return reinterpret_cast<Function>(vkGetDeviceProcAddr(device.get(), name));
+}
+
+// An array that Vulkan counts first and fills then.
+template <class Item, class Call>
+std::vector<Item> all_of(const Call& call, const Item& blank, const char* name, const std::string& what) {
+    uint32_t count = 0;
+    check(call(&count, nullptr), name, what);
+    std::vector<Item> items(count, blank);
+    check(call(&count, items.data()), name, what);
+    items.resize(count);
+    return items;
+}
+
+struct Layout {
+    std::vector<Owned<VkDescriptorSetLayout>> sets;
+    Owned<VkPipelineLayout> layout;
+};
+
+Layout make_layout(const Device& device, const PlanPass& pass) {
+    std::map<uint32_t, std::vector<VkDescriptorSetLayoutBinding>> bindings{{0, {}}, {1, {}}};
+    for (const PlanBinding& b : pass.bindings)
+        bindings[b.set].push_back({b.binding, b.type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    Layout result;
+    std::vector<VkDescriptorSetLayout> sets;
+    for (const auto& [number, list] : bindings) {
+        VkDescriptorSetLayoutCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+        create.bindingCount = static_cast<uint32_t>(list.size());
+        create.pBindings = list.data();
+        VkDescriptorSetLayout set = VK_NULL_HANDLE;
+        check(vkCreateDescriptorSetLayout(device.get(), &create, nullptr, &set),
+              "vkCreateDescriptorSetLayout", pass.node);
+        result.sets.emplace_back(device.get(), set);
+        sets.push_back(set);
+    }
+    const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, static_cast<uint32_t>(pass.push.size())};
+    VkPipelineLayoutCreateInfo create{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+    create.setLayoutCount = static_cast<uint32_t>(sets.size());
+    create.pSetLayouts = sets.data();
+    create.pushConstantRangeCount = pass.push.empty() ? 0 : 1;
+    create.pPushConstantRanges = &push;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    check(vkCreatePipelineLayout(device.get(), &create, nullptr, &layout), "vkCreatePipelineLayout",
+          pass.node);
+    result.layout = {device.get(), layout};
+    return result;
+}
+
+Owned<VkPipeline> make_pipeline(const Device& device, const PlanPass& pass,
+                                const std::vector<uint32_t>& spirv, VkPipelineLayout layout) {
+    VkShaderModuleCreateInfo module_create{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+    module_create.codeSize = spirv.size() * sizeof(uint32_t);
+    module_create.pCode = spirv.data();
+    VkShaderModule module = VK_NULL_HANDLE;
+    check(vkCreateShaderModule(device.get(), &module_create, nullptr, &module), "vkCreateShaderModule",
+          pass.node);
+    const Owned<VkShaderModule> owner(device.get(), module);
+    std::vector<VkSpecializationMapEntry> entries;
+    for (uint32_t id = 0; id < pass.constants.size(); ++id) entries.push_back({id, id * 4, 4});
+    const VkSpecializationInfo constants{static_cast<uint32_t>(entries.size()), entries.data(),
+                                         pass.constants.size() * 4, pass.constants.data()};
+    VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+    create.flags = VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR;
+    create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
+    create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+    create.stage.module = module;
+    create.stage.pName = "main";
+    create.stage.pSpecializationInfo = &constants;
+    create.layout = layout;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    check(vkCreateComputePipelines(device.get(), VK_NULL_HANDLE, 1, &create, nullptr, &pipeline),
+          "vkCreateComputePipelines", pass.node);
+    return {device.get(), pipeline};
+}
+
+Statistic statistic(const VkPipelineExecutableStatisticKHR& s) {
+    Statistic result{s.name, s.description, false};
+    switch (s.format) {
+        case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_BOOL32_KHR:
+            result.value = s.value.b32 == VK_TRUE;
+            break;
+        case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_INT64_KHR:
+            result.value = s.value.i64;
+            break;
+        case VK_PIPELINE_EXECUTABLE_STATISTIC_FORMAT_UINT64_KHR:
+            result.value = s.value.u64;
+            break;
+        default:
+            result.value = s.value.f64;
+            break;
+    }
+    return result;
+}
+
+std::vector<ExecutableStatics> executables_of(const Device& device, VkPipeline pipeline,
+                                              const std::string& node) {
+    const auto properties = device_function<PFN_vkGetPipelineExecutablePropertiesKHR>(
+        device, "vkGetPipelineExecutablePropertiesKHR");
+    const auto statistics = device_function<PFN_vkGetPipelineExecutableStatisticsKHR>(
+        device, "vkGetPipelineExecutableStatisticsKHR");
+    const VkPipelineInfoKHR of_pipeline{VK_STRUCTURE_TYPE_PIPELINE_INFO_KHR, nullptr, pipeline};
+    std::vector<ExecutableStatics> result;
+    for (const VkPipelineExecutablePropertiesKHR& found : all_of(
+             [&](uint32_t* n, VkPipelineExecutablePropertiesKHR* to) {
+                 return properties(device.get(), &of_pipeline, n, to);
+             },
+             VkPipelineExecutablePropertiesKHR{VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_PROPERTIES_KHR},
+             "vkGetPipelineExecutablePropertiesKHR", node)) {
+        const VkPipelineExecutableInfoKHR which{VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR, nullptr,
+                                                pipeline, static_cast<uint32_t>(result.size())};
+        ExecutableStatics& e = result.emplace_back(found.name, found.subgroupSize);
+        for (const VkPipelineExecutableStatisticKHR& s : all_of(
+                 [&](uint32_t* n, VkPipelineExecutableStatisticKHR* to) {
+                     return statistics(device.get(), &which, n, to);
+                 },
+                 VkPipelineExecutableStatisticKHR{VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR},
+                 "vkGetPipelineExecutableStatisticsKHR", node))
+            e.statistics.push_back(statistic(s));
+    }
+    return result;
+}
+
+}  // namespace
+
+std::vector<PassStatics> pass_statics(const Device& device, const Plan& plan) {
+    std::vector<PassStatics> result;
+    for (const PlanPass& pass : plan.passes) {
+        if (!pass.module) continue;
+        const Layout layout = make_layout(device, pass);
+        const Owned<VkPipeline> pipeline =
+            make_pipeline(device, pass, plan.modules[*pass.module], layout.layout.get());
+        result.push_back({pass.node,
+                          pass.type,
+                          {pass.constants[0], pass.constants[1], pass.constants[2]},
+                          executables_of(device, pipeline.get(), pass.node)});
+    }
+    return result;
+}
+
+}  // namespace penumbra
