@@ -24,7 +24,7 @@ namespace penumbra {
 struct SessionOptions {
     std::array<uint32_t, 2> size{1280, 720};
     std::optional<std::array<uint32_t, 2>> largest;  // what the plan is made for, where frames are smaller
-    uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
+    uint32_t cascade_size = 1024;                    // texels along a side of the sun's shadow maps
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
     bool alias = true;
