@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// penumbra bench as a shell sees it: figures that hold together, one row per pass, mistakes found before anything
-// runs.
+// penumbra bench as a shell sees it: figures that hold together, one row per pass, mistakes found before
+// anything runs.
 #include <nlohmann/json.hpp>
 
 #include "tests/cli_run.h"
@@ -40,8 +40,8 @@ TEST_F(Cli, BenchFiguresHoldTogether) {
             if (!pass.at("ms").at("least").is_null()) {
                 const double ms = pass["ms"]["least"];
                 if (ms > 0)
-                    EXPECT_NEAR(pass.at("gb_per_s").get<double>() * ms * 1e6, pass["bound_bytes"].get<double>(),
-                                1e-6 * pass["bound_bytes"].get<double>());
+                    EXPECT_NEAR(pass.at("gb_per_s").get<double>() * ms * 1e6,
+                                pass["bound_bytes"].get<double>(), 1e-6 * pass["bound_bytes"].get<double>());
             }
             if (!cpu) continue;
             expect_rounds(pass.at("cpu_ms"));
@@ -63,15 +63,16 @@ TEST_F(Cli, BenchFiguresHoldTogether) {
         EXPECT_TRUE(pipeline.at("frame_0_ms").is_number());
         const Json& memory = pipeline.at("memory");
         EXPECT_GE(memory.at("heap_bytes"), memory.at("live_bound_bytes"));
-        EXPECT_NEAR(memory.at("bytes_per_pixel").get<double>() * 96 * 54, memory["heap_bytes"].get<double>(), 1);
+        EXPECT_NEAR(memory.at("bytes_per_pixel").get<double>() * 96 * 54, memory["heap_bytes"].get<double>(),
+                    1);
     }
 }
 
 TEST_F(Cli, BenchTableHasARowPerPass) {
     const Result result = run(bench("--still"));
     ASSERT_EQ(result.code, 0) << result.err;
-    for (const char* row : {"**raw**, 96x54, frames 1 to 3 standing still", "**one_ray**", "| guides |", "| gather |",
-                            "| taa |", "| sum |", "| wall ms |", "| heap, bytes per pixel |"})
+    for (const char* row : {"**raw**, 96x54, frames 1 to 3 standing still", "**one_ray**", "| guides |",
+                            "| gather |", "| taa |", "| sum |", "| wall ms |", "| heap, bytes per pixel |"})
         EXPECT_NE(result.out.find(row), std::string::npos) << row << "\n" << result.out;
 }
 
