@@ -111,7 +111,8 @@ void compare_cell(uint at, ivec2 cell) {
                 sums.c += variance * (1.0 + 0.5 * (shared_by - 1.0));
             }
         }
-        imageStore(gathered, p, uvec4(pack_gathered(g, worth, thresholds_at(p)), 0u, 0u));
+        // Whoever does not hand on what a frame is worth has drift take every one for one.
+        imageStore(gathered, p, uvec4(pack_gathered(g, HAS_FRAME_WORTH != 0 ? worth : 1.0, thresholds_at(p)), 0u, 0u));
     }
     const float by_pasts = 1.0 / float(max(pasts, 1));
     if (pasts > 0 && radii * by_pasts < NARROW_PX) {
