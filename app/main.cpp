@@ -219,8 +219,7 @@ int main(int argc, char** argv) {
     }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain,
-                        statics);
+        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics);
     } catch (const std::exception&
                  e) {  // DeviceError and VulkanError among them: their texts are meant for people
         std::cerr << "penumbra: " << e.what() << "\n";

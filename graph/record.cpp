@@ -98,7 +98,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
             lent_[i] = {.image = bound_[*lent].handover->image, .view = bound_[*lent].image};
     write_slot_bindings(slot);
 
-    frame_block_ = make_frame_block(frame);
+    frame_block_ = make_frame_block(frame, program_.device()->properties().limits.subPixelPrecisionBits);
     decide_reset(frame.flags);
     if (reset_.reason != Reset::Reason::none) frame_block_.flags |= frame_reset;
     std::memcpy(slot.frame_block.data(), &frame_block_, sizeof frame_block_);

@@ -2,11 +2,10 @@
 // Shadow rays against an acceleration structure of the driver (VK_KHR_ray_query): the counterpart of common/bvh.glsl on
 // the same triangles in the same frame. Which triangle is at an edge is the driver's to decide; nothing else differs.
 //
-// Includer declares: uniform accelerationStructureEXT scene_tlas; what common/scene_alpha.glsl needs, and
-// const bool HAS_SCENE_ALPHA_UV.
+// Includer declares: uniform accelerationStructureEXT scene_tlas; what common/scene_alpha.glsl needs.
 #include "common/scene_alpha.glsl"
 // Runs of alpha-tested triangles are instances that are not opaque and carry the number of their first record.
-const uint ray_query_flags = gl_RayFlagsTerminateOnFirstHitEXT | (HAS_SCENE_ALPHA_UV ? 0u : gl_RayFlagsOpaqueEXT);
+const uint ray_query_flags = gl_RayFlagsTerminateOnFirstHitEXT | (HAS_SCENE_ALPHA ? 0u : gl_RayFlagsOpaqueEXT);
 
 // Whether anything lies on the ray between t_min and t_max; both sides of a triangle block. `direction` is finite and of
 // any length but zero, the unit of t; 0 <= t_min. `t_hit` becomes where some such thing lies; without one it stays.
@@ -15,7 +14,7 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
     rayQueryEXT query;
     rayQueryInitializeEXT(query, scene_tlas, ray_query_flags, 0xFFu, origin, t_min, direction, t_max);
     while (rayQueryProceedEXT(query)) {
-        if (!HAS_SCENE_ALPHA_UV) continue;
+        if (!HAS_SCENE_ALPHA) continue;
         const uint record = uint(rayQueryGetIntersectionInstanceCustomIndexEXT(query, false) +
                                  rayQueryGetIntersectionPrimitiveIndexEXT(query, false));
         const vec2 b = rayQueryGetIntersectionBarycentricsEXT(query, false);
