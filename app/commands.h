@@ -11,13 +11,22 @@
 
 namespace penumbra {
 
-// How long reports look for the smallest possible heap: found at once where the packing meets the live bound.
-inline constexpr uint64_t report_search_nodes = 20'000'000;
+// How long `plan` and `report` look for the smallest possible heap: found at once where the packing meets the
+// live bound. Who renders does not wait for it.
+inline constexpr uint64_t report_search_nodes = 20'000'000, render_search_nodes = 100'000;
 
 enum ExitCode : int { exit_good = 0, exit_failed = 1, exit_wrong = 2 };
 
+// What to look at: a shot, or a model that one is made up for.
+struct ViewArguments {
+    std::string shot, model;
+    bool ground = false;  // below the model
+};
+
 struct RenderArguments {
-    std::string pipeline, shot, out;
+    std::vector<std::string> files;  // a pipeline, a model, or both
+    std::string out;                 // empty: out/<the shot's name>
+    ViewArguments view;
     std::string frames;  // "A..B", inclusive; empty: all of the shot's
     bool cold = false;   // start at A with a reset instead of executing from frame 0
     std::string size;    // "WxH"; empty: the shot's
@@ -56,15 +65,24 @@ struct NodesArguments {
 };
 
 struct ReferenceArguments {
-    std::string shot, out, frames, size, device;
-    uint32_t rays = 1024;  // per pixel
+    ViewArguments view;
+    std::string like;  // a folder that `render` has written: its shot, size, frames and jitter
+    std::string out, frames, size, device;
+    std::string signal = "visibility";  // or specular, diffuse
+    uint32_t rays = 1024;               // per pixel
+};
+
+struct ShotArguments {
+    ViewArguments view;
+    std::string out;  // a file; empty: MODEL.shot.json
 };
 
 struct CompareArguments {
     std::string image, reference;   // folders
     std::vector<std::string> also;  // folders of the same images under other seeds
     std::string frames, mask;
-    uint32_t border = 0;  // pixels along the image's border that are left out
+    std::string signal = "visibility";  // or specular, diffuse
+    uint32_t border = 0;                // pixels along the image's border that are left out
     bool json = false;
     std::string whole_rays;  // folder of the same image, its rays traced without intervals
 };
@@ -91,9 +109,23 @@ struct GatesArguments {
     std::string device;
 };
 
+// What pipelines cost.
+struct BenchArguments {
+    std::vector<std::string> pipelines;  // files, or names of shipped ones
+    std::vector<std::string> shots{"colonnade", "engine", "lamp"}, sizes{"640x360"};
+    std::string frames = "8..15";  // timed, of those from 0 on
+    uint32_t rounds = 5;
+    bool still = false;
+    std::string format = "table";
+    std::vector<std::string> settings, node_folders;
+    std::string device;
+    std::string command_line;  // as it was given, for the JSON
+};
+
 // A figure of one pixel of a shot, or of what rendered frames cost.
 struct ExplainArguments {
-    std::string shot, out;
+    ViewArguments view;
+    std::string out;
     std::string pixel;  // "X,Y" from the image's upper left corner; empty: the one with the most triangles
     std::string size;   // "WxH"; empty: the shot's
     uint32_t frame = 0;
@@ -112,7 +144,9 @@ int run_devices();
 int run_reference(const ReferenceArguments& arguments);
 int run_compare(const CompareArguments& arguments);
 int run_report(const ReportArguments& arguments);
+int run_shot(const ShotArguments& arguments);
 int run_gates(const GatesArguments& arguments);
+int run_bench(const BenchArguments& arguments);
 int run_explain(const ExplainArguments& arguments);
 
 // "1280x720"; nothing where it is not two positive numbers.

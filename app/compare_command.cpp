@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/comparison.h"
+#include "app/radiance_compare.h"
 
 namespace penumbra {
 namespace {
@@ -104,6 +105,7 @@ void print_text(const CompareArguments& arguments, const Comparison& c) {
 }  // namespace
 
 int run_compare(const CompareArguments& arguments) {
+    if (arguments.signal != "visibility") return compare_radiance(arguments);
     Diagnostics diagnostics;
     const auto comparison = compare_folders(arguments, diagnostics);
     if (!comparison) {

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The penumbra program: a host of the graph like any other. The command line is declared here, one file per
 // command.
-#include <CLI/CLI.hpp>
-#include <iostream>
+#include <fcntl.h>
 
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <iostream>
+#include <new>
+
+#include "app/colored_errors.h"
+#include "app/command_help.h"
 #include "app/commands.h"
 
 namespace {
@@ -17,11 +23,24 @@ void add_node_folders(CLI::App* command, std::vector<std::string>& folders) {
         ->allow_extra_args(false);  // `check --nodes DIR a.json b.json`: one folder per --nodes
 }
 
+// What to look at; the first is for commands whose help says more.
+CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
+    CLI::Option* shot = command->add_option("--shot", a.shot, "shot: a file, or the name of a shipped one");
+    command->add_option("--model", a.model,
+                        "glTF 2.0 file (.glb, .gltf) instead, seen as `penumbra shot` says");
+    command->add_flag("--ground", a.ground, "put a ground below the model");
+    return shot;
+}
+
 void add_render(CLI::App& app, RenderArguments& a) {
-    CLI::App* c = app.add_subcommand("render", "run a pipeline on a shot and write what it puts out");
-    c->add_option("pipeline", a.pipeline, "pipeline file")->required();
-    c->add_option("--shot", a.shot, "shot file")->required();
-    c->add_option("--out", a.out, "folder to write to")->required();
+    CLI::App* c =
+        app.add_subcommand("render", "run a pipeline on a shot or a model and write what it puts out");
+    c->add_option(
+         "files", a.files,
+         "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
+        ->expected(0, 2);
+    add_view(c, a.view);
+    c->add_option("--out", a.out, "folder to write to (default: out/NAME of the shot or model)");
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_flag("--cold", a.cold, "start at A with a reset instead of executing from frame 0");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
@@ -43,7 +62,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
 
 void add_plan(CLI::App& app, PlanArguments& a) {
     CLI::App* c = app.add_subcommand("plan", "compile a pipeline and print the plan; no device is needed");
-    c->add_option("pipeline", a.pipeline, "pipeline file")->required();
+    c->add_option("pipeline", a.pipeline, "pipeline: a file, or the name of a shipped one")->required();
     c->add_option("--size", a.size, "WxH")->required();
     c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
     c->add_option("--format", a.format, "text, json or dot")->check(CLI::IsMember({"text", "json", "dot"}));
@@ -71,11 +90,17 @@ void add_statics(CLI::App& app, StaticsArguments& a) {
 void add_reference(CLI::App& app, ReferenceArguments& a) {
     CLI::App* c =
         app.add_subcommand("reference", "write the true visibility of a shot, each frame frozen in time");
-    c->add_option("--shot", a.shot, "shot file")->required();
+    add_view(c, a.view);
+    c->add_option(
+        "--like", a.like,
+        "a folder written by render: of its shot, size and frames, at the very points that it shows");
     c->add_option("--out", a.out, "folder to write to")->required();
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
-    c->add_option("--rays", a.rays, "per pixel of a penumbra; analytic scenes need none")
+    c->add_option("--signal", a.signal,
+                  "visibility, or specular or diffuse: radiance that arrives under a surface's lobe")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
+    c->add_option("--rays", a.rays, "per pixel (visibility: of a penumbra; analytic scenes need none)")
         ->check(CLI::Range(16u, 1u << 24));
     c->add_option("--device", a.device, "part of a device's name");
 }
@@ -87,6 +112,8 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     c->add_option("--also", a.also, "the same images under another seed; may be repeated")
         ->allow_extra_args(false);
     c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
+    c->add_option("--signal", a.signal, "what to compare: visibility, specular or diffuse radiance")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
     c->add_option("--mask", a.mask, "EXR; only pixels where its first channel is above 0 are measured");
     c->add_option("--border", a.border, "leave out this many pixels along the image's border");
     c->add_flag("--json", a.json, "print JSON");
@@ -137,12 +164,20 @@ void add_gates(CLI::App& app, GatesArguments& a) {
     c->add_option("--device", a.device, "part of a device's name");
 }
 
+void add_shot(CLI::App& app, ShotArguments& a) {
+    CLI::App* c =
+        app.add_subcommand("shot", "write the shot that `render MODEL` makes up, as a start for your own");
+    c->add_option("model", a.view.model, "glTF 2.0 file (.glb, .gltf)")->required();
+    c->add_option("--out", a.out, "file to write (default: NAME.shot.json here)");
+    c->add_flag("--ground", a.view.ground, "put a ground below the model");
+}
+
 void add_explain(CLI::App& app, ExplainArguments& a) {
     CLI::App* c = app.add_subcommand(
         "explain", "draw what one pixel sees of the sun, or where the time of rendered frames went");
     c->add_option("--out", a.out, "SVG file to write")->required();
-    CLI::Option* shot = c->add_option("--shot", a.shot, "shot file");
-    const auto of_shot = [&](CLI::Option* option) { option->needs(shot); };
+    CLI::Option* shot = add_view(c, a.view);
+    const auto of_shot = [&](CLI::Option*) {};
     of_shot(c->add_option(
         "--pixel", a.pixel,
         "X,Y from the upper left corner (default: where most triangles hide a part of the sun)"));
@@ -156,11 +191,33 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
         ->excludes(shot);
 }
 
+void add_bench(CLI::App& app, BenchArguments& a) {
+    CLI::App* c =
+        app.add_subcommand("bench", "measure what pipelines cost: every pass, the frame, start-up, memory");
+    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines, which take turns")
+        ->required();
+    c->add_option("--shots", a.shots, "files or names of shipped shots (default: colonnade, engine, lamp)")
+        ->delimiter(',')
+        ->allow_extra_args(false);
+    c->add_option("--sizes", a.sizes, "WxH,... (default: 640x360)")->delimiter(',')->allow_extra_args(false);
+    c->add_option("--frames", a.frames, "A..B: which are timed, of those from 0 on (default: 8..15)");
+    c->add_option("--rounds", a.rounds, "times that everything is run (default: 5)")
+        ->check(CLI::Range(1u, 1024u));
+    c->add_flag("--still", a.still, "shots cut to their first keys: nothing moves but the jitter");
+    c->add_option("--format", a.format, "table (Markdown) or json")->check(CLI::IsMember({"table", "json"}));
+    c->add_option("--set", a.settings, "PATH=VALUE: change the pipelines");
+    add_node_folders(c, a.node_folders);
+    c->add_option("--device", a.device, "part of a device's name");
+}
+
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
              const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates,
-             const ExplainArguments& explain, const StaticsArguments& statics) {
+             const ExplainArguments& explain, const StaticsArguments& statics, const BenchArguments& bench,
+             const ShotArguments& shot) {
+    if (app.got_subcommand("shot")) return run_shot(shot);
     if (app.got_subcommand("statics")) return run_statics(statics);
+    if (app.got_subcommand("bench")) return run_bench(bench);
     if (app.got_subcommand("explain")) return run_explain(explain);
     if (app.got_subcommand("gates")) return run_gates(gates);
     if (app.got_subcommand("report")) return run_report(report);
@@ -173,9 +230,17 @@ int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArgum
     return run_devices();
 }
 
-}  // namespace
+// The first option whose value is the empty text, which names nothing; of a device it means the first.
+std::string empty_option(const CLI::App& app) {
+    for (const CLI::App* command : app.get_subcommands())
+        for (const CLI::Option* option : command->get_options())
+            if (option->get_name() != "--device")
+                for (const std::string& text : option->results())
+                    if (text.empty()) return option->get_name();
+    return "";
+}
 
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     CLI::App app("penumbra: a render graph for hybrid ray-traced shadows");
     app.require_subcommand(1);
     app.set_version_flag("--version", PENUMBRA_VERSION);
@@ -188,6 +253,7 @@ int main(int argc, char** argv) {
     ReportArguments report;
     GatesArguments gates;
     ExplainArguments explain;
+    ShotArguments shot;
     StaticsArguments statics;
     add_render(app, render);
     add_plan(app, plan);
@@ -196,7 +262,10 @@ int main(int argc, char** argv) {
     add_report(app, report);
     add_gates(app, gates);
     add_explain(app, explain);
+    add_shot(app, shot);
     add_statics(app, statics);
+    BenchArguments bench;
+    add_bench(app, bench);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
     checking->add_option("pipelines", check.pipelines)->required();
     add_node_folders(checking, check.node_folders);
@@ -209,6 +278,13 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember({"text", "json", "md", "schema", "node-schema", "plan-schema", "vocabulary"}));
     add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
+    std::string shell;
+    CLI::App* completion =
+        app.add_subcommand("completion", "print a script that completes commands and options");
+    completion->add_option("shell", shell, "bash, zsh or fish")
+        ->required()
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    add_examples(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& e) {
@@ -217,12 +293,43 @@ int main(int argc, char** argv) {
         app.exit(e);
         return exit_wrong;
     }
+    if (const std::string option = empty_option(app); !option.empty()) {
+        std::cerr << option << ": the text is empty\n";
+        return exit_wrong;
+    }
+    if (completion->parsed()) {
+        std::cout << completion_script(app, shell);
+        return exit_good;
+    }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
+    bench.command_line = report.command_line;
+    return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
+                    bench, shot);
+}
+
+// A standard stream that is closed gives its number to the next file that is opened, which would then be
+// written into. What stands in for it can be opened and not written, so that output is not lost without a
+// word.
+void occupy_standard_streams() {
+    for (int stream = 0; stream < 3; ++stream)
+        if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDONLY);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const ColoredErrors colors;
+    int code = exit_failed;
     try {
-        return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics);
-    } catch (const std::exception&
-                 e) {  // DeviceError and VulkanError among them: their texts are meant for people
+        occupy_standard_streams();
+        code = run(argc, argv);
+    } catch (const std::bad_alloc&) {
+        std::cerr << "penumbra: there is not enough memory\n";
+    } catch (const std::exception& e) {  // DeviceError and VulkanError among them: their texts are for people
         std::cerr << "penumbra: " << e.what() << "\n";
     }
-    return exit_failed;
+    std::cout.flush();
+    if (std::fflush(stdout) == 0 && std::cout && !std::ferror(stdout)) return code;
+    std::fputs("penumbra: standard output cannot be written\n", stderr);
+    return code == exit_good ? exit_failed : code;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // penumbra plan: what a pipeline becomes, without a device or for one.
+#include <charconv>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "app/commands.h"
 #include "app/fact_list.h"
@@ -14,15 +14,16 @@
 namespace penumbra {
 
 std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text) {
-    std::istringstream stream(text);
-    uint32_t width = 0, height = 0;
-    char x = 0;
-    if (!(stream >> width >> x >> height) || x != 'x' || width == 0 || height == 0 || stream.peek() != EOF ||
-        text.find('-') != std::string::npos) {
-        std::cerr << "--size: \"" << text << "\" is not WIDTHxHEIGHT, as 1280x720\n";
-        return std::nullopt;
-    }
-    return std::array{width, height};
+    std::array<uint32_t, 2> size{};
+    const char *at = text.data(), *end = at + text.size();
+    const auto number = [&](uint32_t& value) {
+        const auto [after, error] = std::from_chars(at, end, value);
+        at = after;
+        return error == std::errc() && value > 0;
+    };
+    if (number(size[0]) && at != end && *at++ == 'x' && number(size[1]) && at == end) return size;
+    std::cerr << "--size: \"" << text << "\" is not WIDTHxHEIGHT, as 1280x720\n";
+    return std::nullopt;
 }
 
 int run_plan(const PlanArguments& arguments) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <ctime>
 
@@ -21,27 +22,18 @@ double process_cpu_ms() {
     return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
 }
 
+double wall_ms() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
-const std::vector<std::string> known_slots = {"depth",
-                                              "normal",
-                                              "motion",
-                                              "albedo",
-                                              "sun",
-                                              "sun_prev",
-                                              "cascades",
-                                              "cascade_maps",
-                                              "cascade_bounds",
-                                              "neighbours",
-                                              "scene",
-                                              "scene.nodes",
-                                              "scene.leaves",
-                                              "scene.tlas",
-                                              "scene.alpha_uv",
-                                              "scene.alpha_map",
-                                              "scene.nodes_words",
-                                              "scene.leaves_words",
-                                              "scene.alpha_uv_words",
-                                              "scene.alpha_map_words"};
+const std::vector<std::string> known_slots = {
+    "depth",        "normal",       "motion",         "albedo",          "sun",      "sun_prev",
+    "cascades",     "cascade_maps", "cascade_bounds", "neighbours",      "scene",    "scene.nodes",
+    "scene.leaves", "scene.tlas",   "scene.alpha_uv", "scene.alpha_map", "material", "emissive",
+    "environment",  "surfaces",     "surface_texels",
+    "scene.nodes_words", "scene.leaves_words", "scene.alpha_uv_words", "scene.alpha_map_words"};
 
 bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
@@ -83,6 +75,9 @@ Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& dev
                      {"normal", {Format::rgba32f, target.extent}},
                      {"motion", {Format::rgba16f, target.extent}},
                      {"albedo", {Format::rgba8, target.extent}},
+                     {"material", {Format::rg8, target.extent}},
+                     {"emissive", {Format::rgba16f, target.extent}},
+                     {"environment", {Format::rgba32f, {4, 1024}}},
                      {"cascade_maps", {Format::d32, cascade_extent, cascades}},
                      {"cascade_bounds", {Format::rgba32f, cascade_extent, cascades}}};
     std::erase_if(target.inputs, [&](const auto& input) {
@@ -112,6 +107,16 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         return nullptr;
     }
 
+    const uint64_t gbuffer = uint64_t{options.size[0]} * options.size[1] * gbuffer_bytes_per_pixel();
+    const auto too_much = [&](uint64_t bytes, const char* of_what) {
+        diagnostics.add({}, "size",
+                        fmt::format("{}x{} takes {} MiB for {}, {} more than the device's {}",
+                                    options.size[0], options.size[1], bytes >> 20, of_what,
+                                    (bytes - table.memory_bytes) >> 20, table.memory_bytes >> 20));
+        return nullptr;
+    };
+    if (gbuffer > table.memory_bytes) return too_much(gbuffer, "the G-buffer alone");
+
     // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in
     // between.
     StandaloneOptions host_options{options.size, 1, false, options.cascade_size};
@@ -119,15 +124,39 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
     compile_options.captures = options.captures;
-    if (options.optimum) compile_options.optimum_search_nodes = report_search_nodes;
+    if (options.optimum) compile_options.optimum_search_nodes = render_search_nodes;
     host_options.jitter = options.jitter;
-    session->host_ =
-        std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+    host_options.materials = std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
+        return input.name == "material" || input.name == "emissive";
+    });
+    const bool looks_beyond =
+        std::ranges::find(pipeline.inputs, "environment", &HostInput::name) != pipeline.inputs.end();
+    std::optional<EnvironmentMap> environment;
+    if (looks_beyond) {
+        environment = make_environment(shot, diagnostics);
+        if (!environment) return nullptr;
+    }
+    try {
+        session->host_ =
+            std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+    } catch (const VulkanError& error) {  // what a call says of itself does not say that the frame is large
+        throw VulkanError(error.result(),
+                          fmt::format("at {}x{}: {}", options.size[0], options.size[1], error.what()));
+    }
     Facts facts = options.facts;
     facts.merge(session->host_->facts());  // keeps what is there
-    const Target target =
-        standalone_target(pipeline, table, options.size, facts, {options.cascade_size, options.cascade_size},
-                          session->host_->cascade_layers());
+    Target target =
+        standalone_target(pipeline, table, options.largest.value_or(options.size), facts,
+                          {options.cascade_size, options.cascade_size}, session->host_->cascade_layers());
+    if (environment) {
+        target.inputs["environment"] = {Format::rgba32f, {environment->width, environment->height}};
+        if (std::max(environment->width, environment->height) > table.max_image_extent) {
+            diagnostics.add({}, "environment",
+                            fmt::format("{}x{} exceeds the device's largest image, {} per axis",
+                                        environment->width, environment->height, table.max_image_extent));
+            return nullptr;
+        }
+    }
     std::optional<CheckedPipeline> validating;
     if (options.validate) {
         validating = with_validation(pipeline, nodes, diagnostics);
@@ -136,10 +165,14 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;
-    session->host_->set_jitter(options.jitter && plan->jitter);
+    if (const uint64_t all = gbuffer + plan->memory.heap_bytes; all > table.memory_bytes)
+        return too_much(all, "the G-buffer and the pipeline");
+    session->host_->set_jitter(options.jitter && (plan->jitter || options.always_jitter));
 
+    const double before = wall_ms();
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));
     session->view_ = std::make_unique<View>(program, ViewOptions{1, options.poison});
+    session->program_ms_ = wall_ms() - before;
     session->set_param("seed", session->seed_);
     const auto needs = [&](std::string_view slot) { return reads(session->plan(), slot); };
     const bool words = table.max_texel_elements < large_texel_buffer;  // as compile() decided
@@ -149,6 +182,11 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
             std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"), as);
     if (needs("scene.tlas"))
         session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0, as);
+    if (needs("surfaces") || needs("surface_texels")) {
+        session->surfaces_ = std::make_unique<HitSurfaces>(device, session->host_->scene());
+        session->update_surfaces(0, 0);
+    }
+    if (needs("environment")) session->environment_ = upload_environment(device, *environment);
     if (needs("cascade_maps") || needs("cascade_bounds"))
         session->cascade_maps_ =
             std::make_unique<CascadeMaps>(device, session->host_->scene(), options.cascade_size,
@@ -180,6 +218,11 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "normal") b.image = images.normal.view.get();
         if (slot.name == "motion") b.image = images.motion.view.get();
         if (slot.name == "albedo") b.image = images.albedo.view.get();
+        if (slot.name == "material") b.image = images.material.view.get();
+        if (slot.name == "emissive") b.image = images.emissive.view.get();
+        if (slot.name == "environment") b.image = environment_.view.get();
+        if (slot.name == "surfaces") b.texels = surfaces_->surfaces();
+        if (slot.name == "surface_texels") b.texels = surfaces_->texels();
         if (slot.name == "sun") b.buffer = sun_.get();
         if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
         if (slot.name == "scene") b.buffer = scene_.get();
@@ -215,6 +258,12 @@ FrameCost Session::repeat_frame() {
     return run_passes([](VkCommandBuffer) {}, {});
 }
 
+void Session::update_surfaces(uint32_t index, uint32_t previous) {
+    surfaces_->update(index, previous, bvh_ ? &bvh_->bvh() : nullptr,
+                      tlas_ ? tlas_->first_triangles() : std::vector<uint32_t>{});
+    surfaces_frames_ = {index, previous};
+}
+
 void Session::draw_cascades(uint32_t index, FrameCost& cost) {
     const double before = process_cpu_ms();
     device_.run([&](VkCommandBuffer cmd) {
@@ -236,6 +285,13 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
         if (cascade_maps_) cascade_maps_->update(index);
     }
     traced_frame_ = index;
+    if (surfaces_) {
+        const uint32_t previous = frame.description.flags & frame_reset ? index : index - 1;
+        const auto moved = [&](uint32_t a, uint32_t b) { return host_->scene().moved(a, b); };
+        if (moved(surfaces_frames_[0], index) || moved(surfaces_frames_[0], surfaces_frames_[1]) ||
+            moved(previous, index))
+            update_surfaces(index, previous);
+    }
     write_blocks(frame);
     last_ = frame.description;
     FrameCost cost;
@@ -262,7 +318,14 @@ FrameCost Session::run_passes(const std::function<void(VkCommandBuffer)>& record
         device_.run([&](VkCommandBuffer cmd) { view_->end(cmd); });
     } else {
         const double before = process_cpu_ms();
-        device_.run([&](VkCommandBuffer cmd) { view_->record(cmd, last_, slots); });
+        double wall = 0;
+        device_.run([&](VkCommandBuffer cmd) {
+            const double start = process_cpu_ms();
+            view_->record(cmd, last_, slots);
+            cost.record_cpu_ms = process_cpu_ms() - start;
+            wall = wall_ms();
+        });
+        cost.wall_ms = wall_ms() - wall;
         cost.cpu_ms = process_cpu_ms() - before;
     }
     cost.passes = view_->statistics();

@@ -12,6 +12,8 @@
 #include "host/cascades/cascade_maps.h"
 #include "host/device/device.h"
 #include "host/device/gpu.h"
+#include "host/materials/environment.h"
+#include "host/materials/hit_surfaces.h"
 #include "host/scene/scene_bvh.h"
 #include "host/scene/scene_tlas.h"
 #include "host/standalone.h"
@@ -21,12 +23,14 @@ namespace penumbra {
 
 struct SessionOptions {
     std::array<uint32_t, 2> size{1280, 720};
+    std::optional<std::array<uint32_t, 2>> largest;  // what the plan is made for, where frames are smaller
     uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
     bool alias = true;
-    bool jitter = true;
-    bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
+    bool jitter = true;          // where a node of the plan needs it
+    bool always_jitter = false;  // whether one does or not
+    bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;             // instead of what the scene says
     bool optimum = true;     // search for the smallest possible heap, for the report
@@ -40,6 +44,8 @@ struct FrameCost {
     std::vector<std::optional<double>> pass_cpu_ms;
     double cpu_ms = 0;  // of the graph's passes, without captures (with those that validate)
     std::optional<double> ms;
+    // Of a frame that is one submission: recording its passes, and from its submission to its completion.
+    std::optional<double> record_cpu_ms, wall_ms;
     // Of drawing the sun's shadow maps, where the pipeline reads any; 0 where nothing had moved.
     std::optional<double> cascades_cpu_ms;
     uint32_t cascades_drawn = 0;  // how many of them
@@ -57,6 +63,8 @@ class Session {
 
     // The last frame's passes once more, on the same inputs and the history that they have just left.
     FrameCost repeat_frame();
+    // From the next frame on, on a CPU device: whether every pass is a submission of its own.
+    void set_pass_costs(bool wanted) { pass_costs_ = wanted; }
     // A dynamic parameter of every node that has one of this name, from the next frame on.
     void set_param(std::string_view name, const ParamValue& value);
 
@@ -64,7 +72,8 @@ class Session {
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
     uint32_t seed() const { return seed_; }
-    const SceneBvh* bvh() const { return bvh_.get(); }                       // null: nobody traces with it
+    double program_ms() const { return program_ms_; }   // of making the device's objects of the plan
+    const SceneBvh* bvh() const { return bvh_.get(); }  // null: nobody traces with it
     const FrameDescription& frame_description() const { return last_; }      // of the last frame
     const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
 
@@ -72,6 +81,9 @@ class Session {
     explicit Session(Device& device) : device_(device) {}
     std::vector<SlotBinding> bind_slots() const;
     void write_blocks(const StandaloneFrame& frame);
+    // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is
+    // none.
+    void update_surfaces(uint32_t index, uint32_t previous);
     void draw_cascades(uint32_t index, FrameCost& cost);
     // Adds what the passes cost to `cost`.
     FrameCost run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost);
@@ -79,12 +91,17 @@ class Session {
     Device& device_;
     uint32_t seed_ = 0;
     bool pass_costs_ = true;
+    double program_ms_ = 0;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
-    std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it
-    std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
+    std::unique_ptr<SceneBvh> bvh_;          // where a pass traces with it
+    std::unique_ptr<SceneTlas> tlas_;        // where a pass traces with ray queries
+    std::unique_ptr<HitSurfaces> surfaces_;  // where a pass shades what its rays hit
+    GpuImage environment_;                   // where a pass looks beyond the scene
     std::unique_ptr<CascadeMaps> cascade_maps_;
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
+    std::array<uint32_t, 2>
+        surfaces_frames_{};  // what `surfaces_` was made for: the frame and its previous one
     GpuBuffer sun_, sun_prev_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };

@@ -9,6 +9,7 @@
 
 #include "graph/check_dataflow.h"
 #include "graph/json_reader.h"
+#include "graph/suggestions.h"
 #include "penumbra/condition.h"
 
 namespace penumbra {
@@ -33,6 +34,7 @@ class Checker {
         bind_outputs();
         bind_inputs();
         for (const auto& [name, id] : ids_) flow_.by_name.push_back(id);
+        flow_.ids = &ids_;
         for (const uint32_t id : flow_.by_name)
             for (const PortUse& reader : flow_.resources[id].readers) check_name(flow_.resources[id], reader);
         check_settings();
@@ -88,6 +90,7 @@ class Checker {
     void find_type(const PipelineNode& node) {
         const std::string path = "nodes." + node.id;
         std::shared_ptr<const NodeEntry> entry = set_.share(node.type);
+        auto& bound_as = nodes_by_id_[node.id];
         if (!entry) {
             error(node.type_place, path + ".type",
                   fmt::format("no node type \"{}\"{}", node.type, did_you_mean(node.type, set_.names())));
@@ -100,6 +103,7 @@ class Checker {
         check_ports(node, entry->type, node.out, true);
         for (const Port& port : entry->type.ports)
             bound.ports.push_back({.port = &port, .place = node.place});
+        bound_as = result_.nodes.size();
         result_.nodes.push_back(std::move(bound));
         sources_.push_back(&node);
     }
@@ -155,15 +159,18 @@ class Checker {
         }
     }
 
-    KnownParam find_param(const std::string& id, const std::string& name) const {
-        const auto written = std::ranges::find(pipeline_.nodes, id, &PipelineNode::id);
-        if (written == pipeline_.nodes.end()) {
-            std::vector<std::string> ids;
-            for (const PipelineNode& node : pipeline_.nodes) ids.push_back(node.id);
-            return {.problem = fmt::format("no node \"{}\"{}", id, did_you_mean(id, ids))};
+    KnownParam find_param(const std::string& id, const std::string& name) {
+        const auto written = nodes_by_id_.find(id);
+        if (written == nodes_by_id_.end()) {
+            if (!near_ids_) {
+                std::vector<std::string> ids;
+                for (const PipelineNode& node : pipeline_.nodes) ids.push_back(node.id);
+                near_ids_.emplace(std::move(ids));
+            }
+            return {.problem = fmt::format("no node \"{}\"{}", id, near_ids_->nearest(id))};
         }
-        const auto node = std::ranges::find(result_.nodes, id, &BoundNode::id);
-        if (node == result_.nodes.end()) return {};  // of unknown type, which has been said
+        if (!written->second) return {};  // of unknown type, which has been said
+        const BoundNode* node = &result_.nodes[*written->second];
         const NodeType& type = node->type();
         const auto param = std::ranges::find(type.params, name, &Param::name);
         if (param == type.params.end()) {
@@ -295,13 +302,18 @@ class Checker {
                        }));
     }
 
-    std::vector<std::string> existing_names(bool written_only = false) const {
-        std::vector<std::string> names;
-        for (const auto& [name, id] : ids_) {
-            const ResourceUse& use = flow_.resources[id];
-            if (!use.writers.empty() || (use.host && !written_only)) names.push_back(name);
+    // Of the names that exist, which are known once everything is bound.
+    std::string nearest_name(const std::string& wanted, bool written_only = false) {
+        std::optional<Suggestions>& near = written_only ? near_written_ : near_names_;
+        if (!near) {
+            std::vector<std::string> names;
+            for (const auto& [name, id] : ids_) {
+                const ResourceUse& use = flow_.resources[id];
+                if (!use.writers.empty() || (use.host && !written_only)) names.push_back(name);
+            }
+            near.emplace(std::move(names));
         }
-        return names;
+        return near->nearest(wanted);
     }
 
     void check_name(const ResourceUse& use, const PortUse& reader) {
@@ -309,9 +321,8 @@ class Checker {
         if (!use.host && use.writers.empty()) {
             if (unknown_type_) return;  // the node of unknown type may well write it
             const bool own = !wire_of(*sources_[reader.node], port);
-            error(reader,
-                  fmt::format("no resource named \"{}\"{}{}", use.name, own ? " (the port's own name)" : "",
-                              did_you_mean(use.name, existing_names())));
+            error(reader, fmt::format("no resource named \"{}\"{}{}", use.name,
+                                      own ? " (the port's own name)" : "", nearest_name(use.name)));
             return;
         }
         const Dispatch& dispatch = result_.nodes[reader.node].type().dispatch;
@@ -340,8 +351,7 @@ class Checker {
                       "a host input; its format is set in \"inputs\"");
             else if ((!use || use->writers.empty()) && !unknown_type_)
                 error(setting.place, "resources." + setting.name,
-                      fmt::format("no node writes \"{}\"{}", setting.name,
-                                  did_you_mean(setting.name, existing_names(true))));
+                      fmt::format("no node writes \"{}\"{}", setting.name, nearest_name(setting.name, true)));
             else if (use)
                 result_.resources[ids_.at(setting.name)].first = setting.first;
         }
@@ -357,8 +367,7 @@ class Checker {
                       fmt::format("\"{}\" is a host input; an output is written by a node", output.name));
             else if ((!use || use->writers.empty()) && !unknown_type_)
                 error(output.place, path,
-                      fmt::format("no node writes \"{}\"{}", output.name,
-                                  did_you_mean(output.name, existing_names(true))));
+                      fmt::format("no node writes \"{}\"{}", output.name, nearest_name(output.name, true)));
             result_.outputs.push_back(use ? ids_.at(output.name) : no_resource);
         }
     }
@@ -367,9 +376,11 @@ class Checker {
     const NodeSet& set_;
     Diagnostics& diagnostics_;
     CheckedPipeline result_;
-    std::vector<const PipelineNode*> sources_;  // of result_.nodes
+    std::vector<const PipelineNode*> sources_;                  // of result_.nodes
+    std::map<std::string, std::optional<size_t>> nodes_by_id_;  // in result_.nodes; none of unknown type
     std::map<std::string, uint32_t> ids_;
-    Dataflow flow_{result_, pipeline_, {}, {}};
+    std::optional<Suggestions> near_ids_, near_names_, near_written_;
+    Dataflow flow_{result_, pipeline_, {}, {}, nullptr};
     bool unknown_type_ = false;
 };
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 #include <string_view>
@@ -57,6 +58,7 @@ class DataflowChecker {
                     updated && updated->resource != no_resource)
                     updaters_[updated->resource].push_back(&writer);
         for (std::vector<const PortUse*>& list : updaters_) std::ranges::sort(list, {}, &PortUse::node);
+        for (const OutputName& output : dataflow_.source.outputs) outputs_.try_emplace(output.name, &output);
     }
 
     std::vector<Edge> run() {
@@ -71,9 +73,12 @@ class DataflowChecker {
         check_cycles(waits, true, "nodes wait for each other within one frame");
         check_cycles(sizes(), false, "sizes follow each other");
         std::vector<Edge> edges;
+        std::map<std::pair<size_t, size_t>, std::vector<FactCases>> known;  // between these two
         for (const Wait& wait : waits) {
-            const Edge edge{static_cast<uint32_t>(wait.from), static_cast<uint32_t>(wait.to), wait.cases};
-            if (std::ranges::find(edges, edge) == edges.end()) edges.push_back(edge);
+            std::vector<FactCases>& cases = known[{wait.from, wait.to}];
+            if (std::ranges::find(cases, wait.cases) != cases.end()) continue;
+            cases.push_back(wait.cases);
+            edges.push_back({static_cast<uint32_t>(wait.from), static_cast<uint32_t>(wait.to), wait.cases});
         }
         return edges;
     }
@@ -87,14 +92,18 @@ class DataflowChecker {
         for (size_t i = 0; i < use.writers.size(); ++i) {
             if (use.host)
                 error(use.writers[i], fmt::format("\"{}\" is a host input; a node cannot write it", name));
+            // Against the first that it meets: of ten thousand writers each pair would be fifty million
+            // errors.
             for (size_t j = 0; j < i; ++j)
-                if ((use.writers[i].bound->cases & use.writers[j].bound->cases).any())
+                if ((use.writers[i].bound->cases & use.writers[j].bound->cases).any()) {
                     error(
                         use.writers[i],
                         fmt::format(
                             "\"{}\" is also written by {}; two writers of one name need conditions (\"if\") "
                             "that exclude each other",
                             name, use.writers[j].path));
+                    break;
+                }
         }
     }
 
@@ -140,10 +149,14 @@ class DataflowChecker {
             if (updated.previous)
                 error(updater,
                       fmt::format("\"{}@-1\" is the previous frame's value, which cannot be updated", name));
-            for (size_t j = 0; j < i; ++j)
-                if ((updater.bound->cases & updaters[j]->bound->cases).any())
-                    error(updater, fmt::format("\"{}\" is also updated by {}; a name has one updater", name,
-                                               updaters[j]->path));
+            const auto rival = std::find_if(
+                updaters.begin(), updaters.begin() + i,
+                [&](const PortUse* other) { return (updater.bound->cases & other->bound->cases).any(); });
+            if (rival != updaters.begin() + i) {
+                error(updater, fmt::format("\"{}\" is also updated by {}; a name has one updater", name,
+                                           (*rival)->path));
+                continue;  // what follows has been said of the rival
+            }
             const std::string new_name = dataflow_.resources[updater.bound->resource].name;
             for (const PortUse& reader : use.readers)
                 if (reader.bound->previous && !updated.previous && !use.host &&
@@ -152,11 +165,10 @@ class DataflowChecker {
                           fmt::format("\"{}\" does not last to the next frame: {} updates it to \"{}\"; read "
                                       "\"{}@-1\"",
                                       name, updater.path, new_name, last_of_chain(updater.bound->resource)));
-            const auto& outputs = dataflow_.source.outputs;
-            const auto output = std::ranges::find(outputs, name, &OutputName::name);
-            if (output != outputs.end() && !updated.previous && updater.bound->cases.any())
+            const auto output = outputs_.find(name);
+            if (output != outputs_.end() && !updated.previous && updater.bound->cases.any())
                 diagnostics_.add(
-                    output->place, output_path(*output),
+                    output->second->place, output_path(*output->second),
                     fmt::format("\"{}\" does not last to the end of the frame: {} updates it to \"{}\"", name,
                                 updater.path, new_name));
         }
@@ -174,8 +186,8 @@ class DataflowChecker {
 
     void check_outputs() {
         for (const OutputName& output : dataflow_.source.outputs) {
-            const auto found = std::ranges::find(dataflow_.resources, output.name, &ResourceUse::name);
-            if (found == dataflow_.resources.end() || found->host || found->writers.empty())
+            const ResourceUse* found = dataflow_.find(output.name);
+            if (!found || found->host || found->writers.empty())
                 continue;  // reported where the name was looked up
             if (const auto when = missing_writer(*found, all_cases()))
                 diagnostics_.add(output.place, output_path(output),
@@ -254,7 +266,7 @@ class DataflowChecker {
             for (size_t i = 0; i < all.size(); ++i)
                 if (exists[i]) next[all[i].from].push_back(&all[i]);
             std::vector<bool> done = in_no_cycle(next);
-            for (size_t start = 0; start < count; ++start) {
+            for (size_t start = 0; start < count && reported.size() < most_cycles; ++start) {
                 if (done[start]) continue;
                 const std::vector<const Wait*> cycle = shortest_cycle(next, start);
                 if (cycle.empty()) continue;
@@ -270,6 +282,9 @@ class DataflowChecker {
             }
         }
     }
+
+    // Each takes a walk through everything that hangs together with it, and nobody mends more at a time.
+    static constexpr size_t most_cycles = 100;
 
     const std::string& name_of(size_t member, bool of_nodes) const {
         return of_nodes ? nodes_[member].id : dataflow_.resources[member].name;
@@ -316,6 +331,7 @@ class DataflowChecker {
     const std::vector<BoundNode>& nodes_;
     Diagnostics& diagnostics_;
     std::vector<std::vector<const PortUse*>> updaters_;  // by resource: who takes over its memory
+    std::map<std::string_view, const OutputName*> outputs_;
 };
 
 }  // namespace

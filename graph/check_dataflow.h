@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,12 @@ struct Dataflow {
     const Pipeline& source;
     std::vector<ResourceUse> resources;  // parallel to CheckedPipeline::resources
     std::vector<uint32_t> by_name;  // resources in the order of their names, in which errors are reported
+    const std::map<std::string, uint32_t>* ids;  // of the names
+
+    const ResourceUse* find(const std::string& name) const {
+        const auto found = ids->find(name);
+        return found == ids->end() ? nullptr : &resources[found->second];
+    }
 
     // The input whose memory a writer takes over; nullptr where it makes its own.
     const BoundPort* updated(const PortUse& writer) const {

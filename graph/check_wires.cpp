@@ -49,7 +49,10 @@ struct Shape {
 
 class WireChecker {
   public:
-    WireChecker(const Dataflow& flow, Diagnostics& diagnostics) : flow_(flow), diagnostics_(diagnostics) {}
+    WireChecker(const Dataflow& flow, Diagnostics& diagnostics) : flow_(flow), diagnostics_(diagnostics) {
+        for (const ResourceSetting& setting : flow.source.resources)
+            settings_.try_emplace(setting.name, &setting);
+    }
 
     void run(std::vector<HostInput>& inputs, std::vector<CheckedResource>& resources) {
         for (const uint32_t id : flow_.by_name)
@@ -134,8 +137,8 @@ class WireChecker {
     }
 
     const ResourceSetting* setting_of(const std::string& name) const {
-        const auto found = std::ranges::find(flow_.source.resources, name, &ResourceSetting::name);
-        return found == flow_.source.resources.end() ? nullptr : &*found;
+        const auto found = settings_.find(name);
+        return found == settings_.end() ? nullptr : found->second;
     }
 
     // The shape that one writer gives; an updater's comes from the name whose memory it takes over.
@@ -220,8 +223,8 @@ class WireChecker {
 
     // A format that the pipeline chooses must be one that every writer offers.
     void check_setting(const ResourceSetting& setting) {
-        const auto found = std::ranges::find(flow_.resources, setting.name, &ResourceUse::name);
-        if (!setting.format || found == flow_.resources.end() || found->host) return;
+        const ResourceUse* found = flow_.find(setting.name);
+        if (!setting.format || !found || found->host) return;
         const std::string path = fmt::format("resources.{}.format", setting.name);
         for (const PortUse& writer : found->writers) {
             const Port& port = *writer.bound->port;
@@ -241,6 +244,7 @@ class WireChecker {
 
     const Dataflow& flow_;
     Diagnostics& diagnostics_;
+    std::map<std::string_view, const ResourceSetting*> settings_;
 };
 
 }  // namespace

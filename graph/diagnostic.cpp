@@ -11,7 +11,9 @@ namespace penumbra {
 
 namespace {
 
-size_t edit_distance(std::string_view a, std::string_view b) {
+// At most `limit`: what is farther is not told apart.
+size_t edit_distance(std::string_view a, std::string_view b, size_t limit) {
+    if (std::max(a.size(), b.size()) - std::min(a.size(), b.size()) >= limit) return limit;
     std::vector<size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
     for (size_t j = 0; j <= b.size(); ++j) last[j] = j;
     for (size_t i = 1; i <= a.size(); ++i) {
@@ -21,10 +23,12 @@ size_t edit_distance(std::string_view a, std::string_view b) {
             const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
             if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
         }
+        // A swap reaches two rows back, so that two rows in a row have to be too far.
+        if (std::min(*std::ranges::min_element(row), *std::ranges::min_element(last)) >= limit) return limit;
         std::swap(before, last);
         std::swap(last, row);
     }
-    return last[b.size()];
+    return std::min(last[b.size()], limit);
 }
 
 // Names come from user files and may hold anything; a diagnostic stays one printable line.
@@ -69,7 +73,7 @@ std::string did_you_mean(std::string_view name, std::span<const std::string> can
     const std::string* nearest = nullptr;
     for (const std::string& candidate : candidates) {
         if (candidate.size() > longest || candidate == name) continue;
-        const size_t distance = edit_distance(name, candidate);
+        const size_t distance = edit_distance(name, candidate, best);
         if (distance < best) {
             best = distance;
             nearest = &candidate;

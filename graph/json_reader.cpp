@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 
 namespace penumbra {
 
@@ -274,13 +275,14 @@ std::vector<ObjectReader::Item> ObjectReader::list(std::string_view key) const {
     const Json* value = find(key);
     if (!value || !expect(*value, Json::Kind::array, path(key), diagnostics_)) return list;
     const Key& row = *object_.find(key, scope_);
+    std::set<std::string_view> listed;
     if (value->items.size() < row.min_items) error(key, "the list is empty");
     for (size_t i = 0; i < value->items.size(); ++i) {
         const Json& item = value->items[i];
         const std::string item_path = fmt::format("{}[{}]", path(key), i);
         if (!expect(item, Json::Kind::string, item_path, diagnostics_)) continue;
         if (row.holds == Holds::ids && !expect_id(item.string, item.place, item_path, diagnostics_)) continue;
-        if (std::ranges::find(list, item.string, &Item::text) != list.end())
+        if (!listed.insert(item.string).second)
             diagnostics_.add(item.place, item_path, fmt::format("\"{}\" is listed twice", item.string));
         else
             list.push_back({item.string, item_path, item.place});

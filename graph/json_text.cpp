@@ -7,9 +7,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <fstream>
-#include <iterator>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -33,7 +34,8 @@ bool is_punctuation(char c) {
 }
 
 // Every token of the text; of malformed text, something near it. Ends with a token at the end of the text.
-std::vector<Token> scan(std::string_view text) {
+// Stops after `most` and one more.
+std::vector<Token> scan(std::string_view text, size_t most) {
     std::vector<Token> tokens;
     size_t i = 0;
     int line = 1, column = 1;
@@ -46,7 +48,7 @@ std::vector<Token> scan(std::string_view text) {
             ++column;
         }
     };
-    while (i < text.size()) {
+    while (i < text.size() && tokens.size() <= most) {
         const char c = text[i];
         if (is_space(c)) {
             step();
@@ -244,16 +246,24 @@ const char* kind_name(Json::Kind kind) {
     return "";
 }
 
-std::optional<Json> parse_json(std::string_view text, const std::string& file, Diagnostics& diagnostics) {
+std::optional<Json> parse_json(std::string_view text, const std::string& file, Diagnostics& diagnostics,
+                               size_t most_tokens) {
     const size_t errors = diagnostics.size();
     // The parser would skip a byte order mark (RFC 8259 lets it), shifting every place on the first line.
     if (text.starts_with("\xef\xbb\xbf")) {
         diagnostics.add({file, 1, 1}, "", "the file begins with a byte order mark; save it as plain UTF-8");
         return std::nullopt;
     }
-    const std::vector<Token> tokens = scan(text);
+    const std::vector<Token> tokens = scan(text, most_tokens);
     if (tokens.size() == 1) {
         diagnostics.add({file, 1, 1}, "", "the file is empty");
+        return std::nullopt;
+    }
+    if (tokens.size() > most_tokens) {
+        const Token& last = tokens[most_tokens];
+        diagnostics.add(
+            {file, last.line, last.column}, "",
+            fmt::format("the text has more than {} values, keys and punctuation marks", most_tokens));
         return std::nullopt;
     }
     // The parser takes a NUL byte for the end of the text and would accept whatever follows.
@@ -271,7 +281,8 @@ std::optional<Json> parse_json(std::string_view text, const std::string& file, D
     return builder.take();
 }
 
-std::optional<Json> read_json(const std::filesystem::path& path, Diagnostics& diagnostics) {
+std::optional<Json> read_json(const std::filesystem::path& path, Diagnostics& diagnostics,
+                              size_t most_tokens) {
     const std::string file = path.generic_string();
     std::error_code error;
     if (!std::filesystem::exists(path, error)) {
@@ -284,12 +295,23 @@ std::optional<Json> read_json(const std::filesystem::path& path, Diagnostics& di
         diagnostics.add({file}, "", "cannot be read");
         return std::nullopt;
     }
-    const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    // No token takes as much on average, spaces and texts included; and a device never ends.
+    const size_t most_bytes = 64 * most_tokens;
+    std::string text;
+    std::array<char, 65536> piece;
+    while (text.size() <= most_bytes && stream) {
+        stream.read(piece.data(), piece.size());
+        text.append(piece.data(), static_cast<size_t>(stream.gcount()));
+    }
+    if (text.size() > most_bytes) {
+        diagnostics.add({file}, "", fmt::format("has more than {} bytes", most_bytes));
+        return std::nullopt;
+    }
     if (stream.bad()) {
         diagnostics.add({file}, "", "cannot be read");
         return std::nullopt;
     }
-    return parse_json(text, file, diagnostics);
+    return parse_json(text, file, diagnostics, most_tokens);
 }
 
 void merge_patch(Json& target, const Json& patch) {
@@ -302,16 +324,33 @@ void merge_patch(Json& target, const Json& patch) {
         target.kind = Json::Kind::object;
         target.place = patch.place;
     }
+    std::map<std::string, size_t, std::less<>>
+        index;  // of the target's members; what is removed leaves the list last
+    for (size_t i = 0; i < target.members.size(); ++i) index.try_emplace(target.members[i].key, i);
+    std::vector<bool> removed(target.members.size());
     for (const JsonMember& member : patch.members) {
-        JsonMember* existing = find_member(target, member.key);
-        if (member.value.kind == Json::Kind::null) {
-            std::erase_if(target.members, [&](const JsonMember& m) { return m.key == member.key; });
-            continue;
+        const auto [at, added] = index.try_emplace(member.key, target.members.size());
+        if (added) {
+            if (member.value.kind == Json::Kind::null) {
+                index.erase(at);
+                continue;
+            }
+            target.members.push_back({member.key, member.key_place, {}});
+            removed.push_back(false);
         }
-        if (!existing) existing = &target.members.emplace_back(JsonMember{member.key, member.key_place, {}});
-        if (member.value.kind != Json::Kind::object) existing->key_place = member.key_place;
-        merge_patch(existing->value, member.value);
+        JsonMember& existing = target.members[at->second];
+        removed[at->second] = member.value.kind == Json::Kind::null;
+        if (removed[at->second]) continue;
+        if (member.value.kind != Json::Kind::object) existing.key_place = member.key_place;
+        merge_patch(existing.value, member.value);
     }
+    size_t kept = 0;
+    for (size_t i = 0; i < target.members.size(); ++i)
+        if (!removed[i]) {
+            if (kept != i) target.members[kept] = std::move(target.members[i]);
+            ++kept;
+        }
+    target.members.erase(target.members.begin() + static_cast<ptrdiff_t>(kept), target.members.end());
 }
 
 void set_path(Json& target, std::string_view path, std::string_view value_text, const Place& place) {

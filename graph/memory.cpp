@@ -48,6 +48,11 @@ DeviceTable device_table(const DeviceHandles& handles) {
     table.max_texel_elements = properties.limits.maxTexelBufferElements;
     table.max_storage_bytes = properties.limits.maxStorageBufferRange;
     table.max_workgroup_invocations = properties.limits.maxComputeWorkGroupInvocations;
+    VkPhysicalDeviceMemoryProperties memory{};
+    device->vk().vkGetPhysicalDeviceMemoryProperties(handles.physical, &memory);
+    table.memory_bytes = 0;
+    for (uint32_t heap = 0; heap < memory.memoryHeapCount; ++heap)
+        table.memory_bytes = std::max<uint64_t>(table.memory_bytes, memory.memoryHeaps[heap].size);
     const auto need_of = [](const VkMemoryRequirements2& answer) {
         return MemoryNeed{answer.memoryRequirements.size, answer.memoryRequirements.alignment,
                           answer.memoryRequirements.memoryTypeBits};

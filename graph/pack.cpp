@@ -10,15 +10,16 @@
 #include <tuple>
 #include <utility>
 
+#include "graph/pack_scan.h"
 #include "graph/pack_search.h"
 
 namespace penumbra {
 
 namespace {
 
-// What the exact search at the end may cost: at most a tenth of a second. Real pipelines take some hundred
-// nodes.
-constexpr uint64_t small_search_nodes = 20'000;
+// Orders are tried, and a table of who meets whom is kept, for as many intervals; beyond it one order has to
+// do.
+constexpr size_t most_compared = 2048;
 
 uint64_t align_up(uint64_t value, uint64_t alignment) {
     return (value + alignment - 1) & ~(alignment - 1);
@@ -156,21 +157,41 @@ bool overlap_in_time(const Interval& a, const Interval& b, uint32_t period) {
 }
 
 uint64_t live_bound(std::span<const Interval> intervals, uint32_t period) {
-    uint64_t largest = 0;
-    std::vector<uint64_t> live(period, 0);
-    for (const Interval& interval : intervals)
-        for (uint32_t t = 0; t < interval.length; ++t) {
-            uint64_t& bytes = live[(interval.first + t) % period];
-            bytes += interval.size;
-            largest = std::max(largest, bytes);
-        }
+    std::vector<uint64_t> change(period, 0);  // of what is live, from each time to the next, modulo 2^64
+    uint64_t live = 0, largest = 0;           // at time 0 at first
+    for (const Interval& interval : intervals) {
+        if (interval.length == 0) continue;
+        live += interval.length / period * interval.size;  // the laps that it makes whole
+        const uint32_t rest = interval.length % period, end = (interval.first + rest) % period;
+        if (rest == 0) continue;
+        change[interval.first % period] += interval.size;
+        change[end] -= interval.size;
+        if (interval.first % period + rest >= period)
+            live += interval.size;  // wraps: it is live before time 0 comes
+    }
+    for (uint32_t t = 0; t < period; ++t) {
+        live += change[t];
+        largest = std::max(largest, live);
+    }
     return largest;
 }
 
-Packing pack(std::span<const Interval> intervals, uint32_t period) {
-    const uint64_t bound = live_bound(intervals, period);
-    if (bound == 0) return {std::vector<uint64_t>(intervals.size(), 0), 0};
+uint64_t lower_bound(std::span<const Interval> intervals, uint32_t period) {
+    uint64_t longer_than_half = 0;
+    for (const Interval& interval : intervals)
+        if (2 * uint64_t{interval.length} > period) longer_than_half += interval.size;
+    return std::max(live_bound(intervals, period), longer_than_half);
+}
 
+Packing pack(std::span<const Interval> intervals, uint32_t period) {
+    const uint64_t bound = lower_bound(intervals, period);
+    if (bound == 0) return {std::vector<uint64_t>(intervals.size(), 0), 0};
+    // What no search is worth: less than one step of the offsets, or half a percent.
+    uint64_t least = bound / 200;
+    for (const Interval& interval : intervals) least = std::max(least, interval.alignment);
+    const auto good = [&](const Packing& packing) { return packing.heap - bound < least; };
+
+    if (intervals.size() > most_compared) return scan_packing(intervals, period);
     Placer placer(intervals, period);
     Packing best;
     std::vector<uint32_t> order;
@@ -181,7 +202,7 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
                 best = std::move(packing);
                 order = candidate;
             }
-            if (best.heap == bound) return best;
+            if (good(best)) return best;
         }
 
     // One step costs about n^2 operations, hence the count. Intervals at the top of the heap move to an
@@ -192,7 +213,7 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
     Packing current = placer.place(order, Gap::lowest);
     Score current_score = score(current, intervals);
     std::vector<uint32_t> at_top;
-    for (uint64_t step = 0; step < steps && best.heap > bound; ++step) {
+    for (uint64_t step = 0; step < steps && !good(best); ++step) {
         at_top.clear();
         for (uint32_t place = 0; place < order.size(); ++place)
             if (current.offsets[order[place]] + intervals[order[place]].size == current.heap)
@@ -212,7 +233,7 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
         current_score = candidate_score;
         if (current.heap < best.heap) best = current;
     }
-    return search_packing(intervals, period, std::move(best), small_search_nodes).best;
+    return good(best) ? best : search_packing(intervals, period, std::move(best), small_search_nodes).best;
 }
 
 }  // namespace penumbra

@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "graph/json_reader.h"
+#include "graph/suggestions.h"
 
 namespace penumbra {
 
@@ -157,7 +158,8 @@ class PipelineReader {
 
     void read_node(const JsonMember& member) {
         // A variant or a setting that misspells a node's id makes a new node without a type.
-        const std::string hint = member.value.find("type") ? "" : did_you_mean(member.key, typed_nodes());
+        if (!member.value.find("type") && !near_nodes_) near_nodes_.emplace(typed_nodes());
+        const std::string hint = member.value.find("type") ? "" : near_nodes_->nearest(member.key);
         const ObjectReader reader(member.value, "nodes." + member.key, vocabulary::node, diagnostics_,
                                   {.hint = hint});
         if (!reader.is_object()) return;
@@ -225,6 +227,7 @@ class PipelineReader {
 
     ObjectReader reader_;
     Diagnostics& diagnostics_;
+    std::optional<Suggestions> near_nodes_;
     Pipeline pipeline_;
 };
 

@@ -328,11 +328,14 @@ std::span<const std::byte> ViewState::captured(std::string_view name) const {
 
 void ViewState::read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
                                 std::vector<uint64_t>& ticks) const {
-    const bool timed =
-        slot.timestamps &&
-        vk().vkGetQueryPoolResults(device_.get(), slot.timestamps.get(), 0,
-                                   static_cast<uint32_t>(ticks.size()), ticks.size() * sizeof(uint64_t),
-                                   ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT) == VK_SUCCESS;
+    bool timed = false;
+    if (slot.timestamps) {
+        const VkResult result = vk().vkGetQueryPoolResults(
+            device_.get(), slot.timestamps.get(), 0, static_cast<uint32_t>(ticks.size()),
+            ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
+        if (result != VK_NOT_READY) require(result, "vkGetQueryPoolResults", plan().pipeline);
+        timed = result == VK_SUCCESS;
+    }
     for (size_t p = 0; p < passes.size(); ++p) {
         passes[p].ms.reset();
         if (timed)

@@ -22,6 +22,7 @@ struct StandaloneOptions {
     uint32_t frames_in_flight = 2;
     bool jitter = true;            // whether frames are jittered where the pipeline wants it
     uint32_t cascade_size = 1024;  // texels along a side of a shadow map
+    bool materials = false;        // whether the G-buffer has `material` and `emissive`
 };
 
 // One frame's data, a pure function of its index.
@@ -46,6 +47,10 @@ class StandaloneHost {
     StandaloneFrame frame(uint32_t index, bool reset) const;
     // Whether the shot cuts to this frame: it then has no history either.
     bool cut(uint32_t index) const;
+    // How far off their pixels' centres a frame's points are, in uv.
+    std::array<double, 2> jitter(uint32_t index) const {
+        return options_.jitter ? halton_jitter(index, options_.size) : std::array<double, 2>{};
+    }
     // The shadow maps of a frame.
     CascadeFit cascade_fit(uint32_t index) const;
     // The most cascades that a frame of the shot has, at least one: layers of the maps.

@@ -159,6 +159,11 @@ INSTANTIATE_TEST_SUITE_P(Published, AccuracyGate,
                                            GateCase{"fidelityfx", "moving_edge", moving_edge, 5.2, 7.9},
                                            GateCase{"fidelityfx", "sphere", ball, 56, 85}),
                          scene_of);
+INSTANTIATE_TEST_SUITE_P(Sigma, AccuracyGate,
+                         ::testing::Values(GateCase{"sigma", "edge", edge, 153, 230},
+                                           GateCase{"sigma", "moving_edge", moving_edge, 5.9, 8.9},
+                                           GateCase{"sigma", "sphere", ball, 72, 108}),
+                         scene_of);
 INSTANTIATE_TEST_SUITE_P(OneRay, AccuracyGate,
                          ::testing::Values(GateCase{"one_ray", "edge", edge, 1830, any},
                                            GateCase{"one_ray", "moving_edge", moving_edge, 155, any},

@@ -114,6 +114,28 @@ TEST_F(Check, AnOptionalInputIsUnboundWhereItsNameDoesNotExist) {
         << "a name that is written out must exist, optional or not";
 }
 
+// Ten thousand mistakes at once: each is said once, and the work for suggestions, which compares every wrong
+// name with every right one, ends before that.
+TEST_F(Check, ManyMistakesAreSaidOnceEach) {
+    constexpr size_t count = 10'000;
+    std::string undefined, writers;
+    for (size_t i = 0; i < count; ++i) {
+        const std::string comma = i ? "," : "", id = std::to_string(i);
+        undefined += comma + "\"f" + id + R"(": {"type": "filter", "in": {"signal": "missing)" + id +
+                     R"("}, "out": {"filtered": "mizzing)" + id + "\"}}";
+        writers += comma + "\"w" + id + R"(": {"type": "fill"})";
+    }
+    EXPECT_FALSE(run(pipeline("", R"("mizzing0")", undefined)));
+    EXPECT_EQ(diagnostics_.size(), count);
+    size_t suggested = 0;
+    for (const Diagnostic& d : diagnostics_.list())
+        suggested += d.message.find("did you mean") != std::string::npos;
+    EXPECT_GE(suggested, 10u);
+    EXPECT_LT(suggested, count / 10);
+    EXPECT_FALSE(run(pipeline("", R"("value")", writers)));
+    EXPECT_EQ(diagnostics_.size(), count - 1) << "each second writer, not each pair";
+}
+
 TEST_F(Check, TwoWritersNeedConditionsThatExcludeEachOther) {
     const auto two = [](const std::string& a, const std::string& b) {
         return pipeline("", R"("value")",

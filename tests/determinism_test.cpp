@@ -156,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, TraceBackends, ::testing::Values("shadows"),
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, Determinism,
                          ::testing::Values("raw", "many_rays", "fidelityfx", "shadows", "covered",
-                                           "hybrid_shadows"),
+                                           "hybrid_shadows", "sigma"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

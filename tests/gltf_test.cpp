@@ -5,9 +5,11 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <glm/gtc/matrix_transform.hpp>
@@ -20,6 +22,7 @@
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/scene/scene.h"
+#include "host/standalone.h"
 
 namespace penumbra {
 namespace {
@@ -276,6 +279,143 @@ TEST_F(Gltf, BadImageKeepsTheModel) {
     EXPECT_TRUE(model->warnings.empty());
 }
 
+// The parser hands over a pointer into a buffer that it has not looked at: what it points to must not be
+// read.
+TEST_F(Gltf, ImagesMayNotLeaveTheirBuffer) {
+    const auto file = [&](const std::string& buffer_view, int view_index = 1) {
+        Buffer buffer;
+        buffer.add(zigzag);
+        return one_primitive(
+            buffer, view(0, 60) + "," + buffer_view,
+            R"({"bufferView":0,"componentType":5126,"count":5,"type":"VEC3"})",
+            R"("mode":5,"attributes":{"POSITION":0})",
+            R"(,"images":[{"mimeType":"image/png","bufferView":)" + std::to_string(view_index) + "}]");
+    };
+    EXPECT_TRUE(load(file(view(0, 60)))) << diagnostics_.text();
+    expect_error(file(view(2000000000, 8)), "image 0: buffer view 1 reaches past the end of its buffer");
+    expect_error(file(view(0, 2000000000)), "image 0: buffer view 1 reaches past the end of its buffer");
+    expect_error(file(view(18446744073709551615ull, 1)), "reaches past the end of its buffer");
+    expect_error(file(R"({"buffer":3,"byteLength":60})"), "buffer");
+    expect_error(file(view(0, 60), 7), "bufferView");
+}
+
+TEST_F(Gltf, ImagesInBuffersAreRead) {
+    Model model = make_colonnade();
+    model.materials = {{.texture = 0}};
+    model.textures = {{2, 1, {255, 0, 0, 255, 0, 255, 0, 128}}};
+    for (Mesh& mesh : model.meshes)
+        for (Part& part : mesh.parts) part.material = 0;
+    write_file(folder_ / "a.glb", to_glb(model));
+    const auto back = load_gltf(folder_ / "a.glb", diagnostics_);
+    ASSERT_TRUE(back) << diagnostics_.text();
+    EXPECT_EQ(back->materials[0].texture, 0);
+    EXPECT_EQ(back->textures[0].rgba, model.textures[0].rgba);
+}
+
+// A few bytes that stand for gigabytes are refused before any of them is allocated; what they may stand for
+// grows with the file.
+TEST_F(Gltf, AFileMayNotStandForAThousandTimesItself) {
+    const auto zeros = [&](const std::string& count, int primitives) {
+        Buffer buffer;
+        const size_t where = buffer.add(std::vector<uint16_t>{4});
+        const size_t values = buffer.add(std::vector<float>{3, 0, 0});
+        const std::string one = R"("attributes":{"POSITION":0})";
+        std::string all = one;
+        for (int i = 1; i < primitives; ++i) all += "},{" + one;
+        return one_primitive(
+            buffer, view(where, 2) + "," + view(values, 12),
+            R"({"componentType":5126,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":0,"byteOffset":0,"componentType":5123},"values":{"bufferView":1,"byteOffset":0}},"count":)" +
+                count + "}",
+            all);
+    };
+    EXPECT_TRUE(load(zeros("1000", 20))) << diagnostics_.text();
+    expect_error(zeros("67108864", 1), "a thousand times what");
+    expect_error(zeros("40000", 500), "a thousand times what");
+    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "1", 1);
+    expect_error(zeros("40000", 2),
+                 "more than 1 MiB, the limit for one file (PENUMBRA_INPUT_LIMIT_MIB raises it)");
+    ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
+}
+
+// Exporters let many primitives share one list of vertices: each takes those of its own.
+TEST_F(Gltf, SharedVerticesAreNotRepeated) {
+    Buffer buffer;
+    std::vector<float> points;
+    for (int i = 0; i < 3000; ++i)
+        points.insert(points.end(),
+                      {static_cast<float>(i / 3), static_cast<float>(i % 3), i % 3 == 2 ? 1.0f : 0.0f});
+    buffer.add(points);
+    std::vector<uint16_t> corners;
+    for (uint16_t i = 0; i < 3000; ++i) corners.push_back(static_cast<uint16_t>(2999 - i));
+    const size_t at = buffer.add(corners);
+    std::string views = view(0, 36000), primitives,
+                accessors = R"({"bufferView":0,"componentType":5126,"count":3000,"type":"VEC3"})";
+    for (size_t i = 0; i < 1000; ++i) {
+        views += "," + view(at + 6 * i, 6);
+        accessors +=
+            fmt::format(R"(,{{"bufferView":{},"componentType":5123,"count":3,"type":"SCALAR"}})", i + 1);
+        primitives += fmt::format(R"({}"attributes":{{"POSITION":0}},"indices":{})", i ? "},{" : "", i + 1);
+    }
+    const auto model = load(one_primitive(buffer, views, accessors, primitives));
+    ASSERT_TRUE(model) << diagnostics_.text();
+    size_t vertices = 0;
+    for (const Part& part : model->meshes[0].parts) vertices += part.positions.size();
+    EXPECT_EQ(vertices, 3 * model->meshes[0].parts.size());
+    const std::vector<uint32_t>& first = model->meshes[0].parts[0].indices;
+    EXPECT_EQ(first, (std::vector<uint32_t>{2, 1, 0}));  // corners 2999, 2998, 2997
+    EXPECT_EQ(model->meshes[0].parts[0].positions[0].y + model->meshes[0].parts[0].origin.y, 0);
+}
+
+// One mesh at very many nodes is very many meshes.
+TEST_F(Gltf, InstancesAreCounted) {
+    Buffer buffer;
+    std::vector<float> strip;
+    for (int i = 0; i < 1002; ++i)
+        strip.insert(strip.end(), {static_cast<float>(i / 2), static_cast<float>(i % 2), 0});
+    buffer.add(strip);
+    std::string file = one_primitive(buffer, view(0, strip.size() * sizeof(float)),
+                                     R"({"bufferView":0,"componentType":5126,"count":1002,"type":"VEC3"})",
+                                     R"("mode":5,"attributes":{"POSITION":0})");
+    const std::string root = R"("nodes":[0]}],"nodes":[{"mesh":0})";
+    const size_t at = file.find(root);
+    ASSERT_NE(at, std::string::npos);
+    std::string roots = "0", nodes = R"({"mesh":0})";
+    for (int i = 1; i < 100; ++i) {
+        roots += "," + std::to_string(i);
+        nodes += R"(,{"mesh":0})";
+    }
+    file.replace(at, root.size(), R"("nodes":[)" + roots + R"(]}],"nodes":[)" + nodes);
+    Shot shot;
+    shot.model = save("a.gltf", file);
+    std::vector<std::string> warnings;
+    EXPECT_TRUE(load_scene(shot, diagnostics_, warnings)) << diagnostics_.text();
+    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "4", 1);
+    EXPECT_FALSE(load_scene(shot, diagnostics_, warnings));
+    ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
+    EXPECT_NE(diagnostics_.text().find("its nodes show 100000 triangles, which take more than 4 MiB"),
+              std::string::npos)
+        << diagnostics_.text();
+}
+
+// The parser walks what it does not know by recursion.
+TEST_F(Gltf, DepthIsBounded) {
+    const auto file = [](size_t depth) {
+        return R"({"asset":{"version":"2.0","extras":)" + std::string(depth, '[') + std::string(depth, ']') +
+               "}}";
+    };
+    EXPECT_TRUE(load(file(200))) << diagnostics_.text();
+    expect_error(file(1'000'000), "nested more than 256 levels deep");
+}
+
+// A model names files; devices and pipes, which never end, are none.
+TEST_F(Gltf, OnlyRegularFilesAreRead) {
+    ASSERT_EQ(::mkfifo((folder_ / "pipe.bin").c_str(), 0600), 0);
+    std::string file = positions_file(5);
+    const size_t from = file.find("data:"), to = file.find('"', from);
+    file.replace(from, to - from, "pipe.bin");
+    expect_error(file, "not a valid glTF");
+}
+
 TEST_F(Gltf, MissingAndCorruptFilesAreDiagnostics) {
     EXPECT_FALSE(load_gltf(folder_ / "missing.glb", diagnostics_));
     EXPECT_FALSE(load_gltf(folder_, diagnostics_));
@@ -306,7 +446,7 @@ Model small_model() {
 TEST_F(Gltf, SurvivesDamage) {
     const std::vector<std::byte> good = to_glb(small_model());
     const auto survive = [&](const std::vector<std::byte>& bytes) {
-        write_file(folder_ / "a.glb", bytes);
+        save("a.glb", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
         Diagnostics diagnostics;
         const auto model = load_gltf(folder_ / "a.glb", diagnostics);
         EXPECT_EQ(model.has_value(), diagnostics.empty());

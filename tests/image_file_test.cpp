@@ -4,14 +4,18 @@
 #include "host/images/image_file.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <thread>
 
 namespace penumbra {
 namespace {
@@ -98,24 +102,103 @@ TEST_F(ImageFile, FailureLeavesNothingBehind) {
     EXPECT_EQ(files(), 1u);
 }
 
+// A limit on the size of files stands in for a full disk: the same write fails half way.
 TEST_F(ImageFile, FullDiskKeepsTheOldFile) {
-    if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
     write_exr(folder_ / "a.exr", sample(4, 4));
-    // The partial file is made by name, so a link to the device that is always full stands in for a full
-    // disk.
-    const fs::path part = folder_ / ("a.exr." + std::to_string(::getpid()) + ".part");
-    fs::create_symlink("/dev/full", part);
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+    const auto on_signal = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit small{100, before.rlim_max};
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+    std::string text;
     try {
         write_exr(folder_ / "a.exr", sample(64, 64));
-        ADD_FAILURE() << "writing to a full disk succeeded";
     } catch (const FileError& error) {
-        EXPECT_NE(std::string(error.what()).find("a.exr"), std::string::npos);
+        text = error.what();
     }
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, on_signal);
+    EXPECT_NE(text.find("a.exr: cannot be written: "), std::string::npos) << text;
     EXPECT_EQ(files(), 1u);
     Diagnostics diagnostics;
     const auto old = read_exr(folder_ / "a.exr", diagnostics);
     ASSERT_TRUE(old);
     EXPECT_EQ(old->width, 4u);
+}
+
+// A process that was killed before its rename leaves a file of this name; whoever writes the file next takes
+// it over.
+TEST_F(ImageFile, WhatAKilledProcessLeftIsTakenOver) {
+    std::ofstream(folder_ / "a.exr.part") << std::string(1 << 20, 'x');
+    write_exr(folder_ / "a.exr", sample(4, 4));
+    EXPECT_EQ(files(), 1u);
+    Diagnostics diagnostics;
+    EXPECT_TRUE(read_exr(folder_ / "a.exr", diagnostics)) << diagnostics.text();
+}
+
+TEST_F(ImageFile, TwoWritersOfOneFileLeaveOneOfTheirs) {
+    const std::vector<std::byte> ones(1 << 20, std::byte{1}), twos(1 << 20, std::byte{2});
+    const auto write_often = [&](const std::vector<std::byte>& bytes) {
+        for (int i = 0; i < 50; ++i) write_file(folder_ / "a", bytes);
+    };
+    std::thread other([&] { write_often(ones); });
+    write_often(twos);
+    other.join();
+    std::ifstream stream(folder_ / "a", std::ios::binary);
+    const std::string text(std::istreambuf_iterator<char>(stream), {});
+    ASSERT_EQ(text.size(), ones.size());
+    EXPECT_EQ(text.find_first_not_of(text[0]), std::string::npos);
+    EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(ImageFile, LinksInThePartsPlaceAreNotFollowed) {
+    std::ofstream(folder_ / "victim") << "kept";
+    fs::create_symlink(folder_ / "victim", folder_ / "a.exr.part");
+    EXPECT_THROW(write_exr(folder_ / "a.exr", sample(4, 4)), FileError);
+    EXPECT_EQ(fs::file_size(folder_ / "victim"), 4u);
+}
+
+// What a header claims is held against the file before anything is allocated for it.
+TEST_F(ImageFile, HeadersMayNotClaimMoreThanTheFileHolds) {
+    write_exr(folder_ / "a.exr", sample(40, 40));
+    std::string bytes;
+    {
+        std::ifstream stream(folder_ / "a.exr", std::ios::binary);
+        bytes.assign(std::istreambuf_iterator<char>(stream), {});
+    }
+    const std::string name("dataWindow\0box2i\0\x10\0\0\0", 21);
+    const size_t at = bytes.find(name);
+    ASSERT_NE(at, std::string::npos);
+    const auto claim = [&](int32_t right, int32_t bottom) {
+        std::string changed = bytes;
+        std::memcpy(changed.data() + at + name.size() + 8, &right, 4);
+        std::memcpy(changed.data() + at + name.size() + 12, &bottom, 4);
+        std::ofstream(folder_ / "b.exr", std::ios::binary) << changed;
+        Diagnostics diagnostics;
+        EXPECT_FALSE(read_exr(folder_ / "b.exr", diagnostics));
+        return diagnostics.text();
+    };
+    EXPECT_NE(claim(24999, 24999)
+                  .find("b.exr: 25000 x 25000 texels of 3 channels take more than 2048 MiB, the limit for "
+                        "one file (PENUMBRA_INPUT_LIMIT_MIB raises it)"),
+              std::string::npos);
+    EXPECT_NE(claim(8191, 8191).find("8192 x 8192 texels of 3 channels are more than a file of"),
+              std::string::npos);
+    EXPECT_NE(claim(1 << 30, 0).find("1073741825 x 1 texels is not supported"), std::string::npos);
+    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "1000000", 1);
+    EXPECT_NE(claim(24999, 24999).find("more than a file of"), std::string::npos);
+    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "much", 1);
+    EXPECT_NE(claim(24999, 24999).find("PENUMBRA_INPUT_LIMIT_MIB: \"much\" is no whole number"),
+              std::string::npos);
+    ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
+}
+
+// A flat image is the smallest file of its size; it is read.
+TEST_F(ImageFile, FlatImagesAreRead) {
+    const PlanarImage flat{4096, 2048, {{"Y", PlaneType::real, std::vector<float>(size_t(4096) * 2048), {}}}};
+    write_exr(folder_ / "a.exr", flat);
+    Diagnostics diagnostics;
+    EXPECT_TRUE(read_exr(folder_ / "a.exr", diagnostics)) << diagnostics.text();
 }
 
 TEST_F(ImageFile, BrokenExrIsADiagnostic) {

@@ -127,6 +127,24 @@ TEST(JsonText, DepthIsBounded) {
     EXPECT_NE(errors(objects), "");
 }
 
+// A byte or two of text are some hundred bytes of memory: how many there may be is bounded, and the bound is
+// the caller's.
+TEST(JsonText, SizeIsBounded) {
+    Diagnostics diagnostics;
+    EXPECT_TRUE(parse_json("[1,2,3]", "a.json", diagnostics, 8));
+    EXPECT_FALSE(parse_json("[1,\n2,3,4]", "a.json", diagnostics, 8));
+    EXPECT_EQ(diagnostics.text(),
+              "a.json:2:6: the text has more than 8 values, keys and punctuation marks\n");
+    std::string large = "[";
+    for (size_t i = 0; i < most_json_tokens / 2; ++i) large += "1,";
+    Diagnostics default_bound;
+    EXPECT_FALSE(parse_json(large + "1]", "a.json", default_bound));
+    EXPECT_EQ(default_bound.size(), 1u);
+    Diagnostics endless;
+    EXPECT_FALSE(read_json("/dev/zero", endless, 1000));
+    EXPECT_NE(endless.text().find("has more than 64000 bytes"), std::string::npos) << endless.text();
+}
+
 TEST(JsonText, FilesThatCannotBeReadAreDiagnostics) {
     Diagnostics diagnostics;
     EXPECT_FALSE(read_json("no/such/file.json", diagnostics));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The unit of cost does what it says: the same as a plain loop, pixel by pixel.
-#include "tests/native_pass.h"
+#include "app/bench/native_pass.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <glm/gtc/packing.hpp>
 #include <glm/packing.hpp>
 
-namespace penumbra::test {
+namespace penumbra {
 namespace {
 
 glm::vec2 filtered(const NativeImages& images, int x, int y) {
@@ -34,11 +34,12 @@ glm::vec2 filtered(const NativeImages& images, int x, int y) {
     return {mean / weights, variance / (weights * weights)};
 }
 
-TEST(NativePass, FiltersAsAPlainLoopDoes) {
-    if (!has_native_pass()) GTEST_SKIP() << "a processor without AVX2, FMA or F16C";
+using Pass = void (*)(const NativeImages&, std::vector<uint32_t>&);
+
+void expect_filtered(Pass pass) {
     const NativeImages images = native_images(64, 40);
     std::vector<uint32_t> out(images.signal.size());
-    native_pass(images, out);
+    pass(images, out);
     double changed = 0;
     for (int y = 0; y < int(images.height); ++y)
         for (int x = 0; x < int(images.width); ++x) {
@@ -51,5 +52,14 @@ TEST(NativePass, FiltersAsAPlainLoopDoes) {
     EXPECT_GT(changed / (images.width * images.height), 0.1);
 }
 
+TEST(NativePass, ByHandFiltersAsTheFormulaSays) {
+    if (!has_avx2()) GTEST_SKIP() << "a processor without AVX2, FMA or F16C";
+    expect_filtered(native_pass_avx2);
+}
+
+TEST(NativePass, APlainLoopDoesTheSame) {
+    expect_filtered(native_pass_plain);
+}
+
 }  // namespace
-}  // namespace penumbra::test
+}  // namespace penumbra

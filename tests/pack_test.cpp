@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "graph/pack_scan.h"
 #include "graph/pack_search.h"
 #include "tests/overlap_checker.h"
 
@@ -242,6 +243,38 @@ TEST(Pack, ReleasedOnePassAfterTheLastUse) {
     // [0, 2) and [2, 4) share memory, [0, 3) and [2, 4) must not: read last and written first in one pass.
     EXPECT_EQ(pack(std::vector<Interval>{{0, 2, 64, 64}, {2, 2, 64, 64}}, 4).heap, 64u);
     EXPECT_EQ(pack(std::vector<Interval>{{0, 3, 64, 64}, {2, 2, 64, 64}}, 4).heap, 128u);
+}
+
+// The live bound counts what is live time by time, as its definition says.
+TEST(Pack, LiveBoundIsTheLargestSumOfWhatIsLive) {
+    for (uint64_t seed = 0; seed < 500; ++seed) {
+        const Set set = anything(seed, 40);
+        uint64_t largest = 0;
+        for (uint32_t t = 0; t < set.period; ++t) {
+            uint64_t live = 0;
+            for (const Interval& v : set.intervals)
+                if ((t + set.period - v.first) % set.period < v.length) live += v.size;
+            largest = std::max(largest, live);
+        }
+        EXPECT_EQ(live_bound(set.intervals, set.period), largest) << "seed " << seed;
+    }
+}
+
+// What large sets are packed by, on small ones of every kind too.
+TEST(Pack, OneScanIsSound) {
+    double worst = 1;
+    for (uint64_t seed = 0; seed < 2000; ++seed) {
+        const bool graph = seed % 2 == 0;
+        const Set set = graph ? render_graph(seed, Wrap::yes, 60) : anything(seed, 60);
+        const Packing packing = scan_packing(set.intervals, set.period);
+        EXPECT_EQ(faults(set, packing), "") << "seed " << seed;
+        EXPECT_LE(packing.heap, sum_of_aligned_sizes(set)) << "seed " << seed;
+        const uint64_t bound = live_bound(set.intervals, set.period);
+        EXPECT_GE(packing.heap, bound) << "seed " << seed;
+        if (graph) worst = std::max(worst, static_cast<double>(packing.heap) / static_cast<double>(bound));
+    }
+    EXPECT_LT(worst, 3) << "of the live bound";
+    std::printf("one scan: heap / live bound at most %.2f\n", worst);
 }
 
 TEST(Pack, ThousandsOfIntervals) {

@@ -80,6 +80,13 @@ std::vector<Event> events(const Plan& plan, uint32_t frames) {
                 list.push_back({false, {}, use, instance_of(plan, use, parity), label});
         }
         list.push_back({true, plan.end[parity], {}, parity, "end"});
+        // Between this frame and the next the host reads the outputs.
+        for (const PlanOutput& output : plan.outputs)
+            list.push_back({false,
+                            {},
+                            {output.resource, false, output.use},
+                            instance_of(plan, {output.resource, false, {}}, parity),
+                            fmt::format("the host after frame {}", frame)});
     }
     return list;
 }
@@ -146,22 +153,62 @@ bool transition_ordered(const std::vector<Event>& list, size_t from, size_t to, 
     return !first.write || r.available || flushes(list[to].dependency, first);
 }
 
-// Images come to life undefined, every frame, unless they are kept (a reset gives those a layout).
+// How an image is used first: by the pass's clear, else by its ports together.
+Use first_use(const Plan& plan, uint32_t resource) {
+    const PlanPass& pass = plan.passes[plan.resources[resource].first_pass];
+    if (std::find(pass.clears.begin(), pass.clears.end(), resource) != pass.clears.end())
+        return {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, true};
+    Use all;
+    for (const PassUse& use : pass.uses)
+        if (use.resource == resource && !use.previous)
+            all = {all.stages | use.use.stages, all.access | use.use.access, all.write || use.use.write};
+    return all;
+}
+
+// Images come to life undefined, every frame, unless they are kept (a reset gives those a layout). The
+// transition writes the image's memory, which has to be visible to the first use.
 std::vector<std::string> missing_activations(const Plan& plan) {
     std::vector<std::string> errors;
     for (uint32_t r = 0; r < plan.resources.size(); ++r)
-        for (const Dependency& d : plan.passes[plan.resources[r].first_pass].before)
-            if (plan.resources[r].kind == PortKind::image && !plan.resources[r].kept &&
-                std::none_of(d.activations.begin(), d.activations.end(),
-                             [&](const Activation& a) { return a.resource == r; }))
+        for (const Dependency& d : plan.passes[plan.resources[r].first_pass].before) {
+            if (plan.resources[r].kind != PortKind::image || plan.resources[r].kept) continue;
+            const auto activation = std::find_if(d.activations.begin(), d.activations.end(),
+                                                 [&](const Activation& a) { return a.resource == r; });
+            const Use use = first_use(plan, r);
+            if (activation == d.activations.end())
                 errors.push_back(plan.resources[r].names.front() + " is used without a layout");
+            else if (!covers(activation->dst_stages, use.stages) ||
+                     !covers(activation->dst_access, use.access))
+                errors.push_back(plan.resources[r].names.front() +
+                                 " is given a layout that its first use does not see");
+        }
+    return errors;
+}
+
+// Every use lies in the passes that the resource's bytes are its own for, counted from the frame that writes
+// it.
+std::vector<std::string> lifetime_errors(const Plan& plan) {
+    std::vector<std::string> errors;
+    const auto passes = static_cast<uint32_t>(plan.passes.size());
+    const auto expect_live = [&](uint32_t resource, uint32_t pass, const std::string& who) {
+        const PlanResource& r = plan.resources[resource];
+        if (!r.kept && (pass < r.first_pass || pass >= r.first_pass + r.length))
+            errors.push_back(fmt::format("{} uses {} in pass {}, which lives in {} to {}", who,
+                                         r.names.front(), pass, r.first_pass, r.first_pass + r.length - 1));
+        if (r.kept && r.length < 2 * passes)
+            errors.push_back(r.names.front() + " is not kept for both frames");
+    };
+    for (uint32_t p = 0; p < passes; ++p)
+        for (const PassUse& use : plan.passes[p].uses)
+            expect_live(use.resource, p + (use.previous ? passes : 0), plan.passes[p].node);
+    for (const PlanOutput& output : plan.outputs) expect_live(output.resource, passes - 1, "the host");
     return errors;
 }
 
 }  // namespace
 
 std::vector<std::string> overlap_errors(const Plan& plan) {
-    std::vector<std::string> errors;
+    std::vector<std::string> errors = lifetime_errors(plan);
     const std::vector<Held> held = holdings(plan, 4);
     for (size_t i = 0; i < held.size(); ++i)
         for (size_t j = i + 1; j < held.size(); ++j) {
@@ -181,12 +228,12 @@ std::vector<std::string> overlap_errors(const Plan& plan) {
     return errors;
 }
 
-std::vector<std::string> hazard_errors(const Plan& plan) {
+std::vector<std::string> hazard_errors(const Plan& plan, size_t most) {
     std::vector<std::string> errors = missing_activations(plan);
     const std::vector<Event> list = events(plan, 6);
     const size_t settled =
         list.size() / 2;  // later accesses are those of frames 3 to 5: every pair of parities
-    for (size_t to = settled; to < list.size(); ++to) {
+    for (size_t to = settled; to < list.size() && errors.size() < most; ++to) {
         for (const Activation& a : list[to].dependency.activations)
             for (size_t from = to - settled; from < to; ++from) {
                 const Event& first = list[from];

@@ -94,57 +94,6 @@ TEST(ToyPlans, AreOrderedAndDoNotOverlap) {
         }
 }
 
-// Each dependency of the plan is needed: without it some access is not ordered.
-TEST(Mutation, EveryDroppedDependencyIsNoticed) {
-    const CheckedPipeline pipeline = checked("fidelityfx");
-    const Plan plan = plan_of(pipeline, sizes[0]);
-    size_t dropped = 0;
-    for (size_t p = 0; p < plan.passes.size(); ++p)
-        for (int parity = 0; parity < 2; ++parity) {
-            if (plan.passes[p].before[parity].src_stages == 0) continue;
-            Plan mutated = plan;
-            mutated.passes[p].before[parity] = {};
-            EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{})
-                << plan.passes[p].node << " parity " << parity;
-            ++dropped;
-        }
-    EXPECT_GT(dropped, 10u);
-}
-
-// The same for what activates an image: without it, or not ordered after the memory's past, the plan is
-// wrong.
-TEST(Mutation, EveryDroppedOrUnorderedActivationIsNoticed) {
-    const Plan plan = plan_of(checked("fidelityfx"), sizes[0]);
-    size_t dropped = 0;
-    for (size_t p = 0; p < plan.passes.size(); ++p)
-        for (int parity = 0; parity < 2; ++parity)
-            for (size_t a = 0; a < plan.passes[p].before[parity].activations.size(); ++a) {
-                Plan mutated = plan;
-                std::vector<Activation>& activations = mutated.passes[p].before[parity].activations;
-                activations[a].src_stages = VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT;
-                EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{}) << plan.passes[p].node;
-                activations.erase(activations.begin() + static_cast<std::ptrdiff_t>(a));
-                EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{}) << plan.passes[p].node;
-                ++dropped;
-            }
-    EXPECT_GT(dropped, 10u);
-}
-
-// Partial writes are cleared first: the use waits for the clear.
-TEST(Mutation, EveryUseThatDoesNotWaitForItsClearIsNoticed) {
-    const Plan plan = plan_of(toy_pipeline_file(), {64, 48});
-    size_t dropped = 0;
-    for (size_t p = 0; p < plan.passes.size(); ++p)
-        for (int parity = 0; parity < 2; ++parity) {
-            if (plan.passes[p].after_clears[parity].empty()) continue;
-            Plan mutated = plan;
-            mutated.passes[p].after_clears[parity] = {};
-            EXPECT_NE(hazard_errors(mutated), std::vector<std::string>{}) << plan.passes[p].node;
-            ++dropped;
-        }
-    EXPECT_EQ(dropped, 4u);
-}
-
 // Each resource's bytes are reserved for as long as they are needed: moved onto another live resource it is
 // noticed.
 TEST(Mutation, EveryResourceMovedOntoANeighbourIsNoticed) {

@@ -428,7 +428,7 @@ TEST_P(ValidatedShots, AreClean) {
 // Between them they have our denoisers, our classifiers and the published denoiser.
 INSTANTIATE_TEST_SUITE_P(Shipped, ValidatedShots,
                          ::testing::Values("cascades_only", "fidelityfx", "covered", "hybrid_cascades",
-                                           "hybrid_fidelityfx", "hybrid_shadows"),
+                                           "hybrid_fidelityfx", "hybrid_shadows", "sigma"),
                          [](const auto& test) { return test.param; });
 
 }  // namespace

@@ -231,12 +231,16 @@ void Device::create_instance(const DeviceOptions& options) {
         create.enabledExtensionCount = 2;
         create.ppEnabledExtensionNames = extensions;
     }
-    check(vkCreateInstance(&create, nullptr, &instance_), "vkCreateInstance", "standalone host");
+    // What a call that fails leaves in its result is undefined; destroy() must not see it.
+    VkInstance instance = VK_NULL_HANDLE;
+    check(vkCreateInstance(&create, nullptr, &instance), "vkCreateInstance", "standalone host");
+    instance_ = instance;
     if (options.validation) {
         const auto make = instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(
             instance_, "vkCreateDebugUtilsMessengerEXT");
-        check(make(instance_, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT",
-              "messenger");
+        VkDebugUtilsMessengerEXT made = VK_NULL_HANDLE;
+        check(make(instance_, &messenger, nullptr, &made), "vkCreateDebugUtilsMessengerEXT", "messenger");
+        messenger_ = made;
     }
 }
 
@@ -311,7 +315,9 @@ void Device::create_device(bool statistics) {
     create.pQueueCreateInfos = &queue;
     create.enabledExtensionCount = static_cast<uint32_t>(extensions_.size());
     create.ppEnabledExtensionNames = extensions_.data();
-    check(vkCreateDevice(physical_, &create, nullptr, &device_), "vkCreateDevice", info_.name);
+    VkDevice device = VK_NULL_HANDLE;
+    check(vkCreateDevice(physical_, &create, nullptr, &device), "vkCreateDevice", info_.name);
+    device_ = device;
     vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
 
     VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};

@@ -110,9 +110,20 @@ VkRenderingAttachmentInfo cleared_attachment(const GpuImage& image) {
 
 }  // namespace
 
-GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight)
-    : device_(device), scene_(scene), textures_(device, scene.model().textures) {
-    const RasterGeometry geometry = make_raster_geometry(scene.model());
+uint64_t gbuffer_bytes_per_pixel() {
+    uint64_t bytes = texel_bytes(gbuffer_depth_format);
+    for (size_t i = 0; i < 3; ++i) bytes += texel_bytes(gbuffer_color_formats[i]);
+    return bytes;
+}
+
+GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight,
+                 bool materials)
+    : device_(device),
+      scene_(scene),
+      materials_(materials),
+      geometry_(make_raster_geometry(scene.model())),
+      textures_(device, scene.model().materials, scene.model().textures, materials) {
+    const RasterGeometry& geometry = geometry_;
     vertices_ = upload_buffer(device, std::as_bytes(std::span(geometry.vertices)),
                               VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "vertices");
     indices_ = upload_buffer(device, std::as_bytes(std::span(geometry.indices)),
@@ -126,7 +137,14 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
                 is_alpha_tested(scene.model(), material)
                     ? least_opaque_alpha(scene.model().materials[static_cast<size_t>(material)])
                     : 0;
-            items_.push_back({instance, &parts[i], geometry.meshes[mesh][i], least_alpha});
+            DrawItem& item = items_.emplace_back();
+            item = {instance, &parts[i], geometry.meshes[mesh][i], least_alpha, {}, {}};
+            if (!scene.deforms(instance, parts[i])) continue;
+            for (auto* list : {&item.vertices, &item.prev_vertices})
+                for (uint32_t slot = 0; slot < frames_in_flight; ++slot)
+                    list->push_back(make_host_buffer(device, item.range.vertex_count * sizeof(RasterVertex),
+                                                     VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+                                                     "vertices that deform"));
         }
     }
     create_images(extent);
@@ -142,13 +160,22 @@ void GBuffer::create_images(VkExtent2D extent) {
     images_.normal = make_image(device_, gbuffer_color_formats[0], extent, 1, color, "normal");
     images_.motion = make_image(device_, gbuffer_color_formats[1], extent, 1, color, "motion");
     images_.albedo = make_image(device_, gbuffer_color_formats[2], extent, 1, color, "albedo");
+    if (!materials_) return;
+    images_.material = make_image(device_, gbuffer_color_formats[3], extent, 1, color, "material");
+    images_.emissive = make_image(device_, gbuffer_color_formats[4], extent, 1, color, "emissive");
+}
+
+std::vector<const GpuImage*> GBuffer::color_images() const {
+    std::vector<const GpuImage*> images{&images_.normal, &images_.motion, &images_.albedo};
+    if (materials_) images.insert(images.end(), {&images_.material, &images_.emissive});
+    return images;
 }
 
 void GBuffer::create_draw_records(uint32_t frames_in_flight) {
     VkDescriptorSetLayoutBinding binding{};
     binding.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     binding.descriptorCount = 1;
-    binding.stageFlags = VK_SHADER_STAGE_VERTEX_BIT;
+    binding.stageFlags = draw_constant_stages;
     draws_ = make_descriptor_sets(device_, {&binding, 1}, frames_in_flight, "draw records");
     const VkDeviceSize bytes = std::max<size_t>(items_.size(), 1) * sizeof(DrawRecord);
     for (uint32_t slot = 0; slot < frames_in_flight; ++slot) {
@@ -163,7 +190,8 @@ void GBuffer::create_pipeline() {
     pipeline_layout_ =
         make_pipeline_layout(device_, sets, draw_constant_stages, sizeof(DrawConstants), "G-buffer");
     const auto made = [&](bool alpha_tested) {
-        return make_gbuffer_pipeline(device_, pipeline_layout_.get(), images_.depth.extent, alpha_tested);
+        return make_gbuffer_pipeline(device_, pipeline_layout_.get(), images_.depth.extent, alpha_tested,
+                                     materials_);
     };
     opaque_ = made(false);
     if (std::ranges::any_of(items_, [](const DrawItem& item) { return item.least_alpha > 0; }))
@@ -191,11 +219,29 @@ void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const 
         for (int c = 0; c < 3; ++c) record.world_from_local[c] = glm::vec4(glm::vec3(normals[c]), 0);
         record.camera_local = glm::vec4(glm::vec3(camera), glm::determinant(linear) < 0 ? -1 : 1);
         record.base_color = glm::vec4(1);
+        record.metallic_roughness = glm::vec4(0, 1, 0, 0);
         if (item.part->material >= 0) {
-            record.base_color = glm::make_vec4(
-                scene_.model().materials[static_cast<size_t>(item.part->material)].base_color.data());
+            const Material& material = scene_.model().materials[static_cast<size_t>(item.part->material)];
+            record.base_color = glm::make_vec4(material.base_color.data());
+            record.metallic_roughness = glm::vec4(material.metallic, material.roughness, 0, 0);
+            record.emissive = glm::vec4(glm::make_vec3(material.emissive.data()), 0);
         }
         std::memcpy(records + i, &record, sizeof(record));
+    }
+}
+
+// Motion vectors need where every vertex was, with the triangles of now.
+void GBuffer::write_deformed(const FrameDescription& frame, size_t slot) {
+    const uint32_t previous = (frame.flags & frame_reset) ? frame.index : frame.index - 1;
+    for (DrawItem& item : items_) {
+        if (item.vertices.empty()) continue;
+        const auto write = [&](GpuBuffer& buffer, uint32_t index) {
+            const std::vector<RasterVertex> vertices =
+                moved_vertices(geometry_, item.range, scene_.positions(item.instance, *item.part, index));
+            std::memcpy(buffer.mapped, vertices.data(), vertices.size() * sizeof(RasterVertex));
+        };
+        write(item.vertices[slot], frame.index);
+        write(item.prev_vertices[slot], previous);
     }
 }
 
@@ -208,18 +254,19 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
     }
     const size_t slot = frame.index % records_.size();
     write_draw_records(frame, world, prev_world, origin, slot);
+    write_deformed(frame, slot);
 
-    const GpuImage* all[] = {&images_.depth, &images_.normal, &images_.motion, &images_.albedo};
+    std::vector<const GpuImage*> all = color_images();
+    std::vector<VkRenderingAttachmentInfo> colors;
+    for (const GpuImage* image : all) colors.push_back(cleared_attachment(*image));
+    all.push_back(&images_.depth);
     begin_writing(commands, all);
     const VkRenderingAttachmentInfo depth = cleared_attachment(images_.depth);
-    const VkRenderingAttachmentInfo colors[] = {cleared_attachment(images_.normal),
-                                                cleared_attachment(images_.motion),
-                                                cleared_attachment(images_.albedo)};
     VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
     rendering.renderArea = {{0, 0}, images_.depth.extent};
     rendering.layerCount = 1;
-    rendering.colorAttachmentCount = 3;
-    rendering.pColorAttachments = colors;
+    rendering.colorAttachmentCount = static_cast<uint32_t>(colors.size());
+    rendering.pColorAttachments = colors.data();
     rendering.pDepthAttachment = &depth;
     vkCmdBeginRendering(commands, &rendering);
     draw(commands, frame, slot);
@@ -229,9 +276,7 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
 
 void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const {
     const VkExtent2D extent = images_.depth.extent;
-    const VkBuffer vertices = vertices_.get();
-    const VkDeviceSize zero = 0;
-    vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &zero);
+    VkBuffer bound_vertices = VK_NULL_HANDLE;
     vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 0, 1,
                             &draws_.sets[slot], 0, nullptr);
@@ -242,8 +287,7 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
     for (size_t i = 0; i < items_.size(); ++i) {
         const DrawItem& item = items_[i];
         const int material = item.part->material;
-        const VkDescriptorSet texture = textures_.set(
-            material < 0 ? -1 : scene_.model().materials[static_cast<size_t>(material)].texture);
+        const VkDescriptorSet texture = textures_.set(material);
         if (texture != bound) {
             vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 1, 1,
                                     &texture, 0, nullptr);
@@ -254,12 +298,21 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
             vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
             drawn_with = pipeline;
         }
+        const bool deforms = !item.vertices.empty();
+        const VkBuffer now = deforms ? item.vertices[slot].get() : vertices_.get(),
+                       before = deforms ? item.prev_vertices[slot].get() : now;
+        if (now != bound_vertices) {
+            const VkBuffer both[] = {now, before};
+            const VkDeviceSize zeros[] = {0, 0};
+            vkCmdBindVertexBuffers(commands, 0, 2, both, zeros);
+            bound_vertices = now;
+        }
         constants.draw = static_cast<uint32_t>(i);
         constants.least_alpha = item.least_alpha;
         vkCmdPushConstants(commands, pipeline_layout_.get(), draw_constant_stages, 0, sizeof(constants),
                            &constants);
         vkCmdDrawIndexed(commands, item.range.index_count, 1, item.range.first_index,
-                         item.range.vertex_offset, 0);
+                         deforms ? 0 : item.range.vertex_offset, 0);
     }
 }
 

@@ -6,6 +6,8 @@ struct Draw {
     mat3 world_from_local;      // of winding normals: the cofactor matrix, whose sign follows a mirrored triangle
     vec4 camera_local;          // camera position in the part's frame; w: sign of the transform's determinant
     vec4 base_color;            // linear
+    vec4 metallic_roughness;    // factors; z, w unused
+    vec4 emissive;              // factor; w unused
 };
 
 layout(push_constant) uniform Constants {

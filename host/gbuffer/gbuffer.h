@@ -23,12 +23,20 @@ struct GBufferImages {
     GpuImage normal;  // rgba32f: a receiver's horizon is as exact as its normal
     GpuImage motion;  // rgba16f
     GpuImage albedo;  // rgba8
+    // Null unless materials are wanted.
+    GpuImage material;  // rg8: metallic, perceptual roughness
+    GpuImage emissive;  // rgba16f: linear radiance
 };
+
+// Of device memory, for what is always rendered: depth, normal, motion, albedo.
+uint64_t gbuffer_bytes_per_pixel();
 
 class GBuffer {
   public:
     // `scene` must outlive the G-buffer. `frames_in_flight`: how many recorded frames may be pending at once.
-    GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight);
+    // `materials`: whether `material` and `emissive` are rendered too.
+    GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight,
+            bool materials = false);
 
     // Records the frame into slot frame.index % frames_in_flight. `world` and `prev_world` are
     // Scene::transforms() of this frame and the previous one; `origin` is the shot's. Afterwards the images
@@ -41,6 +49,7 @@ class GBuffer {
 
   private:
     void create_images(VkExtent2D extent);
+    std::vector<const GpuImage*> color_images() const;
     void create_draw_records(uint32_t frames_in_flight);
     void create_pipeline();
     void write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
@@ -53,13 +62,18 @@ class GBuffer {
         const Part* part = nullptr;
         PartRange range;
         uint32_t least_alpha = 0;  // 0: not alpha-tested
+        // Of what deforms, per frame in flight: its vertices in this frame and in the one before.
+        std::vector<GpuBuffer> vertices, prev_vertices;
     };
+    void write_deformed(const FrameDescription& frame, size_t slot);
 
     Device& device_;
     const Scene& scene_;
+    bool materials_;
     GBufferImages images_;
+    RasterGeometry geometry_;
     GpuBuffer vertices_, indices_;
-    TextureSets textures_;
+    MaterialTextures textures_;
     std::vector<DrawItem> items_;
     std::vector<GpuBuffer> records_;  // per frame in flight
     DescriptorSets draws_;            // of these

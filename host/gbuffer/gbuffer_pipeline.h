@@ -11,8 +11,11 @@
 namespace penumbra {
 
 inline constexpr VkFormat gbuffer_depth_format = VK_FORMAT_D32_SFLOAT;
-inline constexpr std::array<VkFormat, 3> gbuffer_color_formats{
-    VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM};
+// Normal, motion, albedo; where materials are wanted also those and what shines.
+inline constexpr std::array<VkFormat, 5> gbuffer_color_formats{
+    VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM,
+    VK_FORMAT_R8G8_UNORM, VK_FORMAT_R16G16B16A16_SFLOAT};
+inline constexpr size_t gbuffer_colors_without_materials = 3;
 
 // `Draw` of gbuffer.glsl, std430.
 struct DrawRecord {
@@ -20,8 +23,9 @@ struct DrawRecord {
     glm::vec4 world_from_local[3];  // a mat3: columns padded to 16 bytes
     glm::vec4 camera_local;
     glm::vec4 base_color;
+    glm::vec4 metallic_roughness, emissive;
 };
-static_assert(sizeof(DrawRecord) == 208);
+static_assert(sizeof(DrawRecord) == 240);
 
 // `Constants` of gbuffer.glsl.
 struct DrawConstants {
@@ -35,8 +39,8 @@ inline constexpr VkShaderStageFlags draw_constant_stages =
 
 // Reverse Z. `alpha_tested`: texels below
 // DrawConstants::least_alpha are discarded, which costs the depth test before the shader; other materials do
-// without.
+// without. `materials`: all five colours.
 Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, VkExtent2D area,
-                                        bool alpha_tested);
+                                        bool alpha_tested, bool materials);
 
 }  // namespace penumbra

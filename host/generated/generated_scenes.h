@@ -8,6 +8,7 @@
 #include "host/generated/fan.h"
 #include "host/generated/heightfield.h"
 #include "host/generated/lamp.h"
+#include "host/generated/polished.h"
 #include "host/generated/trees.h"
 
 namespace penumbra {
@@ -17,11 +18,13 @@ struct GeneratedScene {
     Model (*make)();
 };
 
-inline constexpr std::array<GeneratedScene, 6> generated_scenes{{{"cards", make_cards},
+inline constexpr std::array<GeneratedScene, 8> generated_scenes{{{"cards", make_cards},
                                                                  {"colonnade", make_colonnade},
                                                                  {"fan", make_fan},
                                                                  {"heightfield", make_heightfield},
                                                                  {"lamp", make_lamp},
+                                                                 {"chrome", make_chrome},
+                                                                 {"polished", make_polished},
                                                                  {"trees", make_trees}}};
 
 }  // namespace penumbra

@@ -9,14 +9,18 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 #include <ImfStdIO.h>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fstream>
+
+#include "host/images/exr_header.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -76,6 +80,50 @@ void put(std::vector<uint8_t>& rgb, size_t pixel, bool nan, uint8_t r, uint8_t g
     rgb[3 * pixel + 2] = nan ? 255 : b;
 }
 
+// The file beside `path` that it is written to first, opened and locked; -1 with errno. Its name is the same
+// for every process: what a killed one left is overwritten by whoever writes that file next, and the lock,
+// which ends with its process, keeps two that live apart.
+int open_part(const std::string& part) {
+    for (;;) {
+        const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+        if (file < 0) return -1;
+        struct stat opened {
+        }, named{};
+        const bool locked = ::flock(file, LOCK_EX) == 0 || errno == EINTR || errno == ENOLCK;
+        // Who held the lock before has given the file its final name: this is no longer the part.
+        const bool same = ::fstat(file, &opened) == 0 && ::stat(part.c_str(), &named) == 0 &&
+                          opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+        if (locked && same && ::ftruncate(file, 0) == 0) return file;
+        const int error = errno;
+        ::close(file);
+        if (locked && !same) continue;
+        errno = error;
+        return -1;
+    }
+}
+
+// 0, or the error. The bytes are on the disk before the file gets its name: a machine that loses power
+// between the two would else keep the name of an empty file.
+int write_all(int file, std::span<const std::byte> bytes) {
+    for (size_t done = 0; done < bytes.size();) {
+        const ssize_t count = ::write(file, bytes.data() + done, bytes.size() - done);
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) return count < 0 ? errno : EIO;
+        done += static_cast<size_t>(count);
+    }
+    // Pipes and some file systems cannot flush.
+    return ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
+}
+
+// The name itself. The file is whole under it already, so what fails here takes nothing away.
+void flush_folder(const std::filesystem::path& path) {
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+    const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file < 0) return;
+    ::fsync(file);
+    ::close(file);
+}
+
 }  // namespace
 
 const Plane* PlanarImage::find(std::string_view name) const {
@@ -84,20 +132,20 @@ const Plane* PlanarImage::find(std::string_view name) const {
 }
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    std::filesystem::path part = path;
-    part += fmt::format(".{}.part", ::getpid());  // beside the file: a rename does not cross file systems
-    const auto fail = [&](const char* verb, const std::string& why) {
-        std::error_code ignored;
-        std::filesystem::remove(part, ignored);
-        throw FileError(fmt::format("{}: cannot be {}: {}", path.string(), verb, why));
+    const std::string part = path.string() + ".part";  // beside it: a rename does not cross file systems
+    const int file = open_part(part);
+    const auto fail = [&](const char* verb, int error) {
+        if (file >= 0) {
+            ::unlink(part.c_str());
+            ::close(file);
+        }
+        throw FileError(fmt::format("{}: cannot be {}: {}", path.string(), verb, std::strerror(error)));
     };
-    std::ofstream stream(part, std::ios::binary);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) fail("written", std::strerror(errno));
-    std::error_code failure;
-    std::filesystem::rename(part, path, failure);
-    if (failure) fail("put in place", failure.message());
+    if (file < 0) fail("written", errno);
+    if (const int error = write_all(file, bytes)) fail("written", error);
+    if (::rename(part.c_str(), path.c_str()) != 0) fail("put in place", errno);
+    ::close(file);
+    flush_folder(path);
 }
 
 void write_exr(const std::filesystem::path& path, const PlanarImage& image) {
@@ -148,16 +196,14 @@ std::optional<PlanarImage> read_exr(const std::filesystem::path& path, Diagnosti
         return std::nullopt;
     }
     try {
+        if (const auto problem = exr_size_problem(path)) {
+            diagnostics.add(place, "", *problem);
+            return std::nullopt;
+        }
         Imf::InputFile file(path.string().c_str());
         const Imath::Box2i window = file.header().dataWindow();
         const int64_t width = int64_t(window.max.x) - window.min.x + 1,
                       height = int64_t(window.max.y) - window.min.y + 1;
-        constexpr int64_t largest = 1 << 16;
-        if (width < 1 || height < 1 || width > largest || height > largest) {
-            diagnostics.add(place, "",
-                            fmt::format("an image of {} x {} texels is not supported", width, height));
-            return std::nullopt;
-        }
         PlanarImage image{static_cast<uint32_t>(width), static_cast<uint32_t>(height), {}};
         const size_t texels = size_t(image.width) * image.height;
         const Imf::ChannelList& channels = file.header().channels();

@@ -63,14 +63,35 @@ class Writer {
     }
 
     void add_material(const Material& material) {
-        Json pbr = {{"baseColorFactor", material.base_color}, {"metallicFactor", 0}};
+        Json pbr = {{"baseColorFactor", material.base_color}};
+        if (material.metallic == 0)
+            pbr["metallicFactor"] = 0;
+        else if (material.metallic != 1)
+            pbr["metallicFactor"] = material.metallic;
+        if (material.roughness != 1) pbr["roughnessFactor"] = material.roughness;
         if (material.texture >= 0) pbr["baseColorTexture"] = {{"index", material.texture}};
+        if (material.metallic_roughness_texture >= 0)
+            pbr["metallicRoughnessTexture"] = {{"index", material.metallic_roughness_texture}};
         Json out = {{"pbrMetallicRoughness", std::move(pbr)}, {"doubleSided", true}};
         if (material.alpha_cutoff) {
             out["alphaMode"] = "MASK";
             out["alphaCutoff"] = *material.alpha_cutoff;
         }
+        add_emission(material, out);
         json_["materials"].push_back(std::move(out));
+    }
+
+    // emissiveFactor ends at 1; what is brighter takes an extension.
+    void add_emission(const Material& material, Json& out) {
+        std::array<float, 3> factor = material.emissive;
+        const float strength = std::max(1.0f, *std::ranges::max_element(factor));
+        for (float& value : factor) value /= strength;
+        if (factor != std::array<float, 3>{}) out["emissiveFactor"] = factor;
+        if (material.emissive_texture >= 0) out["emissiveTexture"] = {{"index", material.emissive_texture}};
+        if (strength == 1) return;
+        out["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
+        if (!json_.contains("extensionsUsed"))
+            json_["extensionsUsed"] = Json::array({"KHR_materials_emissive_strength"});
     }
 
     void add_texture(const Texture& texture) {
@@ -80,6 +101,8 @@ class Writer {
         json_["bufferViews"].push_back(
             {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", bytes}});
         binary_.insert(binary_.end(), png.begin(), png.end());
+        for (const char* list : {"textures", "images"})  // a new key moves the others
+            if (!json_.contains(list)) json_[list] = Json::array();
         json_["textures"].push_back({{"source", json_["images"].size()}});
         json_["images"].push_back(
             {{"bufferView", json_["bufferViews"].size() - 1}, {"mimeType", "image/png"}});

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 
+#include "host/images/input_limit.h"
+
 namespace penumbra {
 
 namespace {
@@ -25,21 +27,18 @@ struct Elements {
 // `count` elements of `element_bytes` at `offset` of a buffer view, checked to lie inside it and its buffer.
 Elements view_elements(const tinygltf::Model& file, int view_index, uint64_t offset, uint64_t count,
                        uint64_t element_bytes, bool may_have_stride) {
+    const std::span<const std::byte> bytes = view_bytes(file, view_index);
     const tinygltf::BufferView& view = element(file.bufferViews, view_index, "buffer view");
-    const tinygltf::Buffer& buffer = element(file.buffers, view.buffer, "buffer");
     const uint64_t stride = may_have_stride && view.byteStride ? view.byteStride : element_bytes;
-    if (view.byteOffset > buffer.data.size() || view.byteLength > buffer.data.size() - view.byteOffset) {
-        throw GltfError(fmt::format("buffer view {} reaches past the end of its buffer", view_index));
-    }
     if (count > most_elements || stride > 252 + element_bytes) {
         throw GltfError(
             fmt::format("buffer view {} is read with {} elements of stride {}", view_index, count, stride));
     }
     const uint64_t needed = count ? (count - 1) * stride + element_bytes : 0;
-    if (offset > view.byteLength || needed > view.byteLength - offset) {
+    if (offset > bytes.size() || needed > bytes.size() - offset) {
         throw GltfError(fmt::format("an accessor reaches past the end of buffer view {}", view_index));
     }
-    return {buffer.data.data() + view.byteOffset + offset, stride, count};
+    return {reinterpret_cast<const unsigned char*>(bytes.data()) + offset, stride, count};
 }
 
 template <class T>
@@ -107,7 +106,38 @@ const tinygltf::Accessor& checked_accessor(const tinygltf::Model& file, int inde
 
 }  // namespace
 
-std::vector<float> read_floats(const tinygltf::Model& file, int index, int width) {
+std::span<const std::byte> view_bytes(const tinygltf::Model& file, int index) {
+    const tinygltf::BufferView& view = element(file.bufferViews, index, "buffer view");
+    const std::vector<unsigned char>& data = element(file.buffers, view.buffer, "buffer").data;
+    if (view.byteOffset > data.size() || view.byteLength > data.size() - view.byteOffset)
+        throw GltfError(fmt::format("buffer view {} reaches past the end of its buffer", index));
+    return std::as_bytes(std::span(data)).subspan(view.byteOffset, view.byteLength);
+}
+
+ReadBudget::ReadBudget(uint64_t file_bytes) : left_(input_limit()), file_bytes_(file_bytes) {
+    constexpr uint64_t per_byte = 1024, for_small_files = uint64_t(1) << 20;
+    const uint64_t of_file = file_bytes > left_ / per_byte ? left_ : file_bytes * per_byte + for_small_files;
+    by_file_ = of_file < left_;
+    left_ = std::min(left_, of_file);
+}
+
+void ReadBudget::spend(uint64_t bytes) {
+    if (bytes > left_)
+        throw GltfError(by_file_
+                            ? fmt::format("a thousand times what {} bytes of files can hold", file_bytes_)
+                            : over_input_limit());
+    left_ -= bytes;
+}
+
+const std::vector<float>& AccessorReader::floats(int accessor, int width) {
+    const auto found = floats_.find(accessor);
+    if (found == floats_.end()) return floats_[accessor] = read_floats(accessor, width);
+    checked_accessor(file_, accessor, width);  // what was read may have been asked for with another width
+    return found->second;
+}
+
+std::vector<float> AccessorReader::read_floats(int index, int width) {
+    const tinygltf::Model& file = file_;
     const tinygltf::Accessor& accessor = checked_accessor(file, index, width);
     const uint64_t step = component_bytes(accessor.componentType);
     const uint64_t element_bytes = step * static_cast<uint64_t>(width);
@@ -121,14 +151,13 @@ std::vector<float> read_floats(const tinygltf::Model& file, int index, int width
     if (accessor.bufferView >= 0) {
         const Elements elements = view_elements(file, accessor.bufferView, accessor.byteOffset,
                                                 accessor.count, element_bytes, true);
+        budget_.spend(accessor.count * static_cast<uint64_t>(width) * sizeof(float));
         out.resize(accessor.count * static_cast<uint64_t>(width));
         for (uint64_t i = 0; i < elements.count; ++i) copy(elements.at(i), i);
     } else if (!accessor.sparse.isSparse) {
         throw GltfError(fmt::format("accessor {} has no data", index));
     } else {
-        // Zeros with overrides. The overrides bound what a sane file would leave at zero.
-        if (accessor.count > (uint64_t(1) << 26))
-            throw GltfError(fmt::format("accessor {} is too large", index));
+        budget_.spend(accessor.count * static_cast<uint64_t>(width) * sizeof(float));
         out.resize(accessor.count * static_cast<uint64_t>(width));
     }
     if (!accessor.sparse.isSparse) return out;
@@ -151,13 +180,14 @@ std::vector<float> read_floats(const tinygltf::Model& file, int index, int width
     return out;
 }
 
-std::vector<uint32_t> read_indices(const tinygltf::Model& file, int index) {
-    const tinygltf::Accessor& accessor = checked_accessor(file, index, 1);
+std::vector<uint32_t> AccessorReader::indices(int index) {
+    const tinygltf::Accessor& accessor = checked_accessor(file_, index, 1);
     if (accessor.sparse.isSparse || accessor.bufferView < 0) {
         throw GltfError(fmt::format("accessor {}: indices must be stored in full", index));
     }
-    const Elements elements = view_elements(file, accessor.bufferView, accessor.byteOffset, accessor.count,
+    const Elements elements = view_elements(file_, accessor.bufferView, accessor.byteOffset, accessor.count,
                                             component_bytes(accessor.componentType), false);
+    budget_.spend(accessor.count * sizeof(uint32_t));
     std::vector<uint32_t> out(elements.count);
     for (uint64_t i = 0; i < elements.count; ++i) out[i] = load_index(elements.at(i), accessor.componentType);
     return out;

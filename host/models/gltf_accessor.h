@@ -5,7 +5,10 @@
 
 #include <tiny_gltf.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -17,11 +20,42 @@ class GltfError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-// `width` floats per element, tightly packed. Throws GltfError.
-std::vector<float> read_floats(const tinygltf::Model& file, int accessor, int width);
+// The bytes of a buffer view, checked to lie inside its buffer. Throws GltfError.
+std::span<const std::byte> view_bytes(const tinygltf::Model& file, int view);
 
-// Unsigned scalars. Throws GltfError.
-std::vector<uint32_t> read_indices(const tinygltf::Model& file, int accessor);
+// What a model may take in memory, which is spent before it is allocated. A few bytes can stand for gigabytes
+// (a sparse accessor, many primitives on one buffer), and no sane file repeats what it holds a thousand
+// times.
+class ReadBudget {
+  public:
+    // `file_bytes` in all files of the model. Throws std::invalid_argument as input_limit() does.
+    explicit ReadBudget(uint64_t file_bytes);
+    void spend(uint64_t bytes);  // throws GltfError where that is too much
+    uint64_t left() const { return left_; }
+
+  private:
+    uint64_t left_, file_bytes_;
+    bool by_file_;  // the file's size is the narrower bound
+};
+
+// Reads each accessor once, however many primitives share it.
+class AccessorReader {
+  public:
+    AccessorReader(const tinygltf::Model& file, ReadBudget& budget) : file_(file), budget_(budget) {}
+
+    // `width` floats per element, tightly packed; valid as long as the reader. Throws GltfError.
+    const std::vector<float>& floats(int accessor, int width);
+
+    // Unsigned scalars. Throws GltfError.
+    std::vector<uint32_t> indices(int accessor);
+
+  private:
+    std::vector<float> read_floats(int accessor, int width);
+
+    const tinygltf::Model& file_;
+    ReadBudget& budget_;
+    std::map<int, std::vector<float>> floats_;  // by accessor
+};
 
 // list.at(index) with an error that names the thing.
 template <class T>

@@ -123,6 +123,12 @@ void SceneTlas::split_objects(const std::vector<uint32_t>& record_of) {
     }
 }
 
+std::vector<uint32_t> SceneTlas::first_triangles() const {
+    std::vector<uint32_t> first;
+    for (const Object& object : objects_) first.push_back(object.first);
+    return first;
+}
+
 void SceneTlas::update(double frame) {
     const std::vector<Triangle> triangles = scene_.triangles(frame);
     std::vector<size_t> moved;

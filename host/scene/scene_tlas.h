@@ -28,6 +28,8 @@ class SceneTlas {
 
     // Moves to another frame; nothing on the device may be reading the structures.
     void update(double frame);
+    // Per instance, the number of its first triangle in Scene::triangles().
+    std::vector<uint32_t> first_triangles() const;
 
     VkAccelerationStructureKHR get() const { return tlas_.handle.get(); }
     // None where nothing is alpha-tested. SceneBvh's hold the same records, and serve both.

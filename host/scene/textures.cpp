@@ -21,9 +21,36 @@ uint8_t to_srgb(float linear) {
     return static_cast<uint8_t>(std::lround(std::clamp(c, 0.0f, 1.0f) * 255));
 }
 
+uint8_t to_unorm(float linear) {
+    return static_cast<uint8_t>(std::lround(std::clamp(linear, 0.0f, 1.0f) * 255));
+}
+
+// How a texture's bytes stand for what is averaged.
+struct Encoding {
+    VkFormat format;
+    std::array<float, 256> decoded;
+    uint8_t (*encode)(float);
+};
+
+Encoding make_encoding(VkFormat format, float (*decode)(uint8_t), uint8_t (*encode)(float)) {
+    Encoding encoding{format, {}, encode};
+    for (size_t i = 0; i < encoding.decoded.size(); ++i)
+        encoding.decoded[i] = decode(static_cast<uint8_t>(i));
+    return encoding;
+}
+
+Encoding srgb_encoding() {
+    return make_encoding(VK_FORMAT_R8G8B8A8_SRGB, to_linear, to_srgb);
+}
+
+Encoding linear_encoding() {
+    return make_encoding(
+        VK_FORMAT_R8G8B8A8_UNORM, [](uint8_t byte) { return static_cast<float>(byte) / 255; }, to_unorm);
+}
+
 // Appends half the size of the level that starts at `from`; odd sizes repeat their last row or column.
 void append_half(std::vector<uint8_t>& texels, size_t from, uint32_t width, uint32_t height,
-                 const std::array<float, 256>& linear) {
+                 const Encoding& encoding) {
     for (uint32_t y = 0; y < std::max(height / 2, 1u); ++y) {
         for (uint32_t x = 0; x < std::max(width / 2, 1u); ++x) {
             for (uint32_t channel = 0; channel < 4; ++channel) {
@@ -31,45 +58,47 @@ void append_half(std::vector<uint8_t>& texels, size_t from, uint32_t width, uint
                 for (uint32_t k = 0; k < 4; ++k) {
                     const size_t sx = std::min(2 * x + (k & 1), width - 1),
                                  sy = std::min(2 * y + (k >> 1), height - 1);
-                    sum += linear[texels[from + (sy * width + sx) * 4 + channel]];
+                    sum += encoding.decoded[texels[from + (sy * width + sx) * 4 + channel]];
                 }
-                texels.push_back(to_srgb(sum / 4));
+                texels.push_back(encoding.encode(sum / 4));
             }
         }
     }
 }
 
-GpuImage upload(Device& device, const Texture& texture, const std::array<float, 256>& linear) {
+GpuImage upload(Device& device, const Texture& texture, const Encoding& encoding) {
     std::vector<uint8_t> texels = texture.rgba;
     uint32_t width = texture.width, height = texture.height, levels = 1;
     size_t from = 0;
     while (width > 1 || height > 1) {
         const size_t next = texels.size();
-        append_half(texels, from, width, height, linear);
+        append_half(texels, from, width, height, encoding);
         width = std::max(width / 2, 1u);
         height = std::max(height / 2, 1u);
         from = next;
         ++levels;
     }
-    GpuImage image =
-        make_image(device, VK_FORMAT_R8G8B8A8_SRGB, {texture.width, texture.height}, levels,
-                   VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, "base colour texture");
+    GpuImage image = make_image(device, encoding.format, {texture.width, texture.height}, levels,
+                                VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, "a texture");
     upload_image(device, image, std::as_bytes(std::span(texels)));
     return image;
 }
 
 }  // namespace
 
-TextureSets::TextureSets(Device& device, std::span<const Texture> textures) {
-    std::array<float, 256> linear{};
-    for (size_t i = 0; i < linear.size(); ++i) linear[i] = to_linear(static_cast<uint8_t>(i));
+MaterialTextures::MaterialTextures(Device& device, std::span<const Material> materials,
+                                   std::span<const Texture> textures, bool surfaces) {
     const Texture white{1, 1, {255, 255, 255, 255}};
-    images_.push_back(upload(device, white, linear));
-    for (const Texture& texture : textures) {
+    // Each texture once in each encoding that some material reads it in.
+    const auto image = [&](int texture, bool srgb) -> const GpuImage& {
         const uint32_t limit = device.limits().maxImageDimension2D;
-        const bool usable = texture.width > 0 && std::max(texture.width, texture.height) <= limit;
-        images_.push_back(upload(device, usable ? texture : white, linear));
-    }
+        const Texture* wanted = texture < 0 ? &white : &textures[static_cast<size_t>(texture)];
+        if (wanted->width == 0 || std::max(wanted->width, wanted->height) > limit) wanted = &white;
+        GpuImage& held = images_[{wanted == &white ? -1 : texture, srgb}];
+        if (held.format == VK_FORMAT_UNDEFINED)
+            held = upload(device, *wanted, srgb ? srgb_encoding() : linear_encoding());
+        return held;
+    };
 
     VkSamplerCreateInfo sampler{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
     sampler.magFilter = VK_FILTER_LINEAR;
@@ -78,16 +107,25 @@ TextureSets::TextureSets(Device& device, std::span<const Texture> textures) {
     sampler.maxLod = VK_LOD_CLAMP_NONE;
     VkSampler sampler_handle = VK_NULL_HANDLE;
     check(vkCreateSampler(device.get(), &sampler, nullptr, &sampler_handle), "vkCreateSampler",
-          "base colour");
+          "material textures");
     sampler_ = {device.get(), sampler_handle};
 
-    VkDescriptorSetLayoutBinding binding{};
-    binding.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-    binding.descriptorCount = 1;
-    binding.stageFlags = VK_SHADER_STAGE_FRAGMENT_BIT;
-    sets_ = make_descriptor_sets(device, {&binding, 1}, static_cast<uint32_t>(images_.size()), "base colour");
-    for (size_t i = 0; i < images_.size(); ++i)
-        write_image(device, sets_.sets[i], 0, sampler_.get(), images_[i].view.get());
+    std::array<VkDescriptorSetLayoutBinding, 3> bindings{};
+    for (uint32_t i = 0; i < bindings.size(); ++i)
+        bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT,
+                       nullptr};
+    sets_ = make_descriptor_sets(device, bindings, static_cast<uint32_t>(1 + materials.size()),
+                                 "material textures");
+    for (size_t i = 0; i < sets_.sets.size(); ++i) {
+        const Material material = i == 0 ? Material{} : materials[i - 1];
+        const int of_surface[] = {surfaces ? material.metallic_roughness_texture : -1,
+                                  surfaces ? material.emissive_texture : -1};
+        const VkImageView views[] = {image(material.texture, true).view.get(),
+                                     image(of_surface[0], false).view.get(),
+                                     image(of_surface[1], true).view.get()};
+        for (uint32_t binding = 0; binding < 3; ++binding)
+            write_image(device, sets_.sets[i], binding, sampler_.get(), views[binding]);
+    }
 }
 
 }  // namespace penumbra

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Base colour textures on the device, each with its mip chain, and one descriptor set per texture. Slot 0 is
-// a white texel for materials without one.
+// The materials' textures on the device, each with its mip chain, and one descriptor set per material: base
+// colour, metallic-roughness, emissive. A white texel stands for those that a material does not have.
 #pragma once
 
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "host/device/descriptor_sets.h"
@@ -11,18 +13,19 @@
 
 namespace penumbra {
 
-class TextureSets {
+class MaterialTextures {
   public:
-    TextureSets(Device& device, std::span<const Texture> textures);
+    // `surfaces`: the second and third too; they are white without.
+    MaterialTextures(Device& device, std::span<const Material> materials, std::span<const Texture> textures,
+                     bool surfaces);
 
     VkDescriptorSetLayout layout() const { return sets_.layout.get(); }
-    // The set of a material's texture; -1 and unreadable textures: white.
-    VkDescriptorSet set(int texture) const {
-        return sets_.sets[texture < 0 ? 0 : 1 + static_cast<size_t>(texture)];
-    }
+    // -1, no material: white.
+    VkDescriptorSet set(int material) const { return sets_.sets[static_cast<size_t>(1 + material)]; }
 
   private:
-    std::vector<GpuImage> images_;
+    std::map<std::pair<int, bool>, GpuImage>
+        images_;  // by texture (-1: white) and whether it is sRGB-encoded
     Owned<VkSampler> sampler_;
     DescriptorSets sets_;
 };

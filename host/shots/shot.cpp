@@ -8,6 +8,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
+#include <stdexcept>
 
 #include "host/models/model.h"
 #include "host/truth/analytic.h"
@@ -71,6 +72,7 @@ Camera camera_at(const Shot& shot, double frame, double aspect) {
 }
 
 SunState sun_at(const Shot& shot, double frame) {
+    // Unit vectors are interpolated, so that a key's length has no say in how fast the sun passes it.
     const auto [a, b, t] = around(shot.sun, frame);
     return {.to_sun = direction(glm::mix(glm::normalize(a.to_sun), glm::normalize(b.to_sun), t)),
             .angular_radius = glm::radians(shot.sun_angular_radius_deg)};
@@ -110,13 +112,22 @@ bool check_objects(const Shot& shot, const Model& model, Diagnostics& diagnostic
         } else if (matches > 1) {
             diagnostics.add(motion.place, path,
                             "the scene has " + std::to_string(matches) + " nodes named \"" + name + "\"");
-        } else if (std::ranges::find(model.nodes, name, &Node::name)->matrix) {
-            diagnostics.add(
-                motion.place, path,
-                "the node has a matrix; only nodes with translation, rotation and scale can be moved");
         }
     }
     return diagnostics.size() == before;
+}
+
+int find_animation(const Model& model, const std::string& animation) {
+    if (animation.empty()) return -1;
+    std::vector<std::string> names;
+    for (size_t i = 0; i < model.animations.size(); ++i) {
+        if (model.animations[i].name == animation) return static_cast<int>(i);
+        names.push_back(model.animations[i].name);
+    }
+    for (size_t i = 0; i < model.animations.size(); ++i)
+        if (std::to_string(i) == animation) return static_cast<int>(i);
+    throw std::runtime_error("the scene has " + std::to_string(names.size()) + " animations, and none is \"" +
+                             animation + "\"" + did_you_mean(animation, names));
 }
 
 std::array<double, 2> halton_jitter(uint32_t frame, std::array<uint32_t, 2> size) {

@@ -9,6 +9,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "host/truth/analytic_scene.h"
@@ -26,7 +28,7 @@ struct CameraKey {
 
 struct SunKey {
     double frame = 0;
-    glm::dvec3 to_sun{0, 1, 0};  // any length but zero
+    glm::dvec3 to_sun{0, 1, 0};  // any length but zero, which says nothing: unit vectors are interpolated
 };
 
 struct ObjectKey {
@@ -37,6 +39,26 @@ struct ObjectKey {
 struct ObjectMotion {
     Place place;  // of the object's name in the shot
     std::vector<ObjectKey> keys;
+};
+
+// A horizontal square that is no part of the model: something for its shadow to fall on.
+struct Ground {
+    double height = 0;               // y
+    std::array<double, 2> center{};  // x, z
+    double half_extent = 1;          // metres
+};
+inline constexpr const char* ground_name = "ground";  // of its node
+
+// What is seen beyond the scene, in radiance. A sky depends on the height of a direction alone: linear in it,
+// from `low` straight down to `high` straight up; else as `shade` draws it, from the horizon, in the square
+// root of the height.
+struct EnvironmentSky {
+    bool linear = false;
+    glm::dvec3 low{0.512, 0.6612, 0.912}, high{0.1408, 0.3192, 0.72};
+};
+struct EnvironmentFile {
+    std::filesystem::path path;  // EXR, resolved against the shot's folder
+    double scale = 1;
 };
 
 struct Shot {
@@ -53,15 +75,26 @@ struct Shot {
     double sun_angular_radius_deg = 0.2665;  // the sun as seen from the Earth, mean over the year
     std::vector<SunKey> sun;
     std::map<std::string, ObjectMotion> objects;  // by the name of a glTF node
+    std::string
+        animation;  // of the model: its name or number; empty: none is played. Frame 0 is its second 0
+    std::optional<Ground> ground;
+    std::variant<EnvironmentSky, EnvironmentFile> environment;
     glm::dvec3 origin{0};
     uint32_t seed = 0;
 };
 
 // Reads and checks a shot; the scene file itself is not opened.
 std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics);
+// The same from a text that is to become the file `path`.
+std::optional<Shot> parse_shot(std::string_view text, const std::filesystem::path& path,
+                               Diagnostics& diagnostics);
 
-// Every object must name a node of the model, and that node's transform must be translate * rotate * scale.
+// Every object must name one node of the model.
 bool check_objects(const Shot& shot, const Model& model, Diagnostics& diagnostics);
+
+// The model's animation of that name, or else of that number; -1 for "". Throws std::runtime_error, with the
+// names that there are, where there is none.
+int find_animation(const Model& model, const std::string& animation);
 
 struct SunState {
     glm::dvec3 to_sun{0, 1, 0};  // unit, world axes

@@ -33,8 +33,9 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
             {"sun_disc", shot.sun_angular_radius_deg > 0},
             {"casters", !scene.instances().empty()},
             {"alpha", has_alpha(scene)},
-            {"moves", moves(shot)},
-            {"sun_moves", sun_moves(shot)}};
+            {"moves", moves(shot) || scene.animated()},
+            {"sun_moves", sun_moves(shot) || scene.animated()},
+            {"tree", true}};  // the program builds it for whoever walks it
 }
 
 }  // namespace penumbra

@@ -215,13 +215,14 @@ void read_scene(Reader& reader, const Json& root, Shot& shot) {
     } else if (scene->kind != Json::Kind::string || scene->string.empty()) {
         reader.error(scene->place, "scene", "expected the name of a glTF file");
     } else {
-        shot.model = shot.file.parent_path() / scene->string;
+        // Without "..": a shot may be read before its folder is there.
+        shot.model = (shot.file.parent_path() / scene->string).lexically_normal();
     }
 }
 
 // Analytic scenes bring a camera and a motion of their own: what a shot says besides would not be heeded.
 void refuse_with_analytic(Reader& reader, const Json& root) {
-    for (const char* key : {"camera", "objects"})
+    for (const char* key : {"camera", "objects", "animation", "ground"})
         if (const Json* value = root.find(key))
             reader.error(value->place, key, "an analytic scene has its own");
 }
@@ -305,6 +306,61 @@ void read_objects(Reader& reader, const Json& root, Shot& shot) {
     }
 }
 
+void read_ground(Reader& reader, const Json& root, Shot& shot) {
+    const Json* ground = root.find("ground");
+    if (!ground || !reader.object(*ground, "ground", {"height", "center", "half_extent"})) return;
+    Ground& out = shot.ground.emplace();
+    if (const Json* v = reader.required(*ground, "ground", "height"))
+        reader.number(*v, "ground.height", -huge, huge, out.height);
+    if (const Json* v = reader.required(*ground, "ground", "half_extent"))
+        reader.number(*v, "ground.half_extent", 1e-6, huge, out.half_extent);
+    const Json* center = ground->find("center");
+    if (!center) return;
+    if (center->kind != Json::Kind::array || center->items.size() != 2) {
+        reader.error(center->place, "ground.center", "expected [x, z]");
+        return;
+    }
+    for (size_t i = 0; i < 2; ++i)
+        reader.number(center->items[i], fmt::format("ground.center[{}]", i), -huge, huge, out.center[i]);
+}
+
+// { "file", "scale" }, or a sky { "down", "up" }.
+void read_environment(Reader& reader, const Json& root, Shot& shot) {
+    const Json* json = root.find("environment");
+    if (!json || !reader.object(*json, "environment", {"file", "scale", "down", "up"})) return;
+    const auto refuse = [&](const char* key, const char* beside) {
+        if (const Json* value = json->find(key))
+            reader.error(value->place, std::string("environment.") + key,
+                         fmt::format("an environment with \"{}\" has no \"{}\"", beside, key));
+    };
+    if (const Json* file = json->find("file")) {
+        refuse("down", "file");
+        refuse("up", "file");
+        EnvironmentFile out;
+        if (file->kind != Json::Kind::string || file->string.empty())
+            reader.error(file->place, "environment.file", "expected the name of an EXR file");
+        else
+            out.path = shot.file.parent_path() / file->string;
+        if (const Json* scale = json->find("scale"))
+            reader.number(*scale, "environment.scale", 0, 1e9, out.scale);
+        shot.environment = out;
+        return;
+    }
+    refuse("scale", "up");
+    EnvironmentSky out;
+    out.linear = true;
+    const auto color = [&](const char* key, glm::dvec3& value) {
+        const Json* v = reader.required(*json, "environment", key);
+        if (!v) return;
+        reader.vector(*v, std::string("environment.") + key, value);
+        if (!(std::min({value.x, value.y, value.z}) >= 0))
+            reader.error(v->place, std::string("environment.") + key, "a radiance may not be negative");
+    };
+    color("down", out.low);
+    color("up", out.high);
+    shot.environment = out;
+}
+
 // Keys that are good one by one may still meet on the way, so every frame is looked at.
 void check_frames(Reader& reader, const Json& root, const Shot& shot) {
     const auto all_finite = [](const auto& list) {
@@ -346,14 +402,16 @@ std::string name_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics) {
-    const std::optional<Json> root = read_json(path, diagnostics);
+namespace {
+
+std::optional<Shot> shot_of(const std::optional<Json>& root, const std::filesystem::path& path,
+                            Diagnostics& diagnostics) {
     if (!root) return std::nullopt;
     const size_t before = diagnostics.size();
     Reader reader(diagnostics);
     if (!reader.object(*root, "",
                        {"$schema", "penumbra_shot", "scene", "size", "frames", "cuts", "fps", "camera", "sun",
-                        "objects", "origin", "seed"})) {
+                        "objects", "animation", "ground", "environment", "origin", "seed"})) {
         return std::nullopt;
     }
     Shot shot;
@@ -384,7 +442,18 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     if (!analytic) read_camera(reader, *root, shot);
     read_sun(reader, *root, shot);
     if (!analytic) read_objects(reader, *root, shot);
+    if (!analytic) read_ground(reader, *root, shot);
+    if (const Json* animation = root->find("animation"); animation && !analytic) {
+        if (animation->kind == Json::Kind::string && !animation->string.empty())
+            shot.animation = animation->string;
+        else if (animation->kind == Json::Kind::integer && animation->integer >= 0)
+            shot.animation = std::to_string(animation->integer);
+        else
+            reader.error(animation->place, "animation",
+                         "expected the name or the number of one of the model's");
+    }
     if (analytic) refuse_with_analytic(reader, *root);
+    read_environment(reader, *root, shot);
     if (const Json* origin = root->find("origin")) reader.vector(*origin, "origin", shot.origin);
     if (const Json* seed = root->find("seed")) {
         reader.integer(*seed, "seed", 0, std::numeric_limits<uint32_t>::max(), shot.seed);
@@ -393,6 +462,17 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     if (diagnostics.size() != before) return std::nullopt;
     if (shot.analytic) add_analytic_motion(shot);
     return shot;
+}
+
+}  // namespace
+
+std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics) {
+    return shot_of(read_json(path, diagnostics), path, diagnostics);
+}
+
+std::optional<Shot> parse_shot(std::string_view text, const std::filesystem::path& path,
+                               Diagnostics& diagnostics) {
+    return shot_of(parse_json(text, path.string(), diagnostics), path, diagnostics);
 }
 
 }  // namespace penumbra

@@ -36,7 +36,8 @@ struct Bundle {
     struct Backend {
         std::string name;
         std::string feature;    // of the device, which it takes; empty: none
-        bool gpu_only = false;  // `auto` leaves it on a CPU device
+        std::string fact;       // that must hold for it; empty: none
+        bool gpu_only = false;  // `auto` leaves it on a CPU device that has another
         std::string glsl;       // what its shaders begin with
     };
     // Which devices a part exists on, by how many texels their buffers hold (large_texel_buffer): what may exceed

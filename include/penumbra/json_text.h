@@ -43,11 +43,17 @@ struct JsonMember {
 // "object", "string", ...: the word for error messages.
 const char* kind_name(Json::Kind kind);
 
-// Parses `text`; `file` is the name that places carry.
-std::optional<Json> parse_json(std::string_view text, const std::string& file, Diagnostics& diagnostics);
+// How many values, keys and punctuation marks a text may have: a pipeline of 10 000 nodes has 300 000. Each
+// takes up to some hundred bytes of memory where the text takes one or two.
+inline constexpr size_t most_json_tokens = 2'000'000;
 
-// Reads and parses a file; a missing or unreadable file is a diagnostic too.
-std::optional<Json> read_json(const std::filesystem::path& path, Diagnostics& diagnostics);
+// Parses `text`; `file` is the name that places carry.
+std::optional<Json> parse_json(std::string_view text, const std::string& file, Diagnostics& diagnostics,
+                               size_t most_tokens = most_json_tokens);
+
+// Reads and parses a file; a missing, unreadable or endless file is a diagnostic too.
+std::optional<Json> read_json(const std::filesystem::path& path, Diagnostics& diagnostics,
+                              size_t most_tokens = most_json_tokens);
 
 // RFC 7396: null removes, objects merge, everything else replaces. Values keep the place they came from.
 void merge_patch(Json& target, const Json& patch);
@@ -57,4 +63,4 @@ void merge_patch(Json& target, const Json& patch);
 // a.b.c=...").
 void set_path(Json& target, std::string_view path, std::string_view value_text, const Place& place);
 
-}  // namespace penumbra
+}  // namespace PENUMBRA_API

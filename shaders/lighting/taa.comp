@@ -9,59 +9,36 @@
 // something thinner than a pixel before one; and
 // the new colour counts 1/n of n frames: an edge under 16 jitter positions is their mean after 16 frames, and what has just
 // come into view starts anew. Where nothing moves, a pixel's history is its own.
+//
+// An invocation goes down a column: of the 3x3 pixels around each only the lower three are new.
 #include "node.glsl"
+#include "common/branch.glsl"
 #include "common/camera.glsl"
-#include "lighting/finite.glsl"
+#include "common/finite.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
+#include "common/rounded.glsl"
 
 const float BLEND = 1.0 / 16.0;  // published
 
 vec3 compress(vec3 c) { return WEIGHTING == WEIGHTING_LINEAR ? c : c / (1.0 + c); }
 vec3 expand(vec3 c) { return storable(WEIGHTING == WEIGHTING_LINEAR ? c : c / max(1.0 - c, 1e-5)); }
 
-vec3 current(ivec2 p) { return compress(storable(imageLoad(lit, clamp(p, ivec2(0), ivec2(frame.size) - 1)).xyz)); }
-
-// Of 3x3 pixels: an edge takes its history from what is in front. Depths are 0 and the pixel p where all is sky.
-struct Around {
-    ivec2 nearest, farthest;
-    float nearest_depth, farthest_depth;
-    bool sky;
-};
-
-Around look_around(ivec2 p) {
-    Around a = Around(p, p, 1e30, 0.0, false);
-    for (int i = 0; i < 9; ++i) {
-        const ivec2 q = p + ivec2(i % 3, i / 3) - 1;
-        if (!inside_frame(q)) continue;
-        const float z = imageLoad(view_depth, q).x;
-        if (z > 0.0 && z < a.nearest_depth) {
-            a.nearest_depth = z;
-            a.nearest = q;
-        }
-        if (z > a.farthest_depth) {
-            a.farthest_depth = z;
-            a.farthest = q;
-        }
-        if (!(z > 0.0)) a.sky = true;
-    }
-    return a;
-}
-
 #include "lighting/taa_history.glsl"
 #include "lighting/taa_box.glsl"
 #include "lighting/taa_surfaces.glsl"
 
-vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
+vec4 robust(ivec2 p, Box box, Around around, Cameras cameras, Reprojection there, vec3 moved) {
+    vec3 c = box.shown;
     float frames = 1.0;
     if (there.on_screen && (frame.flags & FRAME_RESET) == 0u) {
         // Not by way of uv, whose rounding would move a still pixel.
-        const vec2 texel = (vec2(p) + 0.5) * (vec2(frame.prev_size) / vec2(frame.size)) + v * vec2(frame.prev_size);
-        const Past past = past_at(texel, around);
+        const vec2 texel = (vec2(p) + 0.5) * (vec2(frame.prev_size) / vec2(frame.size)) + moved.xy * vec2(frame.prev_size);
+        const Past past = past_at(texel, around, cameras, moved);
         if (past.frames >= 1.0) {
             const float scale = past.thin ? 0.0 : params.clamp_sigma;
-            const vec3 before = clamp_to_neighbours(p, compress(storable(past.color)), scale);
+            const vec3 before = clamp_to_box(box, compress(storable(past.color)), scale);
             frames = min(past.frames + 1.0, float(MAX_FRAMES));
             c = before + (c - before) / frames;
         }
@@ -70,25 +47,39 @@ vec4 robust(ivec2 p, vec3 c, Around around, Reprojection there, vec2 v) {
     return vec4(round_to(out_color.xy, HALF_BITS), round_to(out_color.z, HALF_BITS), frames / float(MAX_FRAMES));
 }
 
-vec4 published(ivec2 p, vec3 c, Reprojection there, vec2 v) {
+vec4 published(Box box, Reprojection there, vec2 v) {
+    vec3 c = box.shown;
     if (there.on_screen && (frame.flags & FRAME_RESET) == 0u) {
         // What stands still may keep more of its history: nothing there can be a ghost for long.
         const float scale = mix(0.5, 2.5, 1.0 - smoothstep(0.0, 0.02, length(v)));
         const vec3 past = compress(storable(history_at(there.uv * vec2(frame.prev_size))));
-        c = mix(clamp_to_neighbours(p, past, scale), c, BLEND);
+        c = mix(clamp_to_box(box, past, scale), c, BLEND);
     }
     return vec4(expand(c), 1.0);
 }
 
-void for_pixel(ivec2 p) {
-    const vec3 c = current(p);
-    const Around around = look_around(p);
-    const vec2 v = HAS_MOTION ? texelFetch(motion, around.nearest, 0).xy : vec2(0.0);
-    const Reprojection there = reproject(p, v);
-    if (HAS_GUIDE_NORMAL)
-        imageStore(color, p, robust(p, c, around, there, v));
-    else
-        imageStore(color, p, published(p, c, there, v));
+void main() {
+    const int x = int(gl_GlobalInvocationID.x), first = int(gl_GlobalInvocationID.y * PER_THREAD_Y);
+    if (x >= int(frame.size.x)) return;
+    const int end = min(first + int(PER_THREAD_Y), int(frame.size.y));
+    const Cameras cameras = cameras();
+    ColorRow color_above = color_row(x, first - 1), color_here = color_row(x, first);
+    DepthRow depth_above = depth_row(x, first - 1), depth_here = depth_row(x, first);
+    for (int y = first; y < end; ++y) {
+        const ivec2 p = ivec2(x, y);
+        const ColorRow color_below = color_row(x, y + 1);
+        const DepthRow depth_below = depth_row(x, y + 1);
+        const Box box = box_of(color_above, color_here, color_below);
+        const Around around = around_of(p, depth_above, depth_here, depth_below);
+        const vec3 v = HAS_MOTION ? texelFetch(motion, around.nearest, 0).xyz : vec3(0.0);
+        const Reprojection there = reproject(p, v.xy);
+        if (HAS_GUIDE_NORMAL)
+            imageStore(color, p, robust(p, box, around, cameras, there, v));
+        else
+            imageStore(color, p, published(box, there, v.xy));
+        color_above = color_here;
+        color_here = color_below;
+        depth_above = depth_here;
+        depth_here = depth_below;
+    }
 }
-
-void main() { for_each_pixel(); }

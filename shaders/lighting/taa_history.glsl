@@ -1,22 +1,39 @@
 // SPDX-License-Identifier: MIT
-// The colour history between its texels.
+// The colour history between its texels: Catmull-Rom over 4x4 of them, as published; the robust form leaves out the four
+// corners, which weigh 1/64 at most together (Jimenez 2016, Filmic SMAA). Texels, not filtered samples, are what a software
+// device is fast at, and no device's 8 bits of filter weight get into the average.
 //
-// Includer has camera.glsl and declares the sampled image history.
+// Includer has branch.glsl, camera.glsl and rounded.glsl and declares the image history.
 
-vec3 history_tap(vec2 texel) { return textureLod(history, history_coordinate(texel, textureSize(history, 0)), 0.0).xyz; }
+ivec2 history_last() { return ivec2(frame.prev_size) - 1; }
 
-// Catmull-Rom over 4x4 texels from nine bilinear taps: the two inner weights of an axis share one tap between them.
+// The texel up and left of a place, between the centres of four; -1 and less is all one.
+ivec2 history_base(vec2 texel) {
+    const vec2 up = min(max(floor(texel + 0.5), 0.0), 1e6);
+    return ivec2(rounded(up.x), rounded(up.y)) - 1;
+}
+
+vec4 catmull_rom(float f) {
+    return f * vec4(-0.5, 0.0, 0.5, 0.0) + f * f * vec4(1.0, -2.5, 2.0, -0.5) +
+           f * f * f * vec4(-0.5, 1.5, -1.5, 0.5) + vec4(0.0, 1.0, 0.0, 0.0);
+}
+
+vec3 texel_at(int x, int y) { return imageLoad(history, ivec2(x, y)).xyz; }
+
 vec3 history_at(vec2 texel) {
-    const vec2 base = floor(texel - 0.5) + 0.5;
-    const vec2 f = texel - base;
-    const vec2 w0 = f * (-0.5 + f * (1.0 - 0.5 * f));
-    const vec2 w1 = 1.0 + f * f * (-2.5 + 1.5 * f);
-    const vec2 w2 = f * (0.5 + f * (2.0 - 1.5 * f));
-    const vec2 w3 = f * f * (-0.5 + 0.5 * f);
-    const vec2 at[3] = vec2[](base - 1.0, base + w2 / (w1 + w2), base + 2.0);
-    const vec2 w[3] = vec2[](w0, w1 + w2, w3);
-    vec3 sum = vec3(0.0);
-    for (int y = 0; y < 3; ++y)
-        for (int x = 0; x < 3; ++x) sum += w[x].x * w[y].y * history_tap(vec2(at[x].x, at[y].y));
-    return sum;
+    const ivec2 base = history_base(texel), last = history_last();
+    const vec2 f = texel - 0.5 - vec2(base);
+    const ivec4 x = clamp(base.x + ivec4(-1, 0, 1, 2), 0, last.x), y = clamp(base.y + ivec4(-1, 0, 1, 2), 0, last.y);
+    const vec4 wx = catmull_rom(f.x), wy = catmull_rom(f.y);
+    vec3 first = wx.y * texel_at(x.y, y.x) + wx.z * texel_at(x.z, y.x);
+    const vec3 second = wx.x * texel_at(x.x, y.y) + wx.y * texel_at(x.y, y.y) + wx.z * texel_at(x.z, y.y) + wx.w * texel_at(x.w, y.y);
+    const vec3 third = wx.x * texel_at(x.x, y.z) + wx.y * texel_at(x.y, y.z) + wx.z * texel_at(x.z, y.z) + wx.w * texel_at(x.w, y.z);
+    vec3 fourth = wx.y * texel_at(x.y, y.w) + wx.z * texel_at(x.z, y.w);
+    float weights = 1.0 - (wx.x + wx.w) * (wy.x + wy.w);
+    if (FORM == FORM_PUBLISHED) {
+        first += wx.x * texel_at(x.x, y.x) + wx.w * texel_at(x.w, y.x);
+        fourth += wx.x * texel_at(x.x, y.w) + wx.w * texel_at(x.w, y.w);
+        weights = 1.0;
+    }
+    return (wy.x * first + wy.y * second + wy.z * third + wy.w * fourth) / weights;
 }

@@ -1,10 +1,60 @@
 // SPDX-License-Identifier: MIT
 // Which of the history showed what is seen around a pixel now.
 //
-// Includer has camera.glsl, guide_normal.glsl and taa_history.glsl, and declares the image history and, where things move, motion,
-// guide_normal and view_depth_prev.
+// Includer has branch.glsl, camera.glsl, guide_normal.glsl, pixels.glsl, rounded.glsl and taa_history.glsl, and declares the images
+// history and view_depth and, where things move, motion, guide_normal and view_depth_prev.
 #include "common/corners.glsl"
 #include "common/view_rays.glsl"
+
+// Of three pixels side by side: the nearest and the farthest surface, and whether there is sky. Pixels outside the image
+// are none.
+struct DepthRow {
+    float nearest, farthest;
+    int nearest_x, farthest_x;
+    bool sky;
+};
+
+DepthRow depth_row(int x, int y) {
+    DepthRow row = DepthRow(1e30, 0.0, x, x, false);
+    if (y < 0 || y >= int(frame.size.y)) return row;
+    for (int i = -1; i <= 1; ++i) {
+        const int at = x + i;
+        const bool there = at >= 0 && at < int(frame.size.x);
+        const float z = imageLoad(view_depth, ivec2(clamp(at, 0, int(frame.size.x) - 1), y)).x;
+        const bool nearer = there && z > 0.0 && z < row.nearest, farther = there && z > row.farthest;
+        row.nearest_x = nearer ? at : row.nearest_x;
+        row.nearest = nearer ? z : row.nearest;
+        row.farthest_x = farther ? at : row.farthest_x;
+        row.farthest = farther ? z : row.farthest;
+        row.sky = row.sky || there && !(z > 0.0);
+    }
+    return row;
+}
+
+// Of 3x3 pixels: an edge takes its history from what is in front. Depths are 0 and the pixel p where all is sky.
+struct Around {
+    ivec2 nearest, farthest;
+    float nearest_depth, farthest_depth;
+    bool sky;
+};
+
+Around with_row(Around a, DepthRow row, int y) {
+    if (row.nearest < a.nearest_depth) {
+        a.nearest_depth = row.nearest;
+        a.nearest = ivec2(row.nearest_x, y);
+    }
+    if (row.farthest > a.farthest_depth) {
+        a.farthest_depth = row.farthest;
+        a.farthest = ivec2(row.farthest_x, y);
+    }
+    a.sky = a.sky || row.sky;
+    return a;
+}
+
+Around around_of(ivec2 p, DepthRow above, DepthRow here, DepthRow below) {
+    const Around none = Around(p, p, 1e30, 0.0, false);
+    return with_row(with_row(with_row(none, above, p.y - 1), here, p.y), below, p.y + 1);
+}
 
 // The history at a position, and for how many frames it stands; 0: there is none.
 struct Past {
@@ -15,6 +65,31 @@ struct Past {
 
 float frames_of(float alpha) { return floor(alpha * float(MAX_FRAMES) + 0.5); }
 
+// What all pixels need of the two cameras, in units of the image instead of pixels: points of the current one, what depth a
+// still point had in the previous frame, uv (without jitter) of pixels and of the previous frame's texels.
+struct Cameras {
+    ViewRays rays;
+    OffPlane depth_prev;  // by metres_off()
+    vec2 by_size, first_uv, by_size_prev, first_uv_prev;
+    float tolerance_m, tolerance_per_m;  // of a surface: of its view depth
+};
+
+Cameras cameras() {
+    const vec3 o = position_at(vec2(0.0), 0.0), r = position_at(vec2(0.0), 1.0) - o;
+    const vec3 ox = position_at(vec2(1.0, 0.0), 0.0), oy = position_at(vec2(0.0, 1.0), 0.0);
+    const ViewRays rays = ViewRays(o, ox - o, oy - o, r, position_at(vec2(1.0, 0.0), 1.0) - ox - r,
+                                   position_at(vec2(0.0, 1.0), 1.0) - oy - r);
+    const float depth = previous_depth(vec3(0.0));
+    const vec3 slope = vec3(previous_depth(vec3(1.0, 0.0, 0.0)), previous_depth(vec3(0.0, 1.0, 0.0)),
+                            previous_depth(vec3(0.0, 0.0, 1.0))) - depth;
+    OffPlane depth_prev = off_plane(rays, slope, vec3(0.0));
+    depth_prev.o += depth;
+    const vec2 by_size = 1.0 / vec2(frame.size), by_size_prev = 1.0 / vec2(frame.prev_size);
+    const float tolerance_m = params.plane_tolerance * pixel_span_m(0.0);
+    return Cameras(rays, depth_prev, by_size, 0.5 * by_size - frame.jitter, by_size_prev, 0.5 * by_size_prev - frame.prev_jitter,
+                   tolerance_m, params.plane_tolerance * pixel_span_m(1.0) - tolerance_m);
+}
+
 // What a pixel shows, among points that the previous frame saw at some uv (without jitter), depth_change less in front of the
 // camera. Moved back by the surface's own motion such a point is one of the current view, where positions are linear in uv and
 // bilinear with depth.
@@ -23,23 +98,21 @@ struct Plane {
     vec2 depth_change;  // previous - current view depth: of a still surface, and as the host's motion says (0 if it does not)
 };
 
-Plane plane_at(ivec2 p, float z) {
-    const vec3 point = position(p, z), moved = texelFetch(motion, p, 0).xyz;
+Plane plane_at(Cameras cameras, ivec2 p, float z, vec3 moved) {
+    const vec2 uv = vec2(p) * cameras.by_size + cameras.first_uv;
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
-    const vec3 corner0 = position_at(vec2(0.0), 0.0), corner1 = position_at(vec2(0.0), 1.0);
-    const vec3 offset = vec3(dot(n, position_at(vec2(1.0, 0.0), 0.0) - corner0),
-                             dot(n, position_at(vec2(0.0, 1.0), 0.0) - corner0), dot(n, corner0 - point));
-    const vec3 both = vec3(dot(n, position_at(vec2(1.0, 0.0), 1.0) - corner1),
-                           dot(n, position_at(vec2(0.0, 1.0), 1.0) - corner1), dot(n, corner1 - point));
-    const vec3 slope = both - offset;
-    const OffPlane off = OffPlane(offset.z - dot(offset.xy, moved.xy), offset.x, offset.y,
-                                  slope.z - dot(slope.xy, moved.xy), slope.x, slope.y);
-    return Plane(Surface(off, params.plane_tolerance * pixel_span_m(z)), vec2(previous_depth(point) - z, moved.z));
+    OffPlane off = off_plane(cameras.rays, n, vec3(0.0));
+    off.o -= metres_off(off, uv, z) + off.ox * moved.x + off.oy * moved.y;
+    off.r -= off.rx * moved.x + off.ry * moved.y;
+    return Plane(Surface(off, cameras.tolerance_m + cameras.tolerance_per_m * z),
+                 vec2(metres_off(cameras.depth_prev, uv, z) - z, moved.z));
 }
 
 bool was_seen(Plane plane, vec2 uv, float z) {
     return shows(plane.surface, uv, z - plane.depth_change.x) || shows(plane.surface, uv, z - plane.depth_change.y);
 }
+
+vec2 previous_uv(Cameras cameras, ivec2 t) { return vec2(t) * cameras.by_size_prev + cameras.first_uv_prev; }
 
 // What is seen around the pixel now: two surfaces and perhaps the sky.
 struct Seen {
@@ -48,9 +121,10 @@ struct Seen {
 };
 
 // Whether a texel of the previous frame showed any of it.
-bool showed(Seen seen, ivec2 t) {
+bool showed(Cameras cameras, Seen seen, ivec2 t) {
+    t = clamp(t, ivec2(0), history_last());
     const float z = imageLoad(view_depth_prev, t).x;
-    const vec2 uv = (vec2(t) + 0.5) / vec2(frame.prev_size) - frame.prev_jitter;
+    const vec2 uv = previous_uv(cameras, t);
     const bool surface = seen.solid && (was_seen(seen.front, uv, z) || was_seen(seen.back, uv, z));
     return z > 0.0 ? surface : seen.sky;
 }
@@ -58,11 +132,11 @@ bool showed(Seen seen, ivec2 t) {
 // What is thinner than a pixel comes and goes with the jitter: gone from all nine pixels, it is still no surface that went
 // away if what is seen now was seen on both sides of it. Should it have gone all the same, its colour must not stay: what
 // lies between the mean around the pixel and the pixel's own colour does.
-bool was_thin(Seen seen, ivec2 t, ivec2 last) {
+bool was_thin(Cameras cameras, Seen seen, ivec2 t) {
     bool thin = false;
     for (int axis = 0; axis < 2; ++axis) {
         const ivec2 side = axis == 0 ? ivec2(1, 0) : ivec2(0, 1);
-        const bool both = showed(seen, clamp(t - side, ivec2(0), last)) && showed(seen, clamp(t + side, ivec2(0), last));
+        const bool both = showed(cameras, seen, t - side) && showed(cameras, seen, t + side);
         thin = thin || both;
     }
     return thin;
@@ -70,35 +144,52 @@ bool was_thin(Seen seen, ivec2 t, ivec2 last) {
 
 // An edge of the picture alternates with the jitter between what is in front and what is behind, so a texel may have shown
 // either. Where one of the four around the position showed something else, the largest share of the others stands for all.
-Past past_among(vec2 texel, Around around) {
-    const Seen seen = Seen(plane_at(around.nearest, around.nearest_depth), plane_at(around.farthest, around.farthest_depth),
-                           around.farthest_depth > 0.0, around.sky);
-    const ivec2 last = ivec2(frame.prev_size) - 1, base = ivec2(floor(texel - 0.5));
+// `moved`: the motion of what is in front.
+Past past_among(vec2 texel, Around around, Cameras cameras, vec3 moved) {
+    const bool solid = around.farthest_depth > 0.0;
+    const Plane front = plane_at(cameras, around.nearest, around.nearest_depth, moved);
+    const ivec2 last = history_last(), base = history_base(texel);
     // Rounding must not turn "exactly there" into a neighbour's tiny share.
     const float SUBTEXELS = 256.0;
-    const vec2 f = floor((texel - 0.5 - vec2(base)) * SUBTEXELS + 0.5) / SUBTEXELS;
-    ivec2 best = ivec2(0);
-    float best_share = 0.0, shares = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        const ivec2 offset = corner(i);
-        const vec2 axes = mix(1.0 - f, f, vec2(offset));
-        const ivec2 t = clamp(base + offset, ivec2(0), last);
-        const float share = showed(seen, t) ? axes.x * axes.y : 0.0;
-        best = share > best_share ? t : best;
-        best_share = max(best_share, share);
-        shares += share;
+    const vec2 within = texel - 0.5 - vec2(base), f = floor(within * SUBTEXELS + 0.5) / SUBTEXELS;
+    const vec4 share = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+    ivec2 t[4];
+    for (int i = 0; i < 4; ++i) t[i] = clamp(base + corner(i), ivec2(0), last);
+    vec4 z = vec4(imageLoad(view_depth_prev, t[0]).x);
+    BRANCH_IF(f != vec2(0.0)) {  // what moves by whole pixels asks one texel
+        z.y = imageLoad(view_depth_prev, t[1]).x;
+        z.z = imageLoad(view_depth_prev, t[2]).x;
+        z.w = imageLoad(view_depth_prev, t[3]).x;
     }
-    const ivec2 nearest = clamp(ivec2(floor(texel)), ivec2(0), last);
-    const bool none = best_share < 0.05, thin = none && was_thin(seen, nearest, last);
-    const vec4 value = texelFetch(history, none ? nearest : best, 0);
-    // The shares of four that count are 1, exactly: they are multiples of 2^-16.
-    const bool between = best_share < 1.0 && shares == 1.0;
-    return Past(between ? history_at(texel) : value.xyz, none && !thin ? 0.0 : frames_of(value.w), thin);
+    bvec4 seen;
+    for (int i = 0; i < 4; ++i)
+        seen[i] = z[i] > 0.0 ? solid && was_seen(front, previous_uv(cameras, t[i]), z[i]) : around.sky;
+    const ivec2 nearest = clamp(base + ivec2(greaterThanEqual(within, vec2(0.5))), ivec2(0), last);
+    bool none = false, thin = false;
+    BRANCH_IF(dot(share, vec4(seen)) < 1.0) {  // exactly: shares are multiples of 2^-16
+        const vec3 moved_back = texelFetch(motion, around.farthest, 0).xyz;
+        const Seen both =
+            Seen(front, plane_at(cameras, around.farthest, around.farthest_depth, moved_back), solid, around.sky);
+        for (int i = 0; i < 4; ++i)
+            if (z[i] > 0.0 && solid && was_seen(both.back, previous_uv(cameras, t[i]), z[i])) seen[i] = true;
+        const vec4 left = share * vec4(seen);
+        if (max(max(left.x, left.y), max(left.z, left.w)) < 0.05) none = true;
+        BRANCH_IF(none) {
+            if (was_thin(cameras, both, nearest)) thin = true;
+        }
+    }
+    const vec4 left = share * vec4(seen);
+    const float best_share = max(max(left.x, left.y), max(left.z, left.w));
+    const ivec2 best = left.x == best_share ? t[0] : left.y == best_share ? t[1] : left.z == best_share ? t[2] : t[3];
+    const vec4 value = imageLoad(history, none ? nearest : best);
+    vec3 past_color = value.xyz;
+    BRANCH_IF(best_share < 1.0 && dot(left, vec4(1.0)) == 1.0) past_color = history_at(texel);
+    return Past(past_color, none && !thin ? 0.0 : frames_of(value.w), thin);
 }
 
 // Where nothing moves, the texel's own is all that is asked.
-Past past_at(vec2 texel, Around around) {
-    if (HAS_VIEW_DEPTH_PREV) return past_among(texel, around);
-    const vec4 value = texelFetch(history, ivec2(texel), 0);
+Past past_at(vec2 texel, Around around, Cameras cameras, vec3 moved) {
+    if (HAS_VIEW_DEPTH_PREV) return past_among(texel, around, cameras, moved);
+    const vec4 value = imageLoad(history, clamp(history_base(texel + 0.5), ivec2(0), history_last()));
     return Past(value.xyz, frames_of(value.w), false);
 }

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// What pipelines cost: every pass, the whole frame, what comes before the first one, memory. Contenders take
+// turns, round by round, and in each turn the native pass (native_pass.h) is timed beside them, so that
+// whatever else the machine does meets all of them.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/device/device.h"
+#include "host/shots/shot.h"
+#include "penumbra/graph.h"
+
+namespace penumbra::bench {
+
+struct Contender {
+    std::string id, file;  // id: unique
+    CheckedPipeline pipeline;
+};
+
+struct Options {
+    // Of the frames from 0 on, which are all run; those from the first of these to the last are timed.
+    std::array<uint32_t, 2> frames{8, 15};
+    uint32_t rounds = 5;
+    std::optional<uint32_t> seed;  // instead of the shots'
+};
+
+// A figure of each round: the median over its timed frames.
+struct Rounds {
+    std::vector<double> values;  // empty: not measured on this device
+
+    std::optional<double> least() const;  // what else a machine does only adds
+    std::optional<double> median() const;
+};
+
+struct PassFigures {
+    std::string node, type;
+    bool mask = false;   // visibility depends on it
+    Rounds cpu_ms;       // of the process, in a submission of its own; CPU devices only
+    Rounds ms;           // by the device's timestamps, as part of the frame's one submission
+    uint64_t bytes = 0;  // of the images, buffers and tables bound to it, each once; not the trees
+
+    // 10^9 bytes per second, were each of them moved once.
+    std::optional<double> gb_per_s() const;
+};
+
+struct Figures {
+    size_t contender = 0;
+    std::vector<PassFigures> passes;
+    Rounds pass_cpu_ms;   // the sum over passes
+    Rounds frame_cpu_ms;  // the frame as one submission, recording included; CPU devices only
+    Rounds wall_ms;       // the same from submission to completion
+    Rounds record_us;     // CPU time of recording, per pass
+    Rounds compile_ms;    // from a checked pipeline to a plan
+    double program_ms = 0;  // from a plan to the device's objects
+    // The first frame of all, where drivers compile what they have put off, and frame 0 in later rounds.
+    double first_frame_ms = 0;
+    std::optional<double> frame_0_ms;
+    MemoryReport memory;
+};
+
+// One shot at one size.
+struct Scene {
+    std::string shot;
+    std::array<uint32_t, 2> size{};
+    Rounds native_ms;  // CPU time of the native pass at this size
+    std::vector<Figures> contenders;
+};
+
+// A shot cut to the first of all its keys: nothing moves but the sub-pixel jitter.
+Shot standing_still(Shot shot);
+
+// `step` is called after every frame. Nothing, with diagnostics, where a scene or a plan is wrong.
+std::optional<Scene> measure(Device& device, const NodeSet& nodes, const std::vector<Contender>& contenders,
+                             const Shot& shot, std::array<uint32_t, 2> size, const Options& options,
+                             const std::function<void()>& step, Diagnostics& diagnostics,
+                             std::vector<std::string>& warnings);
+
+}  // namespace penumbra::bench

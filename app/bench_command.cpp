@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// penumbra bench: what pipelines cost, pass by pass, in units that carry over to other machines
+// (docs/performance.md).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "app/bench/bench_text.h"
+#include "app/commands.h"
+#include "app/frame_range.h"
+#include "app/node_folders.h"
+#include "app/progress.h"
+#include "app/report/contenders.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Job {
+    bench::Bench bench;
+    std::vector<Shot> shots;
+    std::vector<std::array<uint32_t, 2>> sizes;
+};
+
+// Two files of one name are told apart by their paths.
+void make_unique(std::vector<bench::Contender>& contenders) {
+    for (bench::Contender& c : contenders)
+        if (std::ranges::count(contenders, c.id, &bench::Contender::id) > 1) c.id = c.file;
+}
+
+// Reads everything before anything is run, so that mistakes are found at once.
+std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes, Diagnostics& diagnostics) {
+    Job job;
+    job.bench.command = arguments.command_line;
+    job.bench.still = arguments.still;
+    job.bench.options.rounds = arguments.rounds;
+    const auto frames = parse_frames(arguments.frames);
+    if (!frames) return std::nullopt;
+    job.bench.options.frames = *frames;
+    for (const std::string& text : arguments.sizes) {
+        const auto size = parse_size(text);
+        if (!size) return std::nullopt;
+        job.sizes.push_back(*size);
+    }
+    const fs::path root = shipped_root();
+    for (const std::string& name : arguments.pipelines) {
+        const auto file = shipped_file(name, root, shipped_pipelines, diagnostics);
+        const auto pipeline = file ? load_pipeline(*file, arguments.settings, diagnostics) : std::nullopt;
+        if (auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt)
+            job.bench.contenders.push_back(
+                {file->stem().string(), file->generic_string(), std::move(*checked)});
+    }
+    make_unique(job.bench.contenders);
+    for (const std::string& name : arguments.shots)
+        if (const auto file = shipped_file(name, root, shipped_shots, diagnostics))
+            if (auto shot = read_shot(*file, diagnostics)) {
+                if (!arguments.still && job.bench.options.frames[1] >= shot->frames)
+                    diagnostics.add({file->string()}, "--frames",
+                                    fmt::format("the shot has {} frames", shot->frames));
+                job.shots.push_back(arguments.still ? bench::standing_still(std::move(*shot))
+                                                    : std::move(*shot));
+            }
+    return diagnostics.empty() ? std::optional(std::move(job)) : std::nullopt;
+}
+
+bool measure_all(Job& job, Device& device, const NodeSet& nodes, Diagnostics& diagnostics,
+                 std::vector<std::string>& warnings) {
+    const bench::Options& options = job.bench.options;
+    Progress progress("bench", uint64_t{job.shots.size()} * job.sizes.size() * job.bench.contenders.size() *
+                                   options.rounds * (options.frames[1] + 1));
+    for (const auto& size : job.sizes)
+        for (const Shot& shot : job.shots) {
+            auto scene = bench::measure(
+                device, nodes, job.bench.contenders, shot, size, options, [&] { progress.step(); },
+                diagnostics, warnings);
+            if (!scene) return false;
+            job.bench.scenes.push_back(std::move(*scene));
+            progress.note(fmt::format("{} at {}x{}", shot.name, size[0], size[1]));
+        }
+    return true;
+}
+
+}  // namespace
+
+int run_bench(const BenchArguments& arguments) {
+    const auto nodes = open_nodes(arguments.node_folders);
+    if (!nodes) return exit_wrong;
+    Diagnostics diagnostics;
+    auto job = prepare(arguments, *nodes, diagnostics);
+    if (!job) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
+    try {
+        Device device({arguments.device, false});
+        job->bench.device = device.info();
+        std::vector<std::string> warnings;
+        const bool measured = measure_all(*job, device, *nodes, diagnostics, warnings);
+        for (const std::string& warning : std::set(warnings.begin(), warnings.end()))
+            std::cerr << "warning: " << warning << "\n";
+        if (!measured) {
+            std::cerr << diagnostics.text();
+            return exit_wrong;
+        }
+    } catch (const DeviceError& e) {  // a device that was asked for by name is the command's mistake
+        std::cerr << "penumbra: " << e.what() << "\n";
+        return arguments.device.empty() ? exit_failed : exit_wrong;
+    }
+    if (arguments.format == "json")
+        fmt::print("{}\n", bench::to_json(job->bench).dump(2));
+    else
+        fmt::print("{}", bench::tables(job->bench));
+    return exit_good;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+// penumbra compare --signal: rendered radiance against what `penumbra reference --signal` wrote.
+#pragma once
+
+#include "app/commands.h"
+
+namespace penumbra {
+
+// Prints text, or JSON on request; returns an exit code.
+int compare_radiance(const CompareArguments& arguments);
+
+}  // namespace penumbra

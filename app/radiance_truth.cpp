@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// The node `radiance_reference` is repeated on one frame until all rays are cast.
+#include "app/radiance_truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "app/reference_pipeline.h"
+#include "host/images/texels.h"
+#include "penumbra/shadow_nodes.h"
+
+namespace penumbra {
+namespace {
+
+constexpr uint64_t rays_per_pass = 1u << 21;
+// As in truth.cpp: what Mesa 22's lavapipe lets one invocation walk. Such a ray is followed by a second one.
+constexpr uint64_t rays_per_invocation = 64;
+
+std::vector<float> roughness_of(Device& device, const Session& session, size_t pixels) {
+    const GpuImage& material = session.host().images().material;
+    if (std::ranges::find(session.plan().slots, "material", &HostSlot::name) == session.plan().slots.end())
+        return std::vector<float>(pixels, 1.0f);
+    const std::vector<std::byte> bytes =
+        read_image(device, material.get(), material.format, material.extent, GBuffer::final_layout);
+    return decode_texels(Format::rg8, material.extent.width, material.extent.height, bytes,
+                         {"metallic", "roughness"})
+        .planes[1]
+        .values;
+}
+
+std::vector<std::array<float, 4>> captured_vectors(const Session& session, const char* name, size_t pixels) {
+    const std::span<const std::byte> bytes = session.view().captured(name);
+    std::vector<std::array<float, 4>> vectors(pixels);
+    if (bytes.size() != pixels * sizeof vectors[0]) throw std::logic_error("sums are not one vec4 per pixel");
+    std::memcpy(vectors.data(), bytes.data(), bytes.size());
+    return vectors;
+}
+
+}  // namespace
+
+std::unique_ptr<Session> open_radiance_truth(Device& device, const Shot& shot, const std::string& signal,
+                                             Diagnostics& diagnostics, std::vector<std::string>& warnings) {
+    static const NodeSet nodes = shadow_nodes();  // plans point into it
+    const std::vector<std::string> settings{"nodes.reference.params.lobe=" + signal};
+    const auto pipeline = parse_pipeline(reference_radiance_pipeline_text,
+                                         "pipelines/reference_radiance.json", settings, diagnostics);
+    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    if (!checked) return nullptr;
+    SessionOptions options;
+    options.size = shot.size;
+    options.captures = {"weighted_sum", "plain_sum"};
+    options.jitter = false;
+    options.optimum = false;
+    return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
+}
+
+PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uint32_t rays) {
+    const Extent extent = session.plan().extent;
+    const uint64_t pixels = uint64_t{extent.width} * extent.height;
+    const auto portion =
+        static_cast<uint32_t>(std::clamp<uint64_t>(rays_per_pass / pixels, 1, rays_per_invocation));
+    for (uint32_t first = 0; first < rays; first += portion) {
+        session.set_param("first", first);
+        session.set_param("count", std::min(portion, rays - first));
+        if (first == 0)
+            session.run_frame(frame, false);
+        else
+            session.repeat_frame();
+    }
+    const auto weighted = captured_vectors(session, "weighted_sum", pixels),
+               plain = captured_vectors(session, "plain_sum", pixels);
+    PlanarImage out{extent.width, extent.height, {}};
+    for (const char* name : {"R", "G", "B", "receiver", "roughness", "ray_error", "noise"})
+        out.planes.push_back({name, PlaneType::real, std::vector<float>(pixels, 0.0f), {}});
+    out.planes[4].values = roughness_of(device, session, pixels);
+    for (size_t i = 0; i < pixels; ++i) {
+        const double weight = weighted[i][3];
+        if (!(weight > 0)) continue;
+        // E|L - S|^2 = E|L|^2 - 2 S.E L + |S|^2. Of a mirror it is the rounding of sums in single precision:
+        // nothing.
+        double error = plain[i][3] / double(rays);
+        const double rounding = 1e-5 * error;
+        for (size_t c = 0; c < 3; ++c) {
+            const double signal = weighted[i][c] / weight;
+            out.planes[c].values[i] = static_cast<float>(signal);
+            error += signal * (signal - 2 * plain[i][c] / double(rays));
+        }
+        if (error < rounding) error = 0;
+        out.planes[3].values[i] = 1;
+        out.planes[5].values[i] = static_cast<float>(error);
+        out.planes[6].values[i] = static_cast<float>(error / rays);
+    }
+    return out;
+}
+
+}  // namespace penumbra

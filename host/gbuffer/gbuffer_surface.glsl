@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// Normal, motion and albedo of the nearest surface (conventions: host inputs `normal`, `motion`, `albedo`). Motion is
+// formed from the interpolated *change* of the clip position: interpolation errors then scale with the motion, where
+// a difference of two interpolated positions would keep those of the positions. MATERIALS: what reflections ask for besides
+// (host inputs `material`, `emissive`).
+#include "gbuffer.glsl"
+#include "common/mask_texel.glsl"
+
+layout(constant_id = 0) const bool ALPHA_TESTED = false;
+
+layout(set = 1, binding = 0) uniform sampler2D base_color_texture;
+#ifdef MATERIALS
+layout(set = 0, binding = 0, std430) readonly buffer Draws { Draw draws[]; };
+layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
+layout(set = 1, binding = 2) uniform sampler2D emissive_texture;
+layout(location = 3) out vec2 out_material;  // metallic, perceptual roughness
+layout(location = 4) out vec4 out_emissive;
+#endif
+
+layout(location = 0) in vec3 clip_change;
+layout(location = 1) in vec2 texture_uv;
+layout(location = 2) flat in vec3 normal;
+layout(location = 3) in vec3 base_color;
+
+layout(location = 0) out vec4 out_normal;
+layout(location = 1) out vec4 out_motion;
+layout(location = 2) out vec4 out_albedo;
+
+// Where the point was behind the previous camera it had no place in the image: any uv outside it says so.
+const vec2 off_screen = vec2(16.0);
+const float largest_half = 65504.0;
+
+// The same decision as a shadow ray's: of the full-size image, by its 8 bits.
+bool is_hole() {
+    const ivec2 texel = mask_texel(texture_uv, uvec2(textureSize(base_color_texture, 0)));
+    return uint(texelFetch(base_color_texture, texel, 0).a * 255.0 + 0.5) < constants.least_alpha;
+}
+
+void main() {
+    const vec3 albedo = texture(base_color_texture, texture_uv).rgb * base_color;  // while all neighbours are there
+#ifdef MATERIALS
+    out_material = texture(metallic_roughness_texture, texture_uv).bg * draws[constants.draw].metallic_roughness.xy;
+    out_emissive = vec4(min(texture(emissive_texture, texture_uv).rgb * draws[constants.draw].emissive.rgb, largest_half), 1.0);
+#endif
+    if (ALPHA_TESTED && is_hole()) discard;
+    const vec2 ndc = gl_FragCoord.xy * constants.ndc_per_pixel - 1.0 - constants.jitter_ndc;
+    const float prev_w = 1.0 / gl_FragCoord.w + clip_change.z;
+    // (c + dc) / (w + dw) - c / w with c / w = ndc.
+    const vec2 motion = prev_w > 0.0 ? 0.5 * (clip_change.xy - ndc * clip_change.z) / prev_w : off_screen;
+    out_normal = vec4(normal, 0.0);
+    out_motion = vec4(clamp(vec3(motion, clip_change.z), -largest_half, largest_half), 0.0);
+    out_albedo = vec4(albedo, 1.0);
+}

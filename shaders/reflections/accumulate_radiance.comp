@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// Each pixel's past receives what was gathered, weighted by how far it can be believed: the drift between the two, averaged
+// over 5x5 similar pixels and over time, less what noise alone would show, is the past's bias; with 1 / frames it is its error
+// in units of the gather's, and the better of the two pasts wins. Nothing is clamped beyond this.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/guide_normal.glsl"
+#include "common/pixels.glsl"
+#include "reflections/past_places.glsl"
+#include "reflections/same_surface.glsl"
+
+const float MOST_FRAMES = 63.0, SIGMAS = 3.0, TERM_SIGMAS = 4.0;
+const float DRIFT_SHARE = 0.4, VARIANCE_SHARE = 0.6;  // of the new value in either running mean
+const float KERNEL[3] = float[](6.0, 4.0, 1.0);
+
+// Means over similar pixels.
+struct Around {
+    float variance, samples, spread;
+};
+
+struct Tap {
+    float weight;
+    ivec2 at;
+};
+
+// Weights of the 25 pixels around, 0 where another surface is.
+void window(ivec2 p, Shown here, out float weights[25]) {
+    for (int i = 0; i < 25; ++i) {
+        const ivec2 o = ivec2(i % 5, i / 5) - 2;
+        weights[i] = o == ivec2(0) || same_surface(here, shown(p + o)) ? KERNEL[abs(o.x)] * KERNEL[abs(o.y)] : 0.0;
+    }
+}
+
+Around look_around(ivec2 p, float weights[25]) {
+    float sum = 0.0, variance = 0.0, samples = 0.0, squares = 0.0;
+    vec3 mean = vec3(0.0);
+    for (int i = 0; i < 25; ++i) {
+        if (weights[i] == 0.0) continue;
+        const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
+        const vec2 m = texelFetch(moments, q, 0).xy;
+        const vec3 g = texelFetch(gathered, q, 0).rgb;
+        sum += weights[i];
+        variance += weights[i] * m.x * m.x;
+        samples += weights[i] * m.y;
+        mean += weights[i] * g;
+        squares += weights[i] * dot(g, g);
+    }
+    mean /= sum;
+    return Around(variance / sum, samples / sum, max(squares / sum - dot(mean, mean), 0.0));
+}
+
+// What a past would leave.
+struct Candidate {
+    vec3 history, drift;
+    float frames, worth, variance_mean;  // worth: N', 0 without a past
+};
+
+vec4 carried_drift(vec2 uv) {
+    return textureLod(drift_prev, history_coordinate(uv * vec2(frame.prev_size), textureSize(drift_prev, 0)), 0.0);
+}
+
+vec4 past(bool image_past, ivec2 q) { return image_past ? texelFetch(past_image, q, 0) : texelFetch(past_surface, q, 0); }
+
+Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around around, bool moving) {
+    const vec4 own = past(image_past, p);
+    Candidate c = Candidate(own.rgb, vec3(0.0), own.w, 0.0, around.variance);
+    if (!(own.w > 0.0)) return c;
+    const vec4 carried = carried_drift(uv);
+    c.variance_mean = mix(carried.w * carried.w, around.variance, VARIANCE_SHARE);
+    const bool few = moving && around.samples < 4.0;
+    float sigma2 = few ? around.variance : max(around.variance, c.variance_mean);
+    if (!moving && around.samples < 6.0) sigma2 = max(sigma2, around.spread);
+    const float limit = few ? 1e30 : TERM_SIGMAS * sqrt(sigma2);
+    vec3 sum = vec3(0.0);
+    float sums = 0.0;
+    for (int i = 0; i < 25; ++i) {
+        if (weights[i] == 0.0) continue;
+        const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
+        const vec4 its = past(image_past, q);
+        if (!(its.w > 0.0)) continue;
+        const vec3 term = texelFetch(gathered, q, 0).rgb - its.rgb;
+        const float size = length(term);
+        sum += weights[i] * term * (size > limit ? limit / size : 1.0);
+        sums += weights[i];
+    }
+    const float share = few ? 1.0 : DRIFT_SHARE;
+    c.drift = mix(carried.rgb, sum / sums, share);
+    const float independent = around.samples < 3.0 ? 6.0 : 25.0;
+    const float correlated = min(1.0, 1.3 * around.samples / (around.samples + independent) + 1.0 / independent);
+    const float noise2 = SIGMAS * SIGMAS * correlated * sigma2 * (share / (2.0 - share) + 1.0 / own.w);
+    const float bias2 = max(dot(c.drift, c.drift) - noise2, 0.0);
+    // V = 1 / N + b^2 / sigma^2, its inverse without a quotient by a sigma of 0.
+    c.worth = min(sigma2 * own.w / max(sigma2 + bias2 * own.w, 1e-30), MOST_FRAMES);
+    if (sigma2 == 0.0) c.worth = bias2 == 0.0 ? min(own.w, MOST_FRAMES) : 0.0;
+    return c;
+}
+
+void for_pixel(ivec2 p) {
+    const Shown here = shown(p);
+    if (!(here.z > 0.0)) {
+        imageStore(accumulated, p, vec4(0.0));
+        imageStore(frames, p, vec4(0.0));
+        imageStore(drift, p, vec4(0.0));
+        return;
+    }
+    const vec4 g = texelFetch(gathered, p, 0);
+    float weights[25];
+    window(p, here, weights);
+    const Around around = look_around(p, weights);
+    const vec2 of_surface = past_of_surface(p), still = pixel_uv(p);
+    const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
+    Candidate best = judge(false, p, of_surface, weights, around, moving);
+    if (LOBE == LOBE_SPECULAR) {
+        const Candidate other = judge(true, p, past_of_image(p, here.z, abs(g.w)), weights, around, moving);
+        if (other.worth > best.worth) best = other;
+    }
+    // What moves is elsewhere in the mirror than any past expects.
+    if (g.w < 0.0) best.worth = min(best.worth, MOVING_HIT_FRAMES);
+    const float n = best.worth + 1.0;
+    const float deviation = sqrt(around.variance / n * max(1.0, 4.0 / n));
+    imageStore(accumulated, p, vec4((best.worth * best.history + g.rgb) / n, min(deviation, 65504.0)));
+    imageStore(frames, p, vec4(n));
+    imageStore(drift, p, vec4(best.worth > 0.0 ? best.drift : vec3(0.0), min(sqrt(best.variance_mean), 65504.0)));
+}
+
+void main() { for_each_pixel(); }

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Where the previous frame may have seen what arrives here: at the surface's own point, or, mirrored, at the image of what it
+// reflects, along the view ray and as far behind the surface as the reflected thing lies before it. Normals are geometric, so
+// a surface is a plane mirror as far as they know.
+//
+// Includer has common/camera.glsl and declares: image motion, where HAS_MOTION.
+
+vec2 surface_motion(ivec2 p) { return HAS_MOTION ? texelFetch(motion, p, 0).xy : vec2(0.0); }
+
+// uv; outside of 0..1 where there is none.
+vec2 past_of_surface(ivec2 p) {
+    const Reprojection past = reproject(p, surface_motion(p));
+    return past.on_screen ? past.uv : vec2(-1.0);
+}
+
+vec2 past_of_image(ivec2 p, float z, float distance_m) {
+    const vec3 x = position(p, z);
+    const vec4 there = frame.prev_clip_from_rel * vec4(x * (1.0 + distance_m / max(length(x), 1e-6)), 1.0);
+    if (!(there.w > 0.0)) return vec2(-1.0);
+    return 0.5 + 0.5 * there.xy / there.w + frame.prev_jitter;
+}

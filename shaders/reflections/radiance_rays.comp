@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// One ray per pixel into its lobe, shaded where it hits: radiance, distance and direction, all that later passes know of it.
+// Numbers: the R2 sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences") at x + 5 y + 3083 frame:
+// windows of pixels and of frames are both filled evenly.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/ray_origin.glsl"
+#include "common/sun_sample.glsl"
+#include "common/finite.glsl"
+#include "common/hash.glsl"
+#include "reflections/closest_hit.glsl"
+#include "reflections/hit_surface.glsl"
+#include "reflections/environment.glsl"
+#include "reflections/incident.glsl"
+#include "reflections/lobe.glsl"
+#include "reflections/pixel_lobe.glsl"
+#include "reflections/ray_texel.glsl"
+#include "reflections/ray_numbers.glsl"
+
+void store(ivec2 p, vec4 ray, uint direction) {
+    imageStore(radiance, p, ray);
+#if HAS_RAY_DIRECTION
+    imageStore(ray_direction, p, uvec4(direction));
+#endif
+}
+
+void for_pixel(ivec2 p) {
+    if (!(imageLoad(view_depth, p).x > 0.0)) {
+        store(p, vec4(0.0), 0u);
+        return;
+    }
+    const float roughness = pixel_roughness(p);
+    const Lobe lobe = pixel_lobe(p, roughness);
+    bool turned;
+    const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
+    const Incident light = incident(shadow_ray_origin(p, lobe.n), direction, sun_numbers(p));
+    store(p, encode_ray(light.radiance, light.distance_m, light.moves), encode_direction(direction));
+}
+
+void main() { for_each_pixel(); }

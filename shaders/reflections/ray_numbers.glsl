@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// The numbers that a pixel's ray of this frame is drawn with.
+//
+// Includer has common/hash.glsl and declares: param seed.
+
+const uvec2 R2_STEP = uvec2(3242174889u, 2447445414u);  // 2^32 / p, 2^32 / p^2 with p^3 = p + 1
+
+vec2 lobe_numbers(ivec2 p) {
+    const uint index = uint(p.x) + 5u * uint(p.y) + 3083u * frame.frame_index;
+    const uint first = noise_hash(params.seed ^ 0x9E3779B9u), second = noise_hash(first);
+    return noise_unit(index * R2_STEP + uvec2(first, second));
+}
+
+// Independent of those, for the light at what the ray hits.
+vec2 sun_numbers(ivec2 p) {
+    const uint first = noise_hash(uint(p.x) ^ noise_hash(uint(p.y) ^ noise_hash(frame.frame_index ^ noise_hash(params.seed))));
+    return noise_unit(uvec2(first, noise_hash(first)));
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// The reconnection gather: what a neighbour's ray found is a sample of this pixel's integral too, with this pixel's response
+// and all neighbours' densities. Pairwise multiple importance weights (Bitterli et al. 2020 for reservoirs; here over rays),
+// normalised by their sum: the result is demodulated, and a constant stays what it is.
+//   w_j = F_p(Q_j) / ((M-1) q_j(Q_j) + q_p(Q_j)),  w_p = mean over k of F_p(Q_p) / ((M-1) q_k(Q_p) + q_p(Q_p))
+// with densities per area at the hit point Q, cosine at the hit left out: it is in all of them.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/sun_sample.glsl"
+#include "reflections/lobe.glsl"
+#include "reflections/pixel_lobe.glsl"
+#include "reflections/ray_texel.glsl"
+
+const int REACH = int(RADIUS), SIDE = 2 * REACH + 1, TAPS = SIDE * SIDE;
+
+ivec2 tap(int i) { return ivec2(i % SIDE, i / SIDE) - REACH; }
+
+// A point that a ray found, or the direction that it left in.
+struct Found {
+    vec3 at;  // camera-relative, or a unit vector
+    bool far;
+};
+
+Found found(vec3 x, vec4 ray, vec3 direction) {
+    const bool far = missed(ray);
+    return Found(far ? direction : x + abs(ray.w) * direction, far);
+}
+
+// Density and response of a lobe at x for what was found, times the squared distance that it was found at.
+vec2 at_found(Lobe lobe, vec3 x, Found f, float found_m) {
+    if (f.far) return density_and_response(lobe, f.at);
+    const vec3 to = f.at - x;
+    const float d2 = max(dot(to, to), 1e-10);
+    return density_and_response(lobe, to * inversesqrt(d2)) * (found_m * found_m / d2);
+}
+
+struct Sums {
+    float weight, squares;      // of w, of w^2
+    vec3 radiance;              // of w L
+    vec3 of_squares;            // of w^2 L
+    float of_squares2;          // of w^2 |L|^2
+    float inverse_m, moving;    // of w / distance, of w where the hit moves
+};
+
+void add(inout Sums s, float w, vec4 ray) {
+    const float w2 = w * w;
+    s.weight += w;
+    s.squares += w2;
+    s.radiance += w * ray.rgb;
+    s.of_squares += w2 * ray.rgb;
+    s.of_squares2 += w2 * dot(ray.rgb, ray.rgb);
+    s.inverse_m += w / abs(ray.w);
+    s.moving += ray.w < 0.0 ? w : 0.0;
+}
+
+void store(ivec2 p, vec3 g, float distance_m, bool moving, float deviation, float samples) {
+    imageStore(gathered, p, vec4(g, moving ? -distance_m : distance_m));
+    imageStore(moments, p, vec4(min(deviation, 65504.0), samples, 0.0, 0.0));
+}
+
+// Which neighbours show the same surface, as bits; mirrors have nothing to give.
+uint kept_taps(ivec2 p, vec3 x, vec3 n, float z) {
+    uint kept = 0u;
+    for (int i = 0; i < TAPS; ++i) {
+        const ivec2 q = p + tap(i);
+        if (q == p || !inside_frame(q)) continue;
+        const float z_q = imageLoad(view_depth, q).x;
+        if (!(z_q > 0.0) || is_mirror(pixel_roughness(q))) continue;
+        const vec3 n_q = decode_receiver_normal(imageLoad(receiver_normal, q).xy);
+        if (dot(n, n_q) > 0.9 && abs(dot(n, position(q, z_q) - x)) < 0.01 * z) kept |= 1u << uint(i);
+    }
+    return kept;
+}
+
+void for_pixel(ivec2 p) {
+    const float z = imageLoad(view_depth, p).x;
+    if (!(z > 0.0)) {
+        store(p, vec3(0.0), 0.0, false, 0.0, 0.0);
+        return;
+    }
+    const vec4 own = texelFetch(radiance, p, 0);
+    const float roughness = pixel_roughness(p);
+    const Lobe lobe = pixel_lobe(p, roughness);
+    const vec3 x = position(p, z);
+    const uint kept = is_mirror(roughness) ? 0u : kept_taps(p, x, lobe.n, z);
+    if (kept == 0u) {
+        store(p, own.rgb, abs(own.w), own.w < 0.0, 0.0, 1.0);
+        return;
+    }
+
+    const float others = float(bitCount(kept));
+    const vec3 own_direction = decode_direction(texelFetch(ray_direction, p, 0).x);
+    const Found own_found = found(x, own, own_direction);
+    const vec2 own_lobe = density_and_response(lobe, own_direction);
+    Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
+    float own_weight = 0.0;
+    for (int i = 0; i < TAPS; ++i) {
+        if ((kept >> uint(i) & 1u) == 0u) continue;
+        const ivec2 q = p + tap(i);
+        const vec3 x_q = position(q, imageLoad(view_depth, q).x);
+        const Lobe lobe_q = pixel_lobe(q, pixel_roughness(q));
+        const vec4 ray = texelFetch(radiance, q, 0);
+        const vec3 direction = decode_direction(texelFetch(ray_direction, q, 0).x);
+        const vec2 here = at_found(lobe, x, found(x_q, ray, direction), abs(ray.w));
+        const float there = density_and_response(lobe_q, direction).x;
+        add(sums, here.y / max(others * there + here.x, 1e-30), ray);
+        const float of_own = at_found(lobe_q, x_q, own_found, abs(own.w)).x;
+        own_weight += own_lobe.y / max(others * of_own + own_lobe.x, 1e-30);
+    }
+    add(sums, own_weight / others, own);
+    if (!(sums.weight > 1e-20)) {
+        store(p, own.rgb, abs(own.w), own.w < 0.0, 0.0, 1.0);
+        return;
+    }
+
+    const vec3 g = sums.radiance / sums.weight;
+    const float samples = sums.weight * sums.weight / sums.squares;
+    const float spread = sums.of_squares2 - 2.0 * dot(g, sums.of_squares) + dot(g, g) * sums.squares;
+    const float variance = max(spread, 0.0) / (sums.weight * sums.weight) * samples / max(samples - 1.0, 0.5);
+    store(p, g, sums.weight / sums.inverse_m, sums.moving > 0.1 * sums.weight, sqrt(variance), samples);
+}
+
+void main() { for_each_pixel(); }

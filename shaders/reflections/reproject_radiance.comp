@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Two pasts for each pixel, the surface's and the mirrored image's, and how many frames either stands for: 0, none. Which one
+// is believed, and how far, is accumulate_radiance's to say.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/guide_normal.glsl"
+#include "common/pixels.glsl"
+#include "reflections/past_places.glsl"
+#include "reflections/same_surface.glsl"
+
+// How far the surface's depth may be off where it was, of the depth, over the cosine of view.
+const float DEPTH_TOLERANCE = 0.02;
+
+bool past_is(Shown here, ivec2 q, float depth, float tolerance) {
+    if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
+    const float z = imageLoad(view_depth_prev, q).x;
+    if (!(z > 0.0) || !(abs(z - depth) <= tolerance)) return false;
+    if (!(dot(here.n, unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)))) > 0.9)) return false;
+    return !HAS_MATERIAL || alike(here.roughness, texelFetch(roughness_prev, q, 0).x);
+}
+
+vec4 history_texel(ivec2 q) {
+    return vec4(texelFetch(history, q, 0).rgb, texelFetch(frames_prev, q, 0).x);
+}
+
+vec4 cubic_weights(float t) {
+    return vec4(t * (-0.5 + t * (1.0 - 0.5 * t)), 1.0 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2.0 - 1.5 * t)), t * t * (-0.5 + 0.5 * t));
+}
+
+// Catmull-Rom where all that it reads has a past; limited to the four texels around, which keeps bright points from ringing.
+vec3 sharp_history(ivec2 first, vec2 within, vec3 smooth_value) {
+    const vec4 wx = cubic_weights(within.x), wy = cubic_weights(within.y);
+    vec3 sum = vec3(0.0), low = vec3(1e30), high = vec3(0.0);
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 4; ++x) {
+            const ivec2 q = clamp(first + ivec2(x, y) - 1, ivec2(0), ivec2(frame.prev_size) - 1);
+            const vec4 texel = history_texel(q);
+            if (!(texel.w > 0.0)) return smooth_value;
+            sum += wx[x] * wy[y] * texel.rgb;
+            if (x % 3 != 0 && y % 3 != 0) {
+                low = min(low, texel.rgb);
+                high = max(high, texel.rgb);
+            }
+        }
+    return clamp(sum, low, high);
+}
+
+// `depth`: of the surface, as the previous frame saw it, within `tolerance`.
+vec4 past_at(Shown here, vec2 uv, float depth, float tolerance) {
+    if (any(lessThan(uv, vec2(0.0))) || any(greaterThanEqual(uv, vec2(1.0)))) return vec4(0.0);
+    const vec2 at = uv * vec2(frame.prev_size) - 0.5;
+    const ivec2 nearest = ivec2(round(at));
+    if (all(lessThan(abs(at - round(at)), vec2(1.0 / 256.0))))
+        return past_is(here, nearest, depth, tolerance) ? history_texel(nearest) : vec4(0.0);
+    const ivec2 first = ivec2(floor(at));
+    const vec2 within = at - floor(at);
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    bool whole = true;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 step = ivec2(i & 1, i >> 1), q = first + step;
+        if (!past_is(here, q, depth, tolerance)) {
+            whole = false;
+            continue;
+        }
+        const vec2 share = mix(1.0 - within, within, vec2(step));
+        sum += share.x * share.y * history_texel(q);
+        weights += share.x * share.y;
+    }
+    if (!(weights > 0.05)) return vec4(0.0);
+    sum /= weights;
+    if (whole) sum.rgb = sharp_history(first, within, sum.rgb);
+    return sum;
+}
+
+void for_pixel(ivec2 p) {
+    const Shown here = shown(p);
+#if HAS_ROUGHNESS_KEPT
+    imageStore(roughness_kept, p, vec4(here.roughness));
+#endif
+    vec4 of_surface = vec4(0.0), of_image = vec4(0.0);  // the second of a specular lobe alone
+    if (here.z > 0.0 && (frame.flags & FRAME_RESET) == 0u) {
+        const float cosine = max(dot(here.n, to_viewer(p)), 0.1);
+        // A host whose motion has no third component gives 0 there, which is right of nothing that comes nearer by itself.
+        const float change = HAS_MOTION ? texelFetch(motion, p, 0).z : 0.0;
+        const float depth = change != 0.0 ? here.z + change : previous_depth(here.x);
+        of_surface = past_at(here, past_of_surface(p), depth, DEPTH_TOLERANCE * here.z / cosine);
+#if HAS_PAST_IMAGE
+        of_image = past_at(here, past_of_image(p, here.z, abs(texelFetch(gathered, p, 0).w)), here.z, 1e30);
+#endif
+    }
+    imageStore(past_surface, p, of_surface);
+#if HAS_PAST_IMAGE
+    imageStore(past_image, p, of_image);
+#endif
+}
+
+void main() { for_each_pixel(); }

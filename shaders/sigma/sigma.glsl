@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+// What the passes of SIGMA share: NVIDIA's denoiser of shadows whose rays know the distance of what they hit, as a baseline.
+// Written from a description of what the published one computes (docs/pipelines.md says what was read); no code of theirs is in here.
+//
+// Includer has common/camera.glsl.
+
+const float LIT = 65504.0;      // a penumbra of this means lit, of 0 that the pixel is turned away or touches its blocker
+const float MAX_RADIUS_PX = 32.0;
+const int TILE_PX = 16;
+const float PLANE_SENSITIVITY = 0.02;  // of the frustum's height: how far off a pixel's plane another one still counts
+
+bool is_lit(float penumbra) { return penumbra >= LIT; }
+
+// World height of the view at a depth, in metres.
+float frustum_m(float z) { return float(min(frame.size.x, frame.size.y)) * pixel_span_m(z); }
+
+float gaussian(float r) { return exp(-0.66 * r * r); }
+
+// Pixels that touch their blockers, or are turned away, keep to themselves.
+bool of_a_kind(float a, float b) { return (a == 0.0) == (b == 0.0); }
+
+// Radius in pixels of a penumbra of `radius_px`, scaled: tiny ones keep their size, others are left 2 pixels at least.
+float kernel_radius(float radius_px, float scale) { return clamp(radius_px * scale, min(radius_px, 2.0), MAX_RADIUS_PX); }
+
+// The square of an image's value: eight bits spend more of their steps on what is dark.
+float decoded(float s) { return s * s; }
