@@ -66,7 +66,7 @@ struct CompareArguments {
     std::vector<std::string> also;  // folders of the same images under other seeds
     std::string frames, mask;
     std::string signal = "visibility";  // or specular, diffuse
-    uint32_t border = 0;  // pixels along the image's border that are left out
+    uint32_t border = 0;                // pixels along the image's border that are left out
     bool json = false;
     std::string whole_rays;  // folder of the same image, its rays traced without intervals
 };

@@ -165,6 +165,7 @@ OrderedJson dependency_json(const Dependency& d) {
     for (const Activation& a : d.activations)
         activations.push_back({{"resource", a.resource},
                                {"from_stages", flags_json(a.src_stages, stage_words)},
+                               {"from_access", flags_json(a.src_access, access_words)},
                                {"to_stages", flags_json(a.dst_stages, stage_words)},
                                {"to_access", flags_json(a.dst_access, access_words)}});
     return {{"from_stages", flags_json(d.src_stages, stage_words)},
@@ -176,6 +177,14 @@ OrderedJson dependency_json(const Dependency& d) {
 
 OrderedJson by_parity(const std::array<Dependency, 2>& pair) {
     return {dependency_json(pair[0]), dependency_json(pair[1])};
+}
+
+OrderedJson follows_json(const std::optional<Follows>& follows) {
+    if (!follows) return {};
+    OrderedJson steps = OrderedJson::array();
+    for (const Follows::Step& step : follows->steps)
+        steps.push_back({step.div[0], step.div[1], step.mul[0], step.mul[1]});
+    return steps;
 }
 
 OrderedJson slots_json(const Plan& plan) {
@@ -194,6 +203,7 @@ OrderedJson slots_json(const Plan& plan) {
              {"format", has_texels(slot.kind) ? OrderedJson(info(slot.format).name) : OrderedJson()},
              {"accepted", accepted},
              {"size", image ? extent_json(slot.extent) : OrderedJson()},
+             {"follows", follows_json(slot.follows)},
              {"layers", image ? OrderedJson(slot.layers) : OrderedJson()},
              {"element", slot.element.empty() ? OrderedJson() : OrderedJson(slot.element)},
              {"bytes", slot.bytes ? OrderedJson(slot.bytes) : OrderedJson()},
@@ -215,6 +225,7 @@ OrderedJson resources_json(const Plan& plan) {
              {"kind", kind_name(r.kind)},
              {"format", has_texels(r.kind) ? OrderedJson(info(r.format).name) : OrderedJson()},
              {"size", has_texels(r.kind) ? extent_json(r.extent) : OrderedJson()},
+             {"follows", has_texels(r.kind) ? follows_json(r.follows) : OrderedJson()},
              {"array", r.layered},
              {"layers", r.layers},
              {"levels", r.levels},
@@ -278,6 +289,8 @@ OrderedJson pass_json(const PlanPass& pass, OrderedJson json) {
             {{"name", p.param.name}, {"type", word_of(p.param.type)}, {"offset", p.offset}});
     json["mip_level"] = or_null(pass.mip_level);
     json["level_groups"] = pass.level_groups;
+    json["follows"] = follows_json(pass.over);
+    json["group_pixels"] = pass.over ? OrderedJson(pass.group_pixels) : OrderedJson();
     json["indirect"] = pass.indirect
                            ? OrderedJson{{"resource", *pass.indirect}, {"offset", pass.indirect_offset}}
                            : OrderedJson();

@@ -54,6 +54,10 @@ Schema definitions() {
     d["format"] = {{"enum", format_names()}};
     d["size"] = list_of(Schema{{"type", "integer"}, {"minimum", 1}}, 2);
     d["groups"] = list_of(number, 3);
+    d["follows"] =
+        doc(or_null(list_of(list_of(number, 4))),
+            "how its size follows the frame's: through [div x, div y, mul x, mul y], one after another, each "
+            "max(ceil(size / div) * mul, 1); null: it does not");
     d["kind"] = words({"image", "texels", "buffer", "block", "structure"});
     d["stages"] = list_of(words({"compute", "indirect", "transfer", "copy", "top", "all"}));
     d["access"] = list_of(words({"write", "read", "sample", "uniform", "structure", "arguments", "copy_read",
@@ -62,6 +66,7 @@ Schema definitions() {
         words({"storage", "sampled", "texels", "arguments", "copy_source", "copy_target", "attachment"}));
     d["activation"] = doc(object({{"resource", number},
                                   {"from_stages", use("stages")},
+                                  {"from_access", use("access")},
                                   {"to_stages", use("stages")},
                                   {"to_access", use("access")}}),
                           "an image begins to use its memory: from an undefined layout to the general one");
@@ -101,7 +106,8 @@ Schema slot() {
                    {"required", doc(flag, "false: a plan can be made without it")},
                    {"format", or_null(use("format"))},
                    {"accepted", doc(list_of(use("format")), "a plan can be made for any of them")},
-                   {"size", or_null(use("size"))},
+                   {"size", or_null(doc(use("size"), "of the largest frame"))},
+                   {"follows", use("follows")},
                    {"layers", or_null(number)},
                    {"element", or_null(text)},
                    {"bytes", or_null(number)},
@@ -116,7 +122,8 @@ Schema resource() {
         {{"names", list_of(text)},
          {"kind", use("kind")},
          {"format", or_null(use("format"))},
-         {"size", or_null(use("size"))},
+         {"size", or_null(doc(use("size"), "of the largest frame"))},
+         {"follows", use("follows")},
          {"array", flag},
          {"layers", number},
          {"levels", number},
@@ -158,6 +165,8 @@ Schema pass() {
                           {"offset", doc(number, "bytes in the push constants")}}))},
          {"mip_level", or_null(doc(number, "offset in the push constants: the level of the dispatch"))},
          {"level_groups", doc(list_of(use("groups")), "one dispatch for each, or none: `groups`")},
+         {"follows", doc(use("follows"), "what the dispatch is over")},
+         {"group_pixels", or_null(doc(list_of(number, 2), "that a group covers of it"))},
          {"indirect", or_null(object({{"resource", number}, {"offset", number}}))},
          {"bindings", list_of(use("binding"))},
          {"resource", or_null(doc(number, "that a capture copies out"))},

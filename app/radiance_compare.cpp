@@ -27,7 +27,8 @@ std::vector<uint32_t> frames_to_compare(const CompareArguments& arguments, Diagn
     std::vector<uint32_t> frames;
     if (!arguments.frames.empty()) {
         const auto range = parse_frames(arguments.frames, 1);
-        for (uint32_t frame = range ? (*range)[0] : 1; range && frame <= (*range)[1]; ++frame) frames.push_back(frame);
+        for (uint32_t frame = range ? (*range)[0] : 1; range && frame <= (*range)[1]; ++frame)
+            frames.push_back(frame);
         if (!range) diagnostics.add({}, "--frames", "not A..B: " + arguments.frames);
         return frames;
     }
@@ -46,7 +47,8 @@ std::span<const float> channel(const PlanarImage& image, const fs::path& file, c
                                Diagnostics& diagnostics) {
     const Plane* plane = image.find(name);
     if (plane && plane->type != PlaneType::uint) return plane->values;
-    diagnostics.add({file.string(), 0, 0}, name, plane ? "the channel holds integers" : "there is no such channel");
+    diagnostics.add({file.string(), 0, 0}, name,
+                    plane ? "the channel holds integers" : "there is no such channel");
     return {};
 }
 
@@ -58,8 +60,8 @@ std::optional<RadianceErrorSums> compare_frame(const fs::path& folder, const Com
     if (!image || !truth) return std::nullopt;
     if (image->width != truth->width || image->height != truth->height) {
         diagnostics.add({image_file.string(), 0, 0}, "",
-                        fmt::format("is {}x{}, the reference {}x{}", image->width, image->height, truth->width,
-                                    truth->height));
+                        fmt::format("is {}x{}, the reference {}x{}", image->width, image->height,
+                                    truth->width, truth->height));
         return std::nullopt;
     }
     RadiancePlanes planes;
@@ -85,15 +87,20 @@ std::string text_of(const std::optional<double>& value) {
     return value ? fmt::format("{:.4g}", *value) : "-";
 }
 
-void print(const CompareArguments& arguments, const std::vector<uint32_t>& frames, const RadianceErrorSums& sums) {
+void print(const CompareArguments& arguments, const std::vector<uint32_t>& frames,
+           const RadianceErrorSums& sums) {
     if (arguments.json) {
-        nlohmann::ordered_json json = {{"image", arguments.image}, {"reference", arguments.reference}, {"signal", arguments.signal}, {"frames", frames}};
+        nlohmann::ordered_json json = {{"image", arguments.image},
+                                       {"reference", arguments.reference},
+                                       {"signal", arguments.signal},
+                                       {"frames", frames}};
         json["seeds"] = 1 + arguments.also.size();
         json["pixels"] = sums.pixels();
         json["n_eff"] = {{"value", or_null(sums.n_eff())}, {"by_roughness", nlohmann::ordered_json::array()}};
         for (size_t c = 0; c < roughness_classes; ++c)
             json["n_eff"]["by_roughness"].push_back(
-                {{"to", c < roughness_class_ends.size() ? std::round(roughness_class_ends[c] * 100) / 100 : 1},
+                {{"to",
+                  c < roughness_class_ends.size() ? std::round(roughness_class_ends[c] * 100) / 100 : 1},
                  {"pixels", sums.classes[c].pixels},
                  {"value", or_null(sums.n_eff(c))}});
         json["relmse"] = or_null(sums.relmse());
@@ -107,17 +114,17 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                arguments.signal, frames.size(), 1 + arguments.also.size(), sums.pixels());
     fmt::print("n_eff    {}   by roughness, to .05/.15/.3/.5/1:", text_of(sums.n_eff()));
     for (size_t c = 0; c < roughness_classes; ++c) fmt::print(" {}", text_of(sums.n_eff(c)));
-    fmt::print("\nrelmse   {}   bias {}   fireflies {}   nonfinite {}\n", text_of(sums.relmse()), text_of(sums.bias()),
-               sums.fireflies, sums.nonfinite);
+    fmt::print("\nrelmse   {}   bias {}   fireflies {}   nonfinite {}\n", text_of(sums.relmse()),
+               text_of(sums.bias()), sums.fireflies, sums.nonfinite);
 }
 
 }  // namespace
 
 int compare_radiance(const CompareArguments& arguments) {
     Diagnostics diagnostics;
-    for (const auto& [given, option] : {std::pair{!arguments.mask.empty(), "--mask"},
-                                        std::pair{arguments.border > 0, "--border"},
-                                        std::pair{!arguments.whole_rays.empty(), "--whole-rays"}})
+    for (const auto& [given, option] :
+         {std::pair{!arguments.mask.empty(), "--mask"}, std::pair{arguments.border > 0, "--border"},
+          std::pair{!arguments.whole_rays.empty(), "--whole-rays"}})
         if (given) diagnostics.add({}, option, "is of visibility, not of radiance");
     const std::vector<uint32_t> frames =
         diagnostics.empty() ? frames_to_compare(arguments, diagnostics) : std::vector<uint32_t>{};

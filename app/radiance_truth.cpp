@@ -24,7 +24,8 @@ std::vector<float> roughness_of(Device& device, const Session& session, size_t p
         return std::vector<float>(pixels, 1.0f);
     const std::vector<std::byte> bytes =
         read_image(device, material.get(), material.format, material.extent, GBuffer::final_layout);
-    return decode_texels(Format::rg8, material.extent.width, material.extent.height, bytes, {"metallic", "roughness"})
+    return decode_texels(Format::rg8, material.extent.width, material.extent.height, bytes,
+                         {"metallic", "roughness"})
         .planes[1]
         .values;
 }
@@ -43,8 +44,8 @@ std::unique_ptr<Session> open_radiance_truth(Device& device, const Shot& shot, c
                                              Diagnostics& diagnostics, std::vector<std::string>& warnings) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
     const std::vector<std::string> settings{"nodes.reference.params.lobe=" + signal};
-    const auto pipeline = parse_pipeline(reference_radiance_pipeline_text, "pipelines/reference_radiance.json",
-                                         settings, diagnostics);
+    const auto pipeline = parse_pipeline(reference_radiance_pipeline_text,
+                                         "pipelines/reference_radiance.json", settings, diagnostics);
     const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
     if (!checked) return nullptr;
     SessionOptions options;
@@ -77,7 +78,8 @@ PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uin
     for (size_t i = 0; i < pixels; ++i) {
         const double weight = weighted[i][3];
         if (!(weight > 0)) continue;
-        // E|L - S|^2 = E|L|^2 - 2 S.E L + |S|^2. Of a mirror it is the rounding of sums in single precision: nothing.
+        // E|L - S|^2 = E|L|^2 - 2 S.E L + |S|^2. Of a mirror it is the rounding of sums in single precision:
+        // nothing.
         double error = plain[i][3] / double(rays);
         const double rounding = 1e-5 * error;
         for (size_t c = 0; c < 3; ++c) {

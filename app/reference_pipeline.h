@@ -3,8 +3,8 @@
 
 namespace penumbra {
 
-extern const char* const reference_pipeline_text;  // pipelines/reference.json
-extern const char* const raw_pipeline_text;        // pipelines/raw.json
+extern const char* const reference_pipeline_text;           // pipelines/reference.json
+extern const char* const raw_pipeline_text;                 // pipelines/raw.json
 extern const char* const reference_radiance_pipeline_text;  // pipelines/reference_radiance.json
 
 }  // namespace penumbra

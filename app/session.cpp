@@ -145,8 +145,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     Facts facts = options.facts;
     facts.merge(session->host_->facts());  // keeps what is there
     Target target =
-        standalone_target(pipeline, table, options.size, facts, {options.cascade_size, options.cascade_size},
-                          session->host_->cascade_layers());
+        standalone_target(pipeline, table, options.largest.value_or(options.size), facts,
+                          {options.cascade_size, options.cascade_size}, session->host_->cascade_layers());
     if (environment) {
         target.inputs["environment"] = {Format::rgba32f, {environment->width, environment->height}};
         if (std::max(environment->width, environment->height) > table.max_image_extent) {

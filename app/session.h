@@ -23,6 +23,7 @@ namespace penumbra {
 
 struct SessionOptions {
     std::array<uint32_t, 2> size{1280, 720};
+    std::optional<std::array<uint32_t, 2>> largest;  // what the plan is made for, where frames are smaller
     uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
@@ -79,7 +80,8 @@ class Session {
     explicit Session(Device& device) : device_(device) {}
     std::vector<SlotBinding> bind_slots() const;
     void write_blocks(const StandaloneFrame& frame);
-    // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is none.
+    // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is
+    // none.
     void update_surfaces(uint32_t index, uint32_t previous);
     void draw_cascades(uint32_t index, FrameCost& cost);
     // Adds what the passes cost to `cost`.
@@ -91,13 +93,14 @@ class Session {
     double program_ms_ = 0;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
-    std::unique_ptr<SceneBvh> bvh_;    // where a pass traces with it
-    std::unique_ptr<SceneTlas> tlas_;  // where a pass traces with ray queries
+    std::unique_ptr<SceneBvh> bvh_;          // where a pass traces with it
+    std::unique_ptr<SceneTlas> tlas_;        // where a pass traces with ray queries
     std::unique_ptr<HitSurfaces> surfaces_;  // where a pass shades what its rays hit
     GpuImage environment_;                   // where a pass looks beyond the scene
     std::unique_ptr<CascadeMaps> cascade_maps_;
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
-    std::array<uint32_t, 2> surfaces_frames_{};  // what `surfaces_` was made for: the frame and its previous one
+    std::array<uint32_t, 2>
+        surfaces_frames_{};  // what `surfaces_` was made for: the frame and its previous one
     GpuBuffer sun_, sun_prev_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };

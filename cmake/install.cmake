@@ -10,6 +10,9 @@ install(FILES ${PROJECT_BINARY_DIR}/include/penumbra/version.h ${PROJECT_BINARY_
   ${PROJECT_BINARY_DIR}/include/penumbra/bvh.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/penumbra)
 install(DIRECTORY pipelines DESTINATION ${DATA} FILES_MATCHING PATTERN *.json)
 install(DIRECTORY nodes DESTINATION ${DATA} FILES_MATCHING PATTERN *.json)
+# What a user's node may include, to read: penumbra::glsl has it in itself.
+install(DIRECTORY shaders/common DESTINATION ${DATA}/shaders FILES_MATCHING PATTERN *.glsl PATTERN *.h)
+install(FILES include/penumbra/frame_block.glsl DESTINATION ${DATA}/shaders/penumbra)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 install(TARGETS penumbra_library penumbra_bvh EXPORT penumbra)

@@ -4,7 +4,8 @@
 // write and write after write need memory dependencies, write after read needs execution only (Vulkan
 // specification, "Synchronization"). Dependencies are global memory barriers; image barriers only activate
 // images in reused memory, and since their access scope covers that image alone, the previous occupants'
-// writes go into the memory barrier of the same dependency. What is kept is activated once, by a reset.
+// writes go into the memory barrier of the same dependency; those that nobody has read, which the transition itself
+// overwrites, into both. What is kept is activated once, by a reset.
 #include "graph/barriers.h"
 
 #include <algorithm>
@@ -82,15 +83,18 @@ class Simulation {
     struct Place {
         std::map<std::pair<VkPipelineStageFlags2, VkAccessFlags2>, std::multiset<uint32_t>> writes;
         std::map<VkPipelineStageFlags2, std::multiset<uint32_t>> reads;
+        std::map<VkAccessFlags2, uint32_t> unread;  // writes that nobody has read
         std::vector<uint32_t> neighbours;  // places that share bytes with this one, itself among them
 
         void add(const State& s) {
             if (s.write_stages) writes[{s.write_stages, s.write_access}].insert(s.write_time);
             if (s.read_stages) reads[s.read_stages].insert(s.read_time);
+            if (s.write_stages && !s.read_stages) ++unread[s.write_access];
         }
         void remove(const State& s) {
             if (s.write_stages) drop(writes, std::pair(s.write_stages, s.write_access), s.write_time);
             if (s.read_stages) drop(reads, s.read_stages, s.read_time);
+            if (s.write_stages && !s.read_stages && --unread[s.write_access] == 0) unread.erase(s.write_access);
         }
         template <class Map>
         static void drop(Map& map, const typename Map::key_type& key, uint32_t time) {
@@ -138,6 +142,7 @@ class Simulation {
 
     void activate(Dependency& d, uint32_t resource, uint32_t parity, const Use& use) {
         VkPipelineStageFlags2 past = 0;
+        VkAccessFlags2 unread = 0;
         for (const uint32_t neighbour : places_[place_of_[resource][parity]].neighbours) {
             const Place& place = places_[neighbour];
             for (const auto& [how, times] : place.writes) {
@@ -148,11 +153,12 @@ class Simulation {
                 after_read(d, stages, *times.rbegin(), use);
                 past |= stages;
             }
+            for (const auto& [access, instances] : place.unread) unread |= access;
         }
         if (plan_.resources[resource].kind != PortKind::image) return;
         // The transition writes the image: it waits for every past access and precedes the first use.
         d.activations.push_back(
-            {resource, past ? past : VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, use.stages, use.access});
+            {resource, past ? past : VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, unread, use.stages, use.access});
     }
 
     // The place of every instance, and the places that share bytes: by offset, since ten thousand of them are

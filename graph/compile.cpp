@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "graph/barriers.h"
 #include "graph/compiler.h"
 #include "graph/lifetimes.h"
@@ -100,6 +102,7 @@ void Compiler::lend_outputs() {
                                .format = r.format,
                                .extent = r.extent,
                                .layers = r.layers,
+                               .follows = r.follows,
                                .output = true,
                                .accepted = {r.format}});
     }
@@ -149,6 +152,20 @@ const PlanPass* Plan::pass(std::string_view node) const {
     for (const PlanPass& p : passes)
         if (p.node == node && p.kind != PassKind::capture) return &p;
     return nullptr;
+}
+
+Extent Follows::at(Extent frame) const {
+    for (const Step& step : steps)
+        frame = {std::max(ceil_div(frame.width, step.div[0]) * step.mul[0], 1u),
+                 std::max(ceil_div(frame.height, step.div[1]) * step.mul[1], 1u)};
+    return frame;
+}
+
+std::array<uint32_t, 3> PlanPass::groups_at(Extent frame, uint32_t level) const {
+    if (!over) return level_groups.empty() ? groups : level_groups[level];
+    const Extent size = over->at(frame);
+    return {ceil_div(std::max(size.width >> level, 1u), group_pixels[0]),
+            ceil_div(std::max(size.height >> level, 1u), group_pixels[1]), groups[2]};
 }
 
 const PlanBinding* PlanPass::binding(std::string_view port) const {

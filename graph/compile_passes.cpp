@@ -35,6 +35,8 @@ void Compiler::lower(const SelectedNode& selected) {
             const std::string& backend = backend_of_port(node, *port.bundle);
             variant_.backends[port.bundle->param] = backend;
             pass.backends += (pass.backends.empty() ? "" : " ") + backend;
+        } else if (port.bundle && !port.bundle->backends.empty() && selected.sources[i] != Source::none) {
+            check_backend(port.bundle->backends.back(), node.place, "nodes." + node.id);
         }
     }
     pass.variant = to_string(variant_);
@@ -76,17 +78,34 @@ const std::string& Compiler::backend_of_port(const BoundNode& node, const Bundle
     const Param& param = *backend_param(node.type(), bundle);
     const auto& wanted =
         std::get<std::string>(value_of(node, static_cast<size_t>(&param - node.type().params.data())));
-    const auto has = [&](const Bundle::Backend& b) {
-        return b.feature.empty() || device.features.contains(b.feature);
-    };
-    for (const Bundle::Backend& backend : bundle.backends) {
-        if (wanted == "auto" && has(backend) && !(backend.gpu_only && device.cpu)) return backend.name;
-        if (wanted == backend.name && !has(backend))
-            error(node.place, fmt::format("nodes.{}.params.{}", node.id, param.name),
-                  fmt::format("the device \"{}\" lacks {}; \"{}\" runs everywhere", plan_.device,
-                              backend.feature, bundle.backends.back().name));
+    const std::string path = fmt::format("nodes.{}.params.{}", node.id, param.name);
+    if (wanted != "auto") {
+        for (const Bundle::Backend& backend : bundle.backends)
+            if (wanted == backend.name) check_backend(backend, node.place, path);
+        return wanted;
     }
-    return wanted == "auto" ? bundle.backends.back().name : wanted;
+    const Bundle::Backend* chosen = nullptr;
+    for (const Bundle::Backend& backend : bundle.backends) {
+        if (problem_of(backend)) continue;
+        if (!(backend.gpu_only && device.cpu)) return backend.name;
+        if (!chosen) chosen = &backend;  // better than none
+    }
+    if (chosen) return chosen->name;
+    for (const Bundle::Backend& backend : bundle.backends) check_backend(backend, node.place, path);
+    return bundle.backends.back().name;
+}
+
+// What keeps a backend from this target.
+std::optional<std::string> Compiler::problem_of(const Bundle::Backend& backend) const {
+    if (!backend.feature.empty() && !target_.device.features.contains(backend.feature))
+        return fmt::format("\"{}\": the device \"{}\" lacks {}", backend.name, plan_.device, backend.feature);
+    if (!backend.fact.empty() && !plan_.facts.at(backend.fact))
+        return fmt::format("\"{}\": the fact \"{}\" does not hold for this plan", backend.name, backend.fact);
+    return std::nullopt;
+}
+
+void Compiler::check_backend(const Bundle::Backend& backend, const Place& place, const std::string& path) {
+    if (const auto problem = problem_of(backend)) error(place, path, *problem);
 }
 
 const ClassOverrides& Compiler::overrides(const BoundNode& node) const {
@@ -153,11 +172,12 @@ void Compiler::fill_dispatch(const SelectedNode& selected) {
         }
         case Dispatch::Kind::over: {
             const Size size = size_of(selected, dispatch.over);
+            pass.over = size.follows;
+            pass.group_pixels = {pass.constants[0] * pass.constants[3], pass.constants[1] * pass.constants[4]};
             const auto groups = [&](uint32_t level) -> std::array<uint32_t, 3> {
                 const uint32_t width = std::max(size.extent.width >> level, 1u);
                 const uint32_t height = std::max(size.extent.height >> level, 1u);
-                return {ceil_div(width, pass.constants[0] * pass.constants[3]),
-                        ceil_div(height, pass.constants[1] * pass.constants[4]),
+                return {ceil_div(width, pass.group_pixels[0]), ceil_div(height, pass.group_pixels[1]),
                         ceil_div(size.layers, pass.constants[2])};
             };
             pass.groups = groups(0);

@@ -12,8 +12,11 @@ namespace penumbra {
 namespace {
 
 Extent apply(const ExtentRule& rule, Extent of) {
-    return {std::max(ceil_div(of.width, rule.div[0]) * rule.mul[0], 1u),
-            std::max(ceil_div(of.height, rule.div[1]) * rule.mul[1], 1u)};
+    return Follows{{{rule.div, rule.mul}}}.at(of);
+}
+
+void append(Follows& follows, const Follows::Step& step) {
+    if (step != Follows::Step{}) follows.steps.push_back(step);
 }
 
 uint32_t element_bytes(const Port& port, Format format, const Domain& domain) {
@@ -83,20 +86,21 @@ void Compiler::make_resources() {
 
 // The size that a rule's `of` names, seen from one node.
 Compiler::Size Compiler::size_of(const SelectedNode& selected, const SizeOf& of) {
-    if (!of.port) return {of.name.empty() ? Extent{} : target_.extent, 1};
+    if (!of.port) return of.name.empty() ? Size{} : Size{target_.extent, 1, Follows{}};
     return size_of(selected.node->ports[*of.port].resource);
 }
 
 Compiler::Size Compiler::size_of(uint32_t id) {
     Made& made = made_[id];
     if (!made.by) {
-        const HostResource& brought = inputs_[*pipeline_.resources[id].input];
-        return {brought.extent, brought.layers};
+        const size_t input = *pipeline_.resources[id].input;
+        return {inputs_[input].extent, inputs_[input].layers, follows_of(pipeline_.inputs[input])};
     }
     if (!made.size) {
         const Port& port = *made.by->node->ports[made.port].port;
         const Size base = size_of(*made.by, port.extent.of);
-        made.size = Size{apply(port.extent, base.extent), port.layers ? base.layers : 1};
+        made.size = Size{apply(port.extent, base.extent), port.layers ? base.layers : 1, base.follows};
+        if (made.size->follows) append(*made.size->follows, {port.extent.div, port.extent.mul});
     }
     return *made.size;
 }
@@ -108,7 +112,14 @@ void Compiler::size_resource(PlanResource& r, const Made& made) {
     const DeviceTable& device = target_.device;
     if (port.kind == PortKind::buffer) {
         const CountRule& rule = port.count;
-        const Extent of = size_of(*made.by, rule.of).extent;
+        const Size base = size_of(*made.by, rule.of);
+        const Extent of = base.extent;
+        r.follows = base.follows;
+        if (r.follows) {
+            append(*r.follows, {rule.div, {1, 1}});
+            r.follows->mul = rule.mul;
+            r.follows->add = rule.add;
+        }
         if (!rule.of.name.empty())
             r.count = uint64_t{ceil_div(of.width, rule.div[0])} * ceil_div(of.height, rule.div[1]) * rule.mul;
         r.count += rule.add;
@@ -116,6 +127,7 @@ void Compiler::size_resource(PlanResource& r, const Made& made) {
         const Size size = size_of(bound.resource);
         r.extent = size.extent;
         r.layers = size.layers;
+        r.follows = size.follows;
         if (port.levels)
             r.levels = static_cast<uint32_t>(std::bit_width(std::max(r.extent.width, r.extent.height)));
         r.count = uint64_t{r.extent.width} * r.extent.height;

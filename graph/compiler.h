@@ -32,6 +32,7 @@ class Compiler {
     struct Size {
         Extent extent;
         uint32_t layers = 1;
+        std::optional<Follows> follows;
     };
 
     void error(const Place& place, const std::string& path, const std::string& message);
@@ -74,6 +75,8 @@ class Compiler {
     void lower(const SelectedNode& selected);
     void lower_capture(uint32_t captured);
     void check_needs(const BoundNode& node);
+    std::optional<std::string> problem_of(const Bundle::Backend& backend) const;
+    void check_backend(const Bundle::Backend& backend, const Place& place, const std::string& path);
     const std::string& backend_of_port(const BoundNode& node, const Bundle& bundle);
     const ClassOverrides& overrides(const BoundNode& node) const;
     const ParamValue& value_of(const BoundNode& node, size_t param) const;

@@ -47,8 +47,9 @@ std::string dependency_text(const Plan& plan, const Dependency& d, const char* l
                             flags(d.src_access, access_names), flags(d.dst_stages, stage_names),
                             flags(d.dst_access, access_names));
     for (const Activation& a : d.activations)
-        text += fmt::format("      {} activates {} after {} for {}:{}\n", label,
+        text += fmt::format("      {} activates {} after {}{} for {}:{}\n", label,
                             plan.resources[a.resource].names.front(), flags(a.src_stages, stage_names),
+                            a.src_access ? ":" + flags(a.src_access, access_names) : "",
                             flags(a.dst_stages, stage_names), flags(a.dst_access, access_names));
     return text;
 }

@@ -12,6 +12,11 @@ namespace penumbra {
 std::vector<bool> inputs_left_out(const CheckedPipeline& pipeline, const Target& target,
                                   Diagnostics& diagnostics);
 
+// How an input's size follows the frame's; nothing where it has one of its own.
+inline std::optional<Follows> follows_of(const HostInput& input) {
+    return input.extent == HostInput::Extent::frame ? std::optional(Follows{}) : std::nullopt;
+}
+
 // By input: images and texels that selected nodes read.
 std::vector<HostResource> resolve_inputs(const CheckedPipeline& pipeline, const Selection& selection,
                                          const Target& target, Diagnostics& diagnostics);

@@ -180,9 +180,20 @@ uint64_t live_bound(std::span<const Interval> intervals, uint32_t period) {
     return largest;
 }
 
+uint64_t lower_bound(std::span<const Interval> intervals, uint32_t period) {
+    uint64_t longer_than_half = 0;
+    for (const Interval& interval : intervals)
+        if (2 * uint64_t{interval.length} > period) longer_than_half += interval.size;
+    return std::max(live_bound(intervals, period), longer_than_half);
+}
+
 Packing pack(std::span<const Interval> intervals, uint32_t period) {
-    const uint64_t bound = live_bound(intervals, period);
+    const uint64_t bound = lower_bound(intervals, period);
     if (bound == 0) return {std::vector<uint64_t>(intervals.size(), 0), 0};
+    // What no search is worth: less than one step of the offsets, or half a percent.
+    uint64_t least = bound / 200;
+    for (const Interval& interval : intervals) least = std::max(least, interval.alignment);
+    const auto good = [&](const Packing& packing) { return packing.heap - bound < least; };
 
     if (intervals.size() > most_compared) return scan_packing(intervals, period);
     Placer placer(intervals, period);
@@ -195,7 +206,7 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
                 best = std::move(packing);
                 order = candidate;
             }
-            if (best.heap == bound) return best;
+            if (good(best)) return best;
         }
 
     // One step costs about n^2 operations, hence the count. Intervals at the top of the heap move to an
@@ -206,7 +217,7 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
     Packing current = placer.place(order, Gap::lowest);
     Score current_score = score(current, intervals);
     std::vector<uint32_t> at_top;
-    for (uint64_t step = 0; step < steps && best.heap > bound; ++step) {
+    for (uint64_t step = 0; step < steps && !good(best); ++step) {
         at_top.clear();
         for (uint32_t place = 0; place < order.size(); ++place)
             if (current.offsets[order[place]] + intervals[order[place]].size == current.heap)
@@ -226,7 +237,7 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
         current_score = candidate_score;
         if (current.heap < best.heap) best = current;
     }
-    return search_packing(intervals, period, std::move(best), small_search_nodes).best;
+    return good(best) ? best : search_packing(intervals, period, std::move(best), small_search_nodes).best;
 }
 
 }  // namespace penumbra

@@ -357,7 +357,7 @@ void Search::raise_closed(State state, uint64_t level) {
 
 SearchResult search_packing(std::span<const Interval> intervals, uint32_t period, Packing packing,
                             uint64_t max_nodes) {
-    uint64_t bound = live_bound(intervals, period);
+    uint64_t bound = lower_bound(intervals, period);
     if (packing.heap == bound) return {std::move(packing), true, 0};
 
     uint64_t largest = 0;

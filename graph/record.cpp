@@ -22,9 +22,10 @@ VkImageAspectFlags aspects_of(Format format) {
 }
 
 VkImageMemoryBarrier2 activate(VkImage image, VkPipelineStageFlags2 src, VkPipelineStageFlags2 dst,
-                               VkAccessFlags2 access) {
+                               VkAccessFlags2 access, VkAccessFlags2 src_access = 0) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     barrier.srcStageMask = src;
+    barrier.srcAccessMask = src_access;
     barrier.dstStageMask = dst;
     barrier.dstAccessMask = access;
     barrier.oldLayout = VK_IMAGE_LAYOUT_UNDEFINED;
@@ -78,9 +79,10 @@ void ViewState::full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemo
 
 void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
                       std::span<const SlotBinding> slots) {
-    if (frame.size[0] != plan().extent.width || frame.size[1] != plan().extent.height)
+    const Extent size{frame.size[0], frame.size[1]};
+    if (size.width == 0 || size.height == 0 || size.width > plan().extent.width || size.height > plan().extent.height)
         fail(ErrorCode::usage, plan().pipeline,
-             fmt::format("the frame is {}x{}, the plan was compiled for {}x{}", frame.size[0], frame.size[1],
+             fmt::format("the frame is {}x{}, the plan was compiled for up to {}x{}", size.width, size.height,
                          plan().extent.width, plan().extent.height));
     if (cmd == VK_NULL_HANDLE) fail(ErrorCode::usage, plan().pipeline, "the command buffer is null");
     check_slot_bindings(slots);
@@ -100,7 +102,11 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
 
     frame_block_ = make_frame_block(frame);
     decide_reset(frame.flags);
-    if (reset_.reason != Reset::Reason::none) frame_block_.flags |= frame_reset;
+    const bool reset = reset_.reason != Reset::Reason::none;
+    if (reset) frame_block_.flags |= frame_reset;
+    const Extent before = reset ? size : recorded_ > 0 ? size_ : options_.heir_of->state().size_;
+    frame_block_.prev_size = {before.width, before.height};
+    size_ = size;
     std::memcpy(slot.frame_block.data(), &frame_block_, sizeof frame_block_);
     if (recorded_ == 0 && !options_.tables_uploaded) program_.record_uploads(cmd);
     if (slot.timestamps)
@@ -116,7 +122,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     }
     record_handovers(cmd, false);
     if (memory_.shares()) full_dependency(cmd);
-    if (reset_.reason != Reset::Reason::none || recorded_ == 0) record_reset(cmd);
+    if (reset || recorded_ == 0) record_reset(cmd);
     next_pass_ = 0;
 }
 
@@ -179,11 +185,12 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
     vk().vkCmdPipelineBarrier2(cmd, &dependency);
 }
 
-// Whether two plans mean the same by a name whose value lasts.
+// Whether two plans mean the same by a name whose value lasts. Where both follow the frame's size, their largest ones may differ.
 static bool alike(const PlanResource& a, const PlanResource& b) {
+    const bool same_size = a.extent == b.extent && a.levels == b.levels && a.count == b.count;
     return a.names.back() == b.names.back() && a.kind == b.kind && a.format == b.format &&
-           a.extent == b.extent && a.layered == b.layered && a.layers == b.layers && a.levels == b.levels &&
-           a.kept == b.kept && a.count == b.count && a.element == b.element;
+           a.layered == b.layered && a.layers == b.layers && a.kept == b.kept && a.element == b.element &&
+           a.follows == b.follows && (a.follows || same_size);
 }
 
 // Compiled with CompileOptions::hand_on_history, or may be copied from and to for other reasons.
@@ -207,10 +214,12 @@ void ViewState::decide_reset(uint32_t flags) {
     }
     if (reset_.reason != Reset::Reason::none) return;
     const std::vector<PlanResource>& theirs = before->plan().resources;
+    const bool fits = before->size_.width <= plan().extent.width && before->size_.height <= plan().extent.height;
     for (const ResetAction& action : plan().reset) {
         const PlanResource& own = plan().resources[action.resource];
         const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {
-            return (r.history || r.kept) && hands_on(r) && hands_on(own) && alike(r, own);
+            return (r.history || r.kept) && hands_on(r) && hands_on(own) && alike(r, own) &&
+                   (fits || !r.follows);
         });
         inherited_.push_back(same == theirs.end()
                                  ? std::nullopt
@@ -250,16 +259,19 @@ void ViewState::record_inheritance(VkCommandBuffer cmd) const {
         const ViewState& before = options_.heir_of->state();
         const ResourceHandles& from = before.memory_.at(*inherited_[i], before.parity_);
         const ResourceHandles& to = memory_.at(plan().reset[i].resource, 1 - parity_);
-        const PlanResource& r = plan().resources[plan().reset[i].resource];
-        if (!to.image) {
-            const VkBufferCopy copy{0, 0, r.buffer_bytes()};
+        const PlanResource &r = plan().resources[plan().reset[i].resource],
+                           &theirs = before.plan().resources[*inherited_[i]];
+        if (!to.image) {  // of sizes that differ the smaller one: what is used lies in front
+            const VkBufferCopy copy{0, 0, std::min(r.buffer_bytes(), theirs.buffer_bytes())};
             vk().vkCmdCopyBuffer(cmd, from.buffer, to.buffer, 1, &copy);
             continue;
         }
-        for (uint32_t level = 0; level < r.levels; ++level) {
+        const uint32_t width = std::min(r.extent.width, theirs.extent.width),
+                       height = std::min(r.extent.height, theirs.extent.height);
+        for (uint32_t level = 0; level < std::min(r.levels, theirs.levels); ++level) {
             VkImageCopy copy{};
             copy.srcSubresource = copy.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, 0, r.layers};
-            copy.extent = {std::max(r.extent.width >> level, 1u), std::max(r.extent.height >> level, 1u), 1};
+            copy.extent = {std::max(width >> level, 1u), std::max(height >> level, 1u), 1};
             vk().vkCmdCopyImage(cmd, from.image, VK_IMAGE_LAYOUT_GENERAL, to.image, VK_IMAGE_LAYOUT_GENERAL,
                                 1, &copy);
         }
@@ -273,7 +285,8 @@ void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& depende
         VkPipelineStageFlags2 before = a.src_stages;
         if (const auto lent = plan().resources[a.resource].slot)
             before |= bound_[*lent].handover->stages_before;
-        images_.push_back(activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access));
+        images_.push_back(
+            activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access, a.src_access));
     }
     memory_dependency(cmd, dependency, images_);
 }
@@ -357,7 +370,7 @@ void ViewState::record_dispatches(VkCommandBuffer cmd, size_t index) const {
         if (pass.mip_level)
             vk().vkCmdPushConstants(cmd, program.layout.get(), VK_SHADER_STAGE_COMPUTE_BIT, *pass.mip_level,
                                     sizeof level, &level);
-        const std::array<uint32_t, 3>& groups = pass.mip_level ? pass.level_groups[level] : pass.groups;
+        const std::array<uint32_t, 3> groups = pass.groups_at(size_, level);
         if (pass.indirect)
             vk().vkCmdDispatchIndirect(cmd, memory_.at(*pass.indirect, parity_).buffer, pass.indirect_offset);
         else

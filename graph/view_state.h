@@ -116,6 +116,7 @@ class ViewState {
     double ms_per_tick_ = 0;  // 0: no timestamps
     uint64_t tick_mask_ = 0;  // the bits of a timestamp that count
     uint64_t recorded_ = 0;   // frames
+    Extent size_;             // of the last one
     uint32_t parity_ = 0;
     uint32_t slot_ = 0;
     static constexpr size_t not_begun = ~size_t{0};

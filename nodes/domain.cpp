@@ -13,7 +13,7 @@ Bundle scene() {
                        .feature = "ray_query",
                        .gpu_only = true,
                        .glsl = "#extension GL_EXT_ray_query : require\n"},
-                      {.name = "bvh"}};
+                      {.name = "bvh", .fact = "tree"}};
     scene.parts = {
         {.name = "nodes", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh"},
         {.name = "leaves", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh"},
@@ -34,7 +34,8 @@ std::shared_ptr<const Domain> shadow_domain() {
                   {"casters", "something can cast a shadow"},
                   {"alpha", "some triangle's texture has holes"},
                   {"moves", "the camera or an object moves"},
-                  {"sun_moves", "the sun moves"}},
+                  {"sun_moves", "the sun moves"},
+                  {"tree", "the host brings penumbra's own tree of the triangles; else ray queries alone"}},
         .features = {"ray_query", "storage8"},
         .structs = {{"Sun", sizeof(blocks::Sun)},
                     {"Scene", sizeof(blocks::Scene)},

@@ -2,12 +2,15 @@
 // penumbra.h: errors are values, structs are read by their sizes, nothing throws. That frames come out right
 // is examples/minimal_c's to show (tests/install_test.sh).
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
 #include "penumbra/graph.h"
 #include "penumbra/penumbra.h"
 #include "penumbra/version.h"
+#include "tests/c_nodes.h"
 #include "tests/gpu_test.h"
 
 namespace penumbra::test {
@@ -192,8 +195,8 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
 
     penumbra_frame frame{};
     frame.struct_size = sizeof frame;
-    frame.size[0] = frame.prev_size[0] = 29;
-    frame.size[1] = frame.prev_size[1] = 13;
+    frame.size[0] = 29;
+    frame.size[1] = 13;
     gpu().run([&](VkCommandBuffer cmd) {
         EXPECT_EQ(penumbra_view_record(view, cmd, &frame, nullptr, 0, &error_), PENUMBRA_USAGE);
         EXPECT_STREQ(error_.place, "the slot \"depth\"");
@@ -244,6 +247,51 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
         penumbra_program_destroy(program);
         EXPECT_EQ(counted.live, 0u) << n;
     }
+}
+
+VkCommandPool c_pool = VK_NULL_HANDLE;
+VkCommandBuffer c_commands = VK_NULL_HANDLE;
+
+VkCommandBuffer begin_commands() {
+    check(vkResetCommandPool(gpu().get(), c_pool, 0), "vkResetCommandPool", "C");
+    const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    check(vkBeginCommandBuffer(c_commands, &begin), "vkBeginCommandBuffer", "C");
+    return c_commands;
+}
+
+void submit_commands() {
+    check(vkEndCommandBuffer(c_commands), "vkEndCommandBuffer", "C");
+    VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+    submit.commandBufferCount = 1;
+    submit.pCommandBuffers = &c_commands;
+    check(vkQueueSubmit(gpu().queue(), 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit", "C");
+    check(vkQueueWaitIdle(gpu().queue()), "vkQueueWaitIdle", "C");
+}
+
+// c_nodes.c: a node that a host in C records, and one that is compiled from a folder; frames of several sizes.
+TEST_F(CApiGpu, NodesOfTheCallers) {
+    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "penumbra_c_nodes";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "c_twice.json") << R"({ "node": "c_twice", "doc": "d", "shader": "c_twice.comp",
+        "inputs": { "drawn": { "kind": "image", "format": "r32f" } },
+        "outputs": { "doubled": { "kind": "image", "format": "r32f" } },
+        "dispatch": { "over": "frame", "group": [8, 8] } })";
+    std::ofstream(folder / "c_twice.comp") << R"(#include "node.glsl"
+#include "common/pixels.glsl"
+void for_pixel(ivec2 p) { imageStore(doubled, p, 2.0 * texelFetch(drawn, p, 0)); }
+void main() { for_each_pixel(); }
+)";
+    const VkCommandPoolCreateInfo create{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, nullptr, 0, gpu().queue_family()};
+    check(vkCreateCommandPool(gpu().get(), &create, nullptr, &c_pool), "vkCreateCommandPool", "C");
+    const Owned<VkCommandPool> pool(gpu().get(), c_pool);
+    const VkCommandBufferAllocateInfo allocate_info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, c_pool,
+                                                    VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
+    check(vkAllocateCommandBuffers(gpu().get(), &allocate_info, &c_commands), "vkAllocateCommandBuffers", "C");
+    const std::string at = folder.string();
+    c_host host{host_device(), at.c_str(), begin_commands, submit_commands, vkCmdClearColorImage};
+    const char* problem = run_c_nodes(&host);
+    EXPECT_EQ(problem, nullptr) << (problem ? problem : "");
+    std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -33,6 +33,12 @@ examples_of() { # prefix, name, has glsl?
     expect "$2: bvh" "$out/build/bvh"
     if [[ $3 == glsl ]]; then
         expect "$2: a user's node is compiled" "$out/build/invert"
+        expect "$2: and includes penumbra's own GLSL" grep -q common/pixels.glsl "$out/invert/nodes/invert.comp"
+        expect "$2: without the sources" bash -c "! grep -aqF '$root' '$out/build/invert'"
+        # GLSL that is not there is named, which says that the one above was looked for.
+        sed -i s/pixels.glsl/pixls.glsl/ "$out/invert/nodes/invert.comp"
+        expect_not "$2: an include that is not there" "$out/build/invert"
+        expect "$2: is named" grep -q pixls.glsl "$work/log"
     else
         expect "$2: no invert without glsl" test ! -e "$out/build/invert"
     fi
@@ -41,7 +47,7 @@ examples_of() { # prefix, name, has glsl?
 # Hosts that render give what the standalone program gives, bit for bit, and validation has nothing to say (they exit 1).
 images_of() { # prefix, name
     local pipeline host file
-    for pipeline in shadows hybrid_shadows; do
+    for pipeline in denoise shadows hybrid_shadows; do
         for host in minimal minimal_c engine; do
             expect "$2: $host runs $pipeline" "$work/$2/build/$host" "$1/share/penumbra/pipelines/$pipeline.json" 96 54 4 "$work/inputs/$pipeline"
             for file in "$work/inputs/$pipeline"/*/visibility.out; do
@@ -50,6 +56,14 @@ images_of() { # prefix, name
             done
         done
     done
+    # A world of the host's own, with rays of its own: other hosts make the same of what it wrote.
+    rm -rf "$work/world"
+    expect "$2: denoise, with rays of its own" "$work/$2/build/denoise" "$1/share/penumbra/pipelines/denoise.json" 96 54 12 "$work/world"
+    expect "$2: minimal, with those rays" "$work/$2/build/minimal" "$1/share/penumbra/pipelines/denoise.json" 96 54 12 "$work/world"
+    for file in "$work/world"/*/visibility.denoise; do
+        expect "$2: the same image of that world" cmp "$file" "${file%.denoise}.minimal"
+    done
+    expect_not "$2: the world is no constant" cmp "$work/world/3/visibility.denoise" "$work/world/4/visibility.denoise"
     # A host that says the wrong layout is found out: what found nothing above was listening.
     for file in minimal/main.cpp minimal_c/main.c; do
         host=${file%%/*}
@@ -62,7 +76,7 @@ images_of() { # prefix, name
 }
 
 mkdir -p "$work"
-for pipeline in shadows hybrid_shadows; do
+for pipeline in denoise shadows hybrid_shadows; do
     rm -rf "$work/inputs/$pipeline"
     expect "inputs of $pipeline" "$record" $pipeline 96 54 4 "$work/inputs/$pipeline"
     expect "frames differ" bash -c "! cmp -s '$work/inputs/$pipeline/1/visibility.out' '$work/inputs/$pipeline/3/visibility.out'"
@@ -74,7 +88,7 @@ rm -rf "$prefix" && mv "$work/made" "$prefix" # a package may be moved
 for file in include/penumbra/graph.h include/penumbra/penumbra.h include/penumbra/version.h include/penumbra/blocks.h include/penumbra/bvh.h \
     include/penumbra/frame_block.glsl share/penumbra/pipelines/hybrid_shadows.json \
     share/penumbra/pipelines/pipeline.schema.json share/penumbra/nodes/node.schema.json \
-    share/penumbra/nodes/visibility/trace.json; do
+    share/penumbra/nodes/visibility/trace.json share/penumbra/shaders/common/pixels.glsl share/penumbra/shaders/penumbra/frame_block.glsl; do
     expect "is installed" test -f "$prefix/$file"
 done
 expect "headers are the public ones" bash -c "[[ -z \$(ls '$prefix/include' | grep -vx penumbra) ]]"

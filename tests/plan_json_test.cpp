@@ -26,20 +26,19 @@ std::vector<std::byte> bytes_in(const fs::path& file) {
 
 class PlanJsonGpu : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
-TEST_P(PlanJsonGpu, AnExecutorOfItsOwnGivesTheSameImages) {
-    const CheckedPipeline pipeline = shadow_pipeline_file(GetParam());
+void run_plan(const char* name, std::array<uint32_t, 2> size, std::array<uint32_t, 2> largest) {
+    const CheckedPipeline pipeline = shadow_pipeline_file(name);
     const fs::path folder =
-        fs::path(::testing::TempDir()) / (std::string("penumbra_plan_json_") + GetParam());
+        fs::path(::testing::TempDir()) / (std::string("penumbra_plan_json_") + name);
     fs::remove_all(folder);
     constexpr uint32_t frames = 5;
-    constexpr std::array<uint32_t, 2> size{75, 43};
     record_plaza(pipeline, size, frames, folder);
 
     DeviceTable device = device_table(handles_of(gpu()));
     device.features = features_of(gpu());
     Diagnostics diagnostics;
     const auto plan =
-        compile(pipeline, standalone_target(pipeline, device, size, recorded_facts()), {}, diagnostics);
+        compile(pipeline, standalone_target(pipeline, device, largest, recorded_facts()), {}, diagnostics);
     ASSERT_TRUE(plan) << diagnostics.text();
     ASSERT_TRUE(write_plan(*plan, folder / "plan", diagnostics)) << diagnostics.text();
     PlanExecutor executor(folder / "plan");
@@ -59,6 +58,15 @@ TEST_P(PlanJsonGpu, AnExecutorOfItsOwnGivesTheSameImages) {
         }
     }
     fs::remove_all(folder);
+}
+
+TEST_P(PlanJsonGpu, AnExecutorOfItsOwnGivesTheSameImages) {
+    run_plan(GetParam(), {75, 43}, {75, 43});
+}
+
+// Of sizes at which a linear sampler is told the same numbers (size_test.cpp).
+TEST_P(PlanJsonGpu, AlsoInAPlanForLargerFrames) {
+    run_plan(GetParam(), {64, 32}, {128, 64});
 }
 
 INSTANTIATE_TEST_SUITE_P(Shipped, PlanJsonGpu,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests/recording.h"
 
+#include <algorithm>
 #include <fstream>
 #include <stdexcept>
 
@@ -41,6 +42,10 @@ std::vector<std::byte> slot_bytes(const Session& session, const StandaloneFrame&
     if (name == "scene") return bytes_of(frame.scene);
     if (name == "scene.nodes") return texels_of(session.bvh()->bvh().nodes);
     if (name == "scene.leaves") return texels_of(session.bvh()->bvh().leaves);
+    if (name == "hits") {
+        const auto hits = session.view().captured("hits");
+        return {hits.begin(), hits.end()};
+    }
     if (name == "neighbours") return texels_of(leaf_neighbours(session.bvh()->bvh()));
     throw std::invalid_argument("no recording of the slot " + name);
 }
@@ -57,36 +62,74 @@ Facts recorded_facts() {
     return {{"alpha", false}};
 }
 
-Plan record_plaza(const CheckedPipeline& pipeline, std::array<uint32_t, 2> size, uint32_t frames,
-                  const std::filesystem::path& folder) {
+namespace {
+
+// Rays for a pipeline that is given them: those of one_ray.json, told as little of itself as denoise.json is. It gives the same image.
+CheckedPipeline tracer_of(const CheckedPipeline& pipeline) {
+    if (std::ranges::find(pipeline.inputs, "hits", &HostInput::name) == pipeline.inputs.end()) return pipeline;
+    Diagnostics diagnostics;
+    const auto tracer = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json",
+                                      {"nodes.gather.params.rays=bits"}, diagnostics);
+    auto checked = tracer ? check(*tracer, test_nodes(), diagnostics) : std::nullopt;
+    if (!checked) throw std::runtime_error(diagnostics.text());
+    return std::move(*checked);
+}
+
+}  // namespace
+
+Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t frames, const Facts& facts,
+                 bool jitter) {
     SessionOptions options;
-    options.size = size;
+    options.size = shot.size;
     options.captures = pipeline.output_names();
     options.seed = 0;
     options.optimum = false;
     options.pass_costs = false;
-    options.facts = recorded_facts();
+    options.facts = facts;
+    options.jitter = jitter;
     for (const Fact& fact : pipeline.domain->facts) options.facts.try_emplace(fact.name, true);
+    const CheckedPipeline tracer = tracer_of(pipeline);
+    const bool foreign = tracer.name != pipeline.name;
+    if (foreign) options.captures.push_back("hits");
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), pipeline, plaza_shot(size, frames), options,
-                                       diagnostics, warnings);
+    const auto session = Session::open(gpu(), test_nodes(), tracer, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
+    Recording recording{session->plan(), {}};
+    if (foreign) {
+        DeviceTable device = device_table(handles_of(gpu()));
+        auto plan = compile(pipeline, standalone_target(pipeline, device, shot.size, options.facts), {}, diagnostics);
+        if (!plan) throw std::runtime_error(diagnostics.text());
+        recording.plan = std::move(*plan);
+    }
     for (uint32_t f = 0; f < frames; ++f) {
         session->run_frame(f, f == 0);
         const StandaloneFrame frame = session->host().frame(f, f == 0);
+        RecordedFrame& to = recording.frames.emplace_back();
+        to.description = session->frame_description();
+        for (const HostSlot& slot : recording.plan.slots)
+            to.slots[slot.name] = slot_bytes(*session, frame, slot.name);
+        for (const std::string& name : pipeline.output_names()) {
+            const auto bytes = session->view().captured(name);
+            to.outputs[name] = {bytes.begin(), bytes.end()};
+        }
+    }
+    return recording;
+}
+
+Plan record_plaza(const CheckedPipeline& pipeline, std::array<uint32_t, 2> size, uint32_t frames,
+                  const std::filesystem::path& folder) {
+    Recording recording = record(pipeline, plaza_shot(size, frames), frames, recorded_facts());
+    for (uint32_t f = 0; f < frames; ++f) {
+        const RecordedFrame& frame = recording.frames[f];
         const std::filesystem::path to = folder / std::to_string(f);
         std::filesystem::create_directories(to);
-        for (const HostSlot& slot : session->plan().slots)
-            write(to / (slot.name + ".bin"), slot_bytes(*session, frame, slot.name));
-        const FrameDescription& description = session->frame_description();
-        write(to / "frame.bin", bytes_of(description));
-        FrameBlock block = make_frame_block(description);
-        write(to / "frame_block.bin", bytes_of(block));
-        for (const std::string& name : pipeline.output_names())
-            write(to / (name + ".out"), session->view().captured(name));
+        for (const auto& [name, bytes] : frame.slots) write(to / (name + ".bin"), bytes);
+        for (const auto& [name, bytes] : frame.outputs) write(to / (name + ".out"), bytes);
+        write(to / "frame.bin", bytes_of(frame.description));
+        write(to / "frame_block.bin", bytes_of(make_frame_block(frame.description)));
     }
-    return session->plan();
+    return std::move(recording.plan);
 }
 
 }  // namespace penumbra::test

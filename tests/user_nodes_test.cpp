@@ -30,7 +30,7 @@ constexpr const char* declaration = R"({
 })";
 constexpr const char* shader = R"(#include "node.glsl"
 #include "common/rounded.glsl"
-#include "lighting/finite.glsl"
+#include "common/finite.glsl"
 #include "value.glsl"
 
 void main() { imageStore(mark, ivec2(gl_GlobalInvocationID.xy), vec4(VALUE)); }
@@ -144,7 +144,7 @@ TEST_F(UserNodes, AnyChangedSourceIsCompiledAgainIntoTheSameEntry) {
 // A file that comes to lie before another one in the search order changes what an #include means.
 TEST_F(UserNodes, AnIncludeThatIsNowFoundElsewhereIsCompiledAgain) {
     first_variant(cache());
-    for (const char* name : {"common/rounded.glsl", "lighting/finite.glsl"}) {
+    for (const char* name : {"common/rounded.glsl", "common/finite.glsl"}) {
         fs::create_directories((nodes_folder() / name).parent_path());
         write(std::string("nodes/") + name, "// mine\n");
         const auto shaders = cache();

@@ -298,8 +298,8 @@ int main(int argc, char** argv) {
         /* Your camera, in double precision. */
         penumbra_frame frame = {.struct_size = sizeof frame};
         char* bytes = read_file(argv[5], f, "frame", &size);
-        const char* at = bytes; /* the file has a C++ FrameDescription: the same members, but for the index's place */
-        memcpy(&frame.camera, at, 2 * sizeof frame.camera + 4 * sizeof(double) + 4 * sizeof(uint32_t));
+        const char* at = bytes; /* the file has a C++ FrameDescription: these members, in its order */
+        memcpy(&frame.camera, at, 2 * sizeof frame.camera + 4 * sizeof(double) + 2 * sizeof(uint32_t));
         at += 2 * sizeof frame.camera + 4 * sizeof(double) + 4 * sizeof(uint32_t);
         memcpy(&frame.index, at, 4);
         memcpy(&frame.dt_s, at + 4, 4);

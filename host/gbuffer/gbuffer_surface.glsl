@@ -20,7 +20,7 @@ layout(location = 4) out vec4 out_emissive;
 layout(location = 0) in vec3 clip_change;
 layout(location = 1) in vec2 texture_uv;
 layout(location = 2) flat in vec3 normal;
-layout(location = 3) flat in vec3 base_color;
+layout(location = 3) in vec3 base_color;
 
 layout(location = 0) out vec4 out_normal;
 layout(location = 1) out vec4 out_motion;

@@ -12,7 +12,8 @@ namespace {
 // Perceptual roughness from 0 at u = 0 to this at u = 1.
 constexpr double roughest = 0.8;
 
-Texture pattern(uint32_t width, uint32_t height, const std::function<std::array<uint8_t, 3>(uint32_t, uint32_t)>& color) {
+Texture pattern(uint32_t width, uint32_t height,
+                const std::function<std::array<uint8_t, 3>(uint32_t, uint32_t)>& color) {
     Texture texture{width, height, {}};
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x) {
@@ -41,7 +42,8 @@ Texture stripes() {
     });
 }
 
-// A rectangle from `corner` along `u` and `v`, in cells; texture coordinates 0..1 over all of it. Seen from u x v.
+// A rectangle from `corner` along `u` and `v`, in cells; texture coordinates 0..1 over all of it. Seen from u
+// x v.
 Shape panel(const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, int cells_u, int cells_v) {
     Shape shape;
     for (int j = 0; j <= cells_v; ++j)
@@ -52,7 +54,8 @@ Shape panel(const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, 
         }
     for (int j = 0; j < cells_v; ++j)
         for (int i = 0; i < cells_u; ++i) {
-            const auto a = static_cast<uint32_t>(j * (cells_u + 1) + i), b = a + static_cast<uint32_t>(cells_u + 1);
+            const auto a = static_cast<uint32_t>(j * (cells_u + 1) + i),
+                       b = a + static_cast<uint32_t>(cells_u + 1);
             shape.indices.insert(shape.indices.end(), {a, a + 1, b + 1, a, b + 1, b});
         }
     return shape;
@@ -97,16 +100,18 @@ Model make_polished() {
     Material polished = painted({0.5f, 0.5f, 0.52f, 1}, 1, 1);
     polished.metallic_roughness_texture = 2;
     polished.metallic = 0;  // the texture's blue is 0 as well
-    ModelBuilder builder({polished, painted({1, 1, 1, 1}, 0.7f, 0, 0), painted({1, 1, 1, 1}, 0.4f, 0, 1),
-                          painted({0.7f, 0.12f, 0.08f, 1}, 0.25f), shining({60, 52, 40}), shining({3, 2.4f, 1.6f})},
-                         {checkers(), stripes(), roughness_ramp()});
+    ModelBuilder builder(
+        {polished, painted({1, 1, 1, 1}, 0.7f, 0, 0), painted({1, 1, 1, 1}, 0.4f, 0, 1),
+         painted({0.7f, 0.12f, 0.08f, 1}, 0.25f), shining({60, 52, 40}), shining({3, 2.4f, 1.6f})},
+        {checkers(), stripes(), roughness_ramp()});
     builder.solid("floor", panel({-6, 0, 4}, {12, 0, 0}, {0, 0, -10}, 24, 20), floor);
     builder.solid("back", panel({-6, 0, -6}, {12, 0, 0}, {0, 3.5, 0}, 24, 7), checkered);
     builder.solid("left", panel({-6, 0, 4}, {0, 0, -10}, {0, 3.5, 0}, 20, 7), striped);
     builder.solid("right", panel({6, 0, -6}, {0, 0, 10}, {0, 3.5, 0}, 20, 7), checkered);
     for (int i = 0; i < 7; ++i) {
         const double x = -4.8 + 1.6 * i;
-        builder.solid("pole", rod({x, 0, -2.5 - 0.7 * (i % 3)}, {x, 2.2, -2.5 - 0.7 * (i % 3)}, 0.07, 24), red);
+        builder.solid("pole", rod({x, 0, -2.5 - 0.7 * (i % 3)}, {x, 2.2, -2.5 - 0.7 * (i % 3)}, 0.07, 24),
+                      red);
     }
     builder.solid("bar", box({-5.5, 2.3, -5.2}, {5.5, 2.45, -5.05}), glow);
     builder.solid("lamp", at(sphere(0.09), {1.2, 1.3, -1.6}), lamp);

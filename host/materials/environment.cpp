@@ -44,8 +44,8 @@ std::optional<EnvironmentMap> from_file(const EnvironmentFile& file, Diagnostics
             const double value = plane->values[i] * file.scale;
             if (!(value >= 0 && value <= 1e30)) {
                 diagnostics.add({file.path.string()}, name,
-                                fmt::format("{} at {}, {} is no radiance: finite numbers from 0 on are", value,
-                                            i % image->width, i / image->width));
+                                fmt::format("{} at {}, {} is no radiance: finite numbers from 0 on are",
+                                            value, i % image->width, i / image->width));
                 return std::nullopt;
             }
             map.rgba[4 * i + c] = static_cast<float>(value);

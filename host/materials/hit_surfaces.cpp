@@ -118,9 +118,10 @@ SurfaceTexels make_surface_texels(const Scene& scene, double frame, double previ
 
 void HitSurfaces::update(double frame, double previous, const Bvh* bvh,
                          std::span<const uint32_t> first_triangles) {
-    const SurfaceTexels made = make_surface_texels(scene_, frame, previous, bvh, first_triangles);
+    SurfaceTexels made = make_surface_texels(scene_, frame, previous, bvh, first_triangles);
     surfaces_ = upload_texels(device_, std::as_bytes(std::span(made.surfaces)), VK_FORMAT_R32G32B32A32_UINT,
                               "the surfaces that rays hit");
+    if (made.texels.empty()) made.texels.push_back(0);  // a view is of something
     if (!texels_.view.get())
         texels_ = upload_texels(device_, std::as_bytes(std::span(made.texels)), VK_FORMAT_R32_UINT,
                                 "the textures that rays hit");

@@ -78,8 +78,9 @@ uint64_t RadianceErrorSums::pixels() const {
 
 RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTruth& truth) {
     const size_t size = truth.receiver.size();
-    for (const auto& plane : {image.rgb[0], image.rgb[1], image.rgb[2], truth.signal.rgb[0], truth.signal.rgb[1],
-                              truth.signal.rgb[2], truth.roughness, truth.ray_error, truth.noise})
+    for (const auto& plane :
+         {image.rgb[0], image.rgb[1], image.rgb[2], truth.signal.rgb[0], truth.signal.rgb[1],
+          truth.signal.rgb[2], truth.roughness, truth.ray_error, truth.noise})
         if (plane.size() != size) throw std::invalid_argument("radiance_errors: planes differ in size");
     RadianceErrorSums sums;
     for (size_t i = 0; i < size; ++i) {
@@ -92,7 +93,9 @@ RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTru
         double square = 0;
         for (size_t c = 0; c < 3; ++c) square += std::pow(e[c] - truth.signal.rgb[c][i], 2);
         RadianceErrorSums::Class& c = sums.classes[roughness_class(truth.roughness[i])];
-        const double is = luminance(e[0], e[1], e[2]), should = luminance(truth.signal.rgb[0][i], truth.signal.rgb[1][i], truth.signal.rgb[2][i]);
+        const double is = luminance(e[0], e[1], e[2]),
+                     should =
+                         luminance(truth.signal.rgb[0][i], truth.signal.rgb[1][i], truth.signal.rgb[2][i]);
         ++c.pixels;
         c.ray_errors += truth.ray_error[i];
         c.squares += square;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Errors of demodulated radiance (what arrives under a pixel's lobe; shaders/reflections/lobe.glsl) by class of
-// roughness. Sums over pixels, frames and seeds, kept apart from the ratios made of them.
+// Errors of demodulated radiance (what arrives under a pixel's lobe; shaders/reflections/lobe.glsl) by class
+// of roughness. Sums over pixels, frames and seeds, kept apart from the ratios made of them.
 //
-// N_eff of a class: the sum of the expected squared errors of one ray per pixel, over that of the image's squared
-// errors, both summed over the colour channels. The truth knows the first from its own rays; its own noise is
-// taken from the second.
+// N_eff of a class: the sum of the expected squared errors of one ray per pixel, over that of the image's
+// squared errors, both summed over the colour channels. The truth knows the first from its own rays; its own
+// noise is taken from the second.
 #pragma once
 
 #include <array>
@@ -39,9 +39,9 @@ struct RadianceErrorSums {
         double image = 0, truth = 0;  // sums of luminance
     };
     std::array<Class, roughness_classes> classes;
-    double relative = 0;       // sum of squares over (luminance^2 + .01)
-    uint64_t fireflies = 0;    // pixels more than 4 times as bright as truth + 1
-    uint64_t nonfinite = 0;    // pixels of the whole image; they count nowhere else
+    double relative = 0;     // sum of squares over (luminance^2 + .01)
+    uint64_t fireflies = 0;  // pixels more than 4 times as bright as truth + 1
+    uint64_t nonfinite = 0;  // pixels of the whole image; they count nowhere else
 
     void add(const RadianceErrorSums& other);
     // Nothing where the class has no pixels or no error that is told from the truth's.

@@ -128,7 +128,8 @@ class Loader {
         double strength = 1;
         if (const auto found = material.extensions.find("KHR_materials_emissive_strength");
             found != material.extensions.end() && found->second.Has("emissiveStrength"))
-            strength = factor("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
+            strength =
+                factor("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
         for (size_t i = 0; i < std::min<size_t>(3, material.emissiveFactor.size()); ++i)
             out.emissive[i] =
                 factor("emissiveFactor", material.emissiveFactor[i], 1) * static_cast<float>(strength);
@@ -145,9 +146,10 @@ class Loader {
         if (index < 0) return -1;
         const tinygltf::Texture& texture = element(file_.textures, index, "texture");
         if (set != 0 || extensions.count("KHR_texture_transform") || texture.source < 0) {
-            warn(fmt::format("{} textures with transforms, without a core image or other than TEXCOORD_0 are "
-                             "ignored: the factor is used",
-                             kind));
+            warn(
+                fmt::format("{} textures with transforms, without a core image or other than TEXCOORD_0 are "
+                            "ignored: the factor is used",
+                            kind));
             return -1;
         }
         element(file_.images, texture.source, "image");

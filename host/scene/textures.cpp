@@ -34,7 +34,8 @@ struct Encoding {
 
 Encoding make_encoding(VkFormat format, float (*decode)(uint8_t), uint8_t (*encode)(float)) {
     Encoding encoding{format, {}, encode};
-    for (size_t i = 0; i < encoding.decoded.size(); ++i) encoding.decoded[i] = decode(static_cast<uint8_t>(i));
+    for (size_t i = 0; i < encoding.decoded.size(); ++i)
+        encoding.decoded[i] = decode(static_cast<uint8_t>(i));
     return encoding;
 }
 
@@ -77,9 +78,8 @@ GpuImage upload(Device& device, const Texture& texture, const Encoding& encoding
         from = next;
         ++levels;
     }
-    GpuImage image =
-        make_image(device, encoding.format, {texture.width, texture.height}, levels,
-                   VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, "a texture");
+    GpuImage image = make_image(device, encoding.format, {texture.width, texture.height}, levels,
+                                VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, "a texture");
     upload_image(device, image, std::as_bytes(std::span(texels)));
     return image;
 }
@@ -95,7 +95,8 @@ MaterialTextures::MaterialTextures(Device& device, std::span<const Material> mat
         const Texture* wanted = texture < 0 ? &white : &textures[static_cast<size_t>(texture)];
         if (wanted->width == 0 || std::max(wanted->width, wanted->height) > limit) wanted = &white;
         GpuImage& held = images_[{wanted == &white ? -1 : texture, srgb}];
-        if (held.format == VK_FORMAT_UNDEFINED) held = upload(device, *wanted, srgb ? srgb_encoding() : linear_encoding());
+        if (held.format == VK_FORMAT_UNDEFINED)
+            held = upload(device, *wanted, srgb ? srgb_encoding() : linear_encoding());
         return held;
     };
 
@@ -111,7 +112,8 @@ MaterialTextures::MaterialTextures(Device& device, std::span<const Material> mat
 
     std::array<VkDescriptorSetLayoutBinding, 3> bindings{};
     for (uint32_t i = 0; i < bindings.size(); ++i)
-        bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
+        bindings[i] = {i, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT,
+                       nullptr};
     sets_ = make_descriptor_sets(device, bindings, static_cast<uint32_t>(1 + materials.size()),
                                  "material textures");
     for (size_t i = 0; i < sets_.sets.size(); ++i) {

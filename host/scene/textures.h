@@ -24,7 +24,8 @@ class MaterialTextures {
     VkDescriptorSet set(int material) const { return sets_.sets[static_cast<size_t>(1 + material)]; }
 
   private:
-    std::map<std::pair<int, bool>, GpuImage> images_;  // by texture (-1: white) and whether it is sRGB-encoded
+    std::map<std::pair<int, bool>, GpuImage>
+        images_;  // by texture (-1: white) and whether it is sRGB-encoded
     Owned<VkSampler> sampler_;
     DescriptorSets sets_;
 };

@@ -40,9 +40,9 @@ struct ObjectMotion {
     std::vector<ObjectKey> keys;
 };
 
-// What is seen beyond the scene, in radiance. A sky depends on the height of a direction alone: linear in it, from
-// `low` straight down to `high` straight up; else as `shade` draws it, from the horizon, in the square root of the
-// height.
+// What is seen beyond the scene, in radiance. A sky depends on the height of a direction alone: linear in it,
+// from `low` straight down to `high` straight up; else as `shade` draws it, from the horizon, in the square
+// root of the height.
 struct EnvironmentSky {
     bool linear = false;
     glm::dvec3 low{0.512, 0.6612, 0.912}, high{0.1408, 0.3192, 0.72};

@@ -34,7 +34,8 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
             {"casters", !scene.instances().empty()},
             {"alpha", has_alpha(scene)},
             {"moves", moves(shot)},
-            {"sun_moves", sun_moves(shot)}};
+            {"sun_moves", sun_moves(shot)},
+            {"tree", true}};  // the program builds it for whoever walks it
 }
 
 }  // namespace penumbra

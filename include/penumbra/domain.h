@@ -33,7 +33,8 @@ struct Bundle {
     struct Backend {
         std::string name;
         std::string feature;    // of the device, which it takes; empty: none
-        bool gpu_only = false;  // `auto` leaves it on a CPU device
+        std::string fact;       // that must hold for it; empty: none
+        bool gpu_only = false;  // `auto` leaves it on a CPU device that has another
         std::string glsl;       // what its shaders begin with
     };
     struct Part {

@@ -49,7 +49,9 @@ std::array<double, 16> perspective(double vertical_fov_rad, double aspect, doubl
 struct FrameDescription {
     Camera camera, previous;
     std::array<double, 2> jitter{0, 0}, prev_jitter{0, 0};  // uv
-    std::array<uint32_t, 2> size{1, 1}, prev_size{1, 1};
+    std::array<uint32_t, 2> size{1, 1};  // pixels
+    // Of the last recorded frame, for make_frame_block() alone: a view knows it.
+    std::array<uint32_t, 2> prev_size{1, 1};
     uint32_t index = 0;
     float dt_s = 0;
     uint32_t flags = 0;

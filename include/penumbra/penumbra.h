@@ -22,6 +22,7 @@
 extern "C" {
 #endif
 
+typedef struct penumbra_nodes penumbra_nodes;
 typedef struct penumbra_plan penumbra_plan;
 typedef struct penumbra_program penumbra_program;
 typedef struct penumbra_view penumbra_view;
@@ -80,6 +81,35 @@ typedef struct penumbra_device {
     void* memory_user;
 } penumbra_device;
 
+/* --- Node types --------------------------------------------------------------------------------------- */
+
+/* A pass of a node of the caller's, while its callback runs, on the thread that records the view. */
+typedef struct penumbra_call penumbra_call;
+typedef void (*penumbra_record)(const penumbra_call* call);
+
+/* Those that ship, to which others may be added. Plans made with it stay. */
+PENUMBRA_API penumbra_code penumbra_nodes_create(penumbra_nodes** nodes, penumbra_error* error);
+PENUMBRA_API void penumbra_nodes_destroy(penumbra_nodes* nodes);
+/* One that the caller records: `declaration` is JSON, with "host": true. */
+PENUMBRA_API penumbra_code penumbra_nodes_add(penumbra_nodes* nodes, const char* declaration, penumbra_record record,
+                                              penumbra_error* error);
+/* Those of a folder, NAME.json with a shader beside each, which is compiled when a plan needs it: of the library penumbra_glsl.
+   `cache`: a folder for what has been compiled; null: the default one, "": none. */
+PENUMBRA_API penumbra_code penumbra_nodes_add_folder(penumbra_nodes* nodes, const char* folder, const char* cache,
+                                                     penumbra_error* error);
+
+typedef struct penumbra_call_info {
+    uint32_t struct_size;
+    uint32_t frame_index;
+    VkCommandBuffer cmd;
+    const char* node;
+    void* user; /* penumbra_view_options.user */
+    uint32_t size[2];
+} penumbra_call_info;
+
+PENUMBRA_API penumbra_code penumbra_call_read(const penumbra_call* call, penumbra_call_info* info,
+                                              penumbra_error* error);
+
 /* --- Plans -------------------------------------------------------------------------------------------- */
 
 typedef struct penumbra_fact {
@@ -110,6 +140,7 @@ typedef struct penumbra_plan_request {
     const penumbra_input* inputs;         /* what is not named is as the pipeline has it */
     uint32_t setting_count, feature_count, capture_count, host_image_count, fact_count, input_count;
     VkBool32 share_transients, hand_on_history;
+    const penumbra_nodes* nodes; /* null: those that ship */
 } penumbra_plan_request;
 
 PENUMBRA_API penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbra_plan** plan,
@@ -154,6 +185,9 @@ PENUMBRA_API penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_
 PENUMBRA_API uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan);
 PENUMBRA_API penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,
                                                      penumbra_requirement* requirement, penumbra_error* error);
+/* Those that the physical device cannot meet; `list` may be null, or has room for `*count`. */
+PENUMBRA_API penumbra_code penumbra_plan_unmet(const penumbra_plan* plan, const penumbra_device* device,
+                                               uint32_t* count, penumbra_requirement* list, penumbra_error* error);
 PENUMBRA_API penumbra_code penumbra_plan_memory(const penumbra_plan* plan, penumbra_memory* memory,
                                                 penumbra_error* error);
 
@@ -188,6 +222,7 @@ typedef struct penumbra_view_options {
     VkBool32 no_timestamps, tables_uploaded;
     const penumbra_transients* transients;
     const penumbra_view* heir_of; /* whose history the first frame takes over */
+    void* user;                   /* for callbacks of the caller's nodes */
 } penumbra_view_options;
 
 PENUMBRA_API penumbra_code penumbra_view_create(const penumbra_program* program,
@@ -209,7 +244,7 @@ typedef struct penumbra_frame {
     uint32_t index;
     penumbra_camera camera, previous;
     double jitter[2], prev_jitter[2];   /* uv */
-    uint32_t size[2], prev_size[2];     /* pixels */
+    uint32_t size[2];                   /* pixels, at most the plan's */
     float dt_s;
     uint32_t flags;
 } penumbra_frame;
@@ -252,6 +287,13 @@ typedef struct penumbra_output {
     VkBufferView texels;
     VkDeviceSize bytes;
 } penumbra_output;
+
+/* What a port of the caller's node is bound to in this frame. */
+PENUMBRA_API penumbra_code penumbra_call_port(const penumbra_call* call, const char* port, penumbra_output* bound,
+                                              penumbra_error* error);
+/* A dynamic parameter as this view has it, like penumbra_view_set_param(); `values` may be null. */
+PENUMBRA_API penumbra_code penumbra_call_param(const penumbra_call* call, const char* param, double* values,
+                                               uint32_t* count, penumbra_error* error);
 
 /* The most recently recorded frame's. */
 PENUMBRA_API penumbra_code penumbra_view_output(const penumbra_view* view, const char* name,

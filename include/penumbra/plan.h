@@ -92,6 +92,20 @@ struct OutputUse {
     bool host_image = false;
 };
 
+// What follows the frame's active size, which may change from frame to frame and is at most Plan::extent: width and
+// height go through the steps, each max(ceil(x / div) * mul, 1).
+struct Follows {
+    struct Step {
+        std::array<uint32_t, 2> div{1, 1}, mul{1, 1};
+        friend bool operator==(const Step&, const Step&) = default;
+    };
+    std::vector<Step> steps;
+    uint32_t mul = 1, add = 0;  // buffers: width * height * mul + add elements
+    friend bool operator==(const Follows&, const Follows&) = default;
+
+    Extent at(Extent frame) const;
+};
+
 // Stages and accesses of one use of a resource; all internal images stay in VK_IMAGE_LAYOUT_GENERAL.
 struct Use {
     VkPipelineStageFlags2 stages = 0;
@@ -109,6 +123,7 @@ struct HostSlot {
     Format format = Format::r8;
     Extent extent;
     uint32_t layers = 1;
+    std::optional<Follows> follows;    // images: a frame of a smaller active size uses their top left part
     std::string element;
     uint32_t bytes = 0;                // blocks: size of the struct
     std::vector<std::string> readers;  // node ids; of an output the writer's
@@ -130,6 +145,9 @@ struct PlanResource {
     uint32_t layers = 1, levels = 1;
     std::string element;
     uint64_t count = 0;  // elements (buffers, texels)
+    // `extent` and `count` are those of the largest frame; of a smaller one, the top left part and the first
+    // elements, whose rows are as long as that frame's.
+    std::optional<Follows> follows;
     uint32_t element_bytes = 4;
     VkImageUsageFlags image_usage = 0;
     VkBufferUsageFlags buffer_usage = 0;
@@ -175,7 +193,9 @@ struct PlanBinding {
 // One image that starts to use its memory: UNDEFINED -> GENERAL.
 struct Activation {
     uint32_t resource = 0;
-    VkPipelineStageFlags2 src_stages = 0;  // last accesses of the memory's previous occupants; access 0
+    // Last accesses of the memory's previous occupants, and of those the writes that nobody has read.
+    VkPipelineStageFlags2 src_stages = 0;
+    VkAccessFlags2 src_access = 0;
     VkPipelineStageFlags2 dst_stages = 0;
     VkAccessFlags2 dst_access = 0;
 };
@@ -215,7 +235,10 @@ struct PlanPass {
     std::vector<std::byte> push;      // the parameters' initial values
     std::vector<PlanParam> params;
     std::optional<uint32_t> mip_level;  // offset in `push`: the level of a dispatch
-    std::array<uint32_t, 3> groups{1, 1, 1};
+    std::array<uint32_t, 3> groups{1, 1, 1};  // at the plan's extent
+    // What the dispatch is over; a group covers so many pixels of it. Nothing: `groups` holds for every size.
+    std::optional<Follows> over;
+    std::array<uint32_t, 2> group_pixels{1, 1};
     std::vector<std::array<uint32_t, 3>> level_groups;  // writers of a mip chain: of each level; else empty
     std::optional<uint32_t> indirect;                   // resource with the arguments
     uint32_t indirect_offset = 0;
@@ -228,6 +251,8 @@ struct PlanPass {
     std::vector<std::string> reads, writes;
 
     const PlanBinding* binding(std::string_view port) const;  // nullptr: none
+    // Of a frame of this size; `level`: of a mip chain.
+    std::array<uint32_t, 3> groups_at(Extent frame, uint32_t level = 0) const;
 };
 
 // Static texels, uploaded once per device.
@@ -276,7 +301,7 @@ struct MemoryReport {
 struct Plan {
     std::string pipeline;
     std::shared_ptr<const Domain> domain;
-    Extent extent;
+    Extent extent;  // of the largest frame
     Facts facts;  // every fact, with its value
     std::string device;
     bool cpu = false;

@@ -81,7 +81,8 @@ struct ViewOptions {
     // The view whose place this one takes, with other facts, say: what its last frame has left for the next
     // one is copied in this one's first frame, by name, where both plans have it alike, and what this plan has
     // besides is cleared. Where something is wanted that is neither, the first frame is a reset frame. That view
-    // stays until this frame has completed; both plans hand on their history (CompileOptions).
+    // stays until this frame has completed; both plans hand on their history (CompileOptions). What follows the
+    // frame's size may be larger or smaller here, where the last frame's size is one of this plan's.
     const View* heir_of = nullptr;
     void* user = nullptr;  // for host nodes
 };
@@ -142,7 +143,7 @@ class View {
     View(const View&) = delete;
     View& operator=(const View&) = delete;
 
-    // Records the whole frame. `slots` is parallel to Plan::slots (Externals fills it by name); one without a
+    // Records the whole frame, of any size up to the plan's. `slots` is parallel to Plan::slots (Externals fills it by name); one without a
     // handle is a Failure that names it, and nothing has been recorded then. The first frame is a reset frame
     // whatever its flags.
     void record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);

@@ -17,7 +17,7 @@ constexpr uint32_t annealed_directions = 32;
 constexpr uint32_t moves_per_point = 400;
 constexpr double grid = 32767;  // as images keep points: two signed 16-bit fractions
 
-// PCG, as shaders/visibility/hash.glsl has it.
+// PCG, as shaders/common/hash.glsl has it.
 class Random {
   public:
     double next() {

@@ -16,7 +16,7 @@ struct PixelPast {
 
 PixelPast nearest_past(ivec2 p) {
     ivec2 q = p;
-    bool known = (frame.flags & FRAME_RESET) == 0u, resampled = false;
+    bool known = HAS_MOTION ? (frame.flags & FRAME_RESET) == 0u : pixels_have_pasts(), resampled = false;
     if (HAS_MOTION) {
         const Reprojection before = reproject(p, texelFetch(motion, p, 0).xy);
         const vec2 at = before.uv * vec2(frame.prev_size) - 0.5, nearest = floor(at + 0.5);

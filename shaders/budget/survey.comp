@@ -37,6 +37,7 @@ uvec3 by_their_past(ivec2 tile, uint pixels) {
 bool was_idle(ivec2 cell) {
     if ((frame.flags & FRAME_RESET) != 0u) return false;
     const ivec2 first = cell * CELL, last = ivec2(frame.prev_size) - 1;
+    if (!HAS_MOTION && !pixels_have_pasts()) return false;
     ivec2 there = first;
     if (HAS_MOTION) {
         const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);

@@ -56,15 +56,17 @@ const uint NEAR_TURN = 8u, FAR_TURN = 64u;
 const uint COMPANY = 4u;  // a walk is worth its while where one of so many tiles side by side was decided
 
 bool was_proved(ivec2 tile) {
+    const ivec2 before = tile_before(tile);
     return all(greaterThanEqual(tile, ivec2(0))) && all(lessThan(tile, tile_grid())) &&
-           (proved_before[tile_word(tile)] & tile_bit(tile)) != 0u;
+           (proved_before[tile_word(before, frame.prev_size)] & tile_bit(before)) != 0u;
 }
 
 // Tiles of a row take their turns by eights: most often they are the lanes of a subgroup, which waits for the slowest of them.
 // For that reason too one tile that was decided among many that were not is no good reason for a walk. Who shares a subgroup in
 // fact, which is another matter in every run, must not show: a tile that is proved has no rays whose blockers could be known.
 bool in_company(ivec2 tile) {
-    const uint eight = proved_before[tile_word(tile)] >> uint(tile.x & 24) & 0xffu;
+    const ivec2 before = tile_before(tile);
+    const uint eight = proved_before[tile_word(before, frame.prev_size)] >> uint(before.x & 24) & 0xffu;
     return uint(bitCount(eight)) * COMPANY >= 8u;
 }
 

@@ -76,3 +76,6 @@ vec2 history_coordinate(vec2 texel, ivec2 image_size) {
 
 // The previous frame's texel that contains `uv` (inside the image).
 ivec2 previous_texel(vec2 uv) { return min(ivec2(uv * vec2(frame.prev_size)), ivec2(frame.prev_size) - 1); }
+
+// Where nothing moves, a pixel's past is its own: a frame of another size than the last has none.
+bool pixels_have_pasts() { return (frame.flags & FRAME_RESET) == 0u && frame.size == frame.prev_size; }

@@ -10,7 +10,8 @@ const uint BLOCK_WORK = 0u;      // pixels differ: the filters have work
 const uint BLOCK_LIT = 1u;       // every pixel is 1 ...
 const uint BLOCK_SHADOWED = 2u;  // ... or 0, and the filters know it without looking
 
-ivec2 tile_grid() { return (ivec2(frame.size) + TILE - 1) / TILE; }
+ivec2 tile_grid(uvec2 image) { return (ivec2(image) + TILE - 1) / TILE; }
+ivec2 tile_grid() { return tile_grid(frame.size); }
 ivec2 block_grid() { return (ivec2(frame.size) + BLOCK - 1) / BLOCK; }
 
 uint tile_index(ivec2 tile) { return uint(tile.y * tile_grid().x + tile.x); }
@@ -19,8 +20,16 @@ uint block_index(ivec2 block) { return uint(block.y * block_grid().x + block.x);
 uint pixel_bit(ivec2 p) { return 1u << uint((p.y & 3) * 8 + (p.x & 7)); }
 
 // Buffers of a bit per tile hold 32 tiles of a row in a word.
-uint tile_word(ivec2 tile) { return uint(tile.y * (tile_grid().x + 31 >> 5) + (tile.x >> 5)); }
+uint tile_word(ivec2 tile, uvec2 image) { return uint(tile.y * (tile_grid(image).x + 31 >> 5) + (tile.x >> 5)); }
+uint tile_word(ivec2 tile) { return tile_word(tile, frame.size); }
 uint tile_bit(ivec2 tile) { return 1u << uint(tile.x & 31); }
+
+// The previous frame's tile in the same place of the image: the same one, but where the size has changed.
+ivec2 tile_before(ivec2 tile) {
+    if (frame.size == frame.prev_size) return tile;
+    const vec2 uv = (vec2(tile * TILE) + 0.5 * vec2(TILE)) / vec2(frame.size);
+    return min(ivec2(uv * vec2(frame.prev_size)) / TILE, tile_grid(frame.prev_size) - 1);
+}
 
 // A tile's pixel for each of 32 lanes, in blocks of 4x2: the 8 lanes of a software device's subgroup walk a tree together.
 ivec2 pixel_of_lane(int lane) { return ivec2((lane >> 3 & 1) * 4 + (lane & 3), (lane >> 4) * 2 + (lane >> 2 & 1)); }

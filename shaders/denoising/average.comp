@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Where nothing moves and no jitter shifts the pixels, each frame samples the same visibility anew, and the plain mean of them is
-// exact. A frame that is jittered otherwise than the last shows other points of the surface: it starts anew, as after a reset.
+// exact. A frame that is jittered otherwise than the last, or of another size, shows other points of the surface: it starts anew, as after a reset.
 #include "node.glsl"
+#include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
 
@@ -10,7 +11,7 @@ const uint MOST_FRAMES = 1023u;
 
 void for_pixel(ivec2 p) {
     const uint before = imageLoad(mean_prev, p).x;
-    const bool anew = (frame.flags & FRAME_RESET) != 0u || frame.jitter != frame.prev_jitter;
+    const bool anew = !pixels_have_pasts() || frame.jitter != frame.prev_jitter;
     const uint frames = anew ? 1u : min((before >> 22) + 1u, MOST_FRAMES);
     const float fresh_value = texelFetch(fresh, p, 0).x;
     const float old = float(before & 0x3fffffu) / STEPS;

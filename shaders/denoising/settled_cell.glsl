@@ -12,6 +12,7 @@ bool past_disagrees(ivec2 first, bool lit, out bool known) {
     known = false;
     if ((frame.flags & FRAME_RESET) != 0u) return false;
     const ivec2 last = ivec2(frame.prev_size) - 1;
+    if (!HAS_MOTION && !pixels_have_pasts()) return false;
     ivec2 there = first;
     if (HAS_MOTION) {
         const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);

@@ -113,7 +113,7 @@ Past past_of(ivec2 p, vec3 n, Surface surface) {
 // Nothing moves: the pixel's past is its own.
 Past past_of(ivec2 p) {
     const ShadowState s = unpack_state(imageLoad(history, p).x);
-    if (s.count <= 0.0 || (frame.flags & FRAME_RESET) != 0u) return NO_PAST;
+    if (s.count <= 0.0 || !pixels_have_pasts()) return NO_PAST;
     return Past(s.visibility, s.count, s.residual, 0.0, s.own, false, false);
 }
 

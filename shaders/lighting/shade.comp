@@ -3,7 +3,7 @@
 // HDR, before a plain gradient of sky. An engine uses its own lighting here.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "lighting/finite.glsl"
+#include "common/finite.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 

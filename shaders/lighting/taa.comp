@@ -14,7 +14,7 @@
 #include "node.glsl"
 #include "common/branch.glsl"
 #include "common/camera.glsl"
-#include "lighting/finite.glsl"
+#include "common/finite.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"

@@ -8,7 +8,7 @@
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
-#include "lighting/finite.glsl"
+#include "common/finite.glsl"
 #include "reflections/environment.glsl"
 #include "reflections/glossy.glsl"
 

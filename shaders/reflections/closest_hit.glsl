@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // The nearest triangle on a ray by its number in the scene, by whichever backend the node has.
 //
-// Includer declares: what common/bvh.glsl or visibility/ray_query.glsl asks for; uniform usamplerBuffer surfaces.
+// Includer declares: what common/bvh.glsl or common/ray_query.glsl asks for; uniform usamplerBuffer surfaces.
 #if BACKEND == BACKEND_RAY_QUERY
-#include "visibility/ray_query.glsl"
+#include "common/ray_query.glsl"
 #else
 #include "common/bvh.glsl"
-#include "common/bvh_closest.glsl"
+#include "reflections/bvh_closest.glsl"
 #endif
 
 struct ClosestHit {

@@ -4,7 +4,7 @@
 // integrand of truth and of every denoised ray alike.
 //
 // Includer has reflections/closest_hit.glsl, hit_surface.glsl and environment.glsl, common/sun_sample.glsl and
-// lighting/finite.glsl and declares: block sun, where HAS_SUN; params sun_color, ambient.
+// common/finite.glsl and declares: block sun, where HAS_SUN; params sun_color, ambient.
 
 const float FARTHEST_M = 1e30;
 const float MISS_M = 65504.0;  // a distance that stands for "nothing": the largest half

@@ -8,8 +8,8 @@
 #include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
-#include "lighting/finite.glsl"
-#include "visibility/hash.glsl"
+#include "common/finite.glsl"
+#include "common/hash.glsl"
 #include "reflections/closest_hit.glsl"
 #include "reflections/hit_surface.glsl"
 #include "reflections/environment.glsl"
@@ -19,10 +19,16 @@
 #include "reflections/ray_texel.glsl"
 #include "reflections/ray_numbers.glsl"
 
+void store(ivec2 p, vec4 ray, uint direction) {
+    imageStore(radiance, p, ray);
+#if HAS_RAY_DIRECTION
+    imageStore(ray_direction, p, uvec4(direction));
+#endif
+}
+
 void for_pixel(ivec2 p) {
     if (!(imageLoad(view_depth, p).x > 0.0)) {
-        imageStore(radiance, p, vec4(0.0));
-        imageStore(ray_direction, p, uvec4(0u));
+        store(p, vec4(0.0), 0u);
         return;
     }
     const float roughness = pixel_roughness(p);
@@ -30,8 +36,7 @@ void for_pixel(ivec2 p) {
     bool turned;
     const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
     const Incident light = incident(shadow_ray_origin(p, lobe.n), direction, sun_numbers(p));
-    imageStore(radiance, p, encode_ray(light.radiance, light.distance_m, light.moves));
-    imageStore(ray_direction, p, uvec4(encode_direction(direction)));
+    store(p, encode_ray(light.radiance, light.distance_m, light.moves), encode_direction(direction));
 }
 
 void main() { for_each_pixel(); }

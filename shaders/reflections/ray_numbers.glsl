@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The numbers that a pixel's ray of this frame is drawn with.
 //
-// Includer has visibility/hash.glsl and declares: param seed.
+// Includer has common/hash.glsl and declares: param seed.
 
 const uvec2 R2_STEP = uvec2(3242174889u, 2447445414u);  // 2^32 / p, 2^32 / p^2 with p^3 = p + 1
 

@@ -6,7 +6,7 @@
 //
 // Includer declares: uniform usampler2D blue_noise (r32ui, 128 x 128; texel = first channel | second << 16).
 
-#include "visibility/hash.glsl"
+#include "common/hash.glsl"
 
 const int blue_noise_size = 128;
 

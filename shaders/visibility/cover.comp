@@ -29,7 +29,9 @@ const uint TURN = 16u;
 
 bool hopeless(ivec2 tile) {
     const uint turn = uint(tile.x) + uint(tile.y) * 5u + frame.frame_index;
-    return (frame.flags & FRAME_RESET) == 0u && turn % TURN != 0u && (given_up_before[tile_word(tile)] & tile_bit(tile)) != 0u;
+    const ivec2 before = tile_before(tile);
+    return (frame.flags & FRAME_RESET) == 0u && turn % TURN != 0u &&
+           (given_up_before[tile_word(before, frame.prev_size)] & tile_bit(before)) != 0u;
 }
 #endif
 

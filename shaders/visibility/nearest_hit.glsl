@@ -5,7 +5,7 @@
 // Includer declares: constant BACKEND; what common/bvh.glsl or visibility/ray_query.glsl needs.
 #if BACKEND == BACKEND_RAY_QUERY
 #define NEAREST_HIT
-#include "visibility/ray_query.glsl"
+#include "common/ray_query.glsl"
 
 bool nearest_hit(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
     return occluded_at(origin, direction, t_min, t_max, t_hit);

@@ -7,13 +7,13 @@
 //   stage 2: go on.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "visibility/hash.glsl"
+#include "common/hash.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
 #if BACKEND == BACKEND_RAY_QUERY
-#include "visibility/ray_query.glsl"
+#include "common/ray_query.glsl"
 #else
 #include "common/bvh.glsl"
 #endif

@@ -10,7 +10,7 @@
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
 #if BACKEND == BACKEND_RAY_QUERY
-#include "visibility/ray_query.glsl"
+#include "common/ray_query.glsl"
 #else
 #include "common/bvh.glsl"
 #endif

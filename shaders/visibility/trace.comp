@@ -21,7 +21,7 @@ const uint RAYS = 1u;
 #include "common/blockers.glsl"
 #endif
 #if BACKEND == BACKEND_RAY_QUERY
-#include "visibility/ray_query.glsl"
+#include "common/ray_query.glsl"
 #else
 #include "common/bvh.glsl"
 #endif

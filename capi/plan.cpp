@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// Plans, and what they ask for.
+#include "capi/shared.h"
+#include "penumbra/shadow_nodes.h"
+#include "penumbra/version.h"
+
+using namespace penumbra;
+using namespace penumbra::c;
+
+namespace {
+
+static_assert(PENUMBRA_IMAGE == static_cast<int>(PortKind::image) && PENUMBRA_TEXELS == static_cast<int>(PortKind::texels) &&
+              PENUMBRA_BUFFER == static_cast<int>(PortKind::buffer) && PENUMBRA_BLOCK == static_cast<int>(PortKind::block) &&
+              PENUMBRA_STRUCTURE == static_cast<int>(PortKind::structure));
+
+Plan make_plan(const penumbra_plan_request& r) {
+    Mistakes mistakes;
+    Diagnostics& errors = mistakes.diagnostics;
+    const std::vector<std::string> settings = texts(r.settings, r.setting_count, "request.settings");
+    const char* file = named(r.file, "request.file");
+    const auto pipeline =
+        r.text ? parse_pipeline(r.text, file, settings, errors) : load_pipeline(file, settings, errors);
+    const auto checked = pipeline ? check(*pipeline, r.nodes ? r.nodes->set : shadow_nodes(), errors) : std::nullopt;
+    if (!checked) throw mistakes;
+    Target target;
+    target.extent = {r.width, r.height};
+    target.device = r.device ? device_table(handles_of(r.device)) : reference_device();
+    for (std::string& feature : texts(r.features, r.feature_count, "request.features"))
+        target.device.features.insert(std::move(feature));
+    for_each(r.facts, r.fact_count, "request.facts", [&](const penumbra_fact& fact) {
+        target.facts[named(fact.name, "request.facts.name")] = fact.holds;
+    });
+    for_each(r.inputs, r.input_count, "request.inputs", [&](const penumbra_input& input) {
+        const char* name = named(input.name, "request.inputs.name");
+        if (input.left_out) {
+            target.left_out.insert(name);
+            return;
+        }
+        const auto format = format_named(named(input.format, "request.inputs.format"));
+        if (!format) {
+            const std::vector<std::string> names = format_names();
+            misuse(std::string("request.inputs of \"") + name + "\"",
+                   std::string("there is no format \"") + input.format + "\"" + did_you_mean(input.format, names));
+        }
+        target.inputs[name] = {*format, {input.width, input.height}, std::max(input.layers, 1u)};
+    });
+    CompileOptions options;
+    options.captures = texts(r.captures, r.capture_count, "request.captures");
+    options.share_transients = r.share_transients;
+    options.hand_on_history = r.hand_on_history;
+    for (const std::string& name : texts(r.host_images, r.host_image_count, "request.host_images"))
+        options.outputs[name].host_image = true;
+    auto plan = compile(*checked, target, options, errors);
+    if (!plan) throw mistakes;
+    return std::move(*plan);
+}
+
+}  // namespace
+
+const char* penumbra_version(void) {
+    return PENUMBRA_VERSION_TEXT;
+}
+
+penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbra_plan** plan,
+                                   penumbra_error* error) {
+    return guarded(error, [&] {
+        given(plan, "plan") = nullptr;
+        auto made = std::make_unique<penumbra_plan>();
+        made->plan = std::make_shared<const Plan>(make_plan(read(request, "request")));
+        made->needs = requirements(*made->plan);
+        *plan = made.release();
+    });
+}
+
+void penumbra_plan_destroy(penumbra_plan* plan) {
+    delete plan;
+}
+
+uint32_t penumbra_plan_slot_count(const penumbra_plan* plan) {
+    return plan ? static_cast<uint32_t>(plan->plan->slots.size()) : 0;
+}
+
+penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penumbra_slot* slot,
+                                 penumbra_error* error) {
+    return guarded(error, [&] {
+        const std::vector<HostSlot>& slots = given(plan, "plan").plan->slots;
+        if (index >= slots.size()) misuse("index", "the plan has " + std::to_string(slots.size()) + " slots");
+        const HostSlot& s = slots[index];
+        const bool texels = s.kind == PortKind::image || s.kind == PortKind::texels;
+        write(slot,
+              {0, static_cast<penumbra_slot_kind>(s.kind), s.name.c_str(),
+               texels ? info(s.format).vk : VK_FORMAT_UNDEFINED, s.extent.width, s.extent.height, s.layers, s.bytes,
+               s.output, s.required, s.use.stages, s.use.access},
+              "slot");
+    });
+}
+
+uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan) {
+    return plan ? static_cast<uint32_t>(plan->needs.size()) : 0;
+}
+
+penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,
+                                        penumbra_requirement* requirement, penumbra_error* error) {
+    return guarded(error, [&] {
+        const std::vector<Requirement>& needs = given(plan, "plan").needs;
+        if (index >= needs.size()) misuse("index", "the plan has " + std::to_string(needs.size()) + " requirements");
+        const Requirement& r = needs[index];
+        write(requirement, {0, kind_name(r.kind), r.name.c_str(), r.why.c_str(), r.value}, "requirement");
+    });
+}
+
+penumbra_code penumbra_plan_unmet(const penumbra_plan* plan, const penumbra_device* device, uint32_t* count,
+                                  penumbra_requirement* list, penumbra_error* error) {
+    return guarded(error, [&] {
+        const penumbra_plan& p = given(plan, "plan");
+        const std::vector<Requirement> missing = unmet(*p.plan, handles_of(device));
+        uint32_t& room = given(count, "count");
+        const auto all = static_cast<uint32_t>(missing.size());
+        if (list && room < all) misuse("count", std::to_string(all) + " requirements are not met");
+        room = all;
+        if (!list || all == 0) return;
+        const uint32_t stride = read(list, "list").struct_size;
+        for (uint32_t i = 0; i < all; ++i) {
+            const auto own = std::ranges::find_if(p.needs, [&](const Requirement& r) {  // whose text stays
+                return r.kind == missing[i].kind && r.name == missing[i].name;
+            });
+            auto* to = reinterpret_cast<penumbra_requirement*>(reinterpret_cast<char*>(list) + size_t{i} * stride);
+            write(to, {0, kind_name(own->kind), own->name.c_str(), own->why.c_str(), own->value}, "list");
+        }
+    });
+}
+
+penumbra_code penumbra_plan_memory(const penumbra_plan* plan, penumbra_memory* memory, penumbra_error* error) {
+    return guarded(error, [&] {
+        const MemoryReport& m = given(plan, "plan").plan->memory;
+        write(memory, {0, m.heap_bytes, m.shared_bytes, m.persistent_bytes}, "memory");
+    });
+}

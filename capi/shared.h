@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// What the parts of the C interface share: what its handles hold, structs that are read and written by their sizes, and the end
+// of every exception.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "penumbra/graph.h"
+#include "penumbra/penumbra.h"
+
+struct penumbra_nodes {
+    penumbra::NodeSet set;
+};
+struct penumbra_plan {
+    std::shared_ptr<const penumbra::Plan> plan;
+    std::vector<penumbra::Requirement> needs;
+};
+struct penumbra_program {
+    std::shared_ptr<const penumbra::Program> program;
+};
+struct penumbra_transients {
+    std::shared_ptr<const penumbra::TransientMemory> memory;
+};
+struct penumbra_view {
+    std::unique_ptr<penumbra::View> view;
+    penumbra::Externals externals;
+};
+struct penumbra_call {
+    const penumbra::HostPassContext& context;
+};
+
+namespace penumbra::c {
+
+[[noreturn]] void misuse(std::string place, std::string text);
+
+// The sizes of the header's first version: what every caller has at least.
+template <class T>
+constexpr uint32_t first_size = sizeof(T);
+
+// The caller's struct as this library knows it: what an older one does not have is 0.
+template <class T>
+T read(const T* from, const char* what) {
+    if (!from) misuse(what, "is null");
+    if (from->struct_size < first_size<T>) misuse(std::string(what) + ".struct_size", "is too small; is it set?");
+    T own{};
+    std::memcpy(&own, from, std::min<size_t>(from->struct_size, sizeof own));
+    return own;
+}
+
+// Into the caller's struct, as much of it as that has; its size stays.
+template <class T>
+void write(T* to, T own, const char* what) {
+    own.struct_size = read(to, what).struct_size;
+    std::memcpy(static_cast<void*>(to), &own, std::min<size_t>(own.struct_size, sizeof own));
+}
+
+// Elements lie as far apart as the first says.
+template <class T, class F>
+void for_each(const T* list, uint32_t count, const char* what, F&& function) {
+    if (count == 0) return;
+    const uint32_t stride = read(list, what).struct_size;
+    for (uint32_t i = 0; i < count; ++i)
+        function(read(reinterpret_cast<const T*>(reinterpret_cast<const char*>(list) + size_t{i} * stride), what));
+}
+
+inline std::vector<std::string> texts(const char* const* list, uint32_t count, const char* what) {
+    if (count && !list) misuse(what, "is null");
+    std::vector<std::string> out;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!list[i]) misuse(what, "holds a null");
+        out.emplace_back(list[i]);
+    }
+    return out;
+}
+
+inline const char* named(const char* text, const char* what) {
+    if (!text) misuse(what, "is null");
+    return text;
+}
+
+template <class T>
+T& given(T* pointer, const char* what) {
+    if (!pointer) misuse(what, "is null");
+    return *pointer;
+}
+
+// A pipeline's mistakes, on their way out.
+struct Mistakes {
+    Diagnostics diagnostics;
+};
+
+// The code of the exception that is being handled, which is described to the caller.
+penumbra_code describe(penumbra_error* error) noexcept;
+penumbra_code succeeded(penumbra_error* error) noexcept;
+
+// Nothing passes this.
+template <class F>
+penumbra_code guarded(penumbra_error* error, F&& function) noexcept {
+    try {
+        function();
+        return succeeded(error);
+    } catch (...) {
+        return describe(error);
+    }
+}
+
+DeviceHandles handles_of(const penumbra_device* from);
+
+}  // namespace penumbra::c

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+// Views: frames in, outputs and statistics out.
+#include "capi/shared.h"
+
+using namespace penumbra;
+using namespace penumbra::c;
+
+namespace {
+
+SlotBinding binding_of(const penumbra_external& e) {
+    SlotBinding b;
+    b.image = e.image;
+    if (e.layout) b.layout = e.layout;
+    b.texels = e.texels;
+    b.buffer = e.buffer;
+    b.offset = e.offset;
+    b.range = e.range ? e.range : VK_WHOLE_SIZE;
+    b.structure = e.structure;
+    if (!e.handover) return b;
+    const penumbra_handover h = read(e.handover, "externals.handover");
+    b.handover = Handover{h.image,        h.stages_before, h.stages_after, h.access_before, h.access_after,
+                          h.layout_before, h.layout_after,  h.family_before, h.family_after, h.aspects};
+    return b;
+}
+
+Camera camera_of(const penumbra_camera& c) {
+    Camera camera;
+    std::ranges::copy(c.position, camera.position.begin());
+    std::ranges::copy(c.world_from_view, camera.world_from_view.begin());
+    std::ranges::copy(c.clip_from_view, camera.clip_from_view.begin());
+    camera.near_m = c.near_m;
+    return camera;
+}
+
+FrameDescription frame_of(const penumbra_frame& f) {
+    FrameDescription frame;
+    frame.camera = camera_of(f.camera);
+    frame.previous = camera_of(f.previous);
+    std::ranges::copy(f.jitter, frame.jitter.begin());
+    std::ranges::copy(f.prev_jitter, frame.prev_jitter.begin());
+    std::ranges::copy(f.size, frame.size.begin());
+    frame.index = f.index;
+    frame.dt_s = f.dt_s;
+    frame.flags = f.flags;
+    return frame;
+}
+
+ParamValue param_of(const Param& param, const double* values, uint32_t count) {
+    const uint32_t wanted = param.type == ParamType::vec2   ? 2
+                            : param.type == ParamType::vec3 ? 3
+                            : param.type == ParamType::vec4 ? 4
+                                                            : 1;
+    if (count != wanted || !values) misuse(param.name, "takes " + std::to_string(wanted) + " numbers");
+    switch (param.type) {
+        case ParamType::boolean:
+            return values[0] != 0;
+        case ParamType::integer:
+            return static_cast<int32_t>(values[0]);
+        case ParamType::uint:
+            return static_cast<uint32_t>(values[0]);
+        case ParamType::real:
+            return static_cast<float>(values[0]);
+        case ParamType::enumeration:
+            if (values[0] < 0 || values[0] >= static_cast<double>(param.values.size()))
+                misuse(param.name, "has no value of this index");
+            return param.values[static_cast<size_t>(values[0])];
+        default:
+            return std::vector<float>(values, values + count);
+    }
+}
+
+}  // namespace
+
+penumbra_code penumbra_view_create(const penumbra_program* program, const penumbra_view_options* options,
+                                   penumbra_view** view, penumbra_error* error) {
+    return guarded(error, [&] {
+        given(view, "view") = nullptr;
+        const penumbra_view_options o =
+            options ? read(options, "options") : penumbra_view_options{sizeof o, 0, 0, 0, nullptr, nullptr, nullptr};
+        ViewOptions own;
+        if (o.frames_in_flight) own.frames_in_flight = o.frames_in_flight;
+        own.timestamps = !o.no_timestamps;
+        own.tables_uploaded = o.tables_uploaded;
+        if (o.transients) own.transients = o.transients->memory;
+        if (o.heir_of) own.heir_of = o.heir_of->view.get();
+        own.user = o.user;
+        const std::shared_ptr<const Program>& of = given(program, "program").program;
+        *view = new penumbra_view{std::make_unique<View>(of, own), Externals(of->plan())};
+    });
+}
+
+void penumbra_view_destroy(penumbra_view* view) {
+    delete view;
+}
+
+penumbra_code penumbra_view_record(penumbra_view* view, VkCommandBuffer cmd, const penumbra_frame* frame,
+                                   const penumbra_external* externals, uint32_t external_count,
+                                   penumbra_error* error) {
+    return guarded(error, [&] {
+        penumbra_view& v = given(view, "view");
+        v.externals = Externals(v.view->plan());  // what the last frame had is not this frame's
+        for_each(externals, external_count, "externals", [&](const penumbra_external& e) {
+            v.externals[named(e.name, "externals.name")] = binding_of(e);
+        });
+        v.view->record(cmd, frame_of(read(frame, "frame")), v.externals);
+    });
+}
+
+penumbra_code penumbra_view_set_param(penumbra_view* view, const char* node, const char* param,
+                                      const double* values, uint32_t count, penumbra_error* error) {
+    return guarded(error, [&] {
+        View& v = *given(view, "view").view;
+        const PlanPass* pass = v.plan().pass(named(node, "node"));
+        if (!pass) misuse("node", std::string("no node \"") + node + "\" runs in this plan");
+        for (size_t i = 0; i < pass->params.size(); ++i) {
+            const Param& p = pass->params[i].param;
+            if (p.name != named(param, "param")) continue;
+            if (!v.set_param(static_cast<size_t>(pass - v.plan().passes.data()), i, param_of(p, values, count)))
+                misuse(std::string(node) + "." + param, "the value is out of range");
+            return;
+        }
+        misuse("param", std::string(node) + " has no dynamic parameter \"" + param + "\"");
+    });
+}
+
+penumbra_code penumbra_view_output(const penumbra_view* view, const char* name, penumbra_output* output,
+                                   penumbra_error* error) {
+    return guarded(error, [&] {
+        const ResourceHandles& r = given(view, "view").view->output(named(name, "name"));
+        write(output, {0, r.image, r.view, r.buffer, r.texels, r.bytes}, "output");
+    });
+}
+
+penumbra_code penumbra_view_captured(const penumbra_view* view, const char* name, const void** data, size_t* size,
+                                     penumbra_error* error) {
+    return guarded(error, [&] {
+        const auto bytes = given(view, "view").view->captured(named(name, "name"));
+        given(data, "data") = bytes.data();
+        given(size, "size") = bytes.size();
+    });
+}
+
+penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame, uint32_t* count,
+                                      penumbra_pass_statistics* passes, penumbra_error* error) {
+    return guarded(error, [&] {
+        const View& v = *given(view, "view").view;
+        const FrameStatistics* completed = v.completed();
+        given(frame, "frame") = completed ? completed->frame : UINT64_MAX;
+        const auto all = static_cast<uint32_t>(v.plan().passes.size());
+        uint32_t& room = given(count, "count");
+        if (passes && room < all) misuse("count", "the plan has " + std::to_string(all) + " passes");
+        room = all;
+        if (!passes || !completed) return;
+        const uint32_t stride = read(passes, "passes").struct_size;
+        for (uint32_t p = 0; p < all; ++p) {
+            const PassStatistics& s = completed->passes[p];
+            auto* to = reinterpret_cast<penumbra_pass_statistics*>(reinterpret_cast<char*>(passes) + size_t{p} * stride);
+            write(to,
+                  {0, v.plan().passes[p].node.c_str(), s.ms.value_or(-1), s.counters.data(),
+                   static_cast<uint32_t>(s.counters.size())},
+                  "passes");
+        }
+    });
+}
+
+const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource) {
+    constexpr const char* names[] = {"none", "first_frame", "asked", "not_handed_on"};
+    if (!view) return names[0];
+    const Reset& reset = view->view->reset();
+    if (resource) *resource = reset.resource.c_str();
+    return names[static_cast<size_t>(reset.reason)];
+}
+
+uint64_t penumbra_view_bytes(const penumbra_view* view) {
+    return view ? view->view->bytes() : 0;
+}

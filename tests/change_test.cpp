@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: MIT
+// Facts and sizes change while frames are in flight: what goes on, what starts anew, and that nobody waits.
+#include <random>
+
+#include "tests/embedding_host.h"
+#include "tests/sized_run.h"
+
+namespace penumbra::test {
+namespace {
+
+class ChangeGpu : public GpuTest {};
+
+// Facts change every few frames: each time another plan's view takes over, and all histories (an image, what
+// is kept) go on as if there had been but one.
+TEST_F(ChangeGpu, AnHeirGoesOnWhereTheViewBeforeHasStopped) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["blended", "tally", "trail", "level"], "nodes": {
+        "fill": { "type": "toy_fill" }, "tally": { "type": "toy_tally" },
+        "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } },
+        "bright": { "type": "toy_fill", "if": "moves", "params": { "scale": 3 }, "out": { "value": "level" } },
+        "dim": { "type": "toy_fill", "if": "!moves", "out": { "value": "level" } } })");
+    const std::shared_ptr<const Program> day = program_with(pipeline, {}),
+                                         night = program_with(pipeline, {{"moves", false}});
+    View alone(day, {});
+    auto view = std::make_unique<View>(day, ViewOptions{});
+    std::vector<std::unique_ptr<View>> retired;
+    for (uint32_t f = 0; f < 12; ++f) {
+        if (f == 3 || f == 4 || f == 8) {
+            const auto& next = &view->plan() == &day->plan() ? night : day;
+            auto heir = std::make_unique<View>(next, ViewOptions{.heir_of = view.get()});
+            retired.push_back(std::move(view));
+            view = std::move(heir);
+        }
+        gpu().run([&](VkCommandBuffer cmd) { view->record(cmd, description(f), {}); });
+        gpu().run([&](VkCommandBuffer cmd) { alone.record(cmd, description(f), {}); });
+        EXPECT_EQ(view->reset().reason, f == 0 ? Reset::Reason::first_frame : Reset::Reason::none) << f;
+        for (const char* name : {"blended", "tally", "trail"})
+            EXPECT_EQ(floats(view->captured(name)), floats(alone.captured(name))) << name << " " << f;
+        const bool moves = &view->plan() == &day->plan();
+        EXPECT_EQ(floats(view->captured("level"))[2], (moves ? 3 : 1) * 2.0f + static_cast<float>(f)) << f;
+    }
+}
+
+TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
+    const CheckedPipeline first =
+                              checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })"),
+                          second =
+                              checked(R"("outputs": ["blended"], "nodes": { "fill": { "type": "toy_fill" },
+        "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })");
+    const std::shared_ptr<const Program> heirs = program_with(second, {});
+    const std::shared_ptr<const Program> before_them[] = {
+        program_with(first, {}),                              // has none
+        program_with(second, {}, true, {width + 1, height}),  // has another size
+        program_with(second, {}, false)};                     // does not hand it on
+    for (const auto& program : before_them) {
+        View before(program, {});
+        FrameDescription frame = description(0);
+        frame.size = frame.prev_size = {program->plan().extent.width, program->plan().extent.height};
+        gpu().run([&](VkCommandBuffer cmd) { before.record(cmd, frame, {}); });
+        View after(heirs, {.heir_of = &before});
+        gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(1), {}); });
+        EXPECT_EQ(after.reset().reason, Reset::Reason::not_handed_on);
+        EXPECT_EQ(after.reset().resource, "blended");
+        EXPECT_EQ(floats(after.captured("blended"))[5], 6.0f);  // the value alone
+        gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(2), {}); });
+        EXPECT_EQ(after.reset().reason, Reset::Reason::none);
+        FrameDescription cut = description(3);
+        cut.flags = frame_reset;
+        gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, cut, {}); });
+        EXPECT_EQ(after.reset().reason, Reset::Reason::asked);
+    }
+    View unused(heirs, {});
+    View after(heirs, {.heir_of = &unused});
+    gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(0), {}); });
+    EXPECT_EQ(after.reset().reason, Reset::Reason::first_frame);
+}
+
+// Sizes and facts change at random, two frames in flight. A size that the plan is large enough for makes and allocates
+// nothing; beyond it, and for other facts, another plan's view takes over. All of them have what there was of history;
+// views retire by fences, all memory comes back, and nothing that waits or submits was so much as asked for.
+TEST_F(ChangeGpu, TwoHundredRandomChangesWithFramesInFlight) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["blended", "level"], "nodes": {
+        "fill": { "type": "toy_fill" }, "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } },
+        "bright": { "type": "toy_fill", "if": "moves", "params": { "scale": 3 }, "out": { "value": "level" } },
+        "dim": { "type": "toy_fill", "if": "!moves", "out": { "value": "level" } } })");
+    constexpr Extent small{width, height}, large{width + 16, height + 11};
+    const auto fits = [](Extent size, Extent in) { return size.width <= in.width && size.height <= in.height; };
+    Allocator allocator;
+    DeviceHandles handles = Spy::handles();
+    handles.memory = allocator.callbacks();
+    {
+        std::map<std::pair<bool, bool>, std::shared_ptr<const Program>> programs;
+        for (const bool is_large : {false, true})
+            for (const bool moves : {false, true}) {
+                const auto plan = program_with(pipeline, {{"moves", moves}}, true, is_large ? large : small);
+                programs[{is_large, moves}] =
+                    std::make_shared<Program>(handles, std::make_shared<const Plan>(plan->plan()));
+            }
+        struct InFlight {
+            Recorder recorder;
+            Owned<VkFence> fence;
+            std::vector<std::unique_ptr<View>> retired;  // that the frame here still reads
+        } ring[2];
+        for (InFlight& slot : ring) {
+            VkFenceCreateInfo create{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr,
+                                     VK_FENCE_CREATE_SIGNALED_BIT};
+            VkFence fence = VK_NULL_HANDLE;
+            check(vkCreateFence(gpu().get(), &create, nullptr, &fence), "vkCreateFence", "");
+            slot.fence = {gpu().get(), fence};
+        }
+        const auto wait = [&](const InFlight& slot) {
+            const VkFence fence = slot.fence.get();
+            check(vkWaitForFences(gpu().get(), 1, &fence, VK_TRUE, ~0ull), "vkWaitForFences", "");
+        };
+        std::mt19937 random(7);
+        size_t most_live = 0;
+        Extent size = small;
+        bool moves = true, is_large = false;
+        uint32_t changes = 0, sizes = 0, larger = 0, smaller = 0, kept_pixels = 0;
+        std::unique_ptr<View> view;
+        std::vector<float> blended;
+        for (uint32_t f = 0; changes < 200; ++f) {
+            InFlight& slot = ring[f % 2];
+            wait(slot);
+            slot.retired.clear();
+            const bool change = f > 0 && random() % 2, resize = change && random() % 2;
+            const Extent before = size;
+            bool another = f == 0;
+            if (resize) size = {1 + uint32_t(random() % large.width), 1 + uint32_t(random() % large.height)};
+            if (resize && !is_large && !fits(size, small)) another = is_large = true, ++larger;
+            if (resize && is_large && fits(size, small) && fits(before, small)) {  // to a plan that takes less memory
+                another = true, is_large = false;
+                ++smaller;
+            }
+            if (change && !resize) another = true, moves = !moves;
+            changes += change;
+            sizes += resize && !another;
+            if (another) {
+                auto heir = std::make_unique<View>(programs.at({is_large, moves}),
+                                                   ViewOptions{.heir_of = view.get()});
+                if (view) slot.retired.push_back(std::move(view));
+                view = std::move(heir);
+            }
+            const size_t calls = allocator.calls;
+            Spy::made = 0;
+            slot.recorder.record([&](VkCommandBuffer cmd) { view->record(cmd, description(f, size), {}); });
+            EXPECT_EQ(allocator.calls, calls);
+            EXPECT_EQ(Spy::made, 0u);
+            EXPECT_EQ(view->reset().reason, f ? Reset::Reason::none : Reset::Reason::first_frame) << f;
+            std::vector<float> now(size_t{size.width} * size.height);
+            for (uint32_t y = 0; y < size.height; ++y)
+                for (uint32_t x = 0; x < size.width; ++x) {
+                    const size_t i = size_t{y} * size.width + x;
+                    now[i] = static_cast<float>(i + f);
+                    if (f == 0 || x >= before.width || y >= before.height) continue;
+                    now[i] += 0.5f * blended[size_t{y} * before.width + x];
+                    kept_pixels += resize;
+                }
+            blended = std::move(now);
+            VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+            submit.commandBufferCount = 1;
+            submit.pCommandBuffers = &slot.recorder.cmd;
+            const VkFence fence = slot.fence.get();
+            check(vkResetFences(gpu().get(), 1, &fence), "vkResetFences", "");
+            check(vkQueueSubmit(gpu().queue(), 1, &submit, fence), "vkQueueSubmit", "");
+            most_live = std::max(most_live, allocator.live.size());
+            if (f % 7) continue;
+            wait(slot);
+            const Bytes part = cropped(view->plan(), "blended", view->captured("blended"), size);
+            ASSERT_EQ(floats(part), blended) << "frame " << f << ", change " << changes;
+        }
+        for (const InFlight& slot : ring) wait(slot);
+        EXPECT_GT(sizes, 40u);
+        EXPECT_GT(larger, 3u);
+        EXPECT_GT(smaller, 3u);
+        EXPECT_GT(kept_pixels, 1000u);
+        EXPECT_LT(most_live, 100u);  // three views and four programs, not two hundred
+    }
+    EXPECT_TRUE(allocator.live.empty());
+    for (const char* name :
+         {"vkDeviceWaitIdle", "vkQueueWaitIdle", "vkWaitForFences", "vkQueueSubmit", "vkQueueSubmit2"})
+        EXPECT_FALSE(Spy::asked.contains(name)) << name;
+}
+
+}  // namespace
+}  // namespace penumbra::test

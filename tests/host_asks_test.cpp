@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// What a host may ask, and what it is told where it is wrong.
+#include <algorithm>
+#include <cstring>
+
+#include "tests/embedding_host.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+class HostAsksGpu : public GpuTest {};
+
+// Three frames in flight: when frame f is recorded, the counters of frame f - 3 are there, and nobody waited.
+TEST_F(HostAsksGpu, StatisticsOfCompletedFramesCostNoWaiting) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    const auto program = std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline)));
+    for (const bool timestamps : {true, false}) {
+        View view(program, {.frames_in_flight = 3, .timestamps = timestamps});
+        for (uint32_t f = 0; f < 6; ++f) {
+            gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(f), {}); });
+            const FrameStatistics* completed = view.completed();
+            ASSERT_EQ(completed != nullptr, f >= 3) << f;
+            if (!completed) continue;
+            EXPECT_EQ(completed->frame, f - 3);
+            for (size_t p = 0; p < completed->passes.size(); ++p) {
+                EXPECT_EQ(completed->passes[p].ms.has_value(), timestamps && gpu().caps().timestamps);
+                if (view.plan().passes[p].node == "fill") {
+                    EXPECT_EQ(completed->passes[p].counters, std::vector<uint32_t>{width * height});
+                }
+            }
+        }
+    }
+}
+
+// Lavapipe keeps nothing in a cache but its header, which says whose it is: what goes in and out is what
+// counts.
+TEST_F(HostAsksGpu, APipelineCacheGoesOutAndComesIn) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    const auto plan = plan_of(pipeline, {});
+    const std::vector<std::byte> cache = Program(Spy::handles(), plan).pipeline_cache();
+    EXPECT_TRUE(Spy::cache.empty());
+    VkPipelineCacheHeaderVersionOne header{};
+    ASSERT_GE(cache.size(), sizeof header);
+    std::memcpy(&header, cache.data(), sizeof header);
+    EXPECT_EQ(header.headerVersion, VK_PIPELINE_CACHE_HEADER_VERSION_ONE);
+    const Program again(Spy::handles(), plan, {.pipeline_cache = cache});
+    EXPECT_EQ(Spy::cache, cache);
+    const std::vector<std::byte> rubbish(100, std::byte{7});
+    EXPECT_NO_THROW(Program(handles_of(gpu()), plan, {.pipeline_cache = rubbish}));
+}
+
+const Requirement* need_of(const std::vector<Requirement>& list, const std::string& name) {
+    const auto found = std::ranges::find(list, name, &Requirement::name);
+    return found == list.end() ? nullptr : &*found;
+}
+
+TEST_F(HostAsksGpu, RequirementsSayWhatAndWhy) {
+    const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
+    Diagnostics diagnostics;
+    Target target{.extent = {1280, 720}, .device = reference_device()};
+    const auto plan = compile(pipeline, target, {}, diagnostics);
+    ASSERT_TRUE(plan) << diagnostics.text();
+    const std::vector<Requirement> needs = requirements(*plan);
+    EXPECT_EQ(need_of(needs, "Vulkan")->value, VK_API_VERSION_1_3);
+    ASSERT_TRUE(need_of(needs, "maxImageDimension2D"));
+    EXPECT_EQ(need_of(needs, "maxImageDimension2D")->value, 1280u);
+    ASSERT_TRUE(need_of(needs, "shaderStorageImageExtendedFormats"));
+    EXPECT_NE(need_of(needs, "supportedOperations"), nullptr);
+    EXPECT_EQ(need_of(needs, "VK_KHR_ray_query"), nullptr);  // it traces with penumbra's tree
+    for (const Requirement& r : needs) {
+        EXPECT_FALSE(r.why.empty()) << r.name;
+        EXPECT_EQ(r.name.find("SPIR-V"), std::string::npos) << r.name << " for " << r.why;
+    }
+    EXPECT_TRUE(unmet(*plan, handles_of(gpu())).empty());
+
+    target.device.features = {"ray_query"};
+    const auto queries = compile(pipeline, target, {}, diagnostics);
+    ASSERT_TRUE(queries) << diagnostics.text();
+    const auto query = requirements(*queries);
+    ASSERT_TRUE(need_of(query, "VK_KHR_ray_query"));
+    EXPECT_EQ(need_of(query, "rayQuery")->why, "trace refine");
+
+    Plan huge = *plan;
+    huge.resources.front().extent = {1u << 20, 1};
+    const auto missing = unmet(huge, handles_of(gpu()));
+    ASSERT_EQ(missing.size(), 1u);
+    EXPECT_EQ(missing[0].name, "maxImageDimension2D");
+    EXPECT_EQ(missing[0].why, huge.resources.front().names.front());
+}
+
+TEST_F(HostAsksGpu, SlotsSayWhatTheHostMayBring) {
+    const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
+    Diagnostics diagnostics;
+    const auto plan = compile(pipeline, {.extent = {64, 32}, .device = reference_device()}, {}, diagnostics);
+    ASSERT_TRUE(plan) << diagnostics.text();
+    for (const HostSlot& slot : plan->slots) {
+        const bool texels = slot.kind == PortKind::image || slot.kind == PortKind::texels;
+        EXPECT_EQ(!slot.accepted.empty(), texels) << slot.name;
+        if (texels) {
+            EXPECT_NE(std::ranges::find(slot.accepted, slot.format), slot.accepted.end()) << slot.name;
+        }
+        EXPECT_NE(slot.use.stages, 0u) << slot.name;
+        EXPECT_FALSE(slot.use.write);
+        EXPECT_EQ(plan->slots[*plan->slot(slot.name)].name, slot.name);
+    }
+    EXPECT_GT(plan->slots[*plan->slot("depth")].accepted.size(), 1u);
+    EXPECT_EQ(plan->slots[*plan->slot("sun")].use.access, VK_ACCESS_2_UNIFORM_READ_BIT);
+}
+
+// Whatever the host gets wrong is its own mistake, in a place, and never Vulkan's.
+TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
+    const CheckedPipeline pipeline = checked(given_and_history);
+    const auto plan = plan_of(pipeline, capturing(pipeline));
+    const auto usage = [](auto&& function, const std::string& place, const std::string& text) {
+        const auto error = attempt(function);
+        ASSERT_TRUE(error) << place;
+        EXPECT_EQ(error->code, ErrorCode::usage) << to_string(*error);
+        EXPECT_EQ(error->result, VK_SUCCESS);
+        EXPECT_EQ(error->place, place);
+        EXPECT_NE(error->text.find(text), std::string::npos) << error->text;
+    };
+    DeviceHandles none = handles_of(gpu());
+    none.device = VK_NULL_HANDLE;
+    usage([&] { Program(none, plan); }, "DeviceHandles::device", "null");
+    none = handles_of(gpu());
+    none.get_instance_proc_addr = nullptr;
+    usage([&] { Program(none, plan); }, "DeviceHandles::get_instance_proc_addr", "null");
+    none = handles_of(gpu());
+    none.get_instance_proc_addr = +[](VkInstance instance, const char* name) -> PFN_vkVoidFunction {
+        return std::strcmp(name, "vkGetPhysicalDeviceProperties") ? vkGetInstanceProcAddr(instance, name)
+                                                                  : nullptr;
+    };
+    usage([&] { Program(none, plan); }, "vkGetPhysicalDeviceProperties", "does not give it");
+    none = handles_of(gpu());
+    none.queue_family = 99;
+    usage([&] { View(std::make_shared<Program>(none, plan), {}); }, "DeviceHandles::queue_family", "99");
+    none = handles_of(gpu());
+    none.memory.allocate = [](const MemoryRequest&, MemoryBlock&) { return VK_SUCCESS; };
+    usage([&] { Program(none, plan); }, "DeviceHandles::memory", "one of its two");
+
+    const auto program = std::make_shared<Program>(handles_of(gpu()), plan);
+    usage([&] { View(program, {.frames_in_flight = 0}); }, "ViewOptions::frames_in_flight", "0");
+    usage([&] { View(program, {.poison = 0}); }, "ViewOptions::poison", "compiled with");
+    View view(program, {});
+    Externals externals(*plan);
+    usage([&] { externals["givn"]; }, "p", "did you mean \"given\"?");
+    usage([&] { view.output("nothing"); }, "\"nothing\"", "no such output");
+    usage([&] { view.captured("given"); }, "\"given\"", "does not capture");
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "nothing is bound");
+        FrameDescription wrong = description(0);
+        wrong.size = {3, 3};
+        usage([&] { view.record(cmd, wrong, externals); }, "p", "3x3");
+        usage([&] { view.record_pass(cmd, 0); }, "p", "in order");
+        usage([&] { view.end(cmd); }, "p", "behind begin()");
+        externals["given"].image = reinterpret_cast<VkImageView>(1);  // is never looked at
+        externals["given"].handover = Handover{};
+        usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "Handover::image");
+    });
+    usage([&] { view.record(VK_NULL_HANDLE, description(0), externals); }, "p", "command buffer");
+}
+
+}  // namespace
+}  // namespace penumbra::test

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: MIT
+// What a host hands over and gets back: images in its layouts, from its queues, outputs in images of its own, names
+// for its debugger.
+#include "tests/embedding_host.h"
+
+namespace penumbra::test {
+namespace {
+
+class HostImagesGpu : public GpuTest {};
+
+TEST_F(HostImagesGpu, AnotherQueuesImageIsAcquiredAndReleased) {
+    const CheckedPipeline pipeline = checked(given_and_history);
+    const auto program = std::make_shared<Program>(Spy::handles(), plan_of(pipeline, capturing(pipeline)));
+    EXPECT_TRUE(Spy::asked.contains("vkCmdDispatch"));
+    View view(program, {});
+    const GpuImage given = image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT);
+    const uint32_t own = gpu().queue_family(), theirs = own + 7;
+    Externals externals(view.plan());
+    externals["given"] = {.image = given.view.get(),
+                          .handover = Handover{.image = given.get(),
+                                               .stages_before = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                               .access_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                               .layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                               .layout_after = VK_IMAGE_LAYOUT_GENERAL,
+                                               .family_before = theirs,
+                                               .family_after = theirs}};
+    const std::vector<float> zeros(width * height);
+    GpuImage filled = image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT);
+    upload_image(gpu(), filled, std::as_bytes(std::span(zeros)));  // for its layout: the barriers are not run
+    externals["given"].image = filled.view.get();
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), externals); });
+    ASSERT_EQ(Spy::transfers.size(), 2u);
+    const VkImageMemoryBarrier2 &acquire = Spy::transfers[0], &release = Spy::transfers[1];
+    EXPECT_EQ(acquire.srcQueueFamilyIndex, theirs);
+    EXPECT_EQ(acquire.dstQueueFamilyIndex, own);
+    EXPECT_EQ(acquire.oldLayout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    EXPECT_EQ(acquire.newLayout, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    EXPECT_EQ(acquire.srcStageMask, VK_PIPELINE_STAGE_2_NONE);  // the release's, on the other queue
+    EXPECT_EQ(acquire.dstStageMask, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
+    EXPECT_EQ(acquire.image, given.get());
+    EXPECT_EQ(release.srcQueueFamilyIndex, own);
+    EXPECT_EQ(release.dstQueueFamilyIndex, theirs);
+    EXPECT_EQ(release.oldLayout, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    EXPECT_EQ(release.newLayout, VK_IMAGE_LAYOUT_GENERAL);
+    EXPECT_EQ(release.srcStageMask, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
+}
+
+TEST_F(HostImagesGpu, DebuggersAreToldTheNames) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    Spy::names.clear();
+    Spy::labels.clear();
+    View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, {})), {});
+    for (const char* name : {"blended@0", "blended@1", "scattered", "list", "chain", "the frame block"})
+        EXPECT_TRUE(Spy::names.contains(name)) << name;
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); });
+    for (const PlanPass& pass : view.plan().passes) EXPECT_TRUE(Spy::labels.contains(pass.node)) << pass.node;
+}
+
+// The host clears an image and copies out of it, in the layouts of those commands; in between the frame reads
+// it. Nothing but the handover orders the three, and synchronisation validation listens.
+TEST_F(HostImagesGpu, AnImageComesAndGoesInTheHostsLayouts) {
+    const CheckedPipeline pipeline = checked(given_and_history);
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline))), {});
+    const GpuImage given =
+        image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+    const GpuBuffer copy =
+        make_host_buffer(gpu(), 4 * width * height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "copy");
+    Externals externals(view.plan());
+    EXPECT_TRUE(externals.has("given"));
+    externals["given"] = {.image = given.view.get(),
+                          .handover = Handover{.image = given.get(),
+                                               .stages_before = VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                                               .stages_after = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                               .access_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                               .access_after = VK_ACCESS_2_TRANSFER_READ_BIT,
+                                               .layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                               .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
+    float expected = 0;
+    for (uint32_t f = 0; f < 3; ++f) {
+        gpu().run([&](VkCommandBuffer cmd) {
+            constexpr VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+            VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+            fresh.dstStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT;
+            fresh.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+            fresh.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+            fresh.image = given.get();
+            fresh.subresourceRange = all;
+            VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+            dependency.imageMemoryBarrierCount = 1;
+            dependency.pImageMemoryBarriers = &fresh;
+            vkCmdPipelineBarrier2(cmd, &dependency);
+            VkClearColorValue colour{};
+            colour.float32[0] = static_cast<float>(f + 1);
+            vkCmdClearColorImage(cmd, given.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &colour, 1, &all);
+            view.record(cmd, description(f), externals);
+            VkBufferImageCopy region{};
+            region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+            region.imageExtent = {width, height, 1};
+            vkCmdCopyImageToBuffer(cmd, given.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy.get(), 1,
+                                   &region);
+        });
+        expected = static_cast<float>(f + 1) + expected / 2;
+        EXPECT_EQ(floats(view.captured("blended")), std::vector<float>(width * height, expected)) << f;
+        EXPECT_EQ(static_cast<const float*>(copy.mapped)[7], static_cast<float>(f + 1));
+    }
+}
+
+// "value" is put into images of the host, another one every frame, is read on within the frame, and goes back
+// in the layout of a copy's source.
+TEST_F(HostImagesGpu, AnOutputIsPutIntoTheHostsImage) {
+    const std::string body = R"("outputs": ["value", "blended"], "nodes": { "fill": { "type": "toy_fill" },
+        "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })";
+    const CheckedPipeline pipeline = checked(body);
+    CompileOptions options = capturing(pipeline);
+    options.outputs["value"].host_image = true;
+    const auto plan = plan_of(pipeline, options);
+    EXPECT_TRUE(plan->slots[*plan->slot("value")].output);
+    EXPECT_LT(plan->memory.unaliased_bytes, plan_of(pipeline, capturing(pipeline))->memory.unaliased_bytes);
+    View view(std::make_shared<Program>(handles_of(gpu()), plan), {.frames_in_flight = 2});
+    constexpr VkImageUsageFlags usage =
+        VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    const GpuImage own[2] = {image_of(VK_FORMAT_R32_SFLOAT, usage), image_of(VK_FORMAT_R32_SFLOAT, usage)};
+    Externals externals(*plan);
+    std::vector<float> blended(width * height, 0.0f);
+    for (uint32_t f = 0; f < 5; ++f) {
+        const GpuImage& image = own[f / 2 % 2];
+        externals["value"] = {.image = image.view.get(),
+                              .handover = Handover{.image = image.get(),
+                                                   .stages_before = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                                   .stages_after = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                                   .access_after = VK_ACCESS_2_TRANSFER_READ_BIT,
+                                                   .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
+        gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(f), externals); });
+        const auto bytes = read_image(gpu(), image.get(), VK_FORMAT_R32_SFLOAT, {width, height},
+                                      VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+        EXPECT_EQ(view.output("value").image, image.get());
+        std::vector<float> value(width * height);
+        for (uint32_t i = 0; i < value.size(); ++i) {
+            value[i] = static_cast<float>(i + f);
+            blended[i] = value[i] + 0.5f * blended[i];
+        }
+        EXPECT_EQ(floats(bytes), value) << f;
+        EXPECT_EQ(floats(view.captured("value")), value) << f;
+        EXPECT_EQ(floats(view.captured("blended")), blended) << f;
+    }
+    externals["value"].handover.reset();
+    const auto error = attempt(
+        [&] { gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(5), externals); }); });
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->code, ErrorCode::usage);
+    EXPECT_EQ(error->place, "the slot \"value\"");
+}
+
+TEST_F(HostImagesGpu, AnOutputWithAPastStaysPenumbras) {
+    const CheckedPipeline pipeline = checked(given_and_history);
+    CompileOptions options;
+    options.outputs["blended"].host_image = true;
+    Diagnostics diagnostics;
+    EXPECT_FALSE(
+        compile(pipeline, {.extent = {width, height}, .device = reference_device()}, options, diagnostics));
+    EXPECT_NE(diagnostics.text().find("the next frame reads its previous value"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace penumbra::test

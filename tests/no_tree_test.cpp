@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// A host that has ray queries and does not bring penumbra's tree: no pipeline asks it for any part of that.
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/packing.hpp>
+
+#include "app/session.h"
+#include "tests/gpu_test.h"
+#include "tests/test_scene.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+constexpr const char* tracers[] = {"shadows", "hybrid_shadows", "hybrid_shadows_best", "covered", "many_rays", "one_ray", "raw"};
+
+class NoTreeGpu : public GpuTest {};
+
+TEST_F(NoTreeGpu, NoSlotIsThatOfATree) {
+    const auto of_tree = [](const HostSlot& slot) {
+        return slot.name == "scene.nodes" || slot.name == "scene.leaves" || slot.name == "neighbours";
+    };
+    for (const char* name : tracers)
+        for (const bool cpu : {false, true}) {  // where `auto` would rather take the tree
+            const CheckedPipeline pipeline = shadow_pipeline_file(name);
+            Target target{.extent = {96, 54}, .device = reference_device(cpu)};
+            target.device.features = {"ray_query", "storage8"};
+            for (const bool sun_disc : {false, true}) {
+                Diagnostics diagnostics;
+                target.facts = {{"tree", false}, {"sun_disc", sun_disc}};
+                const auto plan = compile(pipeline, target, {}, diagnostics);
+                ASSERT_TRUE(plan) << name << ": " << diagnostics.text();
+                EXPECT_TRUE(std::ranges::none_of(plan->slots, of_tree)) << name;
+                EXPECT_TRUE(plan->slot("scene.tlas")) << name;
+                const auto needs = requirements(*plan);
+                EXPECT_NE(std::ranges::find(needs, "VK_KHR_ray_query", &Requirement::name), needs.end()) << name;
+                EXPECT_EQ(unmet(*plan, handles_of(gpu())).empty(), gpu().caps().ray_query) << name;
+                EXPECT_TRUE(plan->output("visibility")) << name;
+            }
+            target.device.features = {"storage8"};
+            Diagnostics diagnostics;
+            EXPECT_FALSE(compile(pipeline, target, {}, diagnostics)) << name;
+            EXPECT_NE(diagnostics.text().find("lacks ray_query"), std::string::npos) << diagnostics.text();
+            EXPECT_NE(diagnostics.text().find("the fact \"tree\" does not hold"), std::string::npos) << diagnostics.text();
+        }
+}
+
+// A node that can do nothing but walk the tree says so, where a pipeline does not leave it out.
+TEST_F(NoTreeGpu, WhatWalksTheTreeCannotRunWithout) {
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/hybrid_shadows.json",
+                                        {"nodes.cover.if=sun_disc", "nodes.beams.if=sun_disc"}, diagnostics);
+    const auto checked = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
+    if (checked) {
+        Target target{.extent = {96, 54}, .facts = {{"tree", false}}, .device = reference_device()};
+        target.device.features = {"ray_query"};
+        EXPECT_FALSE(compile(*checked, target, {}, diagnostics));
+    }
+    EXPECT_FALSE(diagnostics.empty());
+}
+
+std::vector<float> visibility_of(const char* name, bool tree) {
+    SessionOptions options;
+    options.size = {96, 54};
+    options.captures = {"visibility"};
+    options.facts = {{"tree", tree}};
+    options.optimum = options.pass_costs = options.jitter = false;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(name), plaza_shot(options.size, 4), options,
+                                       diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    EXPECT_EQ(session->bvh() != nullptr, tree) << name;
+    for (uint32_t f = 0; f < 4; ++f) session->run_frame(f, f == 0);
+    return captured_planes(session->view(), "visibility").at(0);
+}
+
+TEST_F(NoTreeGpu, TheImageIsThatOfTheTree) {
+    if (!gpu().caps().ray_query) GTEST_SKIP() << "this device has no ray queries";
+    for (const char* name : {"shadows", "hybrid_shadows", "covered"}) {
+        const std::vector<float> with = visibility_of(name, true), without = visibility_of(name, false);
+        double squared = 0, shadow = 0;
+        for (size_t i = 0; i < with.size(); ++i) {
+            squared += std::pow(double(with[i]) - double(without[i]), 2);
+            shadow += 1 - double(without[i]);
+        }
+        std::printf("%s without a tree: RMSE %.4f against it\n", name, std::sqrt(squared / double(with.size())));
+        EXPECT_LT(std::sqrt(squared / double(with.size())), 0.05) << name;
+        EXPECT_GT(shadow, 0.02 * double(with.size())) << name;
+    }
+}
+
+}  // namespace
+}  // namespace penumbra::test

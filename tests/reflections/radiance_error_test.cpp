@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Errors of radiance: N_eff is how many rays it takes to be as good, the truth's own noise is no error of the
+// image.
+#include "host/metrics/radiance_error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+namespace penumbra {
+namespace {
+
+// Pixels of a known signal whose single rays are off by a normal deviate of variance 4 per channel.
+struct Experiment {
+    static constexpr size_t pixels = 40000;
+    static constexpr double variance = 4;
+    std::vector<float> truth[3], image[3], receiver, roughness, ray_error, noise;
+
+    Experiment(double rays_of_image, double rays_of_truth, float r) {
+        std::mt19937 random(3);
+        std::normal_distribution<double> deviate;
+        for (size_t i = 0; i < pixels; ++i) {
+            for (int c = 0; c < 3; ++c) {
+                const double exact = 10 + c;
+                truth[c].push_back(
+                    static_cast<float>(exact + deviate(random) * std::sqrt(variance / rays_of_truth)));
+                image[c].push_back(
+                    static_cast<float>(exact + deviate(random) * std::sqrt(variance / rays_of_image)));
+            }
+            receiver.push_back(1);
+            roughness.push_back(r);
+            ray_error.push_back(3 * variance);
+            noise.push_back(static_cast<float>(3 * variance / rays_of_truth));
+        }
+    }
+    RadianceErrorSums sums() const {
+        return radiance_errors({{image[0], image[1], image[2]}},
+                               {{{truth[0], truth[1], truth[2]}}, receiver, roughness, ray_error, noise});
+    }
+};
+
+TEST(RadianceError, CountsTheRaysThatAnImageIsWorth) {
+    for (const double rays : {1.0, 8.0, 100.0}) {
+        EXPECT_NEAR(*Experiment(rays, 64, 0.2f).sums().n_eff(), rays, 0.04 * rays)
+            << "the truth has 64 rays itself";
+    }
+}
+
+TEST(RadianceError, ClassesAreOfRoughness) {
+    EXPECT_EQ(roughness_class(0), 0u);
+    EXPECT_EQ(roughness_class(0.05f), 0u);
+    EXPECT_EQ(roughness_class(0.06f), 1u);
+    EXPECT_EQ(roughness_class(0.3f), 2u);
+    EXPECT_EQ(roughness_class(1), 4u);
+    const RadianceErrorSums sums = Experiment(4, 64, 0.4f).sums();
+    EXPECT_TRUE(sums.n_eff(3));
+    EXPECT_FALSE(sums.n_eff(0)) << "no pixel of that roughness";
+    EXPECT_EQ(sums.classes[3].pixels, Experiment::pixels);
+}
+
+TEST(RadianceError, ABiasCaps) {
+    Experiment biased(1e9, 1e9, 0.2f);
+    for (auto& plane : biased.image)
+        for (float& v : plane) v *= 1.1f;
+    EXPECT_NEAR(*biased.sums().bias(), 0.1, 1e-3);
+    EXPECT_NEAR(*biased.sums().n_eff(), 12 / (1.0 + 1.21 + 1.44), 0.05);
+}
+
+TEST(RadianceError, WhatIsNoNumberIsCountedAlone) {
+    Experiment broken(4, 64, 0.2f);
+    const double before = *broken.sums().n_eff();
+    broken.image[1][5] = std::numeric_limits<float>::quiet_NaN();
+    broken.image[2][9] = std::numeric_limits<float>::infinity();
+    EXPECT_EQ(broken.sums().nonfinite, 2u);
+    EXPECT_EQ(broken.sums().pixels(), Experiment::pixels - 2);
+    EXPECT_NEAR(*broken.sums().n_eff(), before, 0.01);
+}
+
+TEST(RadianceError, SkyIsNoReceiver) {
+    Experiment half(4, 64, 0.2f);
+    for (size_t i = 0; i < Experiment::pixels; i += 2) {
+        half.receiver[i] = 0;
+        half.image[0][i] = 1e6f;
+    }
+    EXPECT_EQ(half.sums().pixels(), Experiment::pixels / 2);
+    EXPECT_NEAR(*half.sums().n_eff(), 4, 0.2);
+    EXPECT_EQ(half.sums().fireflies, 0u);
+}
+
+TEST(RadianceError, SumsOfPartsAreTheWhole) {
+    const RadianceErrorSums a = Experiment(4, 64, 0.1f).sums(), b = Experiment(16, 64, 0.9f).sums();
+    RadianceErrorSums both = a;
+    both.add(b);
+    EXPECT_EQ(*both.n_eff(1), *a.n_eff(1));
+    EXPECT_EQ(*both.n_eff(4), *b.n_eff(4));
+    EXPECT_NEAR(*both.n_eff(), 2 / (1 / *a.n_eff() + 1 / *b.n_eff()), 1e-9)
+        << "a ratio of sums, no mean of ratios";
+}
+
+TEST(RadianceError, PlanesMustFit) {
+    Experiment wrong(4, 64, 0.2f);
+    wrong.noise.pop_back();
+    EXPECT_THROW(wrong.sums(), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace penumbra

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "tests/reflections/radiance_run.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <span>
+#include <stdexcept>
+
+#include "app/outputs.h"
+#include "app/radiance_truth.h"
+#include "host/models/glb_writer.h"
+#include "host/models/model_builder.h"
+#include "penumbra/shadow_nodes.h"
+#include "tests/gpu_test.h"
+
+namespace penumbra::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Removed when the process ends.
+struct Folder {
+    fs::path path = fs::temp_directory_path() / fmt::format("penumbra_radiance_{}", getpid());
+    Folder() { fs::create_directories(path); }
+    ~Folder() { fs::remove_all(path); }
+};
+
+}  // namespace
+
+Shot night_shot(const Model& model, std::array<uint32_t, 2> size, uint32_t frames) {
+    static const Folder folder;
+    static int number = 0;
+    Shot shot;
+    shot.name = "night";
+    shot.model = folder.path / fmt::format("{}.glb", number++);
+    write_file(shot.model, to_glb(model));
+    shot.size = size;
+    shot.frames = frames;
+    shot.camera = {{0, {0, 1.5, 3}, {0, 0, 0}, {0, 1, 0}}};
+    shot.sun = {{0, {0, -1, 0}}};
+    return shot;
+}
+
+EnvironmentSky linear_sky(double down, double up) {
+    return {true, glm::dvec3(down), glm::dvec3(up)};
+}
+
+Material shining(std::array<float, 3> radiance) {
+    Material material;
+    material.base_color = {0, 0, 0, 1};
+    material.emissive = radiance;
+    return material;
+}
+
+Model striped_floor(const std::vector<float>& roughness) {
+    std::vector<Material> materials;
+    for (const float r : roughness) {
+        Material& material = materials.emplace_back();
+        material.base_color = {0, 0, 0, 1};
+        material.roughness = r;
+        material.metallic = 1;
+    }
+    ModelBuilder builder(materials);
+    const double width = 8.0 / static_cast<double>(roughness.size());
+    for (size_t i = 0; i < roughness.size(); ++i) {
+        Shape strip = ground(width / 2, 3, 1, 1);
+        glm::dmat4 place(1);
+        place[3] = {-4 + width * (static_cast<double>(i) + 0.5), 0, 0, 1};
+        strip.transform(place);
+        builder.solid("strip", strip, static_cast<int>(i));
+    }
+    return builder.take();
+}
+
+std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
+                                      const std::vector<std::string>& settings) {
+    static const NodeSet nodes = shadow_nodes();
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto pipeline =
+        load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
+    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    SessionOptions options;
+    options.size = shot.size;
+    options.optimum = false;
+    if (checked) options.captures = checked->output_names();
+    auto session =
+        checked ? Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings) : nullptr;
+    if (!session) throw std::runtime_error(diagnostics.text());
+    return session;
+}
+
+std::array<std::vector<float>, 3> colors(const Session& session) {
+    for (const PlanPass& pass : session.plan().passes)
+        if (pass.kind == PassKind::capture) {
+            const PlanarImage image = captured_image(session, pass.node);
+            return {image.find("R")->values, image.find("G")->values, image.find("B")->values};
+        }
+    throw std::logic_error("nothing is captured");
+}
+
+PlanarImage truth_of(const Shot& shot, const std::string& signal, uint32_t rays, uint32_t frame) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = open_radiance_truth(gpu(), shot, signal, diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    return radiance_truth(gpu(), *session, frame, rays);
+}
+
+}  // namespace penumbra::test

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// Small scenes of known radiance, and pipelines and truth run on them.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/session.h"
+#include "host/images/image_file.h"
+#include "host/models/model.h"
+
+namespace penumbra::test {
+
+// A night shot (nothing but the environment and what shines) of a model, which is written to a temporary
+// folder; the camera at (0, 1.5, 3) looks at the origin.
+Shot night_shot(const Model& model, std::array<uint32_t, 2> size, uint32_t frames = 1);
+
+// An environment that is linear in a direction's height.
+EnvironmentSky linear_sky(double down, double up);
+
+// Strips of floor from x = -4 to 4 at height 0, one per roughness; they mirror and are black elsewise.
+Model striped_floor(const std::vector<float>& roughness);
+
+// Material of a surface that shines and reflects nothing.
+Material shining(std::array<float, 3> radiance);
+
+std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& shot,
+                                      const std::vector<std::string>& settings = {});
+
+// The colour planes of the pipeline's only output.
+std::array<std::vector<float>, 3> colors(const Session& session);
+PlanarImage truth_of(const Shot& shot, const std::string& signal, uint32_t rays, uint32_t frame = 0);
+
+}  // namespace penumbra::test

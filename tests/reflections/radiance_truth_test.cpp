@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+// The truth of radiance against closed forms: a white furnace, a mirror, a Lambert plane under a constant and
+// under a linear sky, and mirrors that see triangles, against double precision.
+#include <cmath>
+#include <glm/gtc/type_ptr.hpp>
+#include <random>
+
+#include "host/models/model_builder.h"
+#include "tests/gpu_test.h"
+#include "tests/reflections/radiance_run.h"
+
+namespace penumbra::test {
+namespace {
+
+class RadianceTruth : public GpuTest {};
+
+// Radiance that a camera ray through the middle of each pixel brings, mirrored by the plane y = 0; NaN where
+// it misses.
+glm::dvec3 mirrored(const Camera& camera, std::array<uint32_t, 2> size, size_t pixel, glm::dvec3& origin) {
+    const double x = 2 * (static_cast<double>(pixel % size[0]) + 0.5) / size[0] - 1,
+                 y = 2 * (static_cast<double>(pixel / size[0]) + 0.5) / size[1] - 1;
+    const auto& m = camera.clip_from_view;
+    const glm::dmat3 world_from_view = glm::make_mat3(camera.world_from_view.data());
+    const glm::dvec3 direction = glm::normalize(world_from_view * glm::dvec3(x / m[0], y / m[5], -1));
+    const glm::dvec3 eye = glm::make_vec3(camera.position.data());
+    origin = eye - direction * (eye.y / direction.y);
+    return {direction.x, -direction.y, direction.z};
+}
+
+TEST_F(RadianceTruth, AWhiteFurnaceIsOneForEveryRoughness) {
+    Shot shot = night_shot(striped_floor({0, 0.05f, 0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1}), {64, 36});
+    shot.environment = linear_sky(1, 1);
+    for (const char* signal : {"specular", "diffuse"}) {
+        const PlanarImage truth = truth_of(shot, signal, 64);
+        size_t receivers = 0;
+        for (size_t i = 0; i < truth.planes[0].values.size(); ++i) {
+            if (truth.planes[3].values[i] == 0) continue;
+            ++receivers;
+            for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(truth.planes[c].values[i], 1, 1e-5) << signal << i;
+            EXPECT_EQ(truth.planes[5].values[i], 0) << "every ray brings 1";
+        }
+        EXPECT_GT(receivers, 500u);
+    }
+}
+
+TEST_F(RadianceTruth, AMirrorIsExact) {
+    Shot shot = night_shot(striped_floor({0}), {64, 36});
+    shot.environment = linear_sky(0.25, 4.25);
+    const PlanarImage truth = truth_of(shot, "specular", 16);
+    const Camera camera = camera_at(shot, 0, 64.0 / 36);
+    size_t receivers = 0;
+    for (size_t i = 0; i < truth.planes[0].values.size(); ++i) {
+        if (truth.planes[3].values[i] == 0) continue;
+        glm::dvec3 origin;
+        const double expected = 0.25 + 4 * (0.5 + 0.5 * mirrored(camera, shot.size, i, origin).y);
+        // Vulkan lets an arc cosine, which finds the sky's row, be off by 4096 ulp.
+        EXPECT_NEAR(truth.planes[0].values[i], expected, 2.5e-4 * expected) << i;
+        ++receivers;
+    }
+    EXPECT_GT(receivers, 500u);
+}
+
+// The mean of a + b y under the cosine about y is a + b 2 / 3.
+TEST_F(RadianceTruth, ALambertPlaneUnderALinearSky) {
+    for (const double up : {2.0, 6.0}) {
+        Shot shot = night_shot(striped_floor({1}), {48, 27});
+        shot.environment = linear_sky(2, up);
+        const PlanarImage truth = truth_of(shot, "diffuse", 1024);
+        const double expected = 2 + (up - 2) * (0.5 + 0.5 * 2 / 3);
+        double sum = 0, receivers = 0, noise = 0;
+        for (size_t i = 0; i < truth.planes[0].values.size(); ++i) {
+            if (truth.planes[3].values[i] == 0) continue;
+            // `noise` is of three channels.
+            EXPECT_NEAR(truth.planes[0].values[i], expected,
+                        5.5 * std::sqrt(truth.planes[6].values[i] / 3) + 1e-3);
+            sum += truth.planes[0].values[i];
+            noise += truth.planes[6].values[i] / 3;
+            ++receivers;
+        }
+        EXPECT_NEAR(sum / receivers, expected, 5 * std::sqrt(noise) / receivers + 1e-3);
+    }
+}
+
+struct Soup {
+    std::vector<std::array<glm::dvec3, 3>> triangles;
+    std::vector<Material> materials;
+};
+
+// Triangles above the floor, each with a radiance of its own.
+Soup random_triangles(size_t count) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit(0, 1);
+    Soup soup;
+    for (size_t i = 0; i < count; ++i) {
+        const glm::dvec3 middle(6 * unit(random) - 3, 0.4 + 2 * unit(random), -4 * unit(random) - 0.5);
+        auto& corners = soup.triangles.emplace_back();
+        for (glm::dvec3& corner : corners)
+            corner = glm::vec3(middle + 0.6 * (glm::dvec3(unit(random), unit(random), unit(random)) - 0.5));
+        soup.materials.push_back(
+            shining({0.01f * static_cast<float>(i + 1), static_cast<float>(unit(random)), 0.5f}));
+    }
+    return soup;
+}
+
+// The nearest triangle, or -1; `edge`: how near its outline (or another's) the ray passes, in weights.
+int nearest(const Soup& soup, const glm::dvec3& origin, const glm::dvec3& direction, double& edge) {
+    int found = -1;
+    double nearest_t = 1e30;
+    edge = 1;
+    for (size_t i = 0; i < soup.triangles.size(); ++i) {
+        const auto& [a, b, c] = soup.triangles[i];
+        const glm::dvec3 n = glm::cross(b - a, c - a);
+        const double t = glm::dot(a - origin, n) / glm::dot(direction, n);
+        if (!(t > 0)) continue;
+        const glm::dvec3 p = origin + t * direction;
+        const double u = glm::dot(glm::cross(b - p, c - p), n) / glm::dot(n, n),
+                     v = glm::dot(glm::cross(c - p, a - p), n) / glm::dot(n, n), w = 1 - u - v;
+        edge = std::min({edge, std::abs(u), std::abs(v), std::abs(w)});
+        if (std::min({u, v, w}) < 0 || t >= nearest_t) continue;
+        nearest_t = t;
+        found = static_cast<int>(i);
+    }
+    return found;
+}
+
+class RadianceHits : public RadianceTruth, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(RadianceHits, AMirrorShowsTheNearestTriangle) {
+    const std::string backend = GetParam();
+    if (backend == "ray_query" && !gpu().caps().ray_query) GTEST_SKIP() << "the device has no ray queries";
+    const Soup soup = random_triangles(150);
+    std::vector<Material> materials = soup.materials;
+    const int floor = static_cast<int>(materials.size());
+    materials.push_back({});
+    materials.back().roughness = 0;
+    ModelBuilder builder(materials);
+    builder.solid("floor", ground(4, 3, 1, 1), floor);
+    for (size_t i = 0; i < soup.triangles.size(); ++i) {
+        Shape shape;
+        for (const glm::dvec3& corner : soup.triangles[i]) shape.positions.emplace_back(corner);
+        shape.indices = {0, 1, 2};
+        builder.solid("triangle", shape, static_cast<int>(i));
+    }
+    Shot shot = night_shot(builder.take(), {96, 54});
+    shot.environment = linear_sky(5, 5);
+    const auto session =
+        open_shipped("raw_reflections", shot,
+                     {"nodes.rays.params.backend=" + backend, "nodes.rays.params.ambient=[0,0,0]"});
+    session->run_frame(0, true);
+    const auto image = colors(*session);
+    const Camera camera = camera_at(shot, 0, 96.0 / 54);
+    size_t looked_at = 0, hits = 0;
+    for (size_t i = 0; i < image[0].size(); ++i) {
+        glm::dvec3 origin;
+        const glm::dvec3 direction = mirrored(camera, shot.size, i, origin);
+        if (!(direction.y > 0) || std::abs(origin.x) > 3.9 || std::abs(origin.z) > 2.9) continue;
+        const glm::dvec3 eye = glm::make_vec3(camera.position.data());
+        double edge_seen, edge;
+        const int in_front = nearest(soup, eye, origin - eye, edge_seen);
+        const int expected = nearest(soup, origin, direction, edge);
+        if (in_front >= 0 || std::min(edge_seen, edge) < 1e-3) continue;
+        ++looked_at;
+        hits += expected >= 0;
+        const float radiance =
+            expected < 0 ? 5.0f : soup.materials[static_cast<size_t>(expected)].emissive[0];
+        EXPECT_NEAR(image[0][i], radiance, 1e-3 * radiance) << "pixel " << i % 96 << ", " << i / 96;
+    }
+    EXPECT_GT(looked_at, 800u);
+    EXPECT_GT(hits, 150u);
+}
+INSTANTIATE_TEST_SUITE_P(Backends, RadianceHits, ::testing::Values("bvh", "ray_query"),
+                         [](const auto& param_info) { return std::string(param_info.param); });
+
+// What shines and what is lit: base colour times (sun + constant), the sun where nothing stands in the way.
+TEST_F(RadianceTruth, AHitIsLitByTheSunThatItSees) {
+    Material mirror, white, lid;
+    mirror.roughness = 0;
+    white.base_color = {0.5f, 0.25f, 1, 1};
+    const auto radiance_of_wall = [&](bool shaded) {
+        ModelBuilder builder({mirror, white, lid});
+        builder.solid("floor", ground(4, 3, 1, 1), 0);
+        builder.solid("wall", box({-4, 0, -3.2}, {4, 6, -3.1}), 1);
+        if (shaded) builder.solid("lid", box({-9, 9, -9}, {9, 9.1, 9}), 2);
+        Shot shot = night_shot(builder.take(), {32, 18});
+        shot.sun = {{0, {0, 0.8, 0.6}}};
+        const auto session = open_shipped("raw_reflections", shot);
+        session->run_frame(0, true);
+        const auto image = colors(*session);
+        const size_t pixel = 9 * 32 + 16;  // the floor before the wall
+        return std::array{image[0][pixel], image[1][pixel], image[2][pixel]};
+    };
+    const auto lit = radiance_of_wall(false), dark = radiance_of_wall(true);
+    const double sun[] = {3, 2.8, 2.5}, ambient[] = {0.16, 0.19, 0.24}, base[] = {0.5, 0.25, 1};
+    for (size_t c = 0; c < 3; ++c) {
+        EXPECT_NEAR(dark[c], base[c] * ambient[c], 1e-3 * base[c]);
+        EXPECT_NEAR(lit[c], base[c] * (ambient[c] + 0.6 * sun[c]), 5e-3 * base[c])
+            << "the wall faces it at 0.6";
+    }
+}
+
+}  // namespace
+}  // namespace penumbra::test

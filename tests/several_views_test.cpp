@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// Several views and graphs on one device: what they share, and threads that record them at once.
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "penumbra/user_nodes.h"
+#include "tests/embedding_host.h"
+
+namespace penumbra::test {
+namespace {
+
+class SeveralViewsGpu : public GpuTest {};
+
+// Four views take turns in one piece of shared memory, each with a past of its own.
+TEST_F(SeveralViewsGpu, ViewsThatTakeTurnsShareTransientsAndKeepTheirPasts) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    const auto program =
+        std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline, true)));
+    const Plan& plan = program->plan();
+    ASSERT_GT(plan.memory.shared_bytes, 0u);
+    for (const PlanResource& r : plan.resources)
+        EXPECT_EQ(plan.heaps[r.heap].shared, !r.history && !r.output && !r.kept) << r.names.front();
+    const auto transients = program->make_transients();
+    EXPECT_EQ(bytes_of(*transients), plan.memory.shared_bytes);
+    View alone(program, {});
+    std::vector<std::unique_ptr<View>> views;
+    for (uint32_t v = 0; v < 4; ++v) {
+        views.push_back(std::make_unique<View>(program, ViewOptions{.transients = transients}));
+        EXPECT_EQ(views[v]->bytes() + bytes_of(*transients), alone.bytes());
+        EXPECT_TRUE(views[v]->set_param("fill", "scale", ParamValue(static_cast<float>(v + 1))));
+    }
+    std::vector<Outputs> expected;
+    for (uint32_t v = 0; v < 4; ++v) {
+        View own(program, {});
+        EXPECT_TRUE(own.set_param("fill", "scale", ParamValue(static_cast<float>(v + 1))));
+        for (uint32_t f = 0; f < 3; ++f)
+            gpu().run([&](VkCommandBuffer cmd) { own.record(cmd, description(f), {}); });
+        expected.push_back(outputs_of(own));
+    }
+    EXPECT_NE(expected[0], expected[1]);
+    for (uint32_t f = 0; f < 3; ++f)  // in one command buffer, with nothing of the host's between them
+        gpu().run([&](VkCommandBuffer cmd) {
+            for (const auto& view : views) view->record(cmd, description(f), {});
+        });
+    for (uint32_t v = 0; v < 4; ++v) EXPECT_EQ(outputs_of(*views[v]), expected[v]) << v;
+}
+
+TEST_F(SeveralViewsGpu, TransientsOfASmallerPlanAreRefused) {
+    const CheckedPipeline small = checked(given_and_history), large = toy_pipeline_file();
+    const auto of_small =
+        Program(handles_of(gpu()), plan_of(small, capturing(small, true))).make_transients();
+    const auto program = std::make_shared<Program>(handles_of(gpu()), plan_of(large, capturing(large, true)));
+    const auto error = attempt([&] { View view(program, {.transients = of_small}); });
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->code, ErrorCode::usage);
+    EXPECT_EQ(error->place, "ViewOptions::transients");
+}
+
+// A node that reads a table.
+NodeSet set_with_table() {
+    const std::filesystem::path folder =
+        std::filesystem::path(::testing::TempDir()) / "penumbra_embedding_table";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "toy_table.json")
+        << R"({ "node": "toy_table", "doc": "d", "shader": "toy_table.comp",
+        "inputs": {}, "outputs": { "value": { "kind": "image", "format": "r32f" } },
+        "tables": { "steps": { "file": "steps.bin", "format": "r32f", "extent": [4, 1] } },
+        "dispatch": { "over": "value", "group": [8, 8] } })";
+    std::ofstream(folder / "toy_table.comp") << R"(#include "node.glsl"
+void main() {
+    const ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(p, imageSize(value)))) return;
+    imageStore(value, p, texelFetch(steps, ivec2(p.x % 4, 0), 0));
+})";
+    const float steps[4] = {3, 1, 4, 1.5f};
+    std::ofstream(folder / "steps.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(steps), sizeof steps);
+    NodeSet set;
+    for (const std::string& name : toy_set().names()) set.add(*toy_set().find(name));
+    Diagnostics diagnostics;
+    if (!add_user_nodes(set, folder, diagnostics, open_shader_cache("")))
+        throw std::runtime_error(diagnostics.text());
+    return set;
+}
+
+// Two graphs, of one of them two views, on three threads; their frames are submitted in either order, also
+// the first ones, which both carry the upload of the tables.
+TEST_F(SeveralViewsGpu, ThreadsRecordViewsAndGraphsAtOnce) {
+    const CheckedPipeline with_table = checked(
+        R"("outputs": ["blended"], "nodes": { "table": { "type": "toy_table" },
+           "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })",
+        set_with_table());
+    const CheckedPipeline toys = toy_pipeline_file();
+    const auto tables =
+        std::make_shared<Program>(handles_of(gpu()), plan_of(with_table, capturing(with_table)));
+    const auto other = std::make_shared<Program>(handles_of(gpu()), plan_of(toys, capturing(toys)));
+    for (const bool backwards : {false, true}) {
+        View views[3] = {View(tables, {}), View(tables, {}), View(other, {})};
+        Recorder recorders[3];
+        for (uint32_t f = 0; f < 4; ++f) {
+            std::vector<std::thread> threads;
+            for (size_t t = 0; t < 3; ++t)
+                threads.emplace_back([&, t] {
+                    recorders[t].record(
+                        [&](VkCommandBuffer cmd) { views[t].record(cmd, description(f), {}); });
+                });
+            for (std::thread& thread : threads) thread.join();
+            std::vector<VkCommandBuffer> order = {recorders[0].cmd, recorders[1].cmd, recorders[2].cmd};
+            if (backwards) std::ranges::reverse(order);
+            VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+            submit.commandBufferCount = 3;
+            submit.pCommandBuffers = order.data();
+            check(vkQueueSubmit(gpu().queue(), 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit", "threads");
+            check(vkQueueWaitIdle(gpu().queue()), "vkQueueWaitIdle", "threads");
+        }
+        const float steps[4] = {3, 1, 4, 1.5f};
+        std::vector<float> expected(width * height);
+        for (uint32_t i = 0; i < expected.size(); ++i) expected[i] = 1.875f * steps[i % width % 4];
+        EXPECT_EQ(floats(views[0].captured("blended")), expected) << backwards;
+        EXPECT_EQ(floats(views[1].captured("blended")), expected) << backwards;
+        EXPECT_EQ(outputs_of(views[2]), run_toys(handles_of(gpu()), 4)) << backwards;
+    }
+}
+
+TEST_F(SeveralViewsGpu, TablesMayBeUploadedAheadOfAllViews) {
+    const CheckedPipeline pipeline =
+        checked(R"("outputs": ["value"], "nodes": { "table": { "type": "toy_table" } })", set_with_table());
+    const auto program = std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline)));
+    EXPECT_GT(program->bytes(), 0u);
+    gpu().run([&](VkCommandBuffer cmd) { program->record_uploads(cmd); });
+    View view(program, {.tables_uploaded = true});
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); });
+    EXPECT_EQ(floats(view.captured("value"))[2], 4.0f);
+}
+
+}  // namespace
+}  // namespace penumbra::test

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+// The active size of a frame, which is at most the plan's: a plan for a larger one gives the same images to the bit, and what
+// was accumulated before the size changed is worth as much behind it.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <glm/gtc/packing.hpp>
+
+#include "app/session.h"
+#include "app/truth.h"
+#include "tests/gpu_test.h"
+#include "tests/sized_run.h"
+#include "tests/test_scene.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+constexpr std::array<uint32_t, 2> size{75, 43}, largest{96, 54};
+
+class SizeGpu : public GpuTest, public ::testing::WithParamInterface<const char*> {};
+
+using Outputs = std::vector<std::map<std::string, Bytes>>;  // by frame
+
+Outputs run(const CheckedPipeline& pipeline, std::array<uint32_t, 2> of_size,
+            std::optional<std::array<uint32_t, 2>> in, uint32_t frames) {
+    SessionOptions options;
+    options.size = of_size;
+    options.largest = in;
+    options.captures = pipeline.output_names();
+    options.poison = 0;  // what lies outside of the frame is no number
+    options.optimum = options.pass_costs = false;
+    options.cascade_size = 64;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = Session::open(gpu(), test_nodes(), pipeline, plaza_shot(of_size, frames), options,
+                                       diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    Outputs outputs(frames);
+    for (uint32_t f = 0; f < frames; ++f) {
+        session->run_frame(f, f == 0);
+        for (const PlanOutput& output : session->plan().outputs)
+            outputs[f][output.name] = cropped(session->plan(), output.name,
+                                              session->view().captured(output.name), {of_size[0], of_size[1]});
+    }
+    return outputs;
+}
+
+// Sizes that are powers of two: also where a linear sampler is told is then the same number. Nothing else that a frame reads or
+// writes depends on the plan's size.
+TEST_P(SizeGpu, APlanForMoreGivesTheSameImages) {
+    const CheckedPipeline pipeline = shadow_pipeline_file(GetParam());
+    const Outputs expected = run(pipeline, {64, 32}, {}, 3), larger = run(pipeline, {64, 32}, {{128, 64}}, 3);
+    for (size_t f = 0; f < expected.size(); ++f)
+        for (const auto& [name, bytes] : expected[f])
+            EXPECT_TRUE(larger[f].at(name) == bytes) << name << " of frame " << f;
+    EXPECT_NE(expected[0], expected[2]) << "nothing changes: the test shows nothing";
+}
+
+// Any size. A linear sampler rounds where in the whole image a texel lies: taa's color differs by that from the second frame on,
+// and so does all that fidelityfx.json's denoiser makes of its history, whose thresholds make it more.
+TEST_P(SizeGpu, APlanForMoreGivesTheSameFirstImage) {
+    const std::string name = GetParam();
+    const CheckedPipeline pipeline = shadow_pipeline_file(name);
+    const Outputs expected = run(pipeline, size, {}, 2), larger = run(pipeline, size, largest, 2);
+    for (size_t f = 0; f < expected.size(); ++f)
+        for (const auto& [output, bytes] : expected[f])
+            if (f == 0 || (output != "color" && name.find("fidelityfx") == std::string::npos)) {
+                EXPECT_TRUE(larger[f].at(output) == bytes) << output << " of frame " << f;
+            }
+}
+
+// All but denoise.json, which is one_ray.json without its tracer.
+INSTANTIATE_TEST_SUITE_P(Shipped, SizeGpu,
+                         ::testing::Values("cascades_only", "covered", "fidelityfx", "hybrid_cascades",
+                                           "hybrid_fidelityfx", "hybrid_shadows", "hybrid_shadows_best",
+                                           "hybrid_shadows_fast", "many_rays", "one_ray", "raw", "reference",
+                                           "shadows", "shadows_best", "shadows_fast", "sigma", "raw_reflections",
+                                           "reflections", "fidelityfx_reflections"),
+                         [](const auto& name) { return std::string(name.param); });
+
+class SizeChangeGpu : public GpuTest {};
+
+// What the host brings lies in larger images, beside garbage.
+TEST_F(SizeChangeGpu, WhatLiesBesideTheFrameIsNotRead) {
+    for (const char* name : {"shadows", "hybrid_shadows"}) {
+        const CheckedPipeline pipeline = shadow_pipeline_file(name);
+        const Recording recording = record(pipeline, plaza_shot(size, 3), 3, recorded_facts());
+        SizedRun run(pipeline, {largest[0], largest[1]}, recording.plan.facts);
+        for (size_t f = 0; f < 3; ++f) {
+            run.frame(recording.frames[f], f ? &recording.frames[f - 1] : nullptr);
+            for (const auto& [output, bytes] : recording.frames[f].outputs)
+                if (f == 0 || output != "color") {  // as above
+                    EXPECT_TRUE(run.output(output) == bytes) << name << ": " << output << " of frame " << f;
+                }
+        }
+    }
+}
+
+std::vector<double> visibility_of(const Bytes& bytes) {
+    std::vector<double> values(bytes.size() / 2);
+    for (size_t i = 0; i < values.size(); ++i) {
+        uint16_t half = 0;
+        std::memcpy(&half, &bytes[2 * i], 2);
+        values[i] = glm::unpackHalf1x16(half);
+    }
+    return values;
+}
+
+// Rays per pixel that would be as far from the truth.
+double n_eff(const Bytes& bytes, const Truth& truth) {
+    const std::vector<double> values = visibility_of(bytes);
+    double signal = 0, error = 0;
+    for (size_t i = 0; i < values.size(); ++i) {
+        if (truth.receiver[i] <= 0) continue;
+        const double v = truth.visibility[i], d = values[i] - v;
+        if (v >= 1.0 / 256 && v <= 255.0 / 256) signal += v * (1 - v);
+        error += d * d;
+    }
+    return signal / error;
+}
+
+Shot shipped_shot(const char* name, std::array<uint32_t, 2> of_size, bool still) {
+    Diagnostics diagnostics;
+    auto shot = read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (std::string(name) + ".shot.json"),
+                          diagnostics);
+    if (!shot) throw std::runtime_error(diagnostics.text());
+    shot->size = of_size;
+    if (still) shot->camera.resize(1);
+    return std::move(*shot);
+}
+
+struct Change {
+    const char* shot;
+    bool still;
+    std::array<uint32_t, 2> before, after;
+};
+
+class HistoryGpu : public GpuTest, public ::testing::WithParamInterface<Change> {};
+
+// N_eff of the frame at which the size changes and of one a little later, beside that before the change, and of the same
+// frames without a past and with one of their own size. Where nothing moves, pixels keep a past of their own, which those of another
+// size do not have: the frame is as one without a past, and rays are allotted as to one.
+TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
+    constexpr uint32_t change = 16, frames = change + 5;
+    const auto& [name, still, before, after] = GetParam();
+    const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
+    const Facts facts = still ? Facts{{"alpha", false}, {"moves", false}, {"sun_moves", false}} : recorded_facts();
+    const Recording old = record(pipeline, shipped_shot(name, before, still), change, facts, false),
+                    own = record(pipeline, shipped_shot(name, after, still), frames, facts, false);
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto truth_of = [&](std::array<uint32_t, 2> of_size, uint32_t frame) {
+        const auto truths = open_truth(gpu(), shipped_shot(name, of_size, still), diagnostics, warnings);
+        if (!truths) throw std::runtime_error(diagnostics.text());
+        return counted_truth(*truths, frame, 144);
+    };
+    const Extent most{std::max(before[0], after[0]), std::max(before[1], after[1])};
+    SizedRun changed(pipeline, most, own.plan.facts), anew(pipeline, most, own.plan.facts);
+    for (uint32_t f = 0; f < change; ++f) changed.frame(old.frames[f], f ? &old.frames[f - 1] : nullptr);
+    std::printf("%s%s, %ux%u to %ux%u: N_eff %.2f before\n", name, still ? " (still)" : "", before[0], before[1], after[0],
+                after[1], n_eff(changed.output("visibility"), truth_of(before, change - 1)));
+    for (uint32_t f = change; f < frames; ++f) {
+        changed.frame(own.frames[f], f == change ? &old.frames[f - 1] : &own.frames[f - 1]);
+        anew.frame(own.frames[f], f == change ? nullptr : &own.frames[f - 1]);
+        EXPECT_EQ(changed.view().reset().reason, Reset::Reason::none);
+        if (f != change && f + 1 != frames) continue;
+        const Truth truth = truth_of(after, f);
+        const double kept = n_eff(changed.output("visibility"), truth),
+                     reset = n_eff(anew.output("visibility"), truth),
+                     ideal = n_eff(own.frames[f].outputs.at("visibility"), truth);
+        std::printf("frame %+d: N_eff %.2f; without a past %.2f, with one of its own size %.2f\n", int(f) - int(change), kept,
+                    reset, ideal);
+        if (still) {
+            EXPECT_TRUE(changed.output("visibility") == anew.output("visibility"));
+            continue;
+        }
+        if (f == change) {
+            EXPECT_GT(kept, 1.2 * reset);
+        }
+        EXPECT_GT(kept, 0.5 * ideal);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Shots, HistoryGpu,
+                         ::testing::Values(Change{"colonnade", false, {128, 72}, {160, 90}},
+                                           Change{"colonnade", false, {160, 90}, {112, 63}},
+                                           Change{"colonnade", true, {128, 72}, {160, 90}}),
+                         [](const auto& test) {
+                             return std::string(test.param.shot) + (test.param.still ? "_still" : "") +
+                                    (test.param.after[0] > test.param.before[0] ? "_up" : "_down");
+                         });
+
+}  // namespace
+}  // namespace penumbra::test
