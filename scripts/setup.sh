@@ -17,6 +17,7 @@ packages=(
     spirv-tools               # libraries, CMake package and spirv-val in one
     libglm-dev nlohmann-json3-dev libfmt-dev libcli11-dev
     libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
+    libdraco-dev libmeshoptimizer-dev # compressed meshes of glTF files
 )
 if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
     packages+=(

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A host to embed penumbra in, for tests: small plans of toy nodes, functions that listen, an allocator that may fail,
-// command buffers of threads.
+// A host to embed penumbra in, for tests: small plans of toy nodes, functions that listen, an allocator that
+// may fail, command buffers of threads.
 #pragma once
 
+#include <array>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -69,6 +70,12 @@ struct Spy {
         else
             vkCmdPipelineBarrier2(cmd, info);
     }
+    static inline std::vector<std::array<uint32_t, 3>> dispatches;
+    static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer cmd, uint32_t x, uint32_t y, uint32_t z) {
+        dispatches.push_back({x, y, z});
+        vkCmdDispatch(cmd, x, y, z);
+    }
+
     // Objects that were made, counted by the functions that penumbra makes any with while it runs.
     static inline uint32_t made = 0;
     template <auto function, class... A>
@@ -77,7 +84,7 @@ struct Spy {
         return function(arguments...);
     }
     template <auto function, class... A>
-    static PFN_vkVoidFunction counting(VkResult (VKAPI_PTR*)(A...)) {
+    static PFN_vkVoidFunction counting(VkResult(VKAPI_PTR*)(A...)) {
         return reinterpret_cast<PFN_vkVoidFunction>(&counted<function, A...>);
     }
 
@@ -91,6 +98,7 @@ struct Spy {
         PENUMBRA_COUNTED(vkAllocateDescriptorSets)
 #undef PENUMBRA_COUNTED
         if (!std::strcmp(name, "vkCmdPipelineBarrier2")) return reinterpret_cast<PFN_vkVoidFunction>(barrier);
+        if (!std::strcmp(name, "vkCmdDispatch")) return reinterpret_cast<PFN_vkVoidFunction>(dispatch);
         if (!std::strcmp(name, "vkSetDebugUtilsObjectNameEXT"))
             return reinterpret_cast<PFN_vkVoidFunction>(set_name);
         if (!std::strcmp(name, "vkCmdBeginDebugUtilsLabelEXT"))

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The simplest shading that shows a shadow: a Lambert surface under one sun with a constant ambient term, in linear
-// HDR, before a plain gradient of sky. An engine uses its own lighting here.
+// The simplest shading that shows a shadow: a Lambert surface under one sun, or one light that is near, with a constant
+// ambient term, in linear HDR, before a plain gradient of sky. An engine uses its own lighting here.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/finite.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/sun_sample.glsl"
+#include "common/light.glsl"
+#include "lighting/illuminance.glsl"
 
 const vec3 HORIZON = vec3(0.80, 0.87, 0.95), ZENITH = vec3(0.22, 0.42, 0.75);  // times the ambient light
 
@@ -16,7 +19,9 @@ vec3 sky(ivec2 p) {
 
 vec3 surface(ivec2 p) {
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
-    const vec3 direct = params.sun_color * max(dot(n, sun.to_sun), 0.0) * texelFetch(visibility, p, 0).x;
+    const float open = texelFetch(visibility, p, 0).x;
+    vec3 direct = params.sun_color * max(dot(n, sun.to_sun), 0.0) * open;
+    if (HAS_LIGHT) direct = params.exposure * 0.31830989 * illuminance(n, light.centre - position(p, imageLoad(view_depth, p).x)) * open;
     return texelFetch(albedo, p, 0).xyz * (direct + params.ambient);
 }
 
