@@ -36,6 +36,7 @@ struct RenderArguments {
     std::vector<std::string> node_folders;  // --nodes
     std::string device;
     std::optional<uint32_t> seed;
+    std::string light;  // of the shot's; empty: the only one
     uint32_t cascade_size = 1024;
     std::string facts;  // "a,!b": instead of what the scene says
     bool validate = false;
@@ -67,7 +68,7 @@ struct NodesArguments {
 struct ReferenceArguments {
     ViewArguments view;
     std::string like;  // a folder that `render` has written: its shot, size, frames and jitter
-    std::string out, frames, size, device;
+    std::string out, frames, size, light, device;
     std::string signal = "visibility";  // or specular, diffuse
     uint32_t rays = 1024;               // per pixel
 };

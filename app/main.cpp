@@ -50,6 +50,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--seed", a.seed, "instead of the shot's seed");
+    c->add_option("--light", a.light, "of which of the shot's lights the mask is, where it has several");
     c->add_option("--cascade-size", a.cascade_size, "texels along a side of the sun's shadow maps")
         ->check(CLI::Range(16u, 16384u));
     c->add_option("--facts", a.facts, "a,!b: take these as true or false, whatever the scene says");
@@ -97,6 +98,7 @@ void add_reference(CLI::App& app, ReferenceArguments& a) {
     c->add_option("--out", a.out, "folder to write to")->required();
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
+    c->add_option("--light", a.light, "which of the shot's lights, where it has several");
     c->add_option("--signal", a.signal,
                   "visibility, or specular or diffuse: radiance that arrives under a surface's lobe")
         ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));

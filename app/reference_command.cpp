@@ -8,6 +8,7 @@
 
 #include "app/commands.h"
 #include "app/frame_range.h"
+#include "app/light_truth.h"
 #include "app/mask_folder.h"
 #include "app/outputs.h"
 #include "app/progress.h"
@@ -109,7 +110,11 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     Device device({arguments.device, false});
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = open_truth(device, shot, diagnostics, warnings, job.jitter);
+    const auto chosen = choose_light(shot, arguments.light, diagnostics);
+    const auto session = !chosen ? nullptr
+                         : chosen->light
+                             ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter)
+                             : open_truth(device, shot, diagnostics, warnings, job.jitter);
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();
@@ -128,7 +133,8 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
                 session->run_frame(frame, false);  // for the images beside
                 write_truth(folder, shot, frame, analytic_truth(shot, frame));
             } else {
-                Truth truth = counted_truth(*session, frame, arguments.rays);
+                Truth truth = chosen->light ? counted_light_truth(*session, frame, arguments.rays)
+                                            : counted_truth(*session, frame, arguments.rays);
                 if (truth.lost)
                     progress.say(
                         fmt::format("warning: frame {}: {} pixels show what no triangle explains; they "

@@ -91,6 +91,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.size = job.size;
     options.captures = job.graph_captures;
     options.seed = arguments.seed;
+    options.light = arguments.light;
     options.cascade_size = arguments.cascade_size;
     options.alias = !arguments.no_alias;
     options.jitter = !arguments.no_jitter;

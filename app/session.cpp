@@ -46,6 +46,39 @@ void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnos
                             "the standalone host has no such input" + did_you_mean(slot.name, known_slots));
 }
 
+bool takes(const Plan& plan, const PlanPass& pass, std::string_view slot) {
+    return std::ranges::any_of(pass.bindings, [&](const PlanBinding& b) {
+        return b.source == BindingSource::host && plan.slots[b.index].name == slot;
+    });
+}
+
+// A pipeline is for the sun or for lights that are near, and so is every node of it that asks for a light.
+void check_light(const Plan& plan, const CheckedPipeline& pipeline, const ChosenLight& chosen,
+                 Diagnostics& diagnostics) {
+    const bool near = reads(plan, "light");
+    const Place place{pipeline.file, 0, 0};
+    if (!chosen.light && near)
+        diagnostics.add(
+            place, "inputs.light",
+            fmt::format("\"{}\" takes a light that is near, and masks of this shot are of its sun",
+                        pipeline.name));
+    if (!chosen.light) return;
+    const std::string light = fmt::format("\"{}\", a {}", chosen.name, name_of(chosen.light->kind));
+    if (!near && reads(plan, "sun"))
+        diagnostics.add(
+            place, "inputs",
+            fmt::format("\"{}\" knows the sun alone, and the shot's light is {}; a variant for lights that "
+                        "are near has \"inputs\": {{ \"light\": {{}} }}, as light_raw.json",
+                        pipeline.name, light));
+    for (const PlanPass& pass : plan.passes) {
+        if (!near || !takes(plan, pass, "sun")) continue;
+        if (!takes(plan, pass, "light"))
+            diagnostics.add(
+                place, "nodes." + pass.node,
+                fmt::format("\"{}\" knows the sun alone, and the shot's light is {}", pass.type, light));
+    }
+}
+
 }  // namespace
 
 bool standalone_has_input(std::string_view name) {
@@ -92,6 +125,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                        Shot shot, const SessionOptions& options, Diagnostics& diagnostics,
                                        std::vector<std::string>& warnings) {
     shot.size = options.size;  // analytic scenes measure their camera in pixels
+    const auto chosen = choose_light(shot, options.light, diagnostics);
+    if (!chosen) return nullptr;
     auto scene = load_scene(shot, diagnostics, warnings);
     if (!scene) return nullptr;
     auto session = std::unique_ptr<Session>(new Session(device));
@@ -126,6 +161,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     compile_options.captures = options.captures;
     if (options.optimum) compile_options.optimum_search_nodes = render_search_nodes;
     host_options.jitter = options.jitter;
+    host_options.light = chosen->name;
     host_options.materials = std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
         return input.name == "material" || input.name == "emissive";
     });
@@ -164,6 +200,10 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     }
     auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
+    if (plan) {
+        const ShotLight* light = session->host_->light();  // the shot has moved
+        check_light(*plan, pipeline, {chosen->name, light}, diagnostics);
+    }
     if (!plan || !diagnostics.empty()) return nullptr;
     if (const uint64_t all = gbuffer + plan->memory.heap_bytes; all > table.memory_bytes)
         return too_much(all, "the G-buffer and the pipeline");
@@ -195,6 +235,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
     session->sun_prev_ = make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                           "the previous frame's sun");
+    session->light_ =
+        make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the light");
     session->scene_ = make_host_buffer(device, sizeof(blocks::Scene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                        "the scene block");
     session->cascades_ = make_host_buffer(device, sizeof(blocks::Cascades),
@@ -205,6 +247,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 void Session::write_blocks(const StandaloneFrame& frame) {
     std::memcpy(sun_.mapped, &frame.sun, sizeof frame.sun);
     std::memcpy(sun_prev_.mapped, &frame.sun_prev, sizeof frame.sun_prev);
+    std::memcpy(light_.mapped, &frame.light, sizeof frame.light);
     std::memcpy(scene_.mapped, &frame.scene, sizeof frame.scene);
     std::memcpy(cascades_.mapped, &frame.cascades, sizeof frame.cascades);
 }
@@ -225,6 +268,7 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "surface_texels") b.texels = surfaces_->texels();
         if (slot.name == "sun") b.buffer = sun_.get();
         if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
+        if (slot.name == "light") b.buffer = light_.get();
         if (slot.name == "scene") b.buffer = scene_.get();
         const auto bind = [&](std::string_view name, const GpuTexels& texels) {
             if (slot.name == name) b.texels = texels.view.get();

@@ -24,9 +24,10 @@ namespace penumbra {
 struct SessionOptions {
     std::array<uint32_t, 2> size{1280, 720};
     std::optional<std::array<uint32_t, 2>> largest;  // what the plan is made for, where frames are smaller
-    uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
+    uint32_t cascade_size = 1024;                    // texels along a side of the sun's shadow maps
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
+    std::string light;  // of the shot, that masks are of; empty: the only one
     bool alias = true;
     bool jitter = true;          // where a node of the plan needs it
     bool always_jitter = false;  // whether one does or not
@@ -102,7 +103,7 @@ class Session {
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
     std::array<uint32_t, 2>
         surfaces_frames_{};  // what `surfaces_` was made for: the frame and its previous one
-    GpuBuffer sun_, sun_prev_, scene_, cascades_;
+    GpuBuffer sun_, sun_prev_, light_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
 

@@ -84,6 +84,7 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
     options.size = shot.size;
     options.captures = checked->output_names();
     options.jitter = options.always_jitter = jitter;
+    options.light = "sun";
     options.optimum = false;
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }

@@ -106,15 +106,16 @@ void Compiler::bind_input(const SelectedNode& selected, uint32_t index, uint32_t
         return use_input(port, resource, bound.previous);
     }
     const uint32_t input = *pipeline_.resources[bound.resource].input;
-    HostSlot slot{.name = pipeline_.name_of(bound),
-                  .input = pipeline_.inputs[input].name,
-                  .previous = bound.previous,
-                  .kind = port.kind,
-                  .format = inputs_[input].format,
-                  .extent = inputs_[input].extent,
-                  .layers = inputs_[input].layers,
-                  .follows = port.kind == PortKind::image ? follows_of(pipeline_.inputs[input]) : std::nullopt,
-                  .element = port.element};
+    HostSlot slot{
+        .name = pipeline_.name_of(bound),
+        .input = pipeline_.inputs[input].name,
+        .previous = bound.previous,
+        .kind = port.kind,
+        .format = inputs_[input].format,
+        .extent = inputs_[input].extent,
+        .layers = inputs_[input].layers,
+        .follows = port.kind == PortKind::image ? follows_of(pipeline_.inputs[input]) : std::nullopt,
+        .element = port.element};
     bind_slot(node, port, std::move(slot), binding);
 }
 

@@ -173,7 +173,8 @@ void Compiler::fill_dispatch(const SelectedNode& selected) {
         case Dispatch::Kind::over: {
             const Size size = size_of(selected, dispatch.over);
             pass.over = size.follows;
-            pass.group_pixels = {pass.constants[0] * pass.constants[3], pass.constants[1] * pass.constants[4]};
+            pass.group_pixels = {pass.constants[0] * pass.constants[3],
+                                 pass.constants[1] * pass.constants[4]};
             const auto groups = [&](uint32_t level) -> std::array<uint32_t, 3> {
                 const uint32_t width = std::max(size.extent.width >> level, 1u);
                 const uint32_t height = std::max(size.extent.height >> level, 1u);

@@ -135,6 +135,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     out.sun = sun_block(sun_at(shot_, index));
     out.sun_prev = sun_block(sun_at(shot_, previous));
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
+    if (light()) out.light = light_block(*light(), index, camera - shot_.origin);
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_.bvh_origin());
     for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
@@ -149,7 +150,7 @@ void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& fra
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {
-    return shot_facts(shot_, scene_);
+    return shot_facts(shot_, scene_, light());
 }
 
 }  // namespace penumbra

@@ -11,6 +11,7 @@
 #include "host/cascades/cascade_fit.h"
 #include "host/gbuffer/gbuffer.h"
 #include "host/scene/scene.h"
+#include "host/shots/light_choice.h"
 #include "host/shots/shot.h"
 #include "penumbra/frame_block.h"
 #include "shaders/common/blocks.h"
@@ -22,6 +23,7 @@ struct StandaloneOptions {
     uint32_t frames_in_flight = 2;
     bool jitter = true;            // whether frames are jittered where the pipeline wants it
     uint32_t cascade_size = 1024;  // texels along a side of a shadow map
+    std::string light = "sun";     // a name of the shot's: which one masks are of
     bool materials = false;        // whether the G-buffer has `material` and `emissive`
 };
 
@@ -29,6 +31,7 @@ struct StandaloneOptions {
 struct StandaloneFrame {
     FrameDescription description;
     blocks::Sun sun{}, sun_prev{};  // of the previous frame; of this one where there is none
+    blocks::Light light{};          // of the one that masks are of, where it is not the sun
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };
@@ -65,6 +68,10 @@ class StandaloneHost {
     const GBufferImages& images() const { return gbuffer_.images(); }
     const Scene& scene() const { return scene_; }
     const Shot& shot() const { return shot_; }
+    // nullptr: the sun.
+    const ShotLight* light() const {
+        return options_.light == "sun" ? nullptr : &shot_.lights.at(options_.light);
+    }
 
     // What holds for the whole shot: the facts that conditions in pipelines ask for.
     std::map<std::string, bool> facts() const;

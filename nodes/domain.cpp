@@ -43,15 +43,16 @@ Bundle scene() {
 
 std::shared_ptr<const Domain> shadow_domain() {
     static const auto domain = std::make_shared<const Domain>(Domain{
-        .facts = {{"sun_up", "some part of the sun is above the horizon at some time"},
-                  {"sun_disc", "the sun is no point"},
+        .facts = {{"sun_up", "some part of the sun is above the horizon at some time; a near light has none"},
+                  {"sun_disc", "the sun, or the light that is near, is no point"},
                   {"casters", "something can cast a shadow"},
                   {"alpha", "some triangle's texture has holes"},
                   {"moves", "the camera or an object moves"},
-                  {"sun_moves", "the sun moves"},
+                  {"sun_moves", "the sun moves, or the light that is near"},
                   {"tree", "the host brings penumbra's own tree of the triangles; else ray queries alone"}},
         .features = {"ray_query", "storage8"},
         .structs = {{"Sun", sizeof(blocks::Sun)},
+                    {"Light", sizeof(blocks::Light)},
                     {"Scene", sizeof(blocks::Scene)},
                     {"Cascades", sizeof(blocks::Cascades)}},
         .structs_file = "common/blocks.h",

@@ -78,6 +78,24 @@ SunState sun_at(const Shot& shot, double frame) {
             .angular_radius = glm::radians(shot.sun_angular_radius_deg)};
 }
 
+LightKey light_at(const ShotLight& light, double frame) {
+    const auto [a, b, t] = around(light.keys, frame);
+    const glm::dvec3 facing =
+        direction(glm::mix(glm::normalize(a.direction), glm::normalize(b.direction), t));
+    const glm::dvec3 along = glm::mix(glm::normalize(a.along), glm::normalize(b.along), t);
+    // A tube faces nowhere, and a disc or a spot has no width to be laid along.
+    const bool free = light.kind != LightKind::rectangle && light.kind != LightKind::tube;
+    const glm::dvec3 helper = std::abs(facing.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 wanted = free ? helper : along;
+    return {.frame = frame,
+            .position = glm::mix(a.position, b.position, t),
+            .direction = facing,
+            .along = light.kind == LightKind::tube ? direction(along)
+                                                   : direction(wanted - glm::dot(wanted, facing) * facing),
+            .size = glm::mix(a.size, b.size, t),
+            .power = glm::mix(a.power, b.power, t)};
+}
+
 ObjectKey object_at(const ObjectMotion& motion, double frame) {
     const auto [a, b, t] = around(motion.keys, frame);
     return {.frame = frame,

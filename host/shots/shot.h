@@ -41,6 +41,29 @@ struct ObjectMotion {
     std::vector<ObjectKey> keys;
 };
 
+// A light that is near, with what it is called in the shot.
+enum class LightKind { point, sphere, disc, rectangle, tube, spot };
+const char* name_of(LightKind kind);
+
+// Directions are of any length but zero; `along` is a rectangle's width or a tube's axis.
+struct LightKey {
+    double frame = 0;
+    glm::dvec3 position{0}, direction{0, -1, 0}, along{1, 0, 0};
+    double size = 1, power = 1;  // factors of the light's own; no power: it is off
+};
+
+struct ShotLight {
+    Place place;  // of its name in the shot
+    LightKind kind = LightKind::point;
+    double radius = 0, length = 0;         // metres; of a rectangle the length is its width
+    double height = 0;                     // of a rectangle
+    double strength = 100;                 // candelas of points and spots, else candelas per square metre
+    glm::dvec3 color{1};                   // linear
+    double range = 1e9;                    // metres
+    double inner_deg = 0, outer_deg = 45;  // of a spot's cone, from its axis
+    std::vector<LightKey> keys;
+};
+
 // A horizontal square that is no part of the model: something for its shadow to fall on.
 struct Ground {
     double height = 0;               // y
@@ -74,6 +97,8 @@ struct Shot {
     std::vector<CameraKey> camera;
     double sun_angular_radius_deg = 0.2665;  // the sun as seen from the Earth, mean over the year
     std::vector<SunKey> sun;
+    bool has_sun = true;                          // else there are only lights
+    std::map<std::string, ShotLight> lights;      // by their names
     std::map<std::string, ObjectMotion> objects;  // by the name of a glTF node
     std::string
         animation;  // of the model: its name or number; empty: none is played. Frame 0 is its second 0
@@ -104,6 +129,7 @@ struct SunState {
 // The shot at a frame number (between frames too). The camera's position has the shot's origin added.
 Camera camera_at(const Shot& shot, double frame, double aspect);
 SunState sun_at(const Shot& shot, double frame);
+LightKey light_at(const ShotLight& light, double frame);  // axes unit and at right angles
 ObjectKey object_at(const ObjectMotion& motion, double frame);
 
 // Whether anything that a motion vector sees ever changes (the fact `moves`).
