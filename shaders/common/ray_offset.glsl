@@ -13,8 +13,7 @@
 // - Rounding of reconstruction, shift to the scene's frame and the ray-triangle test: each is an ulp or two of the largest number
 //   involved, 16 bound the sum.
 // - Rounding of the depth, interpolated and stored, moves the point along the view ray, of which the normal sees a part. How
-//   exactly depth is interpolated Vulkan does not say; DEPTH_ROUNDINGS is what rasterisers are measured to need, with room
-//   (tests/ray_start_test.cpp, on all drivers).
+//   exactly depth is interpolated Vulkan does not say; DEPTH_ROUNDINGS is what rasterisers were found to need, with room.
 //
 // Includer has common/camera.glsl.
 const float ULPS = 16.0 * 1.1920929e-7;  // 2^-23
