@@ -71,7 +71,7 @@ CheckedPipeline tracer_of(const CheckedPipeline& pipeline) {
         return pipeline;
     Diagnostics diagnostics;
     const auto tracer = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json",
-                                      {"nodes.gather.params.rays=bits"}, diagnostics);
+                                      std::vector<std::string>{"nodes.gather.params.rays=bits"}, diagnostics);
     auto checked = tracer ? check(*tracer, test_nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     return std::move(*checked);
