@@ -32,7 +32,8 @@ const std::vector<std::string> known_slots = {
     "depth",        "normal",       "motion",         "albedo",          "sun",      "sun_prev",
     "cascades",     "cascade_maps", "cascade_bounds", "neighbours",      "scene",    "scene.nodes",
     "scene.leaves", "scene.tlas",   "scene.alpha_uv", "scene.alpha_map", "material", "emissive",
-    "environment",  "surfaces",     "surface_texels"};
+    "environment",  "surfaces",     "surface_texels",
+    "scene.nodes_words", "scene.leaves_words", "scene.alpha_uv_words", "scene.alpha_map_words"};
 
 bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
@@ -214,9 +215,13 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     session->program_ms_ = wall_ms() - before;
     session->set_param("seed", session->seed_);
     const auto needs = [&](std::string_view slot) { return reads(session->plan(), slot); };
-    if (needs("scene.nodes") || needs("neighbours"))
-        session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"));
-    if (needs("scene.tlas")) session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0);
+    const bool words = table.max_texel_elements < large_texel_buffer;  // as compile() decided
+    const TexelsAs as = words ? TexelsAs::words : TexelsAs::texels;
+    if (needs("scene.nodes") || needs("scene.nodes_words") || needs("neighbours"))
+        session->bvh_ =
+            std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"), as);
+    if (needs("scene.tlas"))
+        session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0, as);
     if (needs("surfaces") || needs("surface_texels")) {
         session->surfaces_ = std::make_unique<HitSurfaces>(device, session->host_->scene());
         session->update_surfaces(0, 0);
@@ -265,15 +270,23 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
         if (slot.name == "light") b.buffer = light_.get();
         if (slot.name == "scene") b.buffer = scene_.get();
-        if (slot.name == "scene.nodes") b.texels = bvh_->nodes();
-        if (slot.name == "scene.leaves") b.texels = bvh_->leaves();
-        if (slot.name == "neighbours") b.texels = bvh_->neighbours();
+        const auto bind = [&](std::string_view name, const GpuTexels& texels) {
+            if (slot.name == name) b.texels = texels.view.get();
+            if (slot.name == std::string(name) + "_words") b.buffer = texels.buffer.get();
+        };
+        if (bvh_) {
+            bind("scene.nodes", bvh_->nodes());
+            bind("scene.leaves", bvh_->leaves());
+            bind("neighbours", bvh_->neighbours());
+        }
+        if (bvh_ || tlas_) {
+            bind("scene.alpha_uv", bvh_ ? bvh_->alpha_uv() : tlas_->alpha_uv());
+            bind("scene.alpha_map", bvh_ ? bvh_->alpha_map() : tlas_->alpha_map());
+        }
         if (slot.name == "scene.tlas") b.structure = tlas_->get();
         if (slot.name == "cascades") b.buffer = cascades_.get();
         if (slot.name == "cascade_maps") b.image = cascade_maps_->maps().view.get();
         if (slot.name == "cascade_bounds") b.image = cascade_maps_->bounds().view.get();
-        if (slot.name == "scene.alpha_uv") b.texels = bvh_ ? bvh_->alpha_uv() : tlas_->alpha_uv();
-        if (slot.name == "scene.alpha_map") b.texels = bvh_ ? bvh_->alpha_map() : tlas_->alpha_map();
     }
     return bindings;
 }

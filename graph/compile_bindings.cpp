@@ -174,6 +174,12 @@ void Compiler::bind_slot(const BoundNode& node, const Port& port, HostSlot slot,
     if (readers.empty() || readers.back() != node.id) readers.push_back(node.id);
 }
 
+bool Compiler::exists(const Bundle::Part& part) const {
+    const bool many = target_.device.max_texel_elements >= large_texel_buffer;
+    return (part.fact.empty() || plan_.facts.at(part.fact)) &&
+           (part.on == Bundle::Texels::any || many == (part.on == Bundle::Texels::many));
+}
+
 void Compiler::bind_bundle(const BoundNode& node, const BoundPort& bound, uint32_t binding, bool present) {
     const Port& port = *bound.port;
     const Bundle& bundle = *port.bundle;
@@ -184,7 +190,7 @@ void Compiler::bind_bundle(const BoundNode& node, const BoundPort& bound, uint32
         Port shape = port;  // a port of the part's own kind
         shape.kind = part.kind;
         shape.formats = {part.format};
-        if (!present || (!part.fact.empty() && !plan_.facts.at(part.fact))) {
+        if (!present || !exists(part)) {
             bind_nothing(shape, at);
             continue;
         }

@@ -145,7 +145,7 @@ void Compiler::fill_constants(const SelectedNode& selected) {
     }
     for (const Presence& p : presence(type)) {
         bool there = p.table ? node.tables[*p.table][facts_] : selected.sources[*p.port] != Source::none;
-        if (p.part) there = there && plan_.facts.at(type.ports[*p.port].bundle->parts[*p.part].fact);
+        if (p.part) there = there && exists(type.ports[*p.port].bundle->parts[*p.part]);
         pass.constants.push_back(there);
     }
 }

@@ -101,7 +101,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
             lent_[i] = {.image = bound_[*lent].handover->image, .view = bound_[*lent].image};
     write_slot_bindings(slot);
 
-    frame_block_ = make_frame_block(frame);
+    frame_block_ = make_frame_block(frame, program_.device()->properties().limits.subPixelPrecisionBits);
     decide_reset(frame.flags);
     const bool reset = reset_.reason != Reset::Reason::none;
     if (reset) frame_block_.flags |= frame_reset;

@@ -75,8 +75,6 @@ const char* run_c_nodes(c_host* host) {
     REQUIRE(penumbra_plan_create(&request, &plan, &error) == PENUMBRA_PIPELINE); /* those that ship do not have it */
     request.nodes = nodes;
     REQUIRE(penumbra_plan_create(&request, &plan, &error) == PENUMBRA_OK);
-    penumbra_nodes_destroy(nodes); /* plans stay */
-
     uint32_t count = 77;
     REQUIRE(penumbra_plan_unmet(plan, &host->device, &count, NULL, &error) == PENUMBRA_OK && count == 0);
     request.width = 1u << 20; /* for no device: a real one's table would refuse it */
@@ -90,6 +88,7 @@ const char* run_c_nodes(c_host* host) {
     count = 1;
     REQUIRE(penumbra_plan_unmet(huge, &host->device, &count, &missing, &error) == PENUMBRA_OK);
     penumbra_plan_destroy(huge);
+    penumbra_nodes_destroy(nodes); /* plans stay */
 
     penumbra_program* program = NULL;
     REQUIRE(penumbra_program_create(&host->device, plan, NULL, &program, &error) == PENUMBRA_OK);

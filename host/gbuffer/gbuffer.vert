@@ -26,7 +26,7 @@ void main() {
     texture_uv = uv;
     base_color = draw.base_color.rgb * vertex_color.rgb;
     // The camera lies on one side of the whole triangle's plane; which one is exact to fp32 in the part's own frame,
-    // where the raster's own front and back come from positions snapped to 1/256 pixel.
+    // where the raster's own front and back come from positions snapped to a grid.
     const float side = dot(winding_normal, draw.camera_local.xyz - position) * draw.camera_local.w;
     normal = normalize(draw.world_from_local * winding_normal) * (side < 0.0 ? -1.0 : 1.0);
     gl_Position = clip + vec4(constants.jitter_ndc * clip.w, 0.0, 0.0);

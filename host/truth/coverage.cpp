@@ -66,8 +66,9 @@ class Surface {
         const glm::dvec3 viewer = orthographic() ? world_[2] : -glm::normalize(at(1));
         const double across = std::abs(glm::dot(n, world_[0])) + std::abs(glm::dot(n, world_[1]));
         const double span = 2 / (frame_.size[1] * std::abs(clip_[1].y)) * (orthographic() ? 1 : depth_);
+        const int bits = frame_.sub_pixel_bits ? static_cast<int>(frame_.sub_pixel_bits) : 4;
         return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) +
-               8 * depth_rounding() * std::abs(glm::dot(n, viewer)) + span * across * 0.5 / 256;
+               8 * depth_rounding() * std::abs(glm::dot(n, viewer)) + span * across * std::ldexp(0.5, -bits);
     }
 
   private:
