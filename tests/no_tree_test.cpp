@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A host that has ray queries and does not bring penumbra's tree: no pipeline asks it for any part of that.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
