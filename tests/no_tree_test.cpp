@@ -86,7 +86,7 @@ TEST_F(NoTreeGpu, TheImageIsThatOfTheTree) {
         }
         std::printf("%s without a tree: RMSE %.4f against it\n", name, std::sqrt(squared / double(with.size())));
         EXPECT_LT(std::sqrt(squared / double(with.size())), 0.05) << name;
-        EXPECT_GT(shadow, 0.02 * double(with.size())) << name;
+        EXPECT_GT(shadow, 0.01 * double(with.size())) << name;
     }
 }
 
