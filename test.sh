@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds everything, and runs the tests: all on the default Vulkan driver, then those labelled gpu again on
-# Debian 12's own Mesa 22.3.6, unless that is the default one. Arguments go to the first ctest: `./test.sh -R Pack`.
+# Debian 12's own Mesa 22.3.6, unless that is the default one, and some of them on SwiftShader. Arguments go to the first ctest: `./test.sh -R Pack`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
@@ -28,6 +28,15 @@ if [[ $# -eq 0 ]]; then
         VK_DRIVER_FILES=$manifest "${four[@]}" || failed=1
     else
         echo "test: FAILED, since the GPU tests did not run on Mesa 22.3.6" >&2
+        failed=1
+    fi
+    # SwiftShader is slow and its compiler unbounded: what meets the scene by rays, under a limit of memory (docs/gpu.md).
+    if manifest=$(scripts/swiftshader.sh); then
+        echo "test: GPU tests on SwiftShader"
+        (ulimit -v 8000000 && VK_DRIVER_FILES=$manifest ctest --preset release --no-tests=error -j2 -L gpu \
+            -R '(^|/)(RayStart|GBufferTest|BvhGpu)\.') || failed=1
+    else
+        echo "test: FAILED, since no GPU test ran on SwiftShader" >&2
         failed=1
     fi
 fi

@@ -39,7 +39,7 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
     job.bench.command = arguments.command_line;
     job.bench.still = arguments.still;
     job.bench.options.rounds = arguments.rounds;
-    const auto frames = parse_frames(arguments.frames, 1);
+    const auto frames = parse_frames(arguments.frames);
     if (!frames) return std::nullopt;
     job.bench.options.frames = *frames;
     for (const std::string& text : arguments.sizes) {
@@ -47,16 +47,17 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
         if (!size) return std::nullopt;
         job.sizes.push_back(*size);
     }
-    const fs::path root = report::shipped_root();
+    const fs::path root = shipped_root();
     for (const std::string& name : arguments.pipelines) {
-        const auto file = report::shipped_file(name, root, "pipelines", ".json", diagnostics);
+        const auto file = shipped_file(name, root, shipped_pipelines, diagnostics);
         const auto pipeline = file ? load_pipeline(*file, arguments.settings, diagnostics) : std::nullopt;
         if (auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt)
-            job.bench.contenders.push_back({file->stem().string(), file->generic_string(), std::move(*checked)});
+            job.bench.contenders.push_back(
+                {file->stem().string(), file->generic_string(), std::move(*checked)});
     }
     make_unique(job.bench.contenders);
     for (const std::string& name : arguments.shots)
-        if (const auto file = report::shipped_file(name, root, "scenes", ".shot.json", diagnostics))
+        if (const auto file = shipped_file(name, root, shipped_shots, diagnostics))
             if (auto shot = read_shot(*file, diagnostics)) {
                 if (!arguments.still && job.bench.options.frames[1] >= shot->frames)
                     diagnostics.add({file->string()}, "--frames",
@@ -74,8 +75,9 @@ bool measure_all(Job& job, Device& device, const NodeSet& nodes, Diagnostics& di
                                    options.rounds * (options.frames[1] + 1));
     for (const auto& size : job.sizes)
         for (const Shot& shot : job.shots) {
-            auto scene = bench::measure(device, nodes, job.bench.contenders, shot, size, options,
-                                        [&] { progress.step(); }, diagnostics, warnings);
+            auto scene = bench::measure(
+                device, nodes, job.bench.contenders, shot, size, options, [&] { progress.step(); },
+                diagnostics, warnings);
             if (!scene) return false;
             job.bench.scenes.push_back(std::move(*scene));
             progress.note(fmt::format("{} at {}x{}", shot.name, size[0], size[1]));

@@ -11,13 +11,22 @@
 
 namespace penumbra {
 
-// How long reports look for the smallest possible heap: found at once where the packing meets the live bound.
-inline constexpr uint64_t report_search_nodes = 20'000'000;
+// How long `plan` and `report` look for the smallest possible heap: found at once where the packing meets the
+// live bound. Who renders does not wait for it.
+inline constexpr uint64_t report_search_nodes = 20'000'000, render_search_nodes = 100'000;
 
 enum ExitCode : int { exit_good = 0, exit_failed = 1, exit_wrong = 2 };
 
+// What to look at: a shot, or a model that one is made up for.
+struct ViewArguments {
+    std::string shot, model;
+    bool ground = false;  // below the model
+};
+
 struct RenderArguments {
-    std::string pipeline, shot, out;
+    std::vector<std::string> files;  // a pipeline, a model, or both
+    std::string out;                 // empty: out/<the shot's name>
+    ViewArguments view;
     std::string frames;  // "A..B", inclusive; empty: all of the shot's
     bool cold = false;   // start at A with a reset instead of executing from frame 0
     std::string size;    // "WxH"; empty: the shot's
@@ -27,6 +36,7 @@ struct RenderArguments {
     std::vector<std::string> node_folders;  // --nodes
     std::string device;
     std::optional<uint32_t> seed;
+    std::string light;  // of the shot's; empty: the only one
     uint32_t cascade_size = 1024;
     std::string facts;  // "a,!b": instead of what the scene says
     bool validate = false;
@@ -56,9 +66,16 @@ struct NodesArguments {
 };
 
 struct ReferenceArguments {
-    std::string shot, out, frames, size, device;
+    ViewArguments view;
+    std::string like;  // a folder that `render` has written: its shot, size, frames and jitter
+    std::string out, frames, size, light, device;
     std::string signal = "visibility";  // or specular, diffuse
     uint32_t rays = 1024;               // per pixel
+};
+
+struct ShotArguments {
+    ViewArguments view;
+    std::string out;  // a file; empty: MODEL.shot.json
 };
 
 struct CompareArguments {
@@ -108,7 +125,8 @@ struct BenchArguments {
 
 // A figure of one pixel of a shot, or of what rendered frames cost.
 struct ExplainArguments {
-    std::string shot, out;
+    ViewArguments view;
+    std::string out;
     std::string pixel;  // "X,Y" from the image's upper left corner; empty: the one with the most triangles
     std::string size;   // "WxH"; empty: the shot's
     uint32_t frame = 0;
@@ -127,6 +145,7 @@ int run_devices();
 int run_reference(const ReferenceArguments& arguments);
 int run_compare(const CompareArguments& arguments);
 int run_report(const ReportArguments& arguments);
+int run_shot(const ShotArguments& arguments);
 int run_gates(const GatesArguments& arguments);
 int run_bench(const BenchArguments& arguments);
 int run_explain(const ExplainArguments& arguments);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/frame_range.h"
 
@@ -19,7 +20,7 @@ std::optional<std::vector<uint32_t>> choose_frames(const CompareArguments& argum
                                                    const std::vector<fs::path>& images,
                                                    Diagnostics& diagnostics) {
     if (!arguments.frames.empty()) {
-        const auto range = parse_frames(arguments.frames, 1);
+        const auto range = parse_frames(arguments.frames);
         if (!range) return std::nullopt;
         std::vector<uint32_t> frames;
         for (uint32_t frame = (*range)[0]; frame <= (*range)[1]; ++frame) frames.push_back(frame);
@@ -61,6 +62,34 @@ void check_size(const PlanarImage& image, const PlanarImage& reference, const fs
     diagnostics.add({file.string(), 0, 0}, "",
                     fmt::format("{} x {} pixels, the reference has {} x {}", image.width, image.height,
                                 reference.width, reference.height));
+}
+
+// A frame that was rasterised off its pixels' centres shows other points than a truth of the centres does,
+// and at a silhouette that is an error as large as any. Folders without a report say nothing of it.
+void check_jitter(const fs::path& folder, const fs::path& reference, const ReferenceInfo& info,
+                  const std::vector<uint32_t>& frames, Diagnostics& diagnostics) {
+    if (!fs::exists(folder / "report.json")) return;
+    const auto rendered = read_rendered_frames(folder, diagnostics);
+    if (!rendered) return;
+    for (const uint32_t frame : frames) {
+        const auto truth = info.frames.find(frame);
+        const auto image = rendered->jitter.find(frame);
+        if (truth == info.frames.end() || image == rendered->jitter.end()) continue;
+        const auto &a = image->second, &b = truth->second.jitter;
+        if (std::abs(a[0] - b[0]) < 1e-9 && std::abs(a[1] - b[1]) < 1e-9) continue;
+        const auto place = [&](const std::array<double, 2>& jitter) {
+            return jitter == std::array<double, 2>{}
+                       ? "pixel centres"
+                       : fmt::format("points {:+.3f}, {:+.3f} pixels beside their centres",
+                                     jitter[0] * info.size[0], jitter[1] * info.size[1]);
+        };
+        diagnostics.add({folder.string(), 0, 0}, "",
+                        fmt::format("frame {} shows {}, the reference {} is of {}: make one of the same "
+                                    "points with `penumbra reference --like {} --out DIR`, or render with "
+                                    "--no-jitter",
+                                    frame, place(a), reference.string(), place(b), folder.string()));
+        return;
+    }
 }
 
 // One frame's files. Views into it stay good when it is moved.
@@ -323,6 +352,10 @@ std::optional<Comparison> compare_folders(const CompareArguments& arguments, Dia
     const auto frames = choose_frames(arguments, loader.folders(), diagnostics);
     loader.read_mask();
     if (!info || !frames || !diagnostics.empty()) return std::nullopt;
+
+    for (const fs::path& folder : loader.folders())
+        check_jitter(folder, arguments.reference, *info, *frames, diagnostics);
+    if (!diagnostics.empty()) return std::nullopt;
 
     const auto step = find_step(loader, *frames);
     Sums sums;

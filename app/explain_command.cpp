@@ -13,8 +13,9 @@
 #include "app/coverage_figure.h"
 #include "app/outputs.h"
 #include "app/pipeline_file.h"
-#include "app/report/contenders.h"
 #include "app/session.h"
+#include "app/shipped_files.h"
+#include "app/view_source.h"
 #include "host/images/image_file.h"
 #include "penumbra/shadow_nodes.h"
 
@@ -74,11 +75,11 @@ struct Job {
 
 std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
-    const auto file =
-        report::shipped_file("covered", report::shipped_root(), "pipelines", ".json", diagnostics);
-    auto shot = read_shot(arguments.shot, diagnostics);
-    if (!file || !shot) std::cerr << diagnostics.text();
-    if (!file || !shot) return std::nullopt;
+    const auto file = shipped_file("covered", shipped_root(), shipped_pipelines, diagnostics);
+    auto view = open_view(arguments.view, fs::path(arguments.out).parent_path(), diagnostics);
+    if (!file || !view) std::cerr << diagnostics.text();
+    if (!file || !view) return std::nullopt;
+    Shot* const shot = &view->shot;
     const auto size = arguments.size.empty() ? std::optional(shot->size) : parse_size(arguments.size);
     if (!size) return std::nullopt;
     std::optional<Pixel> pixel;
@@ -89,7 +90,7 @@ std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nod
         return std::nullopt;
     }
     if (!(sun_at(*shot, arguments.frame).angular_radius > 0)) {
-        complain(fmt::format("{}: the sun is a point, of which nothing hides a part", arguments.shot));
+        complain(fmt::format("{}: the sun is a point, of which nothing hides a part", shot->name));
         return std::nullopt;
     }
     auto pipeline = open_pipeline(file->string(),
@@ -228,8 +229,9 @@ int explain_costs(const ExplainArguments& arguments) {
 }  // namespace
 
 int run_explain(const ExplainArguments& arguments) {
-    if (arguments.shot.empty() == arguments.costs.empty()) {
-        complain("explain: give --shot, or reports by --costs");
+    const bool looks = !arguments.view.shot.empty() || !arguments.view.model.empty();
+    if (looks == !arguments.costs.empty()) {
+        complain("explain: give --shot or --model, or reports by --costs");
         return exit_wrong;
     }
     if (!can_hold_a_file(arguments.out)) return exit_wrong;

@@ -160,10 +160,10 @@ int run_gates(const GatesArguments& arguments) {
     study.edge_deg = arguments.edge_deg.value_or(study.edge_deg);
     const std::set<std::string> parts(arguments.parts.begin(), arguments.parts.end());
     Diagnostics diagnostics;
-    const fs::path root = report::shipped_root();
+    const fs::path root = shipped_root();
     std::vector<std::pair<std::string, CheckedPipeline>> pipelines;
     for (const std::string& name : arguments.pipelines)
-        if (const auto file = report::shipped_file(name, root, "pipelines", ".json", diagnostics))
+        if (const auto file = shipped_file(name, root, shipped_pipelines, diagnostics))
             if (auto pipeline = mask_pipeline(*file, *nodes, diagnostics))
                 pipelines.emplace_back(file->stem().string(), std::move(*pipeline));
     std::vector<std::string> warnings;

@@ -8,6 +8,8 @@
 #include <iostream>
 #include <new>
 
+#include "app/colored_errors.h"
+#include "app/command_help.h"
 #include "app/commands.h"
 
 namespace {
@@ -21,11 +23,24 @@ void add_node_folders(CLI::App* command, std::vector<std::string>& folders) {
         ->allow_extra_args(false);  // `check --nodes DIR a.json b.json`: one folder per --nodes
 }
 
+// What to look at; the first is for commands whose help says more.
+CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
+    CLI::Option* shot = command->add_option("--shot", a.shot, "shot: a file, or the name of a shipped one");
+    command->add_option("--model", a.model,
+                        "glTF 2.0 file (.glb, .gltf) instead, seen as `penumbra shot` says");
+    command->add_flag("--ground", a.ground, "put a ground below the model");
+    return shot;
+}
+
 void add_render(CLI::App& app, RenderArguments& a) {
-    CLI::App* c = app.add_subcommand("render", "run a pipeline on a shot and write what it puts out");
-    c->add_option("pipeline", a.pipeline, "pipeline file")->required();
-    c->add_option("--shot", a.shot, "shot file")->required();
-    c->add_option("--out", a.out, "folder to write to")->required();
+    CLI::App* c =
+        app.add_subcommand("render", "run a pipeline on a shot or a model and write what it puts out");
+    c->add_option(
+         "files", a.files,
+         "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
+        ->expected(0, 2);
+    add_view(c, a.view);
+    c->add_option("--out", a.out, "folder to write to (default: out/NAME of the shot or model)");
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_flag("--cold", a.cold, "start at A with a reset instead of executing from frame 0");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
@@ -35,6 +50,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--seed", a.seed, "instead of the shot's seed");
+    c->add_option("--light", a.light, "of which of the shot's lights the mask is, where it has several");
     c->add_option("--cascade-size", a.cascade_size, "texels along a side of the sun's shadow maps")
         ->check(CLI::Range(16u, 16384u));
     c->add_option("--facts", a.facts, "a,!b: take these as true or false, whatever the scene says");
@@ -47,7 +63,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
 
 void add_plan(CLI::App& app, PlanArguments& a) {
     CLI::App* c = app.add_subcommand("plan", "compile a pipeline and print the plan; no device is needed");
-    c->add_option("pipeline", a.pipeline, "pipeline file")->required();
+    c->add_option("pipeline", a.pipeline, "pipeline: a file, or the name of a shipped one")->required();
     c->add_option("--size", a.size, "WxH")->required();
     c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
     c->add_option("--format", a.format, "text, json or dot")->check(CLI::IsMember({"text", "json", "dot"}));
@@ -75,10 +91,14 @@ void add_statics(CLI::App& app, StaticsArguments& a) {
 void add_reference(CLI::App& app, ReferenceArguments& a) {
     CLI::App* c =
         app.add_subcommand("reference", "write the true visibility of a shot, each frame frozen in time");
-    c->add_option("--shot", a.shot, "shot file")->required();
+    add_view(c, a.view);
+    c->add_option(
+        "--like", a.like,
+        "a folder written by render: of its shot, size and frames, at the very points that it shows");
     c->add_option("--out", a.out, "folder to write to")->required();
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
+    c->add_option("--light", a.light, "which of the shot's lights, where it has several");
     c->add_option("--signal", a.signal,
                   "visibility, or specular or diffuse: radiance that arrives under a surface's lobe")
         ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
@@ -146,12 +166,20 @@ void add_gates(CLI::App& app, GatesArguments& a) {
     c->add_option("--device", a.device, "part of a device's name");
 }
 
+void add_shot(CLI::App& app, ShotArguments& a) {
+    CLI::App* c =
+        app.add_subcommand("shot", "write the shot that `render MODEL` makes up, as a start for your own");
+    c->add_option("model", a.view.model, "glTF 2.0 file (.glb, .gltf)")->required();
+    c->add_option("--out", a.out, "file to write (default: NAME.shot.json here)");
+    c->add_flag("--ground", a.view.ground, "put a ground below the model");
+}
+
 void add_explain(CLI::App& app, ExplainArguments& a) {
     CLI::App* c = app.add_subcommand(
         "explain", "draw what one pixel sees of the sun, or where the time of rendered frames went");
     c->add_option("--out", a.out, "SVG file to write")->required();
-    CLI::Option* shot = c->add_option("--shot", a.shot, "shot file");
-    const auto of_shot = [&](CLI::Option* option) { option->needs(shot); };
+    CLI::Option* shot = add_view(c, a.view);
+    const auto of_shot = [&](CLI::Option*) {};
     of_shot(c->add_option(
         "--pixel", a.pixel,
         "X,Y from the upper left corner (default: where most triangles hide a part of the sun)"));
@@ -187,7 +215,9 @@ void add_bench(CLI::App& app, BenchArguments& a) {
 int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArguments& plan,
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
              const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates,
-             const ExplainArguments& explain, const StaticsArguments& statics, const BenchArguments& bench) {
+             const ExplainArguments& explain, const StaticsArguments& statics, const BenchArguments& bench,
+             const ShotArguments& shot) {
+    if (app.got_subcommand("shot")) return run_shot(shot);
     if (app.got_subcommand("statics")) return run_statics(statics);
     if (app.got_subcommand("bench")) return run_bench(bench);
     if (app.got_subcommand("explain")) return run_explain(explain);
@@ -225,6 +255,7 @@ int run(int argc, char** argv) {
     ReportArguments report;
     GatesArguments gates;
     ExplainArguments explain;
+    ShotArguments shot;
     StaticsArguments statics;
     add_render(app, render);
     add_plan(app, plan);
@@ -233,6 +264,7 @@ int run(int argc, char** argv) {
     add_report(app, report);
     add_gates(app, gates);
     add_explain(app, explain);
+    add_shot(app, shot);
     add_statics(app, statics);
     BenchArguments bench;
     add_bench(app, bench);
@@ -248,6 +280,13 @@ int run(int argc, char** argv) {
         ->check(CLI::IsMember({"text", "json", "md", "schema", "node-schema", "plan-schema", "vocabulary"}));
     add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
+    std::string shell;
+    CLI::App* completion =
+        app.add_subcommand("completion", "print a script that completes commands and options");
+    completion->add_option("shell", shell, "bash, zsh or fish")
+        ->required()
+        ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+    add_examples(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& e) {
@@ -260,10 +299,14 @@ int run(int argc, char** argv) {
         std::cerr << option << ": the text is empty\n";
         return exit_wrong;
     }
+    if (completion->parsed()) {
+        std::cout << completion_script(app, shell);
+        return exit_good;
+    }
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     bench.command_line = report.command_line;
     return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
-                    bench);
+                    bench, shot);
 }
 
 // A standard stream that is closed gives its number to the next file that is opened, which would then be
@@ -277,14 +320,15 @@ void occupy_standard_streams() {
 }  // namespace
 
 int main(int argc, char** argv) {
+    const ColoredErrors colors;
     int code = exit_failed;
     try {
         occupy_standard_streams();
         code = run(argc, argv);
     } catch (const std::bad_alloc&) {
-        std::fputs("penumbra: there is not enough memory\n", stderr);
+        std::cerr << "penumbra: there is not enough memory\n";
     } catch (const std::exception& e) {  // DeviceError and VulkanError among them: their texts are for people
-        std::fprintf(stderr, "penumbra: %s\n", e.what());
+        std::cerr << "penumbra: " << e.what() << "\n";
     }
     std::cout.flush();
     if (std::fflush(stdout) == 0 && std::cout && !std::ferror(stdout)) return code;

@@ -39,6 +39,7 @@ bool read_frame(const Json& json, ReferenceInfo& info) {
     ReferenceFrame& frame = info.frames[static_cast<uint32_t>(number->integer)];
     if (!read_numbers(json.find("to_sun"), 3, [&](size_t i, double v) { frame.to_sun[int(i)] = v; }))
         return false;
+    if (!read_numbers(json.find("jitter"), 2, [&](size_t i, double v) { frame.jitter[i] = v; })) return false;
     return contact->kind == Json::Kind::null || read_contact(*contact, frame.contact.emplace());
 }
 
@@ -69,6 +70,7 @@ void write_reference_info(const fs::path& folder, const ReferenceInfo& info) {
         OrderedJson& out = json["frames"].emplace_back();
         out = {{"frame", number},
                {"to_sun", {frame.to_sun.x, frame.to_sun.y, frame.to_sun.z}},
+               {"jitter", frame.jitter},
                {"contact", nullptr}};
         if (frame.contact)
             out["contact"] = {
@@ -84,6 +86,29 @@ std::optional<ReferenceInfo> read_reference_info(const fs::path& folder, Diagnos
     ReferenceInfo info;
     if (read_info(*json, info)) return info;
     diagnostics.add(json->place, "", "not written by `penumbra reference` of this version");
+    return std::nullopt;
+}
+
+std::optional<RenderedFolder> read_rendered_frames(const fs::path& folder, Diagnostics& diagnostics) {
+    const auto json = read_json(folder / "report.json", diagnostics);
+    if (!json) return std::nullopt;
+    RenderedFolder out;
+    const Json *shot = json->find("shot_file"), *frames = json->find("by_frame");
+    bool good = shot && shot->kind == Json::Kind::string && frames && frames->kind == Json::Kind::array;
+    good = good && read_numbers(json->find("size"), 2,
+                                [&](size_t i, double v) { out.size[i] = static_cast<uint32_t>(v); });
+    if (good) {
+        out.shot = (folder / shot->string).lexically_normal();
+        for (const Json& frame : frames->items) {
+            const Json* number = frame.find("frame");
+            good = good && number && number->kind == Json::Kind::integer;
+            if (!good) break;
+            auto& jitter = out.jitter[static_cast<uint32_t>(number->integer)];
+            good = read_numbers(frame.find("jitter"), 2, [&](size_t i, double v) { jitter[i] = v; });
+        }
+    }
+    if (good) return out;
+    diagnostics.add(json->place, "", "not written by `penumbra render` of this version");
     return std::nullopt;
 }
 

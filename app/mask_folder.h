@@ -18,6 +18,7 @@ namespace penumbra {
 // What a frame's truth is the truth of.
 struct ReferenceFrame {
     glm::dvec3 to_sun{0, 0, 1};          // unit, world axes
+    std::array<double, 2> jitter{};      // uv: where in its pixels, from their centres
     std::optional<ContactLine> contact;  // where the scene says so
 };
 
@@ -33,6 +34,16 @@ struct ReferenceInfo {
 void write_reference_info(const std::filesystem::path& folder, const ReferenceInfo& info);
 std::optional<ReferenceInfo> read_reference_info(const std::filesystem::path& folder,
                                                  Diagnostics& diagnostics);
+
+// What `render` says in report.json of the frames that it wrote.
+struct RenderedFolder {
+    std::filesystem::path shot;  // its file
+    std::array<uint32_t, 2> size{};
+    std::map<uint32_t, std::array<double, 2>> jitter;  // uv, per executed frame
+};
+
+std::optional<RenderedFolder> read_rendered_frames(const std::filesystem::path& folder,
+                                                   Diagnostics& diagnostics);
 
 std::filesystem::path visibility_file(const std::filesystem::path& folder, uint32_t frame);
 

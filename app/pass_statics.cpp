@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Layouts, modules and pipelines alone, made from the plan as data: a Program would also make images and memory for its
-// tables, which null hardware does not have.
+// Layouts, modules and pipelines alone, made from the plan as data: a Program would also make images and
+// memory for its tables, which null hardware does not have.
 #include "app/pass_statics.h"
 
 #include <map>
@@ -113,7 +113,7 @@ std::vector<ExecutableStatics> executables_of(const Device& device, VkPipeline p
     const VkPipelineInfoKHR of_pipeline{VK_STRUCTURE_TYPE_PIPELINE_INFO_KHR, nullptr, pipeline};
     std::vector<ExecutableStatics> result;
     for (const VkPipelineExecutablePropertiesKHR& found : all_of(
-             [&](uint32_t* n, VkPipelineExecutablePropertiesKHR* to) {
+             [&](uint32_t*n, VkPipelineExecutablePropertiesKHR*to) {
                  return properties(device.get(), &of_pipeline, n, to);
              },
              VkPipelineExecutablePropertiesKHR{VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_PROPERTIES_KHR},
@@ -122,7 +122,7 @@ std::vector<ExecutableStatics> executables_of(const Device& device, VkPipeline p
                                                 pipeline, static_cast<uint32_t>(result.size())};
         ExecutableStatics& e = result.emplace_back(found.name, found.subgroupSize);
         for (const VkPipelineExecutableStatisticKHR& s : all_of(
-                 [&](uint32_t* n, VkPipelineExecutableStatisticKHR* to) {
+                 [&](uint32_t*n, VkPipelineExecutableStatisticKHR*to) {
                      return statistics(device.get(), &which, n, to);
                  },
                  VkPipelineExecutableStatisticKHR{VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR},

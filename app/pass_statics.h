@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a driver's compiler made of a plan's shaders, in the driver's own words (VK_KHR_pipeline_executable_properties):
-// registers, spills, scratch and shared memory, occupancy, instructions. Pipelines are made and nothing runs, so a
-// driver without hardware behind it answers as well.
+// What a driver's compiler made of a plan's shaders, in the driver's own words
+// (VK_KHR_pipeline_executable_properties): registers, spills, scratch and shared memory, occupancy,
+// instructions. Pipelines are made and nothing runs, so a driver without hardware behind it answers as well.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,8 @@ struct PassStatics {
     std::vector<ExecutableStatics> executables;
 };
 
-// Of every compute pass, in the plan's order. The device was made with DeviceOptions::statistics. Throws VulkanError.
+// Of every compute pass, in the plan's order. The device was made with DeviceOptions::statistics. Throws
+// VulkanError.
 std::vector<PassStatics> pass_statics(const Device& device, const Plan& plan);
 
 }  // namespace penumbra

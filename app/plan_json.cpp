@@ -325,6 +325,7 @@ OrderedJson frame_block_json() {
     PENUMBRA_MEMBER(dt_s, "float")
     PENUMBRA_MEMBER(frame_index, "uint")
     PENUMBRA_MEMBER(flags, "uint")
+    PENUMBRA_MEMBER(snap_px, "float")
 #undef PENUMBRA_MEMBER
     return {{"bytes", sizeof(FrameBlock)}, {"members", members}};
 }

@@ -26,7 +26,7 @@ fs::path file_of(const fs::path& folder, const std::string& signal, uint32_t fra
 std::vector<uint32_t> frames_to_compare(const CompareArguments& arguments, Diagnostics& diagnostics) {
     std::vector<uint32_t> frames;
     if (!arguments.frames.empty()) {
-        const auto range = parse_frames(arguments.frames, 1);
+        const auto range = parse_frames(arguments.frames);
         for (uint32_t frame = range ? (*range)[0] : 1; range && frame <= (*range)[1]; ++frame)
             frames.push_back(frame);
         if (!range) diagnostics.add({}, "--frames", "not A..B: " + arguments.frames);

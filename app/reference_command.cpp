@@ -3,15 +3,18 @@
 // closed form; elsewhere rays are counted.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "app/commands.h"
 #include "app/frame_range.h"
+#include "app/light_truth.h"
 #include "app/mask_folder.h"
 #include "app/outputs.h"
 #include "app/progress.h"
 #include "app/radiance_truth.h"
 #include "app/truth.h"
+#include "app/view_source.h"
 #include "host/truth/analytic.h"
 
 namespace penumbra {
@@ -29,7 +32,53 @@ void write_truth(const fs::path& folder, const Shot& shot, uint32_t frame, Truth
                      image.height, image.planes[0].values);
 }
 
-int write_radiance(const ReferenceArguments& arguments, const Shot& shot, const FrameRange& frames) {
+struct Job {
+    Shot shot;
+    std::string made_up;  // the shot's text, if nobody wrote it
+    std::vector<uint32_t> frames;
+    bool jitter = false;
+};
+
+// What a rendered folder shows: its shot and size, the frames that it has, and where in their pixels they
+// look.
+std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostics& diagnostics) {
+    if (!arguments.view.shot.empty() || !arguments.view.model.empty() || !arguments.size.empty()) {
+        diagnostics.add({}, "--like", "says which shot and size; give neither beside it");
+        return std::nullopt;
+    }
+    const auto rendered = read_rendered_frames(arguments.like, diagnostics);
+    const auto present = rendered ? visibility_frames(arguments.like, diagnostics) : std::nullopt;
+    auto shot = present ? read_shot(rendered->shot, diagnostics) : std::nullopt;
+    if (!shot) return std::nullopt;
+    Job job{std::move(*shot), "", *present};
+    job.shot.size = rendered->size;
+    if (!arguments.frames.empty()) {
+        const auto range = parse_frames(arguments.frames, job.shot.frames);
+        if (!range) return std::nullopt;
+        std::erase_if(job.frames, [&](uint32_t f) { return f < (*range)[0] || f > (*range)[1]; });
+        if (job.frames.empty())
+            diagnostics.add({arguments.like, 0, 0}, "--frames", "none of these has been written there");
+    }
+    job.jitter = std::ranges::any_of(
+        rendered->jitter, [](const auto& frame) { return frame.second != std::array<double, 2>{}; });
+    return job;
+}
+
+std::optional<Job> prepare(const ReferenceArguments& arguments, Diagnostics& diagnostics) {
+    if (!arguments.like.empty()) return like_rendered(arguments, diagnostics);
+    auto view = open_view(arguments.view, arguments.out, diagnostics);
+    if (!view) return std::nullopt;
+    const auto size = arguments.size.empty() ? std::optional(view->shot.size) : parse_size(arguments.size);
+    const auto range = parse_frames(arguments.frames, view->shot.frames);
+    if (!size || !range) return std::nullopt;
+    Job job{std::move(view->shot), std::move(view->made_up), {}};
+    job.shot.size = *size;
+    for (uint32_t frame = (*range)[0]; frame <= (*range)[1]; ++frame) job.frames.push_back(frame);
+    return job;
+}
+
+int write_radiance(const ReferenceArguments& arguments, const Job& job) {
+    const Shot& shot = job.shot;
     Device device({arguments.device, false});
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
@@ -41,8 +90,9 @@ int write_radiance(const ReferenceArguments& arguments, const Shot& shot, const 
     }
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
-    Progress progress("reference", frames[1] - frames[0] + 1);
-    for (uint32_t frame = frames[0]; frame <= frames[1]; ++frame) {
+    if (!job.made_up.empty()) write_file(shot.file, std::as_bytes(std::span(job.made_up)));
+    Progress progress("reference", job.frames.size());
+    for (const uint32_t frame : job.frames) {
         const PlanarImage truth = radiance_truth(device, *session, frame, arguments.rays);
         const fs::path file = folder / fmt::format("{}.{:04}.exr", arguments.signal, frame);
         std::vector<float> rgb;
@@ -55,11 +105,16 @@ int write_radiance(const ReferenceArguments& arguments, const Shot& shot, const 
     return exit_good;
 }
 
-int write_reference(const ReferenceArguments& arguments, const Shot& shot, const FrameRange& frames) {
+int write_reference(const ReferenceArguments& arguments, const Job& job) {
+    const Shot& shot = job.shot;
     Device device({arguments.device, false});
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = open_truth(device, shot, diagnostics, warnings);
+    const auto chosen = choose_light(shot, arguments.light, diagnostics);
+    const auto session = !chosen ? nullptr
+                         : chosen->light
+                             ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter)
+                             : open_truth(device, shot, diagnostics, warnings, job.jitter);
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();
@@ -68,25 +123,32 @@ int write_reference(const ReferenceArguments& arguments, const Shot& shot, const
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
     fs::remove(folder / "reference.json");  // comes last: a folder that has it is a complete one
+    if (!job.made_up.empty()) write_file(shot.file, std::as_bytes(std::span(job.made_up)));
     OutputWriter host_images(device, folder);
+    ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};
     {
-        Progress progress("reference", frames[1] - frames[0] + 1);
-        for (uint32_t frame = frames[0]; frame <= frames[1]; ++frame) {
+        Progress progress("reference", job.frames.size());
+        for (const uint32_t frame : job.frames) {
             if (shot.analytic) {
                 session->run_frame(frame, false);  // for the images beside
                 write_truth(folder, shot, frame, analytic_truth(shot, frame));
             } else {
-                write_truth(folder, shot, frame, counted_truth(*session, frame, arguments.rays));
+                Truth truth = chosen->light ? counted_light_truth(*session, frame, arguments.rays)
+                                            : counted_truth(*session, frame, arguments.rays);
+                if (truth.lost)
+                    progress.say(
+                        fmt::format("warning: frame {}: {} pixels show what no triangle explains; they "
+                                    "are no receivers",
+                                    frame, truth.lost));
+                write_truth(folder, shot, frame, std::move(truth));
             }
             for (const char* name : {"depth", "motion", "normal", "albedo"})
                 host_images.write(*session, name, frame);
+            info.frames[frame] = {sun_at(shot, frame).to_sun, session->host().jitter(frame),
+                                  shot.analytic ? analytic_contact(shot, frame) : std::nullopt};
             progress.step();
         }
     }
-    ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};
-    for (uint32_t frame = frames[0]; frame <= frames[1]; ++frame)
-        info.frames[frame] = {sun_at(shot, frame).to_sun,
-                              shot.analytic ? analytic_contact(shot, frame) : std::nullopt};
     if (!info.exact) info.rays = rays_cast(arguments.rays);
     write_reference_info(folder, info);
     return exit_good;
@@ -96,17 +158,20 @@ int write_reference(const ReferenceArguments& arguments, const Shot& shot, const
 
 int run_reference(const ReferenceArguments& arguments) {
     Diagnostics diagnostics;
-    auto shot = read_shot(arguments.shot, diagnostics);
-    if (!shot) {
-        std::cerr << diagnostics.text();
+    const auto job = prepare(arguments, diagnostics);
+    if (!diagnostics.empty()) std::cerr << diagnostics.text();
+    if (!job || !diagnostics.empty()) return exit_wrong;
+    if (job->jitter && job->shot.analytic) {
+        std::cerr << arguments.like
+                  << ": was rendered with jitter, and a closed form knows pixel centres alone: "
+                     "render with --no-jitter\n";
         return exit_wrong;
     }
-    const auto size = arguments.size.empty() ? std::optional(shot->size) : parse_size(arguments.size);
-    const auto frames = parse_frames(arguments.frames, shot->frames);
-    if (!size || !frames) return exit_wrong;
-    shot->size = *size;
-    if (arguments.signal != "visibility") return write_radiance(arguments, *shot, *frames);
-    return write_reference(arguments, *shot, *frames);
+    if (arguments.signal == "visibility") return write_reference(arguments, *job);
+    if (!job->jitter) return write_radiance(arguments, *job);
+    std::cerr << arguments.like << ": was rendered with jitter, and the truth of " << arguments.signal
+              << " is that of pixel centres: render with --no-jitter\n";
+    return exit_wrong;
 }
 
 }  // namespace penumbra

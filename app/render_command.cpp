@@ -17,14 +17,22 @@
 #include "app/report.h"
 #include "app/session.h"
 #include "app/validation.h"
+#include "app/view_source.h"
 #include "host/images/image_file.h"
 
 namespace penumbra {
 namespace {
 
+namespace fs = std::filesystem;
+
+// What is rendered where a model is all that was given.
+constexpr const char* default_pipeline = "hybrid_shadows";
+
 struct Job {
     CheckedPipeline pipeline;
     Shot shot;
+    std::string made_up;  // the shot's text, if nobody wrote it
+    fs::path folder;
     std::array<uint32_t, 2> size{};
     FrameRange frames{};
     Facts facts;
@@ -33,15 +41,39 @@ struct Job {
 
 std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
-    auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, nodes);
-    auto shot = read_shot(arguments.shot, diagnostics);
-    if (!shot) std::cerr << diagnostics.text();
-    if (!pipeline || !shot) return std::nullopt;
-    const auto size = arguments.size.empty() ? std::optional(shot->size) : parse_size(arguments.size);
-    const auto frames = parse_frames(arguments.frames, shot->frames);
+    ViewArguments wanted = arguments.view;
+    std::string file;
+    for (const std::string& given : arguments.files) {
+        std::string& place = is_model_file(given) ? wanted.model : file;
+        if (!place.empty()) {
+            std::cerr << "render: \"" << place << "\" and \"" << given
+                      << "\": one pipeline and one model or shot at a time\n";
+            return std::nullopt;
+        }
+        place = given;
+    }
+    auto pipeline = open_pipeline(file.empty() ? default_pipeline : file, arguments.settings, nodes);
+    const fs::path folder =
+        arguments.out.empty() ? fs::path("out") / view_name(wanted) : fs::path(arguments.out);
+    auto view = open_view(wanted, folder, diagnostics);
+    if (!view) std::cerr << diagnostics.text();
+    if (!pipeline || !view) return std::nullopt;
+    const Shot& shot = view->shot;
+    const auto size = arguments.size.empty() ? std::optional(shot.size) : parse_size(arguments.size);
+    auto frames = parse_frames(arguments.frames, shot.frames);
     const auto facts = parse_facts(arguments.facts, *nodes.domain());
     if (!size || !frames || !facts) return std::nullopt;
-    Job job{std::move(*pipeline), std::move(*shot), *size, *frames, *facts, {}, {}};
+    // A model that stands still is one picture, which the frames before it only make smooth.
+    if (!view->made_up.empty() && arguments.frames.empty() && !moves(shot)) (*frames)[0] = (*frames)[1];
+    Job job{std::move(*pipeline),
+            std::move(view->shot),
+            std::move(view->made_up),
+            folder,
+            *size,
+            *frames,
+            *facts,
+            {},
+            {}};
     job.graph_captures = job.pipeline.output_names();
     for (const std::string& name : arguments.captures) {
         auto& list = is_host_image(name) ? job.host_captures : job.graph_captures;
@@ -51,7 +83,7 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
 }
 
 int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
-    namespace fs = std::filesystem;
+    const fs::path shot_file = job.shot.file;
     Device device({arguments.device, arguments.validate});
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
@@ -59,6 +91,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.size = job.size;
     options.captures = job.graph_captures;
     options.seed = arguments.seed;
+    options.light = arguments.light;
     options.cascade_size = arguments.cascade_size;
     options.alias = !arguments.no_alias;
     options.jitter = !arguments.no_jitter;
@@ -71,9 +104,10 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
-    const fs::path folder = arguments.out;
+    const fs::path& folder = job.folder;
     fs::create_directories(folder);
     fs::remove(folder / "report.json");
+    if (!job.made_up.empty()) write_file(shot_file, std::as_bytes(std::span(job.made_up)));
 
     OutputWriter outputs(device, folder);
     RenderedFrames rendered{job.frames, arguments.cold ? job.frames[0] : 0, {}};
@@ -95,10 +129,11 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     const std::string complaints = complaint(findings);
     std::cerr << complaints;
     const auto report = render_report(arguments, *session, job.pipeline, device.info(), rendered, findings,
-                                      outputs, warnings);
+                                      outputs, warnings, fs::proximate(shot_file, folder));
     const std::string text = report.dump(2) + "\n";
     write_file(folder / "report.json", std::as_bytes(std::span(text)));
     print_summary(report);
+    fmt::print("  written to {}/\n", folder.generic_string());
     return device.message_count() == 0 && complaints.empty() ? exit_good : exit_failed;
 }
 

@@ -122,6 +122,7 @@ OrderedJson by_frame_json(const Session& session, const RenderedFrames& rendered
         }
         frames.push_back({{"frame", frame},
                           {"reset", frames.empty() || session.host().cut(frame)},
+                          {"jitter", session.host().jitter(frame)},
                           {"ms", cost.ms ? OrderedJson(*cost.ms) : OrderedJson()},
                           {"cpu_ms", cost.cpu_ms},
                           {"mask_cpu_ms", mask_cpu_ms ? OrderedJson(*mask_cpu_ms) : OrderedJson()},
@@ -194,7 +195,8 @@ std::string mebibytes(const OrderedJson& bytes) {
 OrderedJson render_report(const RenderArguments& arguments, const Session& session,
                           const CheckedPipeline& pipeline, const DeviceInfo& device,
                           const RenderedFrames& rendered, const std::vector<Finding>& findings,
-                          const OutputWriter& outputs, const std::vector<std::string>& warnings) {
+                          const OutputWriter& outputs, const std::vector<std::string>& warnings,
+                          const std::filesystem::path& shot_file) {
     const Plan& plan = session.plan();
     const auto warm = warmed_up(rendered.costs);
     const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });
@@ -204,6 +206,7 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"version", PENUMBRA_VERSION},
             {"pipeline", plan.pipeline},
             {"shot", session.host().shot().name},
+            {"shot_file", shot_file.generic_string()},
             {"seed", session.seed()},
             {"size", {plan.extent.width, plan.extent.height}},
             {"frames", rendered.wanted},
@@ -243,9 +246,8 @@ void print_summary(const OrderedJson& report) {
     fmt::print("  {:<12} {:>10} {:>10}\n", "frame", number(report["frame_ms"]["median"]),
                number(report["cpu_ms"]["median"]));
     const OrderedJson& memory = report["memory"];
-    fmt::print("  heap {}   live bound {}   optimum {}   unaliased {}\n", mebibytes(memory["heap_bytes"]),
-               mebibytes(memory["live_bound_bytes"]), mebibytes(memory["optimum_bytes"]),
-               mebibytes(memory["unaliased_bytes"]));
+    fmt::print("  heap {}   live bound {}   unaliased {}\n", mebibytes(memory["heap_bytes"]),
+               mebibytes(memory["live_bound_bytes"]), mebibytes(memory["unaliased_bytes"]));
     const OrderedJson& counts = report["counts"];
     fmt::print("  pixels {}   receivers {}   rays {}\n", counts["pixels"].dump(), counts["receivers"].dump(),
                counts["rays"].dump());

@@ -53,14 +53,13 @@ std::optional<Study> study_of(const ReportArguments& arguments) {
 
 std::vector<fs::path> shot_files(const ReportArguments& arguments, const fs::path& root,
                                  std::vector<LeftOut>& left_out, Diagnostics& diagnostics) {
-    constexpr const char* suffix = ".shot.json";
     std::vector<std::string> wanted = arguments.shots;
     if (wanted.empty() && arguments.quick) wanted.assign(std::begin(quick_shots), std::end(quick_shots));
     std::vector<fs::path> files;
     for (const std::string& name : wanted)
-        if (const auto file = shipped_file(name, root, "scenes", suffix, diagnostics)) files.push_back(*file);
+        if (const auto file = shipped_file(name, root, shipped_shots, diagnostics)) files.push_back(*file);
     if (wanted.empty()) {
-        for (const fs::path& file : shipped_files(root, "scenes", suffix)) {
+        for (const fs::path& file : shipped_files(root, shipped_shots)) {
             const auto shot = read_shot(file, diagnostics);
             if (shot && !shot->cuts.empty())
                 left_out.push_back({file.generic_string(), "has cuts: nothing settles in it"});

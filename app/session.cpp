@@ -32,7 +32,8 @@ const std::vector<std::string> known_slots = {
     "depth",        "normal",       "motion",         "albedo",          "sun",      "sun_prev",
     "cascades",     "cascade_maps", "cascade_bounds", "neighbours",      "scene",    "scene.nodes",
     "scene.leaves", "scene.tlas",   "scene.alpha_uv", "scene.alpha_map", "material", "emissive",
-    "environment",  "surfaces",     "surface_texels"};
+    "environment",  "surfaces",     "surface_texels",
+    "scene.nodes_words", "scene.leaves_words", "scene.alpha_uv_words", "scene.alpha_map_words"};
 
 bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
@@ -43,6 +44,39 @@ void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnos
         if (std::find(known_slots.begin(), known_slots.end(), slot.name) == known_slots.end())
             diagnostics.add({file}, "inputs." + slot.name,
                             "the standalone host has no such input" + did_you_mean(slot.name, known_slots));
+}
+
+bool takes(const Plan& plan, const PlanPass& pass, std::string_view slot) {
+    return std::ranges::any_of(pass.bindings, [&](const PlanBinding& b) {
+        return b.source == BindingSource::host && plan.slots[b.index].name == slot;
+    });
+}
+
+// A pipeline is for the sun or for lights that are near, and so is every node of it that asks for a light.
+void check_light(const Plan& plan, const CheckedPipeline& pipeline, const ChosenLight& chosen,
+                 Diagnostics& diagnostics) {
+    const bool near = reads(plan, "light");
+    const Place place{pipeline.file, 0, 0};
+    if (!chosen.light && near)
+        diagnostics.add(
+            place, "inputs.light",
+            fmt::format("\"{}\" takes a light that is near, and masks of this shot are of its sun",
+                        pipeline.name));
+    if (!chosen.light) return;
+    const std::string light = fmt::format("\"{}\", a {}", chosen.name, name_of(chosen.light->kind));
+    if (!near && reads(plan, "sun"))
+        diagnostics.add(
+            place, "inputs",
+            fmt::format("\"{}\" knows the sun alone, and the shot's light is {}; a variant for lights that "
+                        "are near has \"inputs\": {{ \"light\": {{}} }}, as light_raw.json",
+                        pipeline.name, light));
+    for (const PlanPass& pass : plan.passes) {
+        if (!near || !takes(plan, pass, "sun")) continue;
+        if (!takes(plan, pass, "light"))
+            diagnostics.add(
+                place, "nodes." + pass.node,
+                fmt::format("\"{}\" knows the sun alone, and the shot's light is {}", pass.type, light));
+    }
 }
 
 }  // namespace
@@ -91,6 +125,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                        Shot shot, const SessionOptions& options, Diagnostics& diagnostics,
                                        std::vector<std::string>& warnings) {
     shot.size = options.size;  // analytic scenes measure their camera in pixels
+    const auto chosen = choose_light(shot, options.light, diagnostics);
+    if (!chosen) return nullptr;
     auto scene = load_scene(shot, diagnostics, warnings);
     if (!scene) return nullptr;
     auto session = std::unique_ptr<Session>(new Session(device));
@@ -123,8 +159,9 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     compile_options.alias = options.alias;
     compile_options.poison = options.poison.has_value();
     compile_options.captures = options.captures;
-    if (options.optimum) compile_options.optimum_search_nodes = report_search_nodes;
+    if (options.optimum) compile_options.optimum_search_nodes = render_search_nodes;
     host_options.jitter = options.jitter;
+    host_options.light = chosen->name;
     host_options.materials = std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
         return input.name == "material" || input.name == "emissive";
     });
@@ -163,10 +200,14 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     }
     auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
+    if (plan) {
+        const ShotLight* light = session->host_->light();  // the shot has moved
+        check_light(*plan, pipeline, {chosen->name, light}, diagnostics);
+    }
     if (!plan || !diagnostics.empty()) return nullptr;
     if (const uint64_t all = gbuffer + plan->memory.heap_bytes; all > table.memory_bytes)
         return too_much(all, "the G-buffer and the pipeline");
-    session->host_->set_jitter(options.jitter && plan->jitter);
+    session->host_->set_jitter(options.jitter && (plan->jitter || options.always_jitter));
 
     const double before = wall_ms();
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));
@@ -174,9 +215,13 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     session->program_ms_ = wall_ms() - before;
     session->set_param("seed", session->seed_);
     const auto needs = [&](std::string_view slot) { return reads(session->plan(), slot); };
-    if (needs("scene.nodes") || needs("neighbours"))
-        session->bvh_ = std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"));
-    if (needs("scene.tlas")) session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0);
+    const bool words = table.max_texel_elements < large_texel_buffer;  // as compile() decided
+    const TexelsAs as = words ? TexelsAs::words : TexelsAs::texels;
+    if (needs("scene.nodes") || needs("scene.nodes_words") || needs("neighbours"))
+        session->bvh_ =
+            std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"), as);
+    if (needs("scene.tlas"))
+        session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0, as);
     if (needs("surfaces") || needs("surface_texels")) {
         session->surfaces_ = std::make_unique<HitSurfaces>(device, session->host_->scene());
         session->update_surfaces(0, 0);
@@ -190,6 +235,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the sun");
     session->sun_prev_ = make_host_buffer(device, sizeof(blocks::Sun), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                           "the previous frame's sun");
+    session->light_ =
+        make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the light");
     session->scene_ = make_host_buffer(device, sizeof(blocks::Scene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                        "the scene block");
     session->cascades_ = make_host_buffer(device, sizeof(blocks::Cascades),
@@ -200,6 +247,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 void Session::write_blocks(const StandaloneFrame& frame) {
     std::memcpy(sun_.mapped, &frame.sun, sizeof frame.sun);
     std::memcpy(sun_prev_.mapped, &frame.sun_prev, sizeof frame.sun_prev);
+    std::memcpy(light_.mapped, &frame.light, sizeof frame.light);
     std::memcpy(scene_.mapped, &frame.scene, sizeof frame.scene);
     std::memcpy(cascades_.mapped, &frame.cascades, sizeof frame.cascades);
 }
@@ -220,16 +268,25 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "surface_texels") b.texels = surfaces_->texels();
         if (slot.name == "sun") b.buffer = sun_.get();
         if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
+        if (slot.name == "light") b.buffer = light_.get();
         if (slot.name == "scene") b.buffer = scene_.get();
-        if (slot.name == "scene.nodes") b.texels = bvh_->nodes();
-        if (slot.name == "scene.leaves") b.texels = bvh_->leaves();
-        if (slot.name == "neighbours") b.texels = bvh_->neighbours();
+        const auto bind = [&](std::string_view name, const GpuTexels& texels) {
+            if (slot.name == name) b.texels = texels.view.get();
+            if (slot.name == std::string(name) + "_words") b.buffer = texels.buffer.get();
+        };
+        if (bvh_) {
+            bind("scene.nodes", bvh_->nodes());
+            bind("scene.leaves", bvh_->leaves());
+            bind("neighbours", bvh_->neighbours());
+        }
+        if (bvh_ || tlas_) {
+            bind("scene.alpha_uv", bvh_ ? bvh_->alpha_uv() : tlas_->alpha_uv());
+            bind("scene.alpha_map", bvh_ ? bvh_->alpha_map() : tlas_->alpha_map());
+        }
         if (slot.name == "scene.tlas") b.structure = tlas_->get();
         if (slot.name == "cascades") b.buffer = cascades_.get();
         if (slot.name == "cascade_maps") b.image = cascade_maps_->maps().view.get();
         if (slot.name == "cascade_bounds") b.image = cascade_maps_->bounds().view.get();
-        if (slot.name == "scene.alpha_uv") b.texels = bvh_ ? bvh_->alpha_uv() : tlas_->alpha_uv();
-        if (slot.name == "scene.alpha_map") b.texels = bvh_ ? bvh_->alpha_map() : tlas_->alpha_map();
     }
     return bindings;
 }

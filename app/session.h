@@ -24,12 +24,14 @@ namespace penumbra {
 struct SessionOptions {
     std::array<uint32_t, 2> size{1280, 720};
     std::optional<std::array<uint32_t, 2>> largest;  // what the plan is made for, where frames are smaller
-    uint32_t cascade_size = 1024;  // texels along a side of the sun's shadow maps
+    uint32_t cascade_size = 1024;                    // texels along a side of the sun's shadow maps
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
+    std::string light;  // of the shot, that masks are of; empty: the only one
     bool alias = true;
-    bool jitter = true;
-    bool validate = false;  // look at everything that the pipeline reads and writes (graph/validate.h)
+    bool jitter = true;          // where a node of the plan needs it
+    bool always_jitter = false;  // whether one does or not
+    bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;             // instead of what the scene says
     bool optimum = true;     // search for the smallest possible heap, for the report
@@ -71,8 +73,8 @@ class Session {
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
     uint32_t seed() const { return seed_; }
-    double program_ms() const { return program_ms_; }  // of making the device's objects of the plan
-    const SceneBvh* bvh() const { return bvh_.get(); }                       // null: nobody traces with it
+    double program_ms() const { return program_ms_; }   // of making the device's objects of the plan
+    const SceneBvh* bvh() const { return bvh_.get(); }  // null: nobody traces with it
     const FrameDescription& frame_description() const { return last_; }      // of the last frame
     const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
 
@@ -101,7 +103,7 @@ class Session {
     uint32_t traced_frame_ = 0;  // the frame that all three stand at
     std::array<uint32_t, 2>
         surfaces_frames_{};  // what `surfaces_` was made for: the frame and its previous one
-    GpuBuffer sun_, sun_prev_, scene_, cascades_;
+    GpuBuffer sun_, sun_prev_, light_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };
 

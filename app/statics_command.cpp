@@ -52,7 +52,8 @@ void print_table(const std::vector<PassStatics>& passes) {
             column.cells[own[1]] = std::to_string(e.subgroup_size);
             for (const Statistic& s : e.statistics) {
                 if (std::ranges::find(rows, s.name) == rows.end()) rows.push_back(s.name);
-                column.cells[s.name] = std::visit([](auto value) { return fmt::format("{}", value); }, s.value);
+                column.cells[s.name] =
+                    std::visit([](auto value) { return fmt::format("{}", value); }, s.value);
             }
         }
     for (const std::string& row : rows) first = std::max(first, row.size());

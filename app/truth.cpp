@@ -1,43 +1,63 @@
 // SPDX-License-Identifier: MIT
-// The node `reference` is repeated on one frame until all rays are cast, in portions so that no submission
-// takes long.
+// The device draws what each pixel shows; the rest is the processor's, row by row on all its cores.
 #include "app/truth.h"
 
-#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
+#include <glm/gtc/type_ptr.hpp>
 #include <stdexcept>
+#include <thread>
 
 #include "app/reference_pipeline.h"
+#include "host/generated/noise.h"
 #include "host/truth/analytic.h"
+#include "host/truth/counted_visibility.h"
+#include "host/truth/octahedral.h"
 #include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 namespace {
 
-constexpr uint32_t probe_side = 8;            // 64 rays decide whether a pixel wants more
-constexpr uint64_t rays_per_pass = 1u << 23;  // if every pixel wanted them
-// Mesa 22's lavapipe ends an invocation's loops, all of them together, after 65 535 rounds, without a word: a
-// ray takes up to some hundred steps through the tree.
-constexpr uint64_t rays_per_invocation = 128;
-
 uint32_t strata_per_axis(uint32_t rays) {
     return static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(rays))));
 }
 
-// One set of side * side rays; `first_stage` is the stage of its first portion (see
-// shaders/visibility/reference.comp).
-template <class Run>
-void cast(Session& session, uint32_t side, uint32_t first_stage, uint32_t portion, Run&& run) {
-    const uint32_t rays = side * side;
-    session.set_param("side", side);
-    for (uint32_t first = 0; first < rays; first += portion) {
-        session.set_param("stage", first == 0 ? first_stage : 2u);
-        session.set_param("first", first);
-        session.set_param("count", std::min(portion, rays - first));
-        run();
-    }
+std::vector<float> captured_floats(const Session& session, const char* name, size_t count) {
+    const std::span<const std::byte> bytes = session.view().captured(name);
+    if (bytes.size() != count * sizeof(float))
+        throw std::logic_error(std::string(name) + " does not have the size of the frame");
+    std::vector<float> out(count);
+    std::memcpy(out.data(), bytes.data(), bytes.size());
+    return out;
 }
+
+// What pixels show, in the tree's frame, in double precision from the frame's own camera.
+class ViewRays {
+  public:
+    ViewRays(const FrameDescription& frame, const glm::dvec3& scene_origin)
+        : frame_(frame),
+          clip_(glm::make_mat4(frame.camera.clip_from_view.data())),
+          axes_(glm::make_mat3(frame.camera.world_from_view.data())),
+          eye_(glm::make_vec3(frame.camera.position.data()) - scene_origin) {}
+
+    ViewRay at(uint32_t x, uint32_t y) const {
+        const glm::dvec2 size(frame_.size[0], frame_.size[1]);
+        const glm::dvec2 uv =
+            (glm::dvec2(x, y) + 0.5) / size - glm::dvec2(frame_.jitter[0], frame_.jitter[1]);
+        const glm::dvec2 ndc = 2.0 * uv - 1.0, scale(clip_[0].x, clip_[1].y);
+        const double pixel = 2 / (size.y * std::abs(scale.y));
+        if (frame_.flags & frame_orthographic)
+            return {eye_ + axes_ * glm::dvec3((ndc - glm::dvec2(clip_[3])) / scale, 0), -axes_[2], pixel, 0};
+        return {eye_, axes_ * glm::dvec3((ndc + glm::dvec2(clip_[2])) / scale, -1), 0, pixel};
+    }
+
+  private:
+    const FrameDescription& frame_;
+    glm::dmat4 clip_;
+    glm::dmat3 axes_;
+    glm::dvec3 eye_;
+};
 
 }  // namespace
 
@@ -54,7 +74,7 @@ Truth analytic_truth(const Shot& shot, uint32_t frame) {
 }
 
 std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
-                                    std::vector<std::string>& warnings) {
+                                    std::vector<std::string>& warnings, bool jitter) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
     const auto pipeline =
         parse_pipeline(reference_pipeline_text, "pipelines/reference.json", {}, diagnostics);
@@ -62,31 +82,54 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
     if (!checked) return nullptr;
     SessionOptions options;
     options.size = shot.size;
-    options.captures = {"counts"};
-    options.jitter = false;
+    options.captures = checked->output_names();
+    options.jitter = options.always_jitter = jitter;
+    options.light = "sun";
     options.optimum = false;
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }
 
 Truth counted_truth(Session& session, uint32_t frame, uint32_t rays) {
-    const Extent extent = session.plan().extent;
-    const uint64_t pixels = uint64_t{extent.width} * extent.height;
-    const auto portion =
-        static_cast<uint32_t>(std::clamp<uint64_t>(rays_per_pass / pixels, 1, rays_per_invocation));
-    cast(session, probe_side, 0, probe_side * probe_side, [&] { session.run_frame(frame, false); });
-    cast(session, strata_per_axis(rays), 1, portion, [&] { session.repeat_frame(); });
+    session.run_frame(frame, false);
+    const auto [width, height] = session.plan().extent;
+    const size_t pixels = size_t{width} * height;
+    const std::vector<float> depth = captured_floats(session, "view_depth", pixels),
+                             normal = captured_floats(session, "receiver_normal", 2 * pixels);
+    const StandaloneHost& host = session.host();
+    const Scene& scene = host.scene();
+    const CountedVisibility counted(scene, frame);
+    const ViewRays view_rays(session.frame_description(), host.shot().origin + scene.bvh_origin());
+    const SunState sun = sun_at(host.shot(), frame);
+    const uint32_t side = strata_per_axis(rays);
 
-    const std::span<const std::byte> bytes = session.view().captured("counts");
-    std::vector<std::array<uint32_t, 4>> counts(pixels);
-    if (bytes.size() != pixels * sizeof counts[0])
-        throw std::logic_error("counts are not one uvec4 per pixel");
-    std::memcpy(counts.data(), bytes.data(), bytes.size());
-    Truth truth;
-    for (const std::array<uint32_t, 4>& c : counts) {
-        truth.visibility.push_back(c[1] ? static_cast<float>(double(c[0]) / double(c[1])) : 1.0f);
-        truth.receiver.push_back(c[1] ? 1.0f : 0.0f);
-        truth.rays.push_back(static_cast<float>(c[1]));
+    Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
+    std::atomic<uint32_t> next_row{0};
+    std::atomic<size_t> lost{0};
+    const auto work = [&] {
+        for (uint32_t y; (y = next_row++) < height;) {
+            for (uint32_t x = 0; x < width; ++x) {
+                const size_t p = size_t{y} * width + x;
+                if (!(depth[p] > 0)) continue;
+                const auto point = counted.shown(view_rays.at(x, y), depth[p],
+                                                 octahedral_normal({normal[2 * p], normal[2 * p + 1]}));
+                if (!point) {
+                    ++lost;
+                    continue;
+                }
+                const SunStrata strata{sun.to_sun, sun.angular_radius, side,
+                                       pcg(uint32_t(p) + pcg(session.seed()))};
+                truth.visibility[p] = static_cast<float>(counted.visibility(*point, strata));
+                truth.receiver[p] = 1;
+                truth.rays[p] = static_cast<float>(side * side);
+            }
+        }
+    };
+    {
+        std::vector<std::jthread> others(std::max(std::thread::hardware_concurrency(), 1u) - 1);
+        for (std::jthread& thread : others) thread = std::jthread(work);
+        work();
     }
+    truth.lost = lost;
     return truth;
 }
 

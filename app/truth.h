@@ -10,15 +10,19 @@ namespace penumbra {
 // for.
 struct Truth {
     std::vector<float> visibility, receiver, rays;
+    // Pixels that show a surface of which no triangle was found where it was drawn: no receivers.
+    size_t lost = 0;
 };
 
 Truth analytic_truth(const Shot& shot, uint32_t frame);
 
-// A session of pipelines/reference.json at the shot's size, for counted_truth().
+// A session of pipelines/reference.json at the shot's size, for counted_truth(). `jitter`: of pixels as
+// `render` jitters them, instead of their centres.
 std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
-                                    std::vector<std::string>& warnings);
+                                    std::vector<std::string>& warnings, bool jitter = false);
 
-// Pixels around which a few rays agree keep those; the others get rays_cast(rays).
+// Of every pixel that shows a surface, rays_cast(rays) directions to the sun
+// (host/truth/counted_visibility.h).
 Truth counted_truth(Session& session, uint32_t frame, uint32_t rays);
 
 uint32_t rays_cast(uint32_t wanted);  // the next square

@@ -4,8 +4,8 @@
 // write and write after write need memory dependencies, write after read needs execution only (Vulkan
 // specification, "Synchronization"). Dependencies are global memory barriers; image barriers only activate
 // images in reused memory, and since their access scope covers that image alone, the previous occupants'
-// writes go into the memory barrier of the same dependency; those that nobody has read, which the transition itself
-// overwrites, into both. What is kept is activated once, by a reset.
+// writes go into the memory barrier of the same dependency; those that nobody has read, which the transition
+// itself overwrites, into both. What is kept is activated once, by a reset.
 #include "graph/barriers.h"
 
 #include <algorithm>
@@ -94,7 +94,8 @@ class Simulation {
         void remove(const State& s) {
             if (s.write_stages) drop(writes, std::pair(s.write_stages, s.write_access), s.write_time);
             if (s.read_stages) drop(reads, s.read_stages, s.read_time);
-            if (s.write_stages && !s.read_stages && --unread[s.write_access] == 0) unread.erase(s.write_access);
+            if (s.write_stages && !s.read_stages && --unread[s.write_access] == 0)
+                unread.erase(s.write_access);
         }
         template <class Map>
         static void drop(Map& map, const typename Map::key_type& key, uint32_t time) {

@@ -106,15 +106,16 @@ void Compiler::bind_input(const SelectedNode& selected, uint32_t index, uint32_t
         return use_input(port, resource, bound.previous);
     }
     const uint32_t input = *pipeline_.resources[bound.resource].input;
-    HostSlot slot{.name = pipeline_.name_of(bound),
-                  .input = pipeline_.inputs[input].name,
-                  .previous = bound.previous,
-                  .kind = port.kind,
-                  .format = inputs_[input].format,
-                  .extent = inputs_[input].extent,
-                  .layers = inputs_[input].layers,
-                  .follows = port.kind == PortKind::image ? follows_of(pipeline_.inputs[input]) : std::nullopt,
-                  .element = port.element};
+    HostSlot slot{
+        .name = pipeline_.name_of(bound),
+        .input = pipeline_.inputs[input].name,
+        .previous = bound.previous,
+        .kind = port.kind,
+        .format = inputs_[input].format,
+        .extent = inputs_[input].extent,
+        .layers = inputs_[input].layers,
+        .follows = port.kind == PortKind::image ? follows_of(pipeline_.inputs[input]) : std::nullopt,
+        .element = port.element};
     bind_slot(node, port, std::move(slot), binding);
 }
 
@@ -173,6 +174,12 @@ void Compiler::bind_slot(const BoundNode& node, const Port& port, HostSlot slot,
     if (readers.empty() || readers.back() != node.id) readers.push_back(node.id);
 }
 
+bool Compiler::exists(const Bundle::Part& part) const {
+    const bool many = target_.device.max_texel_elements >= large_texel_buffer;
+    return (part.fact.empty() || plan_.facts.at(part.fact)) &&
+           (part.on == Bundle::Texels::any || many == (part.on == Bundle::Texels::many));
+}
+
 void Compiler::bind_bundle(const BoundNode& node, const BoundPort& bound, uint32_t binding, bool present) {
     const Port& port = *bound.port;
     const Bundle& bundle = *port.bundle;
@@ -183,7 +190,7 @@ void Compiler::bind_bundle(const BoundNode& node, const BoundPort& bound, uint32
         Port shape = port;  // a port of the part's own kind
         shape.kind = part.kind;
         shape.formats = {part.format};
-        if (!present || (!part.fact.empty() && !plan_.facts.at(part.fact))) {
+        if (!present || !exists(part)) {
             bind_nothing(shape, at);
             continue;
         }

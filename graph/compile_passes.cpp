@@ -145,7 +145,7 @@ void Compiler::fill_constants(const SelectedNode& selected) {
     }
     for (const Presence& p : presence(type)) {
         bool there = p.table ? node.tables[*p.table][facts_] : selected.sources[*p.port] != Source::none;
-        if (p.part) there = there && plan_.facts.at(type.ports[*p.port].bundle->parts[*p.part].fact);
+        if (p.part) there = there && exists(type.ports[*p.port].bundle->parts[*p.part]);
         pass.constants.push_back(there);
     }
 }
@@ -173,7 +173,8 @@ void Compiler::fill_dispatch(const SelectedNode& selected) {
         case Dispatch::Kind::over: {
             const Size size = size_of(selected, dispatch.over);
             pass.over = size.follows;
-            pass.group_pixels = {pass.constants[0] * pass.constants[3], pass.constants[1] * pass.constants[4]};
+            pass.group_pixels = {pass.constants[0] * pass.constants[3],
+                                 pass.constants[1] * pass.constants[4]};
             const auto groups = [&](uint32_t level) -> std::array<uint32_t, 3> {
                 const uint32_t width = std::max(size.extent.width >> level, 1u);
                 const uint32_t height = std::max(size.extent.height >> level, 1u);

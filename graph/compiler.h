@@ -63,6 +63,7 @@ class Compiler {
     void bind(const SelectedNode& selected);
     void bind_input(const SelectedNode& selected, uint32_t port, uint32_t binding);
     void bind_output(const SelectedNode& selected, uint32_t port, uint32_t binding);
+    bool exists(const Bundle::Part& part) const;
     void bind_bundle(const BoundNode& node, const BoundPort& bound, uint32_t binding, bool present);
     void bind_tables(const BoundNode& node);
     void bind_resource(const Port& port, uint32_t resource, bool previous, uint32_t binding);

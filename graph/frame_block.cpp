@@ -32,7 +32,7 @@ std::array<double, 16> perspective(double vertical_fov_rad, double aspect, doubl
     return {f / aspect, 0, 0, 0, 0, -f, 0, 0, 0, 0, 0, -1, 0, 0, near, 0};
 }
 
-FrameBlock make_frame_block(const FrameDescription& frame) {
+FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_pixel_bits) {
     const glm::dmat4 clip_from_view = glm::make_mat4(frame.camera.clip_from_view.data());
     const glm::dmat3 world_from_view = glm::make_mat3(frame.camera.world_from_view.data());
     const glm::dmat4 prev_clip_from_view = glm::make_mat4(frame.previous.clip_from_view.data());
@@ -63,6 +63,9 @@ FrameBlock make_frame_block(const FrameDescription& frame) {
     block.dt_s = frame.dt_s;
     block.frame_index = frame.index;
     block.flags = frame.flags;
+    // Half a step of the grid that vertices are rounded to (shaders/common/ray_offset.glsl).
+    const uint32_t bits = frame.sub_pixel_bits ? frame.sub_pixel_bits : device_sub_pixel_bits;
+    block.snap_px = static_cast<float>(std::ldexp(0.5, -static_cast<int>(bits)));
     return block;
 }
 

@@ -77,6 +77,12 @@ std::string declare_block(const std::string& name, const std::string& element, u
                        element, name);
 }
 
+std::string declare_buffer(const std::string& name, const std::string& element, const char* access,
+                           uint32_t b) {
+    return fmt::format("layout(set = 0, binding = {}, std430) restrict {}buffer {}_buffer {{ {} {}[]; }};\n",
+                       b, access, name, element_glsl(element), name);
+}
+
 std::string declare_bundle(const Port& port, const Variant& variant, uint32_t b) {
     std::string text;
     for (const Bundle::Part& part : port.bundle->parts) {
@@ -86,6 +92,8 @@ std::string declare_bundle(const Port& port, const Variant& variant, uint32_t b)
         if (part.kind == PortKind::texels)
             text += fmt::format("layout(set = 0, binding = {}) uniform {}samplerBuffer {};\n", binding,
                                 prefix(part.format), name);
+        else if (part.kind == PortKind::buffer)
+            text += declare_buffer(name, part.element, "readonly ", binding);
         else if (part.kind == PortKind::structure)
             text += fmt::format("layout(set = 0, binding = {}) uniform accelerationStructureEXT {};\n",
                                 binding, name);
@@ -115,9 +123,7 @@ std::string declare_port(const NodeType& type, const Port& port, const Variant& 
                 "layout(set = 0, binding = {}, std430) restrict buffer {}_buffer {{ {} {}[]; }};\n", b,
                 port.name, texel_element_glsl(format), port.name);
         case PortKind::buffer:
-            return fmt::format(
-                "layout(set = 0, binding = {}, std430) restrict {}buffer {}_buffer {{ {} {}[]; }};\n", b,
-                port.output ? "" : "readonly ", port.name, element_glsl(what.element), port.name);
+            return declare_buffer(port.name, what.element, port.output ? "" : "readonly ", b);
         case PortKind::block:
             return declare_block(port.name, what.element, b);
         case PortKind::bundle:
@@ -253,7 +259,7 @@ std::vector<Presence> presence(const NodeType& type) {
         if (port.output || port.updater) continue;
         if (port.optional || !port.condition.always()) list.push_back({port.name, i, {}, {}});
         for (uint32_t p = 0; port.bundle && p < port.bundle->parts.size(); ++p)
-            if (!port.bundle->parts[p].fact.empty())
+            if (!port.bundle->parts[p].always())
                 list.push_back({port.name + "_" + port.bundle->parts[p].name, i, {}, p});
     }
     for (uint32_t t = 0; t < type.tables.size(); ++t)

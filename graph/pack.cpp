@@ -17,10 +17,6 @@ namespace penumbra {
 
 namespace {
 
-// What the exact search at the end may cost: at most a tenth of a second. Real pipelines take some hundred
-// nodes.
-constexpr uint64_t small_search_nodes = 20'000;
-
 // Orders are tried, and a table of who meets whom is kept, for as many intervals; beyond it one order has to
 // do.
 constexpr size_t most_compared = 2048;

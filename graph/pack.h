@@ -29,17 +29,18 @@ bool overlap_in_time(const Interval& a, const Interval& b, uint32_t period);
 // The largest sum of sizes live at one time: no packing can be smaller.
 uint64_t live_bound(std::span<const Interval> intervals, uint32_t period);
 
-// What no packing can be smaller than: that, and the sum of what lives for more than half the circle, of which any two
-// meet somewhere (a history that its own pass reads, in both parities).
+// What no packing can be smaller than: that, and the sum of what lives for more than half the circle, of
+// which any two meet somewhere (a history that its own pass reads, in both parities).
 uint64_t lower_bound(std::span<const Interval> intervals, uint32_t period);
 
 // A packing: several greedy orders, then reinsertion, on small sets then a short exact search; all
-// deterministic and bounded by counted steps, never by time; each ends where less than one alignment or half a percent is left
-// above the lower bound. Never larger than the sum of the aligned sizes.
+// deterministic and bounded by counted steps, never by time; each ends where less than one alignment or half
+// a percent is left above the lower bound. Never larger than the sum of the aligned sizes.
 Packing pack(std::span<const Interval> intervals, uint32_t period);
 
 // The smallest possible heap by exhaustive search, or nothing where `max_nodes` search nodes do not suffice
-// (a node takes one to two microseconds) or where there are more than 64 intervals with bytes or 64 passes.
+// (a node takes one to two microseconds; a tenth of a second at most where less than an alignment is at
+// stake) or where there are more than 64 intervals with bytes or 64 passes.
 std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period,
                                 uint64_t max_nodes = 2'000'000);
 

@@ -389,8 +389,18 @@ SearchResult search_packing(std::span<const Interval> intervals, uint32_t period
     return result;
 }
 
+SearchResult search_optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes) {
+    Packing packing = pack(intervals, period);
+    uint64_t least = UINT64_MAX;
+    for (const Interval& interval : intervals)
+        if (interval.size > 0) least = std::min(least, interval.alignment);
+    if (packing.heap - live_bound(intervals, period) < least)
+        max_nodes = std::min(max_nodes, small_search_nodes);
+    return search_packing(intervals, period, std::move(packing), max_nodes);
+}
+
 std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes) {
-    const SearchResult result = search_packing(intervals, period, pack(intervals, period), max_nodes);
+    const SearchResult result = search_optimum(intervals, period, max_nodes);
     if (!result.exhausted) return std::nullopt;
     return result.best.heap;
 }

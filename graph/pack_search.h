@@ -21,4 +21,12 @@ struct SearchResult {
 SearchResult search_packing(std::span<const Interval> intervals, uint32_t period, Packing packing,
                             uint64_t max_nodes);
 
+// What optimum() does: starts from pack()'s packing. Where less than the least alignment is at stake, the
+// budget is that of pack() itself: bytes of padding are not worth the seconds that a whole search may take.
+SearchResult search_optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes);
+
+// What the exact search at the end of pack() may cost: at most a tenth of a second. Real pipelines take some
+// hundred nodes.
+inline constexpr uint64_t small_search_nodes = 20'000;
+
 }  // namespace penumbra

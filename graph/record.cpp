@@ -80,7 +80,8 @@ void ViewState::full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemo
 void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
                       std::span<const SlotBinding> slots) {
     const Extent size{frame.size[0], frame.size[1]};
-    if (size.width == 0 || size.height == 0 || size.width > plan().extent.width || size.height > plan().extent.height)
+    if (size.width == 0 || size.height == 0 || size.width > plan().extent.width ||
+        size.height > plan().extent.height)
         fail(ErrorCode::usage, plan().pipeline,
              fmt::format("the frame is {}x{}, the plan was compiled for up to {}x{}", size.width, size.height,
                          plan().extent.width, plan().extent.height));
@@ -100,7 +101,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
             lent_[i] = {.image = bound_[*lent].handover->image, .view = bound_[*lent].image};
     write_slot_bindings(slot);
 
-    frame_block_ = make_frame_block(frame);
+    frame_block_ = make_frame_block(frame, program_.device()->properties().limits.subPixelPrecisionBits);
     decide_reset(frame.flags);
     const bool reset = reset_.reason != Reset::Reason::none;
     if (reset) frame_block_.flags |= frame_reset;
@@ -185,7 +186,8 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
     vk().vkCmdPipelineBarrier2(cmd, &dependency);
 }
 
-// Whether two plans mean the same by a name whose value lasts. Where both follow the frame's size, their largest ones may differ.
+// Whether two plans mean the same by a name whose value lasts. Where both follow the frame's size, their
+// largest ones may differ.
 static bool alike(const PlanResource& a, const PlanResource& b) {
     const bool same_size = a.extent == b.extent && a.levels == b.levels && a.count == b.count;
     return a.names.back() == b.names.back() && a.kind == b.kind && a.format == b.format &&
@@ -214,7 +216,8 @@ void ViewState::decide_reset(uint32_t flags) {
     }
     if (reset_.reason != Reset::Reason::none) return;
     const std::vector<PlanResource>& theirs = before->plan().resources;
-    const bool fits = before->size_.width <= plan().extent.width && before->size_.height <= plan().extent.height;
+    const bool fits =
+        before->size_.width <= plan().extent.width && before->size_.height <= plan().extent.height;
     for (const ResetAction& action : plan().reset) {
         const PlanResource& own = plan().resources[action.resource];
         const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {

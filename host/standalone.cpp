@@ -3,12 +3,14 @@
 #include "host/standalone.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/images/input_limit.h"
 #include "host/models/gltf.h"
+#include "host/models/shapes.h"
 #include "host/shots/shot_facts.h"
 #include "host/truth/analytic.h"
 
@@ -20,6 +22,17 @@ blocks::Sun sun_block(const SunState& sun) {
     for (int i = 0; i < 3; ++i) block.to_sun.v[i] = static_cast<float>(sun.to_sun[i]);
     block.angular_radius = static_cast<float>(sun.angular_radius);
     return block;
+}
+
+void add_ground(Model& model, const Ground& ground) {
+    Shape shape = penumbra::ground(ground.half_extent, ground.half_extent, 32, 32);
+    const int material = static_cast<int>(model.materials.size());
+    model.materials.push_back({.base_color = {0.3f, 0.3f, 0.3f, 1}});
+    model.meshes.emplace_back().parts.push_back(to_part(std::move(shape), material));
+    Node& node = model.nodes.emplace_back();
+    node.name = ground_name;
+    node.mesh = static_cast<int>(model.meshes.size()) - 1;
+    node.translation = {ground.center[0], ground.height, ground.center[1]};
 }
 
 // A triangle of the tree: its corners, its leaf, its share of the nodes above.
@@ -43,15 +56,27 @@ uint64_t instance_bytes(const Model& model) {
 std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
                                 std::vector<std::string>& warnings) {
     std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_gltf(shot.model, diagnostics);
-    if (!model || !check_objects(shot, *model, diagnostics)) return std::nullopt;
+    if (!model) return std::nullopt;
+    if (!shot.analytic && model->triangle_count() == 0) {
+        diagnostics.add({shot.model.string(), 0, 0}, "", fmt::format("{}", fmt::join(model->warnings, "; ")));
+        return std::nullopt;
+    }
+    if (!check_objects(shot, *model, diagnostics)) return std::nullopt;
     if (const uint64_t bytes = instance_bytes(*model); bytes > input_limit()) {
         diagnostics.add({shot.model.string()}, "",
                         fmt::format("its nodes show {} triangles, which take {}", bytes / bytes_per_triangle,
                                     over_input_limit()));
         return std::nullopt;
     }
+    try {
+        find_animation(*model, shot.animation);
+    } catch (const std::runtime_error& error) {
+        diagnostics.add({shot.file.string(), 0, 0}, "animation", error.what());
+        return std::nullopt;
+    }
     for (const std::string& warning : model->warnings)
         warnings.push_back(shot.model.string() + ": " + warning);
+    if (shot.ground) add_ground(*model, *shot.ground);
     Scene scene(std::move(*model), shot);
     if (scene.dropped_instances()) {
         warnings.push_back(fmt::format("{}: {} nodes with singular or non-finite transforms are not shown",
@@ -64,6 +89,7 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
+      sub_pixel_bits_(device.limits().subPixelPrecisionBits),
       gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
                options.materials) {
     for (uint32_t index = 0; index < shot_.frames; ++index)
@@ -97,19 +123,19 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     FrameDescription& description = out.description;
     description.camera = camera_at(shot_, index, aspect);
     description.previous = camera_at(shot_, previous, aspect);
-    if (options_.jitter) {
-        description.jitter = halton_jitter(index, options_.size);
-        description.prev_jitter = halton_jitter(previous, options_.size);
-    }
+    description.jitter = jitter(index);
+    description.prev_jitter = jitter(previous);
     description.size = description.prev_size = options_.size;
     description.index = index;
     description.dt_s = static_cast<float>(1 / shot_.fps);
     description.flags = has_previous ? 0u : uint32_t(frame_reset);
     if (shot_.analytic) description.flags |= frame_orthographic;
+    description.sub_pixel_bits = sub_pixel_bits_;
 
     out.sun = sun_block(sun_at(shot_, index));
     out.sun_prev = sun_block(sun_at(shot_, previous));
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
+    if (light()) out.light = light_block(*light(), index, camera - shot_.origin);
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_.bvh_origin());
     for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
@@ -124,7 +150,7 @@ void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& fra
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {
-    return shot_facts(shot_, scene_);
+    return shot_facts(shot_, scene_, light());
 }
 
 }  // namespace penumbra

@@ -11,6 +11,7 @@
 #include "host/cascades/cascade_fit.h"
 #include "host/gbuffer/gbuffer.h"
 #include "host/scene/scene.h"
+#include "host/shots/light_choice.h"
 #include "host/shots/shot.h"
 #include "penumbra/frame_block.h"
 #include "shaders/common/blocks.h"
@@ -22,6 +23,7 @@ struct StandaloneOptions {
     uint32_t frames_in_flight = 2;
     bool jitter = true;            // whether frames are jittered where the pipeline wants it
     uint32_t cascade_size = 1024;  // texels along a side of a shadow map
+    std::string light = "sun";     // a name of the shot's: which one masks are of
     bool materials = false;        // whether the G-buffer has `material` and `emissive`
 };
 
@@ -29,6 +31,7 @@ struct StandaloneOptions {
 struct StandaloneFrame {
     FrameDescription description;
     blocks::Sun sun{}, sun_prev{};  // of the previous frame; of this one where there is none
+    blocks::Light light{};          // of the one that masks are of, where it is not the sun
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };
@@ -47,6 +50,10 @@ class StandaloneHost {
     StandaloneFrame frame(uint32_t index, bool reset) const;
     // Whether the shot cuts to this frame: it then has no history either.
     bool cut(uint32_t index) const;
+    // How far off their pixels' centres a frame's points are, in uv.
+    std::array<double, 2> jitter(uint32_t index) const {
+        return options_.jitter ? halton_jitter(index, options_.size) : std::array<double, 2>{};
+    }
     // The shadow maps of a frame.
     CascadeFit cascade_fit(uint32_t index) const;
     // The most cascades that a frame of the shot has, at least one: layers of the maps.
@@ -61,6 +68,10 @@ class StandaloneHost {
     const GBufferImages& images() const { return gbuffer_.images(); }
     const Scene& scene() const { return scene_; }
     const Shot& shot() const { return shot_; }
+    // nullptr: the sun.
+    const ShotLight* light() const {
+        return options_.light == "sun" ? nullptr : &shot_.lights.at(options_.light);
+    }
 
     // What holds for the whole shot: the facts that conditions in pipelines ask for.
     std::map<std::string, bool> facts() const;
@@ -69,6 +80,7 @@ class StandaloneHost {
     Shot shot_;
     Scene scene_;
     StandaloneOptions options_;
+    uint32_t sub_pixel_bits_;  // of the device that draws the G-buffer
     GBuffer gbuffer_;
     uint32_t cascade_layers_ = 1;
 };

@@ -8,6 +8,7 @@ namespace {
 // What rays are traced against: penumbra's own tree, traversed in compute, or the driver's acceleration
 // structure. Ray queries of a CPU device are two orders of magnitude slower than the tree.
 Bundle scene() {
+    using enum Bundle::Texels;
     Bundle scene{.kind = "scene", .doc = "what rays are traced against", .param = "backend"};
     scene.backends = {{.name = "ray_query",
                        .feature = "ray_query",
@@ -15,12 +16,25 @@ Bundle scene() {
                        .glsl = "#extension GL_EXT_ray_query : require\n"},
                       {.name = "bvh", .fact = "tree"}};
     scene.parts = {
-        {.name = "nodes", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh"},
-        {.name = "leaves", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh"},
+        {.name = "nodes", .kind = PortKind::texels, .format = Format::rgba32ui, .backend = "bvh", .on = many},
+        {.name = "leaves",
+         .kind = PortKind::texels,
+         .format = Format::rgba32ui,
+         .backend = "bvh",
+         .on = many},
         {.name = "tlas", .kind = PortKind::structure, .backend = "ray_query"},
-        {.name = "alpha_uv", .kind = PortKind::texels, .format = Format::rgba32ui, .fact = "alpha"},
-        {.name = "alpha_map", .kind = PortKind::texels, .format = Format::r32ui, .fact = "alpha"},
+        {.name = "alpha_uv",
+         .kind = PortKind::texels,
+         .format = Format::rgba32ui,
+         .fact = "alpha",
+         .on = many},
+        {.name = "alpha_map", .kind = PortKind::texels, .format = Format::r32ui, .fact = "alpha", .on = many},
         {.name = "", .kind = PortKind::block, .element = "Scene"},
+        // The same words where a scene of a few ten thousand triangles would not fit a texel buffer.
+        {.name = "nodes_words", .kind = PortKind::buffer, .element = "uvec4", .backend = "bvh", .on = few},
+        {.name = "leaves_words", .kind = PortKind::buffer, .element = "uvec4", .backend = "bvh", .on = few},
+        {.name = "alpha_uv_words", .kind = PortKind::buffer, .element = "uvec4", .fact = "alpha", .on = few},
+        {.name = "alpha_map_words", .kind = PortKind::buffer, .element = "u32", .fact = "alpha", .on = few},
     };
     return scene;
 }
@@ -29,15 +43,16 @@ Bundle scene() {
 
 std::shared_ptr<const Domain> shadow_domain() {
     static const auto domain = std::make_shared<const Domain>(Domain{
-        .facts = {{"sun_up", "some part of the sun is above the horizon at some time"},
-                  {"sun_disc", "the sun is no point"},
+        .facts = {{"sun_up", "some part of the sun is above the horizon at some time; a near light has none"},
+                  {"sun_disc", "the sun, or the light that is near, is no point"},
                   {"casters", "something can cast a shadow"},
                   {"alpha", "some triangle's texture has holes"},
                   {"moves", "the camera or an object moves"},
-                  {"sun_moves", "the sun moves"},
+                  {"sun_moves", "the sun moves, or the light that is near"},
                   {"tree", "the host brings penumbra's own tree of the triangles; else ray queries alone"}},
         .features = {"ray_query", "storage8"},
         .structs = {{"Sun", sizeof(blocks::Sun)},
+                    {"Light", sizeof(blocks::Light)},
                     {"Scene", sizeof(blocks::Scene)},
                     {"Cascades", sizeof(blocks::Cascades)}},
         .structs_file = "common/blocks.h",

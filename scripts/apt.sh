@@ -1,6 +1,6 @@
 # shellcheck shell=bash
-# What setup.sh and mesa22.sh need of apt, as functions: which packages are missing, and where newer Mesa drivers come
-# from. The backports entry is derived from the system's own sources (same URI, key and options, another suite), so it
+# What setup.sh, mesa22.sh and swiftshader.sh need of apt, as functions: which packages are missing, where newer Mesa drivers come
+# from, and a driver unpacked beside the installed one. The backports entry is derived from the system's own sources (same URI, key and options, another suite), so it
 # follows whatever mirror the machine uses. Functions that read or write /etc take a root directory, which lets
 # tests/setup_test.sh run them on made-up systems. Sourced, never run.
 
@@ -195,3 +195,28 @@ enable_backports() { # root
     rm -rf "$folder"
     return 1
 }
+
+# Unpacks a package into FOLDER/unpacked without installing it.
+unpack_package() { # folder, package=version
+    rm -rf "$1"
+    mkdir -p "$1"
+    say "fetching $2"
+    # apt would drop to a user who cannot write here; the package's signature is checked all the same.
+    (cd "$1" && apt-get -q -o APT::Sandbox::User="$(id -un)" download "$2" >&2) || die "could not download $2"
+    dpkg -x "$1"/*.deb "$1/unpacked"
+    rm "$1"/*.deb
+}
+
+# Writes a driver's manifest with the absolute path of its library, and prints where. Fails where a library that it needs is
+# not installed.
+write_manifest() { # library, stock manifest, manifest to write
+    local absent
+    [[ -n $1 && -n $2 ]] || die "the package holds no such driver"
+    absent=$(ldd "$1" | awk '/not found/ { printf " %s", $1 }')
+    [[ -z $absent ]] || die "libraries that $(basename "$1") needs are not installed:$absent"
+    sed "s|\"library_path\": *\"[^\"]*\"|\"library_path\": \"$1\"|" "$2" >"$3"
+    echo "$3"
+}
+
+# Whether a manifest is there and so is its library, whose absolute path a moved checkout would break.
+manifest_holds() { [[ -f $1 && -f $(sed -n 's/.*"library_path": *"\([^"]*\)".*/\1/p' "$1") ]]; }

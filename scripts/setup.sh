@@ -17,18 +17,19 @@ packages=(
     spirv-tools               # libraries, CMake package and spirv-val in one
     libglm-dev nlohmann-json3-dev libfmt-dev libcli11-dev
     libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
+    libdraco-dev libmeshoptimizer-dev # compressed meshes of glTF files
 )
 if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
     packages+=(
         libgtest-dev vulkan-validationlayers
         pkg-config                    # asks for what was installed
         libembree-dev libvalijson-dev # judges of rays and of JSON Schemas
-        chromium                      # opens the report's page
+        chromium                      # opens the report's page, brings SwiftShader (swiftshader.sh)
         python3                       # scripts that compare
     )
 fi
 [[ ${1:-} == --dev ]] && packages+=(ccache clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev shellcheck)
-driver="mesa-vulkan-drivers"
+driver="mesa-vulkan-drivers" # lavapipe, and RADV for penumbra statics on null hardware
 
 if [[ ${PENUMBRA_SKIP_SETUP:-} == 1 ]]; then
     say "PENUMBRA_SKIP_SETUP=1: going on with what the system has"

@@ -194,7 +194,7 @@ TEST(AlphaGltf, UnknownModesAreErrors) {
 // The fact's price: two slots of the passes that trace. Without it nothing is left of alpha, in the plan or
 // in a shader.
 TEST(AlphaFact, CostsNothingWhereItDoesNotHold) {
-    for (const char* name : {"raw", "one_ray", "reference"}) {
+    for (const char* name : {"raw", "one_ray"}) {
         SCOPED_TRACE(name);
         const auto plan_with = [&](bool alpha) {
             Target target;

@@ -109,6 +109,43 @@ TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
     for (size_t i = 0; i < sunward.size(); ++i) EXPECT_EQ(cast[i] & sunward[i], sunward[i]) << i;
 }
 
+// Things stand until all has settled, and are elsewhere in the next frame. What shadows them then, and what no longer does, lies
+// where the frames before said the same of everything: pixels are asked there in turns. Each has had its own turn within four
+// frames (docs/budget.md), and as a shadow meets turns in its first one, nearly all of it is seen in the second.
+TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
+    constexpr uint32_t changes = 40;
+    Shot shot = shot_named("lamp");
+    for (auto& [name, motion] : shot.objects) {
+        ObjectKey before = object_at(motion, 0), after = object_at(motion, 24);
+        before.frame = changes - 1;
+        after.frame = changes;
+        motion.keys = {before, after};
+    }
+    const auto truth_at = [&](uint32_t frame) {
+        Budgeted raw(shot, "raw", {"nodes.trace.params.rays_per_pixel=32", "resources.visibility={\"format\": \"r16f\"}"}, {});
+        raw.frame(frame, true);
+        return captured_planes(raw.view(), "visibility").at(0);
+    };
+    const auto before = truth_at(changes - 1), after = truth_at(changes);
+    std::vector<size_t> changed;
+    for (size_t i = 0; i < before.size(); ++i)
+        if (std::abs(before[i] - after[i]) == 1.0F) changed.push_back(i);
+    ASSERT_GE(changed.size(), 200u);
+
+    Budgeted run(shot, "shadows", {}, {});
+    for (uint32_t frame = 0; frame < changes + 6; ++frame) {
+        run.frame(frame, frame == 0);
+        if (frame < changes) continue;
+        const auto seen = captured_planes(run.view(), "visibility").at(0);
+        size_t late = 0;
+        for (const size_t i : changed) late += std::abs(seen[i] - after[i]) > 0.25F;
+        const double share = double(late) / double(changed.size());
+        RecordProperty("late_in_frame_" + std::to_string(frame - changes), std::to_string(share));
+        if (frame == changes + 1) EXPECT_LE(share, 0.1);
+        if (frame == changes + 4) EXPECT_LE(share, 0.01);
+    }
+}
+
 TEST_F(Budget, OfNothingCastsNothing) {
     Budgeted run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0"},
                  {"ray_words", "ray_bits"});

@@ -13,6 +13,7 @@ layout(std430, set = 0, binding = 3) writeonly buffer Answers { uint answers[]; 
 layout(push_constant) uniform Push { uint count; };
 
 #define NO_SCENE_ALPHA
+#define NO_SCENE_WORDS
 #include "../shaders/common/bvh.glsl"
 
 void main() {

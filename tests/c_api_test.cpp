@@ -268,7 +268,8 @@ void submit_commands() {
     check(vkQueueWaitIdle(gpu().queue()), "vkQueueWaitIdle", "C");
 }
 
-// c_nodes.c: a node that a host in C records, and one that is compiled from a folder; frames of several sizes.
+// c_nodes.c: a node that a host in C records, and one that is compiled from a folder; frames of several
+// sizes.
 TEST_F(CApiGpu, NodesOfTheCallers) {
     const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "penumbra_c_nodes";
     std::filesystem::create_directories(folder);
@@ -281,12 +282,14 @@ TEST_F(CApiGpu, NodesOfTheCallers) {
 void for_pixel(ivec2 p) { imageStore(doubled, p, 2.0 * texelFetch(drawn, p, 0)); }
 void main() { for_each_pixel(); }
 )";
-    const VkCommandPoolCreateInfo create{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, nullptr, 0, gpu().queue_family()};
+    const VkCommandPoolCreateInfo create{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, nullptr, 0,
+                                         gpu().queue_family()};
     check(vkCreateCommandPool(gpu().get(), &create, nullptr, &c_pool), "vkCreateCommandPool", "C");
     const Owned<VkCommandPool> pool(gpu().get(), c_pool);
-    const VkCommandBufferAllocateInfo allocate_info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, c_pool,
-                                                    VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
-    check(vkAllocateCommandBuffers(gpu().get(), &allocate_info, &c_commands), "vkAllocateCommandBuffers", "C");
+    const VkCommandBufferAllocateInfo allocate_info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr,
+                                                    c_pool, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
+    check(vkAllocateCommandBuffers(gpu().get(), &allocate_info, &c_commands), "vkAllocateCommandBuffers",
+          "C");
     const std::string at = folder.string();
     c_host host{host_device(), at.c_str(), begin_commands, submit_commands, vkCmdClearColorImage};
     const char* problem = run_c_nodes(&host);

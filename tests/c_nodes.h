@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A host in C with nodes of its own: one that it records, and one whose GLSL is compiled when the program runs. */
+/* A host in C with nodes of its own: one that it records, and one whose GLSL is compiled when the program
+ * runs. */
 #ifndef TESTS_C_NODES_H
 #define TESTS_C_NODES_H
 

@@ -76,7 +76,8 @@ TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
 
 // A frame of a smaller size runs as many groups as it needs, also of a mip chain's levels.
 TEST_F(ChangeGpu, DispatchesFollowTheFramesSize) {
-    const CheckedPipeline pipeline = checked(R"("outputs": ["picked"], "nodes": { "fill": { "type": "toy_fill" },
+    const CheckedPipeline pipeline =
+        checked(R"("outputs": ["picked"], "nodes": { "fill": { "type": "toy_fill" },
         "chain": { "type": "toy_chain" }, "pick": { "type": "toy_pick" } })");
     View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, {})), {});
     using Groups = std::vector<std::array<uint32_t, 3>>;
@@ -86,20 +87,25 @@ TEST_F(ChangeGpu, DispatchesFollowTheFramesSize) {
         return Spy::dispatches;
     };
     // 8x8 pixels of 29x13, then 4x4 of each level: 29x13 14x6 7x3 3x1 1x1, then 8x8 again.
-    EXPECT_EQ(dispatches_of({29, 13}), (Groups{{4, 2, 1}, {8, 4, 1}, {4, 2, 1}, {2, 1, 1}, {1, 1, 1}, {1, 1, 1}, {4, 2, 1}}));
-    EXPECT_EQ(dispatches_of({9, 8}), (Groups{{2, 1, 1}, {3, 2, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {2, 1, 1}}));
+    EXPECT_EQ(dispatches_of({29, 13}),
+              (Groups{{4, 2, 1}, {8, 4, 1}, {4, 2, 1}, {2, 1, 1}, {1, 1, 1}, {1, 1, 1}, {4, 2, 1}}));
+    EXPECT_EQ(dispatches_of({9, 8}),
+              (Groups{{2, 1, 1}, {3, 2, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {2, 1, 1}}));
 }
 
-// Sizes and facts change at random, two frames in flight. A size that the plan is large enough for makes and allocates
-// nothing; beyond it, and for other facts, another plan's view takes over. All of them have what there was of history;
-// views retire by fences, all memory comes back, and nothing that waits or submits was so much as asked for.
+// Sizes and facts change at random, two frames in flight. A size that the plan is large enough for makes and
+// allocates nothing; beyond it, and for other facts, another plan's view takes over. All of them have what
+// there was of history; views retire by fences, all memory comes back, and nothing that waits or submits was
+// so much as asked for.
 TEST_F(ChangeGpu, TwoHundredRandomChangesWithFramesInFlight) {
     const CheckedPipeline pipeline = checked(R"("outputs": ["blended", "level"], "nodes": {
         "fill": { "type": "toy_fill" }, "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } },
         "bright": { "type": "toy_fill", "if": "moves", "params": { "scale": 3 }, "out": { "value": "level" } },
         "dim": { "type": "toy_fill", "if": "!moves", "out": { "value": "level" } } })");
     constexpr Extent small{width, height}, large{width + 16, height + 11};
-    const auto fits = [](Extent size, Extent in) { return size.width <= in.width && size.height <= in.height; };
+    const auto fits = [](Extent size, Extent in) {
+        return size.width <= in.width && size.height <= in.height;
+    };
     Allocator allocator;
     DeviceHandles handles = Spy::handles();
     handles.memory = allocator.callbacks();
@@ -143,7 +149,8 @@ TEST_F(ChangeGpu, TwoHundredRandomChangesWithFramesInFlight) {
             bool another = f == 0;
             if (resize) size = {1 + uint32_t(random() % large.width), 1 + uint32_t(random() % large.height)};
             if (resize && !is_large && !fits(size, small)) another = is_large = true, ++larger;
-            if (resize && is_large && fits(size, small) && fits(before, small)) {  // to a plan that takes less memory
+            if (resize && is_large && fits(size, small) &&
+                fits(before, small)) {  // to a plan that takes less memory
                 another = true, is_large = false;
                 ++smaller;
             }

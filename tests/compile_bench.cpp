@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //   compile_bench
-// Milliseconds that plans take: of shipped pipelines, and of chains of toy nodes; the least of many. No device is asked.
+// Milliseconds that plans take: of shipped pipelines, and of chains of toy nodes; the least of many. No
+// device is asked.
 #include <chrono>
 #include <cstdio>
 #include <stdexcept>
@@ -22,7 +23,9 @@ void measure(const char* name, const CheckedPipeline& pipeline, int times) {
         const auto begin = std::chrono::steady_clock::now();
         const auto plan =
             compile(pipeline, {.extent = {1920, 1080}, .device = reference_device()}, {}, diagnostics);
-        best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+        best = std::min(
+            best,
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
         if (!plan) throw std::runtime_error(diagnostics.text());
         passes = plan->passes.size();
         memory = plan->memory;
@@ -38,8 +41,9 @@ CheckedPipeline chain(int nodes) {
                        R"("], "nodes": { "fill": { "type": "toy_fill", "out": { "value": "n0" } })";
     for (int i = 1; i < nodes; ++i) {
         const std::string own = "n" + std::to_string(i), before = "n" + std::to_string(i - 1);
-        text += R"(, "b)" + std::to_string(i) + R"(": { "type": "toy_blend", "in": { "value": ")" + before + "\"" +
-                (i % 4 == 0 ? R"(, "history": ")" + own + "@-1\"" : "") + R"( }, "out": { "blended": ")" + own + R"(" } })";
+        text += R"(, "b)" + std::to_string(i) + R"(": { "type": "toy_blend", "in": { "value": ")" + before +
+                "\"" + (i % 4 == 0 ? R"(, "history": ")" + own + "@-1\"" : "") +
+                R"( }, "out": { "blended": ")" + own + R"(" } })";
     }
     Diagnostics diagnostics;
     const auto pipeline = parse_pipeline(text + "} }", "chain.json", {}, diagnostics);

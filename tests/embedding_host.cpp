@@ -4,7 +4,6 @@
 #include <cstring>
 #include <stdexcept>
 
-
 namespace penumbra::test {
 
 CheckedPipeline checked(const std::string& body, const NodeSet& set) {
@@ -68,8 +67,8 @@ GpuImage image_of(VkFormat format, VkImageUsageFlags usage) {
                       "the host's");
 }
 
-std::shared_ptr<const Program> program_with(const CheckedPipeline& pipeline, const Facts& facts,
-                                            bool hand_on, Extent extent) {
+std::shared_ptr<const Program> program_with(const CheckedPipeline& pipeline, const Facts& facts, bool hand_on,
+                                            Extent extent) {
     CompileOptions options = capturing(pipeline);
     options.hand_on_history = hand_on;
     Diagnostics diagnostics;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A host to embed penumbra in, for tests: small plans of toy nodes, functions that listen, an allocator that may fail,
-// command buffers of threads.
+// A host to embed penumbra in, for tests: small plans of toy nodes, functions that listen, an allocator that
+// may fail, command buffers of threads.
 #pragma once
 
 #include <array>
@@ -84,7 +84,7 @@ struct Spy {
         return function(arguments...);
     }
     template <auto function, class... A>
-    static PFN_vkVoidFunction counting(VkResult (VKAPI_PTR*)(A...)) {
+    static PFN_vkVoidFunction counting(VkResult(VKAPI_PTR*)(A...)) {
         return reinterpret_cast<PFN_vkVoidFunction>(&counted<function, A...>);
     }
 

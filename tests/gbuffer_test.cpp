@@ -351,5 +351,69 @@ TEST(Device, UnknownNameListsWhatThereIs) {
     EXPECT_EQ(Device({.name = part}).info().name, devices[0].name);
 }
 
+// A mesh that a joint or a morph target moves, and the same one moved by its node: nothing tells them apart.
+TEST_F(GBufferTest, WhatDeformsIsWhereItIsAndComesFromWhereItWas) {
+    Shot shot = boxes_shot();
+    shot.objects.clear();
+    shot.animation = "0";
+    shot.fps = 1;
+    const auto moving = [](AnimationChannel::Path path, int node, std::vector<float> values) {
+        Animation animation;
+        animation.duration_s = 4;
+        animation.channels = {
+            {node, path, AnimationChannel::Interpolation::linear, {0, 4}, std::move(values)}};
+        return animation;
+    };
+    const glm::vec3 way(0.6f, 0.3f, 0.2f), start(-1.5f, 0.1f, 0);
+    Model by_node = boxes(), by_joint = boxes(), by_target = boxes();
+    by_node.animations = {
+        moving(AnimationChannel::Path::translation, 1,
+               {start.x, start.y, start.z, start.x + way.x, start.y + way.y, start.z + way.z})};
+
+    by_joint.nodes[1].translation = {7, 7, 7};  // of no consequence
+    by_joint.nodes[1].skin = 0;
+    by_joint.nodes.push_back({.name = "joint", .translation = glm::dvec3(start)});
+    by_joint.skins = {{{4}, {glm::dmat4(1)}}};
+    by_joint.meshes.push_back(by_joint.meshes[1]);
+    by_joint.nodes[1].mesh = 2;
+    Part& bound = by_joint.meshes[2].parts[0];
+    bound.joints.assign(bound.positions.size(), {0, 0, 0, 0});
+    bound.weights.assign(bound.positions.size(), {1, 0, 0, 0});
+    by_joint.animations = {
+        moving(AnimationChannel::Path::translation, 4,
+               {start.x, start.y, start.z, start.x + way.x, start.y + way.y, start.z + way.z})};
+
+    by_target.meshes.push_back(by_target.meshes[1]);
+    by_target.nodes[1].mesh = 2;
+    Part& morphed = by_target.meshes[2].parts[0];
+    morphed.targets = {std::vector<glm::vec3>(morphed.positions.size(), way)};
+    by_target.animations = {moving(AnimationChannel::Path::weights, 1, {0, 1})};
+
+    const Rendered expected = render(*device_, shot, by_node, 3);
+    size_t moved = 0;
+    for (const auto& [name, model] : {std::pair{"joint", &by_joint}, {"target", &by_target}}) {
+        const Rendered seen = render(*device_, shot, *model, 3);
+        size_t off = 0;
+        for (size_t p = 0; p < expected.depth.size(); ++p) {
+            if (std::abs(seen.depth[p] - expected.depth[p]) > 1e-5f * expected.depth[p]) {
+                ++off;  // a pixel of an outline
+                continue;
+            }
+            EXPECT_LE(glm::length(seen.normal[p] - expected.normal[p]), 1e-4f) << name;
+            EXPECT_LE(glm::length(glm::vec3(seen.motion[p] - expected.motion[p])), 2e-3f) << name;
+            moved += glm::length(glm::vec2(expected.motion[p])) > 0.02f;
+        }
+        EXPECT_LE(off, 40u) << name;
+    }
+    EXPECT_GT(moved, 500u) << "the mover is in the picture and moves";
+    // Its triangles for rays stand there, too.
+    const Scene a(by_node, shot), b(by_joint, shot), c(by_target, shot);
+    const auto box_a = a.box(3), box_b = b.box(3), box_c = c.box(3);
+    for (int k = 0; k < 2; ++k) {
+        EXPECT_NEAR(glm::length(box_a[k] - box_b[k]), 0, 1e-5);
+        EXPECT_NEAR(glm::length(box_a[k] - box_c[k]), 0, 1e-5);
+    }
+}
+
 }  // namespace
 }  // namespace penumbra

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a host hands over and gets back: images in its layouts, from its queues, outputs in images of its own, names
-// for its debugger.
+// What a host hands over and gets back: images in its layouts, from its queues, outputs in images of its own,
+// names for its debugger.
 #include "tests/embedding_host.h"
 
 namespace penumbra::test {

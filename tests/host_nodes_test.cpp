@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Nodes of the host inside the graph: a callback with slots, parameters and the view it runs in; raster passes.
+// Nodes of the host inside the graph: a callback with slots, parameters and the view it runs in; raster
+// passes.
 #include <cstring>
 
 #include "tests/embedding_host.h"

@@ -13,7 +13,8 @@
 namespace penumbra::test {
 namespace {
 
-constexpr const char* tracers[] = {"shadows", "hybrid_shadows", "hybrid_shadows_best", "covered", "many_rays", "one_ray", "raw"};
+constexpr const char* tracers[] = {
+    "shadows", "hybrid_shadows", "hybrid_shadows_best", "covered", "many_rays", "one_ray", "raw"};
 
 class NoTreeGpu : public GpuTest {};
 
@@ -34,7 +35,8 @@ TEST_F(NoTreeGpu, NoSlotIsThatOfATree) {
                 EXPECT_TRUE(std::ranges::none_of(plan->slots, of_tree)) << name;
                 EXPECT_TRUE(plan->slot("scene.tlas")) << name;
                 const auto needs = requirements(*plan);
-                EXPECT_NE(std::ranges::find(needs, "VK_KHR_ray_query", &Requirement::name), needs.end()) << name;
+                EXPECT_NE(std::ranges::find(needs, "VK_KHR_ray_query", &Requirement::name), needs.end())
+                    << name;
                 EXPECT_EQ(unmet(*plan, handles_of(gpu())).empty(), gpu().caps().ray_query) << name;
                 EXPECT_TRUE(plan->output("visibility")) << name;
             }
@@ -42,20 +44,23 @@ TEST_F(NoTreeGpu, NoSlotIsThatOfATree) {
             Diagnostics diagnostics;
             EXPECT_FALSE(compile(pipeline, target, {}, diagnostics)) << name;
             EXPECT_NE(diagnostics.text().find("lacks ray_query"), std::string::npos) << diagnostics.text();
-            EXPECT_NE(diagnostics.text().find("the fact \"tree\" does not hold"), std::string::npos) << diagnostics.text();
+            EXPECT_NE(diagnostics.text().find("the fact \"tree\" does not hold"), std::string::npos)
+                << diagnostics.text();
         }
 }
 
 // A node that can do nothing but walk the tree says so, where a pipeline does not leave it out.
 TEST_F(NoTreeGpu, WhatWalksTheTreeCannotRunWithout) {
-    const CheckedPipeline pipeline = shadow_pipeline(R"({ "penumbra": 1, "name": "p", "extends": ")" PENUMBRA_SOURCE_DIR
-        R"(/pipelines/many_rays.json",
+    const CheckedPipeline pipeline =
+        shadow_pipeline(R"({ "penumbra": 1, "name": "p", "extends": ")" PENUMBRA_SOURCE_DIR
+                        R"(/pipelines/many_rays.json",
         "nodes": { "beams": { "if": null }, "trace": { "if": null }, "trace_queries": null } })");
     Target target{.extent = {96, 54}, .facts = {{"tree", false}}, .device = reference_device()};
     target.device.features = {"ray_query"};
     Diagnostics diagnostics;
     EXPECT_FALSE(compile(pipeline, target, {}, diagnostics));
-    EXPECT_NE(diagnostics.text().find("nodes.beams: \"bvh\": the fact \"tree\" does not hold"), std::string::npos)
+    EXPECT_NE(diagnostics.text().find("nodes.beams: \"bvh\": the fact \"tree\" does not hold"),
+              std::string::npos)
         << diagnostics.text();
 }
 
@@ -67,8 +72,8 @@ std::vector<float> visibility_of(const char* name, bool tree) {
     options.optimum = options.pass_costs = options.jitter = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(name), plaza_shot(options.size, 4), options,
-                                       diagnostics, warnings);
+    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(name),
+                                       plaza_shot(options.size, 4), options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     EXPECT_EQ(session->bvh() != nullptr, tree) << name;
     for (uint32_t f = 0; f < 4; ++f) session->run_frame(f, f == 0);
@@ -84,7 +89,8 @@ TEST_F(NoTreeGpu, TheImageIsThatOfTheTree) {
             squared += std::pow(double(with[i]) - double(without[i]), 2);
             shadow += 1 - double(without[i]);
         }
-        std::printf("%s without a tree: RMSE %.4f against it\n", name, std::sqrt(squared / double(with.size())));
+        std::printf("%s without a tree: RMSE %.4f against it\n", name,
+                    std::sqrt(squared / double(with.size())));
         EXPECT_LT(std::sqrt(squared / double(with.size())), 0.05) << name;
         EXPECT_GT(shadow, 0.01 * double(with.size())) << name;
     }

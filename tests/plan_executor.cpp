@@ -36,7 +36,8 @@ struct PlanExecutor::Parts : PlanObjects {
     }
 
     std::array<uint32_t, 2> size_of(const Json& thing) const {
-        return thing["follows"].is_null() ? thing["size"].get<std::array<uint32_t, 2>>() : follow(thing["follows"]);
+        return thing["follows"].is_null() ? thing["size"].get<std::array<uint32_t, 2>>()
+                                          : follow(thing["follows"]);
     }
 
     std::array<uint32_t, 3> groups_of(const Json& pass, const Json& largest, uint32_t level) const {
@@ -287,7 +288,8 @@ struct PlanExecutor::Parts : PlanObjects {
             const size_t row = whole_image.size() / r["size"][1].get<size_t>(), width = r["size"][0];
             std::vector<std::byte> bytes;
             for (size_t y = 0; y < part[1]; ++y)
-                bytes.insert(bytes.end(), whole_image.begin() + row * y, whole_image.begin() + row * y + row / width * part[0]);
+                bytes.insert(bytes.end(), whole_image.begin() + row * y,
+                             whole_image.begin() + row * y + row / width * part[0]);
             return bytes;
         }
         throw std::invalid_argument("no output " + name);

@@ -28,8 +28,7 @@ class PlanJsonGpu : public GpuTest, public ::testing::WithParamInterface<const c
 
 void run_plan(const char* name, std::array<uint32_t, 2> size, std::array<uint32_t, 2> largest) {
     const CheckedPipeline pipeline = shadow_pipeline_file(name);
-    const fs::path folder =
-        fs::path(::testing::TempDir()) / (std::string("penumbra_plan_json_") + name);
+    const fs::path folder = fs::path(::testing::TempDir()) / (std::string("penumbra_plan_json_") + name);
     fs::remove_all(folder);
     constexpr uint32_t frames = 5;
     record_plaza(pipeline, size, frames, folder);

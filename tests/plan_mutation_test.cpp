@@ -3,6 +3,7 @@
 // code with the compiler, notice each. The counts are those of docs/reliability.md.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 
@@ -31,7 +32,9 @@ Plan plan_of(const CheckedPipeline& pipeline, bool poison = false) {
     return std::move(*plan);
 }
 
-Counts expect_all_noticed(const Plan& plan) {
+// `harmless`: nodes before which a dependency makes a write available that another has made available
+// already, as the rules that place them cannot tell.
+Counts expect_all_noticed(const Plan& plan, const std::vector<std::string>& harmless = {}) {
     EXPECT_EQ(overlap_errors(plan), std::vector<std::string>{});
     EXPECT_EQ(hazard_errors(plan), std::vector<std::string>{});
     Counts counts{};
@@ -40,7 +43,10 @@ Counts expect_all_noticed(const Plan& plan) {
         const bool of_memory =
             mutant.fault == Fault::lifetime_short || mutant.fault == Fault::lifetime_short_packed;
         const auto errors = of_memory ? overlap_errors(mutant.plan) : hazard_errors(mutant.plan, 1);
-        EXPECT_FALSE(errors.empty()) << name_of(mutant.fault) << ": " << mutant.what << " lives";
+        const std::string node = mutant.what.substr(0, mutant.what.find(','));
+        const bool lives = mutant.fault == Fault::dependency_dropped &&
+                           std::find(harmless.begin(), harmless.end(), node) != harmless.end();
+        EXPECT_EQ(errors.empty(), lives) << name_of(mutant.fault) << ": " << mutant.what;
     }
     return counts;
 }
@@ -76,14 +82,14 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, PlanMutation, ::testing::ValuesIn(pipeline_f
                          [](const auto& test) { return test.param; });
 
 TEST(ToyMutation, IsNoticed) {
-    const Counts counts = expect_all_noticed(plan_of(toy_pipeline_file()));
+    const Counts counts = expect_all_noticed(plan_of(toy_pipeline_file()), {"chain"});
     EXPECT_EQ(counts[static_cast<size_t>(Fault::clear_unordered)], 4u);
     print("toys", counts);
 }
 
 // What poison adds are clears, and each is waited for.
 TEST(ToyMutation, OfPoisonedMemoryIsNoticed) {
-    const Counts counts = expect_all_noticed(plan_of(toy_pipeline_file(), true));
+    const Counts counts = expect_all_noticed(plan_of(toy_pipeline_file(), true), {"chain"});
     print("toys, poisoned", counts);
 }
 

@@ -19,8 +19,7 @@ PlanObjects::PlanObjects(const std::filesystem::path& folder) {
     for (const Json& table : plan["tables"]) {
         const VkExtent2D size{table["size"][0], table["size"][1]};
         tables.push_back(make_image(gpu(), formats.at(table["format"]), size, 1,
-                                    VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                                    "table"));
+                                    VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, "table"));
         upload_image(gpu(), tables.back(), read_bytes(folder / table["file"].get<std::string>()));
     }
     nearest = make_sampler(VK_FILTER_NEAREST);
@@ -38,8 +37,8 @@ PlanObjects::PlanObjects(const std::filesystem::path& folder) {
     VkDescriptorPool handle = VK_NULL_HANDLE;
     check(vkCreateDescriptorPool(device(), &create, nullptr, &handle), "vkCreateDescriptorPool", "");
     pool = {device(), handle};
-    block = make_host_buffer(gpu(), plan["frame_block"]["bytes"], VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-                             "block");
+    block =
+        make_host_buffer(gpu(), plan["frame_block"]["bytes"], VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "block");
     counters = make_host_buffer(gpu(), 4 * std::max<size_t>(plan["counters"].size(), 1),
                                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "counters");
     nothing = make_host_buffer(gpu(), 16384,
@@ -102,19 +101,13 @@ Instance PlanObjects::make_resource(const Json& r, size_t p) const {
     check(vkCreateBuffer(device(), &create, nullptr, &handle), "vkCreateBuffer", "a resource");
     out.buffer = {device(), handle};
     check(vkBindBufferMemory(device(), handle, heap, offset), "vkBindBufferMemory", "a resource");
-    if (create.usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)
-        out.texels = texels_of(handle, r["format"]);
+    if (create.usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT) out.texels = texels_of(handle, r["format"]);
     return out;
 }
 
 Owned<VkBufferView> PlanObjects::texels_of(VkBuffer buffer, const std::string& format) const {
-    const VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
-                                        nullptr,
-                                        0,
-                                        buffer,
-                                        formats.at(format),
-                                        0,
-                                        VK_WHOLE_SIZE};
+    const VkBufferViewCreateInfo create{
+        VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO, nullptr, 0, buffer, formats.at(format), 0, VK_WHOLE_SIZE};
     VkBufferView handle = VK_NULL_HANDLE;
     check(vkCreateBufferView(device(), &create, nullptr, &handle), "vkCreateBufferView", "texels");
     return {device(), handle};
@@ -123,8 +116,7 @@ Owned<VkBufferView> PlanObjects::texels_of(VkBuffer buffer, const std::string& f
 Owned<VkSampler> PlanObjects::make_sampler(VkFilter filter) const {
     VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
     create.magFilter = create.minFilter = filter;
-    create.addressModeU = create.addressModeV = create.addressModeW =
-        VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    create.addressModeU = create.addressModeV = create.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
     create.maxLod = VK_LOD_CLAMP_NONE;
     VkSampler handle = VK_NULL_HANDLE;
     check(vkCreateSampler(device(), &create, nullptr, &handle), "vkCreateSampler", "");
@@ -155,8 +147,7 @@ Pass PlanObjects::make_pass(const Json& pass, const std::filesystem::path& folde
     layout.pushConstantRangeCount = push.size ? 1 : 0;
     layout.pPushConstantRanges = &push;
     VkPipelineLayout layout_handle = VK_NULL_HANDLE;
-    check(vkCreatePipelineLayout(device(), &layout, nullptr, &layout_handle), "vkCreatePipelineLayout",
-          "");
+    check(vkCreatePipelineLayout(device(), &layout, nullptr, &layout_handle), "vkCreatePipelineLayout", "");
     out.layout = {device(), layout_handle};
 
     const std::vector<std::byte> spirv =

@@ -9,7 +9,7 @@
 namespace penumbra::test {
 
 inline constexpr VkImageSubresourceRange whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0,
-                                        VK_REMAINING_ARRAY_LAYERS};
+                                               VK_REMAINING_ARRAY_LAYERS};
 
 struct Instance {
     Owned<VkImage> image;

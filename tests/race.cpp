@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //   race
-// Two views of one program, and one of another, recorded by three threads at once, for ThreadSanitizer to watch:
+// Two views of one program, and one of another, recorded by three threads at once, for ThreadSanitizer to
+// watch:
 //   cmake --preset tsan && cmake --build --preset tsan --target race && build/tsan/tests/race
-// The frames are submitted and waited for by one thread. The driver is not instrumented; what it does by itself is not looked at
-// (default suppressions below).
+// The frames are submitted and waited for by one thread. The driver is not instrumented; what it does by
+// itself is not looked at (default suppressions below).
 #include <vulkan/vulkan.h>
 
 #include <cstdio>
@@ -38,7 +39,8 @@ struct Thread {
 int main() {
     VkApplicationInfo app{VK_STRUCTURE_TYPE_APPLICATION_INFO};
     app.apiVersion = VK_API_VERSION_1_3;
-    const VkInstanceCreateInfo instance_info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, nullptr, 0, &app, 0, nullptr, 0, nullptr};
+    const VkInstanceCreateInfo instance_info{
+        VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, nullptr, 0, &app, 0, nullptr, 0, nullptr};
     VkInstance instance = VK_NULL_HANDLE;
     must(vkCreateInstance(&instance_info, nullptr, &instance), "vkCreateInstance");
     uint32_t one = 1;
@@ -48,7 +50,8 @@ int main() {
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v13};
     vkGetPhysicalDeviceFeatures2(physical, &features);
     const float priority = 1;
-    const VkDeviceQueueCreateInfo queues{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, 0, 1, &priority};
+    const VkDeviceQueueCreateInfo queues{
+        VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, 0, 1, &priority};
     VkDeviceCreateInfo device_info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
     device_info.queueCreateInfoCount = 1;
     device_info.pQueueCreateInfos = &queues;
@@ -59,13 +62,16 @@ int main() {
     const pen::DeviceHandles handles{instance, physical, device, 0, vkGetInstanceProcAddr, {}};
 
     pen::Diagnostics errors;
-    const auto pipeline = pen::load_pipeline(PIPELINES "/denoise.json", {}, errors);  // has tables, histories, counters
+    const auto pipeline =
+        pen::load_pipeline(PIPELINES "/denoise.json", {}, errors);  // has tables, histories, counters
     const auto checked = pipeline ? pen::check(*pipeline, pen::shadow_nodes(), errors) : std::nullopt;
     const auto program_of = [&](pen::Extent extent) {
-        auto plan = checked ? pen::compile(*checked, {.extent = extent, .device = pen::device_table(handles)}, {}, errors)
+        auto plan = checked ? pen::compile(*checked, {.extent = extent, .device = pen::device_table(handles)},
+                                           {}, errors)
                             : std::nullopt;
         if (!plan) std::fputs(errors.text().c_str(), stderr), std::exit(1);
-        return std::make_shared<const pen::Program>(handles, std::make_shared<const pen::Plan>(std::move(*plan)));
+        return std::make_shared<const pen::Program>(handles,
+                                                    std::make_shared<const pen::Plan>(std::move(*plan)));
     };
     const std::shared_ptr<const pen::Program> programs[2] = {program_of({64, 32}), program_of({48, 24})};
 
@@ -106,9 +112,12 @@ int main() {
             view.viewType = VK_IMAGE_VIEW_TYPE_2D;
             view.format = info.format;
             const bool depth = slot.format == pen::Format::d32 || slot.format == pen::Format::d16;
-            view.subresourceRange = {VkImageAspectFlags(depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT), 0, 1, 0, 1};
+            view.subresourceRange = {
+                VkImageAspectFlags(depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT), 0, 1, 0,
+                1};
             must(vkCreateImageView(device, &view, nullptr, &externals[slot.name].image), "vkCreateImageView");
-            externals[slot.name].handover = pen::Handover{.image = image, .layout_before = VK_IMAGE_LAYOUT_UNDEFINED};
+            externals[slot.name].handover =
+                pen::Handover{.image = image, .layout_before = VK_IMAGE_LAYOUT_UNDEFINED};
         }
     };
     std::vector<std::unique_ptr<pen::View>> views;
@@ -121,8 +130,8 @@ int main() {
         bind(program->plan(), externals.back());
         const VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, nullptr, 0, 0};
         must(vkCreateCommandPool(device, &pool, nullptr, &threads[t].pool), "vkCreateCommandPool");
-        const VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr, threads[t].pool,
-                                                   VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
+        const VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO, nullptr,
+                                                   threads[t].pool, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
         must(vkAllocateCommandBuffers(device, &allocate, &threads[t].cmd), "vkAllocateCommandBuffers");
     }
     for (uint32_t f = 0; f < 100; ++f) {

@@ -100,6 +100,8 @@ class RayMaker {
   private:
     static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
+    double frame_snap_px() const { return std::ldexp(0.5, -int(frame_.description.sub_pixel_bits)); }
+
     double offset(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene,
                   double z) const {
         const glm::dvec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
@@ -108,7 +110,7 @@ class RayMaker {
         const glm::dmat3 axes = glm::make_mat3(frame_.description.camera.world_from_view.data());
         const double across = std::abs(glm::dot(n, axes[0])) + std::abs(glm::dot(n, axes[1]));
         return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing +
-               pixel_angle * z * across / 512;
+               pixel_angle * z * across * frame_snap_px();
     }
 
     // Uniform over the cap, by polar coordinates of the disc (sources in sun_sample.glsl).

@@ -64,13 +64,15 @@ Facts recorded_facts() {
 
 namespace {
 
-// Rays for a pipeline that is given them: those of one_ray.json, told as little of itself as denoise.json is. It gives the same image.
+// Rays for a pipeline that is given them: those of one_ray.json, told as little of itself as denoise.json is.
+// It gives the same image.
 CheckedPipeline tracer_of(const CheckedPipeline& pipeline) {
-    if (std::ranges::find(pipeline.inputs, "hits", &HostInput::name) == pipeline.inputs.end()) return pipeline;
+    if (std::ranges::find(pipeline.inputs, "hits", &HostInput::name) == pipeline.inputs.end())
+        return pipeline;
     Diagnostics diagnostics;
     const std::vector<std::string> settings{"nodes.gather.params.rays=bits"};
-    const auto tracer = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json", settings,
-                                      diagnostics);
+    const auto tracer = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json",
+                                      settings, diagnostics);
     auto checked = tracer ? check(*tracer, test_nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     return std::move(*checked);
@@ -99,7 +101,8 @@ Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t fra
     Recording recording{session->plan(), {}};
     if (foreign) {
         DeviceTable device = device_table(handles_of(gpu()));
-        auto plan = compile(pipeline, standalone_target(pipeline, device, shot.size, options.facts), {}, diagnostics);
+        auto plan =
+            compile(pipeline, standalone_target(pipeline, device, shot.size, options.facts), {}, diagnostics);
         if (!plan) throw std::runtime_error(diagnostics.text());
         recording.plan = std::move(*plan);
     }

@@ -155,7 +155,7 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
                      false)}) {
         testing::internal::CaptureStdout();
         ReferenceArguments reference;
-        reference.shot = file.string();
+        reference.view.shot = file.string();
         reference.out = (folder_ / "truth").string();
         reference.frames = frames;
         reference.size = "64x48";
@@ -168,9 +168,9 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
         compare.json = true;
         for (const uint32_t seed : {1u, 2u}) {
             RenderArguments render;
-            render.pipeline = pipeline(*setting ? "raw" : id);
+            render.files = {pipeline(*setting ? "raw" : id)};
             if (*setting) render.settings = {setting};
-            render.shot = reference.shot;
+            render.view.shot = reference.view.shot;
             render.out = (folder_ / std::to_string(seed)).string();
             render.frames = frames;
             render.every = every;

@@ -46,22 +46,13 @@ std::unique_ptr<Session> open(const CheckedPipeline& pipeline, Shot shot, Sessio
 
 using Bytes = std::vector<std::byte>;
 
-bool has_node(const CheckedPipeline& pipeline, std::string_view id) {
-    return std::ranges::any_of(pipeline.nodes, [&](const BoundNode& node) { return node.id == id; });
-}
-
 // Every captured resource of every frame, in order. A reset in the middle makes garbage history likelier to
-// show. The node reference goes through its stages, as the command does.
+// show.
 std::vector<Bytes> run(const CheckedPipeline& pipeline, const Shot& shot, const SessionOptions& options,
                        uint32_t frames) {
     const auto session = open(pipeline, shot, options);
     std::vector<Bytes> result;
     for (uint32_t frame = 0; frame < frames; ++frame) {
-        if (has_node(pipeline, "reference")) {
-            const uint32_t stages[] = {0, 1, 2, 2, 2};
-            session->set_param("stage", stages[frame % 5]);
-            session->set_param("count", 8u);
-        }
         session->run_frame(frame, frame == 0 || frame == 5);
         for (const std::string& name : pipeline.output_names()) {
             const auto bytes = session->view().captured(name);
@@ -90,12 +81,6 @@ class ShadowPipeline : public GpuTest, public ::testing::WithParamInterface<cons
 
 TEST_P(ShadowPipeline, AliasingAndPoisonDoNotShow) {
     expect_memory_does_not_show(pipeline_named(GetParam()));
-}
-
-class ReferencePipeline : public GpuTest {};
-
-TEST_F(ReferencePipeline, AliasingAndPoisonDoNotShow) {
-    expect_memory_does_not_show(pipeline_named("reference"));
 }
 
 TEST_P(ShadowPipeline, IsBitIdenticalBetweenRuns) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The active size of a frame, which is at most the plan's: a plan for a larger one gives the same images to the bit, and what
-// was accumulated before the size changed is worth as much behind it.
+// The active size of a frame, which is at most the plan's: a plan for a larger one gives the same images to
+// the bit, and what was accumulated before the size changed is worth as much behind it.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -40,14 +40,16 @@ Outputs run(const CheckedPipeline& pipeline, std::array<uint32_t, 2> of_size,
     for (uint32_t f = 0; f < frames; ++f) {
         session->run_frame(f, f == 0);
         for (const PlanOutput& output : session->plan().outputs)
-            outputs[f][output.name] = cropped(session->plan(), output.name,
-                                              session->view().captured(output.name), {of_size[0], of_size[1]});
+            outputs[f][output.name] =
+                cropped(session->plan(), output.name, session->view().captured(output.name),
+                        {of_size[0], of_size[1]});
     }
     return outputs;
 }
 
-// Sizes that are powers of two: also where a linear sampler is told is then the same number. Nothing else that a frame reads or
-// writes depends on the plan's size. The denoiser of fidelityfx.json is left out behind its first frame: it differs there.
+// Sizes that are powers of two: also where a linear sampler is told is then the same number. Nothing else
+// that a frame reads or writes depends on the plan's size. The denoiser of fidelityfx.json is left out behind
+// its first frame: it differs there.
 TEST_P(SizeGpu, APlanForMoreGivesTheSameImages) {
     const CheckedPipeline pipeline = shadow_pipeline_file(GetParam());
     const Outputs expected = run(pipeline, {64, 32}, {}, 3), larger = run(pipeline, {64, 32}, {{128, 64}}, 3);
@@ -59,8 +61,9 @@ TEST_P(SizeGpu, APlanForMoreGivesTheSameImages) {
     EXPECT_NE(expected[0], expected[2]) << "nothing changes: the test shows nothing";
 }
 
-// Any size. A linear sampler rounds where in the whole image a texel lies: taa's color differs by that from the second frame on,
-// and so does all that fidelityfx.json's denoiser makes of its history, whose thresholds make it more.
+// Any size. A linear sampler rounds where in the whole image a texel lies: taa's color differs by that from
+// the second frame on, and so does all that fidelityfx.json's denoiser makes of its history, whose thresholds
+// make it more.
 TEST_P(SizeGpu, APlanForMoreGivesTheSameFirstImage) {
     const std::string name = GetParam();
     const CheckedPipeline pipeline = shadow_pipeline_file(name);
@@ -77,8 +80,8 @@ INSTANTIATE_TEST_SUITE_P(Shipped, SizeGpu,
                          ::testing::Values("cascades_only", "covered", "fidelityfx", "hybrid_cascades",
                                            "hybrid_fidelityfx", "hybrid_shadows", "hybrid_shadows_best",
                                            "hybrid_shadows_fast", "many_rays", "one_ray", "raw", "reference",
-                                           "shadows", "shadows_best", "shadows_fast", "sigma", "raw_reflections",
-                                           "reflections", "fidelityfx_reflections"),
+                                           "shadows", "shadows_best", "shadows_fast", "sigma",
+                                           "raw_reflections", "reflections", "fidelityfx_reflections"),
                          [](const auto& name) { return std::string(name.param); });
 
 class SizeChangeGpu : public GpuTest {};
@@ -124,8 +127,9 @@ double n_eff(const Bytes& bytes, const Truth& truth) {
 
 Shot shipped_shot(const char* name, std::array<uint32_t, 2> of_size, bool still) {
     Diagnostics diagnostics;
-    auto shot = read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (std::string(name) + ".shot.json"),
-                          diagnostics);
+    auto shot =
+        read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (std::string(name) + ".shot.json"),
+                  diagnostics);
     if (!shot) throw std::runtime_error(diagnostics.text());
     shot->size = of_size;
     if (still) shot->camera.resize(1);
@@ -140,14 +144,16 @@ struct Change {
 
 class HistoryGpu : public GpuTest, public ::testing::WithParamInterface<Change> {};
 
-// N_eff of the frame at which the size changes and of one a little later, beside that before the change, and of the same
-// frames without a past and with one of their own size. Where nothing moves, pixels keep a past of their own, which those of another
-// size do not have: the frame is as one without a past, and rays are allotted as to one.
+// N_eff of the frame at which the size changes and of one a little later, beside that before the change, and
+// of the same frames without a past and with one of their own size. Where nothing moves, pixels keep a past
+// of their own, which those of another size do not have: the frame is as one without a past, and rays are
+// allotted as to one.
 TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
     constexpr uint32_t change = 16, frames = change + 5;
     const auto& [name, still, before, after] = GetParam();
     const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
-    const Facts facts = still ? Facts{{"alpha", false}, {"moves", false}, {"sun_moves", false}} : recorded_facts();
+    const Facts facts =
+        still ? Facts{{"alpha", false}, {"moves", false}, {"sun_moves", false}} : recorded_facts();
     const Recording old = record(pipeline, shipped_shot(name, before, still), change, facts, false),
                     own = record(pipeline, shipped_shot(name, after, still), frames, facts, false);
     Diagnostics diagnostics;
@@ -160,8 +166,9 @@ TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
     const Extent most{std::max(before[0], after[0]), std::max(before[1], after[1])};
     SizedRun changed(pipeline, most, own.plan.facts), anew(pipeline, most, own.plan.facts);
     for (uint32_t f = 0; f < change; ++f) changed.frame(old.frames[f], f ? &old.frames[f - 1] : nullptr);
-    std::printf("%s%s, %ux%u to %ux%u: N_eff %.2f before\n", name, still ? " (still)" : "", before[0], before[1], after[0],
-                after[1], n_eff(changed.output("visibility"), truth_of(before, change - 1)));
+    std::printf("%s%s, %ux%u to %ux%u: N_eff %.2f before\n", name, still ? " (still)" : "", before[0],
+                before[1], after[0], after[1],
+                n_eff(changed.output("visibility"), truth_of(before, change - 1)));
     for (uint32_t f = change; f < frames; ++f) {
         changed.frame(own.frames[f], f == change ? &old.frames[f - 1] : &own.frames[f - 1]);
         anew.frame(own.frames[f], f == change ? nullptr : &own.frames[f - 1]);
@@ -171,8 +178,8 @@ TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
         const double kept = n_eff(changed.output("visibility"), truth),
                      reset = n_eff(anew.output("visibility"), truth),
                      ideal = n_eff(own.frames[f].outputs.at("visibility"), truth);
-        std::printf("frame %+d: N_eff %.2f; without a past %.2f, with one of its own size %.2f\n", int(f) - int(change), kept,
-                    reset, ideal);
+        std::printf("frame %+d: N_eff %.2f; without a past %.2f, with one of its own size %.2f\n",
+                    int(f) - int(change), kept, reset, ideal);
         if (still) {
             EXPECT_TRUE(changed.output("visibility") == anew.output("visibility"));
             continue;

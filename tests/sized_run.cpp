@@ -28,9 +28,8 @@ SizedRun::SizedRun(const CheckedPipeline& pipeline, Extent largest, const Facts&
     options.captures = pipeline.output_names();
     options.poison = true;
     Diagnostics diagnostics;
-    auto plan = compile(pipeline,
-                        standalone_target(pipeline, device, {largest.width, largest.height}, facts), options,
-                        diagnostics);
+    auto plan = compile(pipeline, standalone_target(pipeline, device, {largest.width, largest.height}, facts),
+                        options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     view_ = std::make_unique<View>(
         std::make_shared<Program>(handles_of(gpu()), std::make_shared<const Plan>(std::move(*plan))),
@@ -50,9 +49,11 @@ SizedRun::Input SizedRun::bring(const HostSlot& slot, const Bytes& bytes, Extent
     } else {
         const Extent part = slot.follows ? slot.follows->at(size) : slot.extent;
         const size_t texel = info(slot.format).bytes;
-        Bytes padded(texel * slot.extent.width * slot.extent.height, std::byte{0xff});  // NaN, where it is a number
+        Bytes padded(texel * slot.extent.width * slot.extent.height,
+                     std::byte{0xff});  // NaN, where it is a number
         for (size_t y = 0; y < part.height; ++y)
-            std::memcpy(&padded[texel * slot.extent.width * y], &bytes[texel * part.width * y], texel * part.width);
+            std::memcpy(&padded[texel * slot.extent.width * y], &bytes[texel * part.width * y],
+                        texel * part.width);
         input.image = make_image(gpu(), info(slot.format).vk, {slot.extent.width, slot.extent.height}, 1,
                                  VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, slot.name);
         upload_image(gpu(), input.image, padded);
@@ -68,9 +69,8 @@ void SizedRun::frame(const RecordedFrame& frame, const RecordedFrame* last) {
     Externals externals(view_->plan());
     for (const HostSlot& slot : view_->plan().slots) {
         const Input& input = inputs.emplace_back(bring(slot, frame.slots.at(slot.name), size_));
-        externals[slot.name] = {.image = input.image.view.get(),
-                                .texels = input.texels.view.get(),
-                                .buffer = input.buffer.get()};
+        externals[slot.name] = {
+            .image = input.image.view.get(), .texels = input.texels.view.get(), .buffer = input.buffer.get()};
     }
     gpu().run([&](VkCommandBuffer cmd) { view_->record(cmd, description, externals); });
 }

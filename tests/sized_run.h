@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A view of a plan that is made for a largest size, fed with recorded frames of any size up to that: their images lie in
-// the top left corner of larger ones, beside garbage.
+// A view of a plan that is made for a largest size, fed with recorded frames of any size up to that: their
+// images lie in the top left corner of larger ones, beside garbage.
 #pragma once
 
 #include <memory>

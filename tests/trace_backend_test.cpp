@@ -309,8 +309,8 @@ TEST_F(TraceBackendRun, TheProgramRefusesRayQueriesThatTheDeviceLacks) {
     const auto folder =
         std::filesystem::temp_directory_path() / ("penumbra_refused_" + std::to_string(getpid()));
     RenderArguments arguments;
-    arguments.pipeline = (root / "pipelines/raw.json").string();
-    arguments.shot = (root / "scenes/colonnade.shot.json").string();
+    arguments.files = {(root / "pipelines/raw.json").string()};
+    arguments.view.shot = (root / "scenes/colonnade.shot.json").string();
     arguments.out = folder.string();
     arguments.size = "64x32";
     arguments.settings = {"nodes.trace.params.backend=ray_query"};

@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 TEST(TuningShots, AreNotAmongTheShippedOnes) {
-    const std::vector<fs::path> shipped = shipped_files(PENUMBRA_SOURCE_DIR, "scenes", ".shot.json");
+    const std::vector<fs::path> shipped = shipped_files(PENUMBRA_SOURCE_DIR, shipped_shots);
     EXPECT_EQ(shipped.size(), 8u);  // seven shots and the walk
     for (const tuning::Family& family : tuning::all_families)
         for (const uint32_t seed : tuning::committed_seeds) {
@@ -23,8 +23,7 @@ TEST(TuningShots, AreNotAmongTheShippedOnes) {
             for (const fs::path& other : shipped)
                 EXPECT_FALSE(fs::equivalent(file, other) || other.filename() == file.filename()) << other;
             Diagnostics diagnostics;
-            EXPECT_FALSE(shipped_file(name, PENUMBRA_SOURCE_DIR, "scenes", ".shot.json", diagnostics))
-                << name;
+            EXPECT_FALSE(shipped_file(name, PENUMBRA_SOURCE_DIR, shipped_shots, diagnostics)) << name;
         }
 }
 

@@ -107,8 +107,12 @@ class Runner {
         figures_.memory = plan.memory;
         const std::vector<bool> mask = passes_of_mask(plan);
         for (size_t p = 0; p < plan.passes.size(); ++p)
-            figures_.passes.push_back(
-                {plan.passes[p].node, plan.passes[p].type, mask[p], {}, {}, bound_bytes(plan, plan.passes[p])});
+            figures_.passes.push_back({plan.passes[p].node,
+                                       plan.passes[p].type,
+                                       mask[p],
+                                       {},
+                                       {},
+                                       bound_bytes(plan, plan.passes[p])});
     }
 
     void time_compile(const Target& target, Diagnostics& diagnostics) {

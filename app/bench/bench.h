@@ -50,11 +50,11 @@ struct PassFigures {
 struct Figures {
     size_t contender = 0;
     std::vector<PassFigures> passes;
-    Rounds pass_cpu_ms;   // the sum over passes
-    Rounds frame_cpu_ms;  // the frame as one submission, recording included; CPU devices only
-    Rounds wall_ms;       // the same from submission to completion
-    Rounds record_us;     // CPU time of recording, per pass
-    Rounds compile_ms;    // from a checked pipeline to a plan
+    Rounds pass_cpu_ms;     // the sum over passes
+    Rounds frame_cpu_ms;    // the frame as one submission, recording included; CPU devices only
+    Rounds wall_ms;         // the same from submission to completion
+    Rounds record_us;       // CPU time of recording, per pass
+    Rounds compile_ms;      // from a checked pipeline to a plan
     double program_ms = 0;  // from a plan to the device's objects
     // The first frame of all, where drivers compile what they have put off, and frame 0 in later rounds.
     double first_frame_ms = 0;

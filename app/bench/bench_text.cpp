@@ -80,7 +80,7 @@ OrderedJson json_of(const Figures& f, const Bench& bench, const Scene& scene) {
 
 std::string number(const std::optional<double>& value) {
     if (!value) return "-";
-    return *value >= 99.95 ? fmt::format("{:.0f}", *value)
+    return *value >= 99.95   ? fmt::format("{:.0f}", *value)
            : *value >= 9.995 ? fmt::format("{:.1f}", *value)
                              : fmt::format("{:.2f}", *value);
 }
@@ -105,8 +105,7 @@ struct Table {
     }
     void row(const std::string& what, const Cell& cell) {
         text += "| " + what + " |";
-        for (const Scene* scene : scenes)
-            text += " " + cell(scene->contenders[contender], *scene) + " |";
+        for (const Scene* scene : scenes) text += " " + cell(scene->contenders[contender], *scene) + " |";
         text += "\n";
     }
 };
@@ -214,9 +213,10 @@ std::string tables(const Bench& bench) {
                 if (scene.size == size) table.scenes.push_back(&scene);
             const Scene& first = *table.scenes.front();
             text += fmt::format(
-                "{}**{}**, {}x{}, frames {} to {}{}, {}; least / median of {} rounds{}\n\n", text.empty() ? "" : "\n",
-                bench.contenders[c].id, size[0], size[1], bench.options.frames[0], bench.options.frames[1],
-                bench.still ? " standing still" : "", bench.device.driver, bench.options.rounds,
+                "{}**{}**, {}x{}, frames {} to {}{}, {}; least / median of {} rounds{}\n\n",
+                text.empty() ? "" : "\n", bench.contenders[c].id, size[0], size[1], bench.options.frames[0],
+                bench.options.frames[1], bench.still ? " standing still" : "", bench.device.driver,
+                bench.options.rounds,
                 cpu ? fmt::format("; a native pass ({}) takes {} ms", has_avx2() ? "AVX2" : "a plain loop",
                                   number(first.native_ms.least()))
                     : "");

@@ -83,56 +83,14 @@ std::optional<PlainRays> plain_rays(const fs::path& file, const fs::path& root,
 
 }  // namespace
 
-fs::path shipped_root() {
-    std::error_code none;
-    const auto holds_both = [&](const fs::path& folder) {
-        return fs::is_directory(folder / "pipelines", none) && fs::is_directory(folder / "scenes", none);
-    };
-    if (holds_both(".")) return ".";
-    fs::path folder = fs::read_symlink("/proc/self/exe", none).parent_path();
-    for (; !folder.empty() && folder != folder.root_path(); folder = folder.parent_path())
-        if (holds_both(folder)) return fs::proximate(folder, none);
-    return {};
-}
-
-std::vector<fs::path> shipped_files(const fs::path& root, const std::string& folder,
-                                    const std::string& suffix) {
-    std::vector<fs::path> files;
-    std::error_code failure;
-    if (!root.empty())
-        for (const auto& entry : fs::directory_iterator(root / folder, failure))
-            if (const std::string name = entry.path().filename().string();
-                name.ends_with(suffix) && name.find(".schema.") == std::string::npos)
-                files.push_back((root == "." ? fs::path(folder) : root / folder) / name);
-    std::sort(files.begin(), files.end());
-    return files;
-}
-
-std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& root,
-                                     const std::string& folder, const std::string& suffix,
-                                     Diagnostics& diagnostics) {
-    if (fs::is_regular_file(wanted)) return fs::path(wanted);
-    std::vector<std::string> names;
-    for (const fs::path& file : shipped_files(root, folder, suffix)) {
-        std::string name = file.filename().string();
-        name.resize(name.size() - suffix.size());
-        if (name == wanted) return file;
-        names.push_back(name);
-    }
-    diagnostics.add({}, "--" + folder,
-                    fmt::format("\"{}\" is neither a file nor the name of a shipped one{}", wanted,
-                                did_you_mean(wanted, names)));
-    return std::nullopt;
-}
-
 std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted, const fs::path& root,
                                           const NodeSet& nodes, Diagnostics& diagnostics, bool without_maps) {
     Contenders contenders;
     std::vector<fs::path> files;
     for (const std::string& name : wanted)
-        if (const auto file = shipped_file(name, root, "pipelines", ".json", diagnostics))
+        if (const auto file = shipped_file(name, root, shipped_pipelines, diagnostics))
             files.push_back(*file);
-    if (wanted.empty()) files = shipped_files(root, "pipelines", ".json");
+    if (wanted.empty()) files = shipped_files(root, shipped_pipelines);
     if (files.empty() && diagnostics.empty())
         diagnostics.add({}, "--pipelines", "none given, and no folder of shipped ones is near the program");
     for (const fs::path& file : files) {

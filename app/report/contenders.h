@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "app/shipped_files.h"
 #include "penumbra/check.h"
 #include "penumbra/node_set.h"
 
@@ -44,24 +45,11 @@ struct Contenders {
     std::vector<LeftOut> left_out;
 };
 
-// The folder that holds `pipelines/` and `scenes/`: the current one, or one above the program's. Empty where
-// there is none.
-std::filesystem::path shipped_root();
-
 // `wanted`: files, or names of shipped pipelines; empty: all shipped ones, and those that the standalone host
 // cannot run, or that put out no `visibility`, are left out (with `without_maps` also those that read shadow
 // maps: drawing these is no part of a mask's cost). A named one that cannot compete is an error.
 std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted,
                                           const std::filesystem::path& root, const NodeSet& nodes,
                                           Diagnostics& diagnostics, bool without_maps = false);
-
-// The file that `wanted` names: itself where it is one, else `root`/folder/wanted + suffix.
-std::optional<std::filesystem::path> shipped_file(const std::string& wanted,
-                                                  const std::filesystem::path& root,
-                                                  const std::string& folder, const std::string& suffix,
-                                                  Diagnostics& diagnostics);
-// All files of a shipped folder with that suffix, by name.
-std::vector<std::filesystem::path> shipped_files(const std::filesystem::path& root, const std::string& folder,
-                                                 const std::string& suffix);
 
 }  // namespace penumbra::report

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// A host with rays of its own, and no scene that penumbra could trace: depth, normal, motion and one bit per pixel (world.h) go
-// into denoise.json, visibility comes out. The device, its memory and its frames are the engine's (../engine).
-// Where to begin with an engine of yours: replace world.h by what your G-buffer and shadow rays give.
+// A host with rays of its own, and no scene that penumbra could trace: depth, normal, motion and one bit per
+// pixel (world.h) go into denoise.json, visibility comes out. The device, its memory and its frames are the
+// engine's (../engine). Where to begin with an engine of yours: replace world.h by what your G-buffer and
+// shadow rays give.
 //     denoise denoise.json WIDTH HEIGHT FRAMES FOLDER
 // FOLDER/FRAME/ gets what went in (SLOT.bin, frame.bin) and what came out (visibility.denoise).
 #include "../engine/loop.h"
@@ -46,8 +47,9 @@ int main(int argc, char** argv) {
              const std::vector<char> bytes = slot == "depth"    ? bytes_of(frame.depth)
                                              : slot == "normal" ? bytes_of(frame.normal)
                                              : slot == "motion" ? bytes_of(frame.motion)
-                                             : slot == "hits"   ? bytes_of(frame.hits)
-                                                                : bytes_of(sun);  // and sun_prev: it stands still
+                                             : slot == "hits"
+                                                 ? bytes_of(frame.hits)
+                                                 : bytes_of(sun);  // and sun_prev: it stands still
              write(file(f, slot + ".bin"), bytes);
              return bytes;
          },
@@ -66,7 +68,9 @@ int main(int argc, char** argv) {
                      if (!truth) continue;
                      uint16_t bits;
                      std::memcpy(&bits, &visibility[2 * (size_t{y} * size.width + x)], 2);
-                     const bool lit = !(frame.hits[size_t{y / 4} * ((size.width + 7) / 8) + x / 8] >> (y % 4 * 8 + x % 8) & 1);
+                     const bool lit =
+                         !(frame.hits[size_t{y / 4} * ((size.width + 7) / 8) + x / 8] >> (y % 4 * 8 + x % 8) &
+                           1);
                      rays_error += std::pow(lit - *truth, 2);
                      error += std::pow(static_cast<double>(from_half(bits)) - *truth, 2);
                  }

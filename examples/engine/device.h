@@ -37,8 +37,8 @@ inline VkQueue queue;
 inline uint32_t family = 0, messages = 0;
 
 inline VKAPI_ATTR VkBool32 VKAPI_CALL complain(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                        VkDebugUtilsMessageTypeFlagsEXT,
-                                        const VkDebugUtilsMessengerCallbackDataEXT* data, void*) {
+                                               VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void*) {
     std::fprintf(stderr, "%s\n", data->pMessage);
     ++messages;
     return VK_FALSE;
@@ -88,7 +88,8 @@ inline void open_device() {
 // The exit code: 1 where validation has had something to say.
 inline int close_device() {
     vkDestroyDevice(device, nullptr);
-    function<PFN_vkDestroyDebugUtilsMessengerEXT>("vkDestroyDebugUtilsMessengerEXT")(instance, messenger, nullptr);
+    function<PFN_vkDestroyDebugUtilsMessengerEXT>("vkDestroyDebugUtilsMessengerEXT")(instance, messenger,
+                                                                                     nullptr);
     vkDestroyInstance(instance, nullptr);
     return messages ? 1 : 0;
 }

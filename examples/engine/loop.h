@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The engine's frames: a G-buffer pass, penumbra's node, lighting. Two are in flight, and nothing waits but for the fence of
-// the frame before the last.
+// The engine's frames: a G-buffer pass, penumbra's node, lighting. Two are in flight, and nothing waits but
+// for the fence of the frame before the last.
 #pragma once
 
 #include <cstring>

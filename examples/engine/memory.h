@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The engine's allocator: blocks of a memory type, filled from the front; a block that nobody uses any more begins anew.
-// Its buffers and images, and penumbra's requests, come from the same.
+// The engine's allocator: blocks of a memory type, filled from the front; a block that nobody uses any more
+// begins anew. Its buffers and images, and penumbra's requests, come from the same.
 #pragma once
 
 #include <penumbra/device.h>

@@ -218,6 +218,15 @@ GpuTexels upload_texels(Device& device, std::span<const std::byte> data, VkForma
     return out;
 }
 
+GpuTexels upload_texels_as(TexelsAs as, Device& device, std::span<const std::byte> data, VkFormat format,
+                           std::string_view what) {
+    if (as == TexelsAs::texels) return upload_texels(device, data, format, what);
+    if (data.size() > device.limits().maxStorageBufferRange)
+        throw DeviceError(fmt::format("{} need {} bytes, the device's storage buffers hold {}", what,
+                                      data.size(), device.limits().maxStorageBufferRange));
+    return {upload_buffer(device, data, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, what), {}};
+}
+
 void upload_image(Device& device, GpuImage& image, std::span<const std::byte> texels) {
     GpuBuffer staging =
         make_host_buffer(device, texels.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "staging of an image");

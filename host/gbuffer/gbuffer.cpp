@@ -121,8 +121,9 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
     : device_(device),
       scene_(scene),
       materials_(materials),
+      geometry_(make_raster_geometry(scene.model())),
       textures_(device, scene.model().materials, scene.model().textures, materials) {
-    const RasterGeometry geometry = make_raster_geometry(scene.model());
+    const RasterGeometry& geometry = geometry_;
     vertices_ = upload_buffer(device, std::as_bytes(std::span(geometry.vertices)),
                               VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, "vertices");
     indices_ = upload_buffer(device, std::as_bytes(std::span(geometry.indices)),
@@ -136,7 +137,14 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
                 is_alpha_tested(scene.model(), material)
                     ? least_opaque_alpha(scene.model().materials[static_cast<size_t>(material)])
                     : 0;
-            items_.push_back({instance, &parts[i], geometry.meshes[mesh][i], least_alpha});
+            DrawItem& item = items_.emplace_back();
+            item = {instance, &parts[i], geometry.meshes[mesh][i], least_alpha, {}, {}};
+            if (!scene.deforms(instance, parts[i])) continue;
+            for (auto* list : {&item.vertices, &item.prev_vertices})
+                for (uint32_t slot = 0; slot < frames_in_flight; ++slot)
+                    list->push_back(make_host_buffer(device, item.range.vertex_count * sizeof(RasterVertex),
+                                                     VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+                                                     "vertices that deform"));
         }
     }
     create_images(extent);
@@ -222,6 +230,21 @@ void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const 
     }
 }
 
+// Motion vectors need where every vertex was, with the triangles of now.
+void GBuffer::write_deformed(const FrameDescription& frame, size_t slot) {
+    const uint32_t previous = (frame.flags & frame_reset) ? frame.index : frame.index - 1;
+    for (DrawItem& item : items_) {
+        if (item.vertices.empty()) continue;
+        const auto write = [&](GpuBuffer& buffer, uint32_t index) {
+            const std::vector<RasterVertex> vertices =
+                moved_vertices(geometry_, item.range, scene_.positions(item.instance, *item.part, index));
+            std::memcpy(buffer.mapped, vertices.data(), vertices.size() * sizeof(RasterVertex));
+        };
+        write(item.vertices[slot], frame.index);
+        write(item.prev_vertices[slot], previous);
+    }
+}
+
 void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
                      std::span<const glm::dmat4> world, std::span<const glm::dmat4> prev_world,
                      const glm::dvec3& origin) {
@@ -231,6 +254,7 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
     }
     const size_t slot = frame.index % records_.size();
     write_draw_records(frame, world, prev_world, origin, slot);
+    write_deformed(frame, slot);
 
     std::vector<const GpuImage*> all = color_images();
     std::vector<VkRenderingAttachmentInfo> colors;
@@ -252,9 +276,7 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
 
 void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const {
     const VkExtent2D extent = images_.depth.extent;
-    const VkBuffer vertices = vertices_.get();
-    const VkDeviceSize zero = 0;
-    vkCmdBindVertexBuffers(commands, 0, 1, &vertices, &zero);
+    VkBuffer bound_vertices = VK_NULL_HANDLE;
     vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
     vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 0, 1,
                             &draws_.sets[slot], 0, nullptr);
@@ -276,12 +298,21 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
             vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
             drawn_with = pipeline;
         }
+        const bool deforms = !item.vertices.empty();
+        const VkBuffer now = deforms ? item.vertices[slot].get() : vertices_.get(),
+                       before = deforms ? item.prev_vertices[slot].get() : now;
+        if (now != bound_vertices) {
+            const VkBuffer both[] = {now, before};
+            const VkDeviceSize zeros[] = {0, 0};
+            vkCmdBindVertexBuffers(commands, 0, 2, both, zeros);
+            bound_vertices = now;
+        }
         constants.draw = static_cast<uint32_t>(i);
         constants.least_alpha = item.least_alpha;
         vkCmdPushConstants(commands, pipeline_layout_.get(), draw_constant_stages, 0, sizeof(constants),
                            &constants);
         vkCmdDrawIndexed(commands, item.range.index_count, 1, item.range.first_index,
-                         item.range.vertex_offset, 0);
+                         deforms ? 0 : item.range.vertex_offset, 0);
     }
 }
 

@@ -62,12 +62,16 @@ class GBuffer {
         const Part* part = nullptr;
         PartRange range;
         uint32_t least_alpha = 0;  // 0: not alpha-tested
+        // Of what deforms, per frame in flight: its vertices in this frame and in the one before.
+        std::vector<GpuBuffer> vertices, prev_vertices;
     };
+    void write_deformed(const FrameDescription& frame, size_t slot);
 
     Device& device_;
     const Scene& scene_;
     bool materials_;
     GBufferImages images_;
+    RasterGeometry geometry_;
     GpuBuffer vertices_, indices_;
     MaterialTextures textures_;
     std::vector<DrawItem> items_;

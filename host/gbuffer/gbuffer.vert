@@ -10,21 +10,23 @@ layout(set = 0, binding = 0, std430) readonly buffer Draws { Draw draws[]; };
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 winding_normal;
 layout(location = 2) in vec2 uv;
+layout(location = 3) in vec4 vertex_color;
+layout(location = 4) in vec3 prev_position;  // in the part's frame: another one where vertices move in it
 
 layout(location = 0) out vec3 clip_change;  // x, y, w: previous - current
 layout(location = 1) out vec2 texture_uv;
 layout(location = 2) flat out vec3 normal;
-layout(location = 3) flat out vec3 base_color;
+layout(location = 3) out vec3 base_color;
 
 void main() {
     const Draw draw = draws[constants.draw];
     const vec4 clip = draw.clip_from_local * vec4(position, 1.0);
-    const vec4 prev = draw.prev_clip_from_local * vec4(position, 1.0);
+    const vec4 prev = draw.prev_clip_from_local * vec4(prev_position, 1.0);
     clip_change = prev.xyw - clip.xyw;
     texture_uv = uv;
-    base_color = draw.base_color.rgb;
+    base_color = draw.base_color.rgb * vertex_color.rgb;
     // The camera lies on one side of the whole triangle's plane; which one is exact to fp32 in the part's own frame,
-    // where the raster's own front and back come from positions snapped to 1/256 pixel.
+    // where the raster's own front and back come from positions snapped to a grid.
     const float side = dot(winding_normal, draw.camera_local.xyz - position) * draw.camera_local.w;
     normal = normalize(draw.world_from_local * winding_normal) * (side < 0.0 ? -1.0 : 1.0);
     gl_Position = clip + vec4(constants.jitter_ndc * clip.w, 0.0, 0.0);

@@ -15,18 +15,23 @@ Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout l
     const VkBool32 tested = alpha_tested;
     const VkSpecializationMapEntry constant{0, 0, sizeof(tested)};  // ALPHA_TESTED
     const VkSpecializationInfo specialization{1, &constant, sizeof(tested), &tested};
-    const VkVertexInputBindingDescription binding{0, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX};
+    // The second binding holds the previous frame's vertices: the same ones of what does not deform.
+    const VkVertexInputBindingDescription bindings[] = {
+        {0, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX},
+        {1, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX}};
     const VkVertexInputAttributeDescription attributes[] = {
         {0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RasterVertex, position)},
         {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RasterVertex, winding_normal)},
-        {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(RasterVertex, uv)}};
+        {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(RasterVertex, uv)},
+        {3, 0, VK_FORMAT_R8G8B8A8_UNORM, offsetof(RasterVertex, color)},
+        {4, 1, VK_FORMAT_R32G32B32_SFLOAT, offsetof(RasterVertex, position)}};
     RasterPipeline pipeline;
     pipeline.vertex = host_shader("gbuffer.vert");
     pipeline.fragment = host_shader(materials ? "gbuffer_materials.frag" : "gbuffer.frag");
     pipeline.fragment_constants = &specialization;
-    pipeline.input.vertexBindingDescriptionCount = 1;
-    pipeline.input.pVertexBindingDescriptions = &binding;
-    pipeline.input.vertexAttributeDescriptionCount = 3;
+    pipeline.input.vertexBindingDescriptionCount = 2;
+    pipeline.input.pVertexBindingDescriptions = bindings;
+    pipeline.input.vertexAttributeDescriptionCount = 5;
     pipeline.input.pVertexAttributeDescriptions = attributes;
     pipeline.layout = layout;
     pipeline.area = area;

@@ -10,23 +10,43 @@
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "host/images/image_decode.h"
 #include "host/images/input_limit.h"
 #include "host/models/gltf_accessor.h"
+#include "host/models/gltf_extension.h"
 #include "host/models/gltf_files.h"
+#include "host/models/gltf_meshopt.h"
+#include "host/models/gltf_motion.h"
+#include "host/models/gltf_primitive.h"
 
 namespace penumbra {
 
 namespace {
 
-// Extensions that a file may require without changing where its triangles are.
+// Extensions that a file may require: those that are read, and those that do not change where its triangles
+// are.
 bool is_harmless(std::string_view extension) {
-    return extension.starts_with("KHR_materials_") || extension == "KHR_lights_punctual" ||
-           extension == "KHR_mesh_quantization";  // read_floats() takes every component type
+    constexpr std::string_view known[] = {
+        "KHR_lights_punctual",        "KHR_mesh_quantization",   "KHR_texture_transform",
+        "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+        "KHR_texture_basisu",         "EXT_texture_webp",        "EXT_texture_avif",
+        "MSFT_texture_dds",           "KHR_animation_pointer",   "KHR_xmp_json_ld"};
+    return extension.starts_with("KHR_materials_") || std::ranges::find(known, extension) != std::end(known);
 }
+
+// Extensions that change a picture in ways that are not drawn, and what is seen instead.
+constexpr std::pair<const char*, const char*> undrawn[] = {
+    {"KHR_materials_unlit", "is drawn lit"},
+    {"KHR_materials_transmission", "is drawn and casts shadows as if opaque"},
+    {"KHR_materials_pbrSpecularGlossiness", "is drawn in its base colour"},
+    {"KHR_materials_variants", "is drawn in its first variant"},
+    {"KHR_texture_basisu", "is not read: the colour factor is used"},
+    {"EXT_texture_webp", "is not read: the colour factor is used"},
+    {"EXT_texture_avif", "is not read: the colour factor is used"},
+    {"MSFT_texture_dds", "is not read: the colour factor is used"},
+    {"KHR_animation_pointer", "is not played"}};
 
 class Loader {
   public:
@@ -44,12 +64,23 @@ class Loader {
                     fmt::format("the file requires the extension {}, which is not supported", extension));
             }
         }
+        for (const auto& [extension, what] : undrawn)
+            if (std::ranges::find(file_.extensionsUsed, extension) != file_.extensionsUsed.end())
+                warn(fmt::format("what needs {} {}", extension, what));
         for (size_t image = 0; image < file_.images.size(); ++image) add_texture(image);
         for (const tinygltf::Material& material : file_.materials) add_material(material);
         for (const tinygltf::Mesh& mesh : file_.meshes) add_mesh(mesh);
+        model_node_.assign(file_.nodes.size(), -1);
         add_scene();
+        read_skins(file_, accessors_, model_node_, model_, tell_);
+        for (Node& node : model_.nodes)
+            if (node.skin >= 0 && model_.skins[static_cast<size_t>(node.skin)].joints.empty()) node.skin = -1;
+        check_joints(model_);
+        read_animations(file_, accessors_, model_node_, model_, tell_);
+        if (file_.scenes.size() > 1)
+            warn(fmt::format("the file has {} scenes; {} is shown", file_.scenes.size(),
+                             file_.defaultScene < 0 ? "the first" : "its default one"));
         if (model_.triangle_count() == 0) warn("there are no triangles");
-        if (!file_.animations.empty()) warn("animations are ignored");
         if (model_.dropped_nonfinite)
             warn(fmt::format("{} triangles with non-finite or huge coordinates dropped",
                              model_.dropped_nonfinite));
@@ -88,16 +119,10 @@ class Loader {
             out.base_color[i] = static_cast<float>(value);
         }
         read_alpha_mode(material, out);
-        read_surface(material, out);
+        const TextureUse& use = texture_uses_.emplace_back(use_of(material));
+        read_surface(material, use, out);
         if (pbr.baseColorTexture.index < 0) return;
         const tinygltf::Texture& texture = element(file_.textures, pbr.baseColorTexture.index, "texture");
-        if (pbr.baseColorTexture.texCoord != 0 ||
-            pbr.baseColorTexture.extensions.count("KHR_texture_transform")) {
-            warn(
-                "base colour textures with transforms or other than TEXCOORD_0 are ignored: the factor is "
-                "used");
-            return;
-        }
         if (texture.source < 0) {
             warn("textures without a core image are ignored: the factor is used");
             return;
@@ -115,7 +140,7 @@ class Loader {
     }
 
     // Sections 3.9.2 and 3.9.3, and KHR_materials_emissive_strength: what reflections see of a surface.
-    void read_surface(const tinygltf::Material& material, Material& out) {
+    void read_surface(const tinygltf::Material& material, const TextureUse& use, Material& out) {
         const auto& pbr = material.pbrMetallicRoughness;
         const auto factor = [&](const char* what, double value, double high) {
             if (!(value >= 0 && value <= high))
@@ -134,22 +159,28 @@ class Loader {
             out.emissive[i] =
                 factor("emissiveFactor", material.emissiveFactor[i], 1) * static_cast<float>(strength);
         out.metallic_roughness_texture =
-            surface_image("metallic-roughness", pbr.metallicRoughnessTexture.index,
-                          pbr.metallicRoughnessTexture.texCoord, pbr.metallicRoughnessTexture.extensions);
-        out.emissive_texture =
-            surface_image("emissive", material.emissiveTexture.index, material.emissiveTexture.texCoord,
-                          material.emissiveTexture.extensions);
+            surface_image("metallic-roughness", pbr.metallicRoughnessTexture, use);
+        out.emissive_texture = surface_image("emissive", material.emissiveTexture, use);
+    }
+
+    // A vertex has one pair of coordinates here: those of the first texture that the material has.
+    static TextureUse use_of(const tinygltf::Material& material) {
+        const auto& pbr = material.pbrMetallicRoughness;
+        for (const tinygltf::TextureInfo* info :
+             {&pbr.baseColorTexture, &pbr.metallicRoughnessTexture, &material.emissiveTexture})
+            if (info->index >= 0) return texture_use(*info);
+        return {};
     }
 
     // The image of a texture of the given kind, or -1 with a warning where it cannot be used.
-    int surface_image(const char* kind, int index, int set, const tinygltf::ExtensionMap& extensions) {
-        if (index < 0) return -1;
-        const tinygltf::Texture& texture = element(file_.textures, index, "texture");
-        if (set != 0 || extensions.count("KHR_texture_transform") || texture.source < 0) {
-            warn(
-                fmt::format("{} textures with transforms, without a core image or other than TEXCOORD_0 are "
-                            "ignored: the factor is used",
-                            kind));
+    int surface_image(const char* kind, const tinygltf::TextureInfo& info, const TextureUse& use) {
+        if (info.index < 0) return -1;
+        const tinygltf::Texture& texture = element(file_.textures, info.index, "texture");
+        if (texture_use(info) != use || texture.source < 0) {
+            warn(fmt::format(
+                "{} textures without a core image, or with other coordinates than the base colour's, "
+                "are ignored: the factor is used",
+                kind));
             return -1;
         }
         element(file_.images, texture.source, "image");
@@ -187,89 +218,11 @@ class Loader {
     }
 
     void add_primitive(Mesh& mesh, const tinygltf::Primitive& primitive) {
-        if (primitive.extensions.count("KHR_draco_mesh_compression")) {
-            throw GltfError("KHR_draco_mesh_compression is not supported");
-        }
-        const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-        if (mode < TINYGLTF_MODE_TRIANGLES) {
-            warn("points and lines are ignored: they cast no shadow");
-            return;
-        }
-        const auto position = primitive.attributes.find("POSITION");
-        if (position == primitive.attributes.end()) {
-            warn("a primitive without positions is ignored");
-            return;
-        }
-        if (!primitive.targets.empty()) warn("morph targets are ignored");
-        if (primitive.attributes.count("COLOR_0")) warn("vertex colours are ignored");
         if (primitive.material >= 0) element(file_.materials, primitive.material, "material");
-
-        const std::vector<float>& numbers = accessors_.floats(position->second, 3);
-        const size_t count = numbers.size() / 3;
-        std::vector<uint32_t> corners, used;
-        if (primitive.indices >= 0) {
-            corners = accessors_.indices(primitive.indices);
-            for (const uint32_t corner : corners)
-                if (corner >= count)
-                    throw GltfError(fmt::format("index {} is out of range ({} vertices)", corner, count));
-            if (corners.size() < count) used = keep_used(corners);
-        } else {
-            budget_.spend(count * sizeof(uint32_t));
-            corners.resize(count);
-            std::iota(corners.begin(), corners.end(), 0u);
-        }
-        const auto vertex = [&](size_t i) { return used.empty() ? i : used[i]; };
-        budget_.spend((used.empty() ? count : used.size()) * (sizeof(glm::vec3) + sizeof(glm::vec2)) +
-                      corners.size() * 3 * sizeof(uint32_t));
-        std::vector<glm::vec3> positions(used.empty() ? count : used.size());
-        for (size_t i = 0; i < positions.size(); ++i) positions[i] = glm::make_vec3(&numbers[3 * vertex(i)]);
-
-        std::vector<glm::vec2> uv;
-        const auto coordinates = primitive.attributes.find("TEXCOORD_0");
-        if (coordinates != primitive.attributes.end()) {
-            const std::vector<float>& values = accessors_.floats(coordinates->second, 2);
-            if (values.size() / 2 != count) throw GltfError("TEXCOORD_0 and POSITION differ in count");
-            uv.resize(positions.size());
-            for (size_t i = 0; i < uv.size(); ++i) {
-                uv[i] = glm::make_vec2(&values[2 * vertex(i)]);
-                if (std::isfinite(uv[i].x) && std::isfinite(uv[i].y)) continue;
-                warn("texture coordinates that are not finite are taken as 0");
-                uv[i] = glm::vec2(0);
-            }
-        }
-
-        add_part(model_, mesh, std::move(positions), std::move(uv), to_triangles(corners, mode),
-                 primitive.material);
-    }
-
-    // Of vertices that other primitives have, too, those of these corners, which from then on count among
-    // them alone: many primitives of a file may share one accessor.
-    static std::vector<uint32_t> keep_used(std::vector<uint32_t>& corners) {
-        std::vector<uint32_t> used = corners;
-        std::ranges::sort(used);
-        used.erase(std::unique(used.begin(), used.end()), used.end());
-        for (uint32_t& corner : corners)
-            corner = static_cast<uint32_t>(std::ranges::lower_bound(used, corner) - used.begin());
-        return used;
-    }
-
-    // Section 3.7.2.1: strips and fans to lists, with the winding kept.
-    static std::vector<uint32_t> to_triangles(const std::vector<uint32_t>& corners, int mode) {
-        std::vector<uint32_t> out;
-        if (mode == TINYGLTF_MODE_TRIANGLES) {
-            out = corners;
-            out.resize(corners.size() - corners.size() % 3);
-            return out;
-        }
-        for (size_t i = 2; i < corners.size(); ++i) {
-            if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
-                out.insert(out.end(), {corners[i - 1], corners[i], corners[0]});
-            } else {
-                const size_t odd = i & 1;
-                out.insert(out.end(), {corners[i - 2], corners[i - 1 + odd], corners[i - odd]});
-            }
-        }
-        return out;
+        const TextureUse use =
+            primitive.material < 0 ? TextureUse{} : texture_uses_[static_cast<size_t>(primitive.material)];
+        if (auto part = read_primitive(file_, accessors_, budget_, primitive, use, tell_))
+            add_part(model_, mesh, std::move(*part));
     }
 
     void add_scene() {
@@ -305,12 +258,77 @@ class Loader {
             out.parent = parent;
             out.mesh = node.mesh;
             if (node.mesh >= 0) element(file_.meshes, node.mesh, "mesh");
-            if (node.skin >= 0) warn("skins are ignored: meshes are shown in their rest pose");
-            if (node.extensions.count("EXT_mesh_gpu_instancing")) warn("EXT_mesh_gpu_instancing is ignored");
+            if (node.skin >= 0) element(file_.skins, node.skin, "skin");
+            out.skin = node.mesh >= 0 ? node.skin : -1;
             read_transform(node, out);
             const int self = static_cast<int>(model_.nodes.size()) - 1;
+            model_node_[static_cast<size_t>(index)] = self;
+            if (node.mesh >= 0) out.weights = file_.meshes[static_cast<size_t>(node.mesh)].weights;
+            if (!node.weights.empty()) out.weights = node.weights;
+            add_camera(node, self);
+            add_light(node, self);
+            add_instances(node, self);
             const std::vector<int> last_first(node.children.rbegin(), node.children.rend());
             for (const int child : last_first) pending.emplace_back(child, self);
+        }
+    }
+
+    void add_camera(const tinygltf::Node& node, int self) {
+        if (node.camera < 0) return;
+        const tinygltf::Camera& camera = element(file_.cameras, node.camera, "camera");
+        if (camera.type != "perspective") {
+            warn("orthographic cameras are not looked through");
+            return;
+        }
+        const double fov = glm::degrees(camera.perspective.yfov), near = camera.perspective.znear;
+        if (!(fov > 0.01 && fov < 170 && near > 1e-6 && near < 1e6)) {
+            warn(
+                fmt::format("camera \"{}\" is not looked through: a field of view of {} degrees from {} m on",
+                            camera.name, fov, near));
+            return;
+        }
+        model_.cameras.push_back({self, fov, near});
+    }
+
+    // The sun is all the light there is.
+    void add_light(const tinygltf::Node& node, int self) {
+        constexpr const char* name = "KHR_lights_punctual";
+        const auto found = node.extensions.find(name);
+        if (found == node.extensions.end()) return;
+        const tinygltf::Light& light =
+            element(file_.lights, extension_integer(found->second, "light", name), "light");
+        if (light.type == "directional")
+            model_.suns.push_back(self);
+        else
+            warn(fmt::format("{}: {} lights are not drawn", name, light.type));
+    }
+
+    // A child of the node for each instance, which then has no mesh of its own.
+    void add_instances(const tinygltf::Node& node, int self) {
+        constexpr const char* name = "EXT_mesh_gpu_instancing";
+        const auto found = node.extensions.find(name);
+        if (found == node.extensions.end() || node.mesh < 0) return;
+        const tinygltf::Value attributes =
+            found->second.IsObject() ? found->second.Get("attributes") : tinygltf::Value();
+        const auto read = [&](const char* key, int width) {
+            return attributes.IsObject() && attributes.Has(key)
+                       ? accessors_.floats(extension_integer(attributes, key, name), width)
+                       : std::vector<float>{};
+        };
+        const std::vector<float> t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
+        const size_t count = std::max({t.size() / 3, r.size() / 4, s.size() / 3});
+        for (const auto& [size, width] : {std::pair(t.size(), size_t{3}), {r.size(), 4}, {s.size(), 3}})
+            if (size != 0 && size != count * width)
+                throw GltfError(fmt::format("{}: attributes differ in count", name));
+        model_.nodes[static_cast<size_t>(self)].mesh = -1;
+        for (size_t i = 0; i < count; ++i) {
+            Node& out = model_.nodes.emplace_back();
+            out.parent = self;
+            out.mesh = node.mesh;
+            if (!t.empty()) out.translation = glm::make_vec3(&t[3 * i]);
+            if (!r.empty())
+                out.rotation = glm::normalize(glm::dquat(r[4 * i + 3], r[4 * i], r[4 * i + 1], r[4 * i + 2]));
+            if (!s.empty()) out.scale = glm::make_vec3(&s[3 * i]);
         }
     }
 
@@ -343,6 +361,9 @@ class Loader {
     Model& model_;
     std::set<std::string> warned_;
     std::set<int> visited_;
+    std::vector<int> model_node_;           // of the file's nodes; -1: not shown
+    std::vector<TextureUse> texture_uses_;  // of materials
+    const GltfTell tell_ = [this](const std::string& text) { warn(text); };
 };
 
 }  // namespace
@@ -350,8 +371,10 @@ class Loader {
 std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics) {
     // Malformed JSON and absurd sizes reach us as exceptions of the JSON library and of the allocator.
     try {
-        const std::optional<GltfFiles> files = read_gltf_files(path, diagnostics);
+        std::optional<GltfFiles> files = read_gltf_files(path, diagnostics);
         if (!files) return std::nullopt;
+        ReadBudget budget(files->bytes);
+        decode_meshopt(files->model, budget);
         Model model;
         if (!files->warnings.empty()) model.warnings.push_back(files->warnings);
         Loader(*files, model).load();

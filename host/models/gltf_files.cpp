@@ -12,6 +12,7 @@
 
 #include "host/images/input_limit.h"
 #include "host/models/gltf_accessor.h"
+#include "host/models/gltf_text.h"
 
 namespace penumbra {
 
@@ -124,6 +125,9 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     if (document.size() > reading.limit / most_of_a_document)
         return refuse(fmt::format("its JSON of {} bytes would take {}", document.size(), over_input_limit()));
     if (is_nested_too_deep(document)) return refuse("its JSON is nested more than 256 levels deep");
+    if (const std::string version = old_version(bytes); !version.empty())
+        return refuse(fmt::format("is glTF {}; this program reads glTF 2.0", version));
+    make_readable(bytes);
 
     GltfFiles files;
     tinygltf::TinyGLTF loader;

@@ -56,6 +56,17 @@ bool is_alpha_tested(const Model& model, int material) {
 
 void add_part(Model& model, Mesh& mesh, std::vector<glm::vec3> positions, std::vector<glm::vec2> uv,
               std::vector<uint32_t> indices, int material) {
+    Part part;
+    part.positions = std::move(positions);
+    part.uv = std::move(uv);
+    part.indices = std::move(indices);
+    part.material = material;
+    add_part(model, mesh, std::move(part));
+}
+
+void add_part(Model& model, Mesh& mesh, Part part) {
+    std::vector<glm::vec3>& positions = part.positions;
+    std::vector<uint32_t>& indices = part.indices;
     if (indices.size() % 3 != 0) throw std::invalid_argument("add_part: indices are not triangles");
     size_t kept = 0;
     glm::dvec3 low(INFINITY), high(-INFINITY);
@@ -66,7 +77,7 @@ void add_part(Model& model, Mesh& mesh, std::vector<glm::vec3> positions, std::v
             ++model.dropped_nonfinite;
             continue;
         }
-        if (is_degenerate(*corner[0], *corner[1], *corner[2])) {
+        if (!part.deforms() && is_degenerate(*corner[0], *corner[1], *corner[2])) {
             ++model.dropped_degenerate;
             continue;
         }
@@ -80,17 +91,12 @@ void add_part(Model& model, Mesh& mesh, std::vector<glm::vec3> positions, std::v
     indices.resize(kept);
     if (indices.empty()) return;
 
-    Part part;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int axis = 0; axis < 3 && !part.deforms(); ++axis) {
         const double centre = 0.5 * (low[axis] + high[axis]);
         const double half = 0.5 * (high[axis] - low[axis]);
         part.origin[axis] = 4 * half < std::abs(centre) ? double(float(centre)) : 0;
     }
     for (glm::vec3& p : positions) p -= glm::vec3(part.origin);
-    part.positions = std::move(positions);
-    part.uv = std::move(uv);
-    part.indices = std::move(indices);
-    part.material = material;
     mesh.parts.push_back(std::move(part));
 }
 

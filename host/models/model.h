@@ -44,6 +44,16 @@ struct Part {
     std::vector<glm::vec2> uv;  // as many as positions, or none
     std::vector<uint32_t> indices;
     int material = -1;  // -1: white
+    std::vector<std::array<uint8_t, 4>> colors =
+        {};  // linear, times the material's; as many as positions, or none
+    // What moves its vertices (host/scene/deform.h): per vertex four joints of the node's skin, as indices
+    // into Skin::joints, with weights whose sum is 1; and offsets of each morph target. As many as positions,
+    // or none.
+    std::vector<std::array<uint16_t, 4>> joints = {};
+    std::vector<glm::vec4> weights = {};
+    std::vector<std::vector<glm::vec3>> targets = {};
+
+    bool deforms() const { return !joints.empty() || !targets.empty(); }
 };
 
 struct Mesh {
@@ -59,6 +69,37 @@ struct Node {
     glm::dquat rotation{1, 0, 0, 0};
     glm::dvec3 scale{1};
     std::optional<glm::dmat4> matrix;
+    int skin = -1;  // its mesh then stands where the joints put it, whatever its own transform
+    std::vector<double> weights{};  // of the mesh's morph targets; fewer than these: 0
+};
+
+struct Skin {
+    std::vector<int> joints;               // nodes
+    std::vector<glm::dmat4> inverse_bind;  // as many
+};
+
+// glTF 2.0, appendix C.
+struct AnimationChannel {
+    enum class Path { translation, rotation, scale, weights };
+    enum class Interpolation { step, linear, cubic };
+    int node = -1;
+    Path path = Path::translation;
+    Interpolation interpolation = Interpolation::linear;
+    std::vector<float> times;   // seconds, rising
+    std::vector<float> values;  // per time as many numbers as the path has (rotation: x, y, z, w); cubic:
+                                // three times as many
+};
+
+struct Animation {
+    std::string name;
+    double duration_s = 0;  // the last key of all
+    std::vector<AnimationChannel> channels;
+};
+
+// A perspective camera that looks along -z of its node.
+struct ModelCamera {
+    int node = -1;
+    double vertical_fov_deg = 60, near = 0.05;
 };
 
 struct Model {
@@ -66,7 +107,11 @@ struct Model {
     std::vector<Mesh> meshes;
     std::vector<Material> materials;
     std::vector<Texture> textures;
-    std::vector<std::string> warnings;
+    std::vector<Skin> skins = {};
+    std::vector<Animation> animations = {};
+    std::vector<ModelCamera> cameras = {};
+    std::vector<int> suns = {};  // nodes of directional lights, which shine along their -z
+    std::vector<std::string> warnings = {};
     uint32_t dropped_degenerate = 0;  // triangles of zero area or with a repeated vertex
     uint32_t dropped_nonfinite = 0;   // triangles with NaN, infinite or huge (over 1e18) coordinates
 
@@ -81,7 +126,10 @@ uint32_t least_opaque_alpha(const Material& material);
 // Whether the material's test removes anything at all of its texture; -1, no material, is opaque.
 bool is_alpha_tested(const Model& model, int material);
 
-// Appends a part after dropping bad triangles and choosing its origin. `indices` has three per triangle.
+// Appends a part after dropping bad triangles and choosing its origin. `part.indices` has three per triangle.
+// Parts that deform keep triangles without area, which may get one, and the origin that their joints refer
+// to.
+void add_part(Model& model, Mesh& mesh, Part part);
 void add_part(Model& model, Mesh& mesh, std::vector<glm::vec3> positions, std::vector<glm::vec2> uv,
               std::vector<uint32_t> indices, int material);
 

@@ -11,14 +11,33 @@ namespace penumbra {
 
 namespace {
 
-glm::dmat4 local_transform(const Node& node, const ObjectKey& key) {
-    if (node.matrix) return *node.matrix;
-    glm::dmat4 local =
-        glm::translate(glm::dmat4(1), node.translation + key.translation) * glm::mat4_cast(node.rotation);
+// The rotation of a polar decomposition, by Newton's iteration (Higham 1986): what translation, rotation and
+// scale have made of a matrix comes apart again as they were. A mirror stays with the scale.
+glm::dmat3 rotation_of(const glm::dmat3& m) {
+    const double determinant = glm::determinant(m);
+    if (!(std::abs(determinant) > 0) || !std::isfinite(determinant)) return glm::dmat3(1);
+    glm::dmat3 r = determinant < 0 ? -m : m;
+    for (int i = 0; i < 64; ++i) {
+        const glm::dmat3 next = 0.5 * (r + glm::transpose(glm::inverse(r)));
+        double change = 0;
+        for (int c = 0; c < 3; ++c) change = std::max(change, glm::length(next[c] - r[c]));
+        r = next;
+        if (change < 1e-14) break;
+    }
+    return r;
+}
+
+glm::dmat4 local_transform(const Node& node, const NodePose& pose, const ObjectMotion* motion, double frame) {
+    if (node.matrix && !motion) return *node.matrix;
+    const ObjectKey key = motion ? object_at(*motion, frame) : ObjectKey{};
+    const glm::dmat3 linear = node.matrix ? glm::dmat3(*node.matrix) : glm::dmat3(1);
+    const glm::dmat3 turned = node.matrix ? rotation_of(linear) : glm::mat3_cast(pose.rotation);
+    const glm::dvec3 origin = node.matrix ? glm::dvec3((*node.matrix)[3]) : pose.translation;
+    glm::dmat4 local = glm::translate(glm::dmat4(1), origin + key.translation) * glm::dmat4(turned);
     local = glm::rotate(local, glm::radians(key.rotation_deg.x), glm::dvec3(1, 0, 0));
     local = glm::rotate(local, glm::radians(key.rotation_deg.y), glm::dvec3(0, 1, 0));
     local = glm::rotate(local, glm::radians(key.rotation_deg.z), glm::dvec3(0, 0, 1));
-    return glm::scale(local, node.scale);
+    return node.matrix ? local * glm::dmat4(glm::transpose(turned) * linear) : glm::scale(local, pose.scale);
 }
 
 bool shows_something(const glm::dmat4& world) {
@@ -32,7 +51,11 @@ bool shows_something(const glm::dmat4& world) {
 
 }  // namespace
 
-Scene::Scene(Model model, const Shot& shot) : model_(std::move(model)), objects_(shot.objects) {
+Scene::Scene(Model model, const Shot& shot)
+    : model_(std::move(model)),
+      animation_(find_animation(model_, shot.animation)),
+      fps_(shot.fps),
+      objects_(shot.objects) {
     for (const Node& node : model_.nodes) {
         const auto found = objects_.find(node.name);
         motions_.push_back(found == objects_.end() ? nullptr : &found->second);
@@ -48,6 +71,7 @@ Scene::Scene(Model model, const Shot& shot) : model_(std::move(model)), objects_
         }
     }
     const std::vector<glm::dmat4> world = transforms(0);
+    const Pose first = pose(0);
     glm::dvec3 low(INFINITY), high(-INFINITY);
     for (size_t i = 0; i < model_.nodes.size(); ++i) {
         const int mesh = model_.nodes[i].mesh;
@@ -57,9 +81,11 @@ Scene::Scene(Model model, const Shot& shot) : model_(std::move(model)), objects_
             continue;
         }
         instances_.push_back({static_cast<int>(i), mesh});
-        for (const Part& part : model_.meshes[static_cast<size_t>(mesh)].parts) {
+        const Instance& instance = instances_.back();
+        for (const Part& part : parts(instance)) {
+            const std::vector<glm::vec3> at = positions(instance, part, first);
             for (const uint32_t index : part.indices) {
-                const glm::dvec3 p(world[i] * glm::dvec4(part.origin + glm::dvec3(part.positions[index]), 1));
+                const glm::dvec3 p(world[i] * glm::dvec4(part.origin + glm::dvec3(at[index]), 1));
                 low = glm::min(low, p);
                 high = glm::max(high, p);
             }
@@ -70,17 +96,50 @@ Scene::Scene(Model model, const Shot& shot) : model_(std::move(model)), objects_
     bvh_origin_ = 0.5 * (low + high);
 }
 
-std::vector<glm::dmat4> Scene::transforms(double frame) const {
-    std::vector<glm::dmat4> world(model_.nodes.size());
-    for (size_t i = 0; i < world.size(); ++i) {
+Scene::Pose Scene::pose(double frame) const {
+    Pose out{pose_at(model_, animation_, frame / fps_), std::vector<glm::dmat4>(model_.nodes.size())};
+    for (size_t i = 0; i < out.world.size(); ++i) {
         const Node& node = model_.nodes[i];
-        world[i] = local_transform(node, motions_[i] ? object_at(*motions_[i], frame) : ObjectKey{});
-        if (node.parent >= 0) world[i] = world[static_cast<size_t>(node.parent)] * world[i];
+        out.world[i] = local_transform(node, out.nodes[i], motions_[i], frame);
+        if (node.parent >= 0) out.world[i] = out.world[static_cast<size_t>(node.parent)] * out.world[i];
     }
+    return out;
+}
+
+std::vector<glm::dmat4> Scene::transforms(double frame) const {
+    std::vector<glm::dmat4> world = pose(frame).world;
+    for (size_t i = 0; i < world.size(); ++i)
+        if (model_.nodes[i].skin >= 0) world[i] = glm::dmat4(1);
     return world;
 }
 
+bool Scene::deforms(const Instance& instance, const Part& part) const {
+    return !part.targets.empty() ||
+           (!part.joints.empty() && model_.nodes[static_cast<size_t>(instance.node)].skin >= 0);
+}
+
+std::vector<glm::vec3> Scene::positions(const Instance& instance, const Part& part, const Pose& pose) const {
+    if (!deforms(instance, part)) return part.positions;
+    const auto node = static_cast<size_t>(instance.node);
+    std::vector<glm::dmat4> joints;
+    if (const int skin = model_.nodes[node].skin; skin >= 0) {
+        const Skin& s = model_.skins[static_cast<size_t>(skin)];
+        for (size_t i = 0; i < s.joints.size(); ++i)
+            joints.push_back(pose.world[static_cast<size_t>(s.joints[i])] * s.inverse_bind[i]);
+    }
+    return deformed_positions(part, pose.nodes[node].weights, joints);
+}
+
+std::vector<glm::vec3> Scene::positions(const Instance& instance, const Part& part, double frame) const {
+    return deforms(instance, part) ? positions(instance, part, pose(frame)) : part.positions;
+}
+
+bool Scene::animated() const {
+    return animation_ >= 0 && !model_.animations[static_cast<size_t>(animation_)].channels.empty();
+}
+
 bool Scene::moved(double a, double b) const {
+    if (a != b && animated()) return true;
     return std::ranges::any_of(motions_, [&](const ObjectMotion* motion) {
         if (!motion) return false;
         const ObjectKey at_a = object_at(*motion, a), at_b = object_at(*motion, b);
@@ -92,6 +151,15 @@ std::array<glm::dvec3, 2> Scene::box(double frame) const {
     const std::vector<glm::dmat4> world = transforms(frame);
     std::array<glm::dvec3, 2> out{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
     for (const Instance& instance : instances_) {
+        if (std::ranges::any_of(parts(instance), [&](const Part& part) { return deforms(instance, part); })) {
+            for (const Part& part : parts(instance))
+                for (const glm::vec3& at : positions(instance, part, frame)) {
+                    const glm::dvec3 p(world[static_cast<size_t>(instance.node)] *
+                                       glm::dvec4(part.origin + glm::dvec3(at), 1));
+                    out = {glm::min(out[0], p), glm::max(out[1], p)};
+                }
+            continue;
+        }
         const auto& [low, high] = mesh_boxes_[static_cast<size_t>(instance.mesh)];
         for (int corner = 0; corner < 8; ++corner) {
             const glm::dvec3 local(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
@@ -105,13 +173,14 @@ std::array<glm::dvec3, 2> Scene::box(double frame) const {
 
 std::vector<Triangle> Scene::triangles(double frame) const {
     const std::vector<glm::dmat4> world = transforms(frame);
+    const Pose posed = pose(frame);
     std::vector<Triangle> out;
     std::vector<glm::vec3> moved_positions;
     for (const Instance& instance : instances_) {
         const glm::dmat4& transform = world[static_cast<size_t>(instance.node)];
         for (const Part& part : model_.meshes[static_cast<size_t>(instance.mesh)].parts) {
             moved_positions.clear();
-            for (const glm::vec3& p : part.positions) {
+            for (const glm::vec3& p : positions(instance, part, posed)) {
                 const glm::dvec3 at(transform * glm::dvec4(part.origin + glm::dvec3(p), 1));
                 moved_positions.emplace_back(at - bvh_origin_);
             }

@@ -10,6 +10,7 @@
 
 #include "host/bvh/bvh.h"
 #include "host/models/model.h"
+#include "host/scene/pose.h"
 #include "host/shots/shot.h"
 
 namespace penumbra {
@@ -34,8 +35,15 @@ class Scene {
     const std::vector<Instance>& instances() const { return instances_; }
     int dropped_instances() const { return dropped_instances_; }
 
-    // World transforms of all nodes at a frame, without the shot's origin.
+    // World transforms of all nodes at a frame, without the shot's origin. Of nodes with a skin the identity:
+    // their vertices are where the joints put them.
     std::vector<glm::dmat4> transforms(double frame) const;
+    // Whether a part's vertices move in its instance's frame.
+    bool deforms(const Instance& instance, const Part& part) const;
+    // Vertices of a part at a frame, relative to its origin: its own where it does not deform.
+    std::vector<glm::vec3> positions(const Instance& instance, const Part& part, double frame) const;
+    // Whether an animation of the file is played that moves anything.
+    bool animated() const;
     // Whether any triangle stands elsewhere at frame b than at frame a.
     bool moved(double a, double b) const;
 
@@ -53,7 +61,19 @@ class Scene {
     std::array<glm::dvec3, 2> box(double frame) const;
 
   private:
+    struct Pose {
+        std::vector<NodePose> nodes;
+        std::vector<glm::dmat4> world;  // of all, with a skin or without
+    };
+    Pose pose(double frame) const;
+    std::vector<glm::vec3> positions(const Instance& instance, const Part& part, const Pose& pose) const;
+    const std::vector<Part>& parts(const Instance& instance) const {
+        return model_.meshes[static_cast<size_t>(instance.mesh)].parts;
+    }
+
     Model model_;
+    int animation_ = -1;
+    double fps_ = 60;
     std::vector<const ObjectMotion*> motions_;  // per node, null where it stands still
     std::map<std::string, ObjectMotion> objects_;
     std::vector<Instance> instances_;

@@ -7,12 +7,12 @@
 
 namespace penumbra {
 
-SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours)
-    : device_(device), scene_(scene), with_neighbours_(neighbours) {
+SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours, TexelsAs as)
+    : device_(device), scene_(scene), with_neighbours_(neighbours), as_(as) {
     if (has_alpha(scene)) {
         alpha_ = make_scene_alpha(scene);
-        alpha_map_ = upload_texels(device, std::as_bytes(std::span(alpha_->map)), VK_FORMAT_R32_UINT,
-                                   "the alpha masks");
+        alpha_map_ = upload_texels_as(as_, device, std::as_bytes(std::span(alpha_->map)), VK_FORMAT_R32_UINT,
+                                      "the alpha masks");
     }
     build(scene.triangles(frame));
     upload_tree();
@@ -28,8 +28,8 @@ void SceneBvh::build(const std::vector<Triangle>& triangles) {
     bvh_ = build_bvh(triangles, scene_.triangle_objects());
     if (!alpha_) return;
     const std::vector<Texel> texels = alpha_uv_texels(*alpha_, alpha_leaf_words(*alpha_, bvh_, triangles));
-    alpha_uv_ = upload_texels(device_, std::as_bytes(std::span(texels)), VK_FORMAT_R32G32B32A32_UINT,
-                              "the texture coordinates of alpha-tested triangles");
+    alpha_uv_ = upload_texels_as(as_, device_, std::as_bytes(std::span(texels)), VK_FORMAT_R32G32B32A32_UINT,
+                                 "the texture coordinates of alpha-tested triangles");
 }
 
 // A refit moves the second triangle of a pair into the place of a first that has become unusable, which the
@@ -42,10 +42,10 @@ bool SceneBvh::follow(const std::vector<Triangle>& triangles) {
 }
 
 void SceneBvh::upload_tree() {
-    nodes_ = upload_texels(device_, std::as_bytes(std::span(bvh_.nodes)), VK_FORMAT_R32G32B32A32_UINT,
-                           "the BVH's nodes");
-    leaves_ = upload_texels(device_, std::as_bytes(std::span(bvh_.leaves)), VK_FORMAT_R32G32B32A32_UINT,
-                            "the BVH's leaves");
+    nodes_ = upload_texels_as(as_, device_, std::as_bytes(std::span(bvh_.nodes)), VK_FORMAT_R32G32B32A32_UINT,
+                              "the BVH's nodes");
+    leaves_ = upload_texels_as(as_, device_, std::as_bytes(std::span(bvh_.leaves)),
+                               VK_FORMAT_R32G32B32A32_UINT, "the BVH's leaves");
     if (!with_neighbours_) return;
     const std::vector<Texel> neighbours = leaf_neighbours(bvh_);
     neighbours_ = upload_texels(device_, std::as_bytes(std::span(neighbours)), VK_FORMAT_R32G32B32A32_UINT,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A scene's BVH on the device, as the texel buffers that a `scene` port reads: two, and two more where
-// triangles are alpha-tested (scene_alpha.h); and as those of the input `neighbours`. Follows moving objects:
-// refitted, and rebuilt where the old shape cannot hold them.
+// A scene's BVH on the device, as the texel buffers that a `scene` port reads, or storage buffers of the same
+// words: two, and two more where triangles are alpha-tested (scene_alpha.h); and as the texels of the input
+// `neighbours`. Follows moving objects: refitted, and rebuilt where the old shape cannot hold them.
 #pragma once
 
 #include <optional>
@@ -16,17 +16,18 @@ namespace penumbra {
 class SceneBvh {
   public:
     // Builds for the scene at `frame`, on request with leaf_neighbours(). `scene` must outlive the BVH.
-    SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours);
+    SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours,
+             TexelsAs as = TexelsAs::texels);
 
     // Moves to another frame; nothing on the device may be reading the buffers.
     void update(double frame);
 
-    VkBufferView nodes() const { return nodes_.view.get(); }
-    VkBufferView leaves() const { return leaves_.view.get(); }
-    VkBufferView neighbours() const { return neighbours_.view.get(); }  // null without them
-    // Null where nothing is alpha-tested.
-    VkBufferView alpha_uv() const { return alpha_uv_.view.get(); }
-    VkBufferView alpha_map() const { return alpha_map_.view.get(); }
+    // Without views where they are words; no alpha where nothing is alpha-tested.
+    const GpuTexels& nodes() const { return nodes_; }
+    const GpuTexels& leaves() const { return leaves_; }
+    const GpuTexels& alpha_uv() const { return alpha_uv_; }
+    const GpuTexels& alpha_map() const { return alpha_map_; }
+    const GpuTexels& neighbours() const { return neighbours_; }  // none where they were not asked for
     const Bvh& bvh() const { return bvh_; }
 
   private:
@@ -38,6 +39,7 @@ class SceneBvh {
     const Scene& scene_;
     Bvh bvh_;
     bool with_neighbours_;
+    TexelsAs as_;
     std::optional<SceneAlpha> alpha_;
     GpuTexels nodes_, leaves_, alpha_uv_, alpha_map_, neighbours_;
 };

@@ -55,7 +55,8 @@ void built_before(VkCommandBuffer commands, VkPipelineStageFlags2 stages) {
 
 }  // namespace
 
-SceneTlas::SceneTlas(Device& device, const Scene& scene, double frame) : device_(device), scene_(scene) {
+SceneTlas::SceneTlas(Device& device, const Scene& scene, double frame, TexelsAs as)
+    : device_(device), scene_(scene) {
     if (!device.caps().ray_query) throw DeviceError(device.info().name + " has no ray queries");
     load(device.get(), vk_.create, "vkCreateAccelerationStructureKHR");
     load(device.get(), vk_.sizes, "vkGetAccelerationStructureBuildSizesKHR");
@@ -71,10 +72,11 @@ SceneTlas::SceneTlas(Device& device, const Scene& scene, double frame) : device_
     if (has_alpha(scene)) {
         SceneAlpha alpha = make_scene_alpha(scene);
         const std::vector<Texel> records = alpha_uv_texels(alpha);
-        alpha_uv_ = upload_texels(device, std::as_bytes(std::span(records)), VK_FORMAT_R32G32B32A32_UINT,
-                                  "the texture coordinates of alpha-tested triangles");
-        alpha_map_ =
-            upload_texels(device, std::as_bytes(std::span(alpha.map)), VK_FORMAT_R32_UINT, "the alpha masks");
+        alpha_uv_ =
+            upload_texels_as(as, device, std::as_bytes(std::span(records)), VK_FORMAT_R32G32B32A32_UINT,
+                             "the texture coordinates of alpha-tested triangles");
+        alpha_map_ = upload_texels_as(as, device, std::as_bytes(std::span(alpha.map)), VK_FORMAT_R32_UINT,
+                                      "the alpha masks");
         record_of = std::move(alpha.record_of);
     }
     split_objects(record_of);

@@ -24,7 +24,7 @@ inline void destroy<VkAccelerationStructureKHR>(VkDevice device, VkAccelerationS
 class SceneTlas {
   public:
     // Builds for the scene at `frame`. The device has ray queries; `scene` must outlive the structures.
-    SceneTlas(Device& device, const Scene& scene, double frame);
+    SceneTlas(Device& device, const Scene& scene, double frame, TexelsAs as = TexelsAs::texels);
 
     // Moves to another frame; nothing on the device may be reading the structures.
     void update(double frame);
@@ -32,9 +32,9 @@ class SceneTlas {
     std::vector<uint32_t> first_triangles() const;
 
     VkAccelerationStructureKHR get() const { return tlas_.handle.get(); }
-    // Null where nothing is alpha-tested. SceneBvh's hold the same records, and serve both.
-    VkBufferView alpha_uv() const { return alpha_uv_.view.get(); }
-    VkBufferView alpha_map() const { return alpha_map_.view.get(); }
+    // None where nothing is alpha-tested. SceneBvh's hold the same records, and serve both.
+    const GpuTexels& alpha_uv() const { return alpha_uv_; }
+    const GpuTexels& alpha_map() const { return alpha_map_; }
 
   private:
     struct Functions {

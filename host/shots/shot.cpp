@@ -8,6 +8,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
+#include <stdexcept>
 
 #include "host/models/model.h"
 #include "host/truth/analytic.h"
@@ -71,9 +72,28 @@ Camera camera_at(const Shot& shot, double frame, double aspect) {
 }
 
 SunState sun_at(const Shot& shot, double frame) {
+    // Unit vectors are interpolated, so that a key's length has no say in how fast the sun passes it.
     const auto [a, b, t] = around(shot.sun, frame);
     return {.to_sun = direction(glm::mix(glm::normalize(a.to_sun), glm::normalize(b.to_sun), t)),
             .angular_radius = glm::radians(shot.sun_angular_radius_deg)};
+}
+
+LightKey light_at(const ShotLight& light, double frame) {
+    const auto [a, b, t] = around(light.keys, frame);
+    const glm::dvec3 facing =
+        direction(glm::mix(glm::normalize(a.direction), glm::normalize(b.direction), t));
+    const glm::dvec3 along = glm::mix(glm::normalize(a.along), glm::normalize(b.along), t);
+    // A tube faces nowhere, and a disc or a spot has no width to be laid along.
+    const bool free = light.kind != LightKind::rectangle && light.kind != LightKind::tube;
+    const glm::dvec3 helper = std::abs(facing.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 wanted = free ? helper : along;
+    return {.frame = frame,
+            .position = glm::mix(a.position, b.position, t),
+            .direction = facing,
+            .along = light.kind == LightKind::tube ? direction(along)
+                                                   : direction(wanted - glm::dot(wanted, facing) * facing),
+            .size = glm::mix(a.size, b.size, t),
+            .power = glm::mix(a.power, b.power, t)};
 }
 
 ObjectKey object_at(const ObjectMotion& motion, double frame) {
@@ -110,13 +130,22 @@ bool check_objects(const Shot& shot, const Model& model, Diagnostics& diagnostic
         } else if (matches > 1) {
             diagnostics.add(motion.place, path,
                             "the scene has " + std::to_string(matches) + " nodes named \"" + name + "\"");
-        } else if (std::ranges::find(model.nodes, name, &Node::name)->matrix) {
-            diagnostics.add(
-                motion.place, path,
-                "the node has a matrix; only nodes with translation, rotation and scale can be moved");
         }
     }
     return diagnostics.size() == before;
+}
+
+int find_animation(const Model& model, const std::string& animation) {
+    if (animation.empty()) return -1;
+    std::vector<std::string> names;
+    for (size_t i = 0; i < model.animations.size(); ++i) {
+        if (model.animations[i].name == animation) return static_cast<int>(i);
+        names.push_back(model.animations[i].name);
+    }
+    for (size_t i = 0; i < model.animations.size(); ++i)
+        if (std::to_string(i) == animation) return static_cast<int>(i);
+    throw std::runtime_error("the scene has " + std::to_string(names.size()) + " animations, and none is \"" +
+                             animation + "\"" + did_you_mean(animation, names));
 }
 
 std::array<double, 2> halton_jitter(uint32_t frame, std::array<uint32_t, 2> size) {

@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -27,7 +28,7 @@ struct CameraKey {
 
 struct SunKey {
     double frame = 0;
-    glm::dvec3 to_sun{0, 1, 0};  // any length but zero
+    glm::dvec3 to_sun{0, 1, 0};  // any length but zero, which says nothing: unit vectors are interpolated
 };
 
 struct ObjectKey {
@@ -39,6 +40,37 @@ struct ObjectMotion {
     Place place;  // of the object's name in the shot
     std::vector<ObjectKey> keys;
 };
+
+// A light that is near, with what it is called in the shot.
+enum class LightKind { point, sphere, disc, rectangle, tube, spot };
+const char* name_of(LightKind kind);
+
+// Directions are of any length but zero; `along` is a rectangle's width or a tube's axis.
+struct LightKey {
+    double frame = 0;
+    glm::dvec3 position{0}, direction{0, -1, 0}, along{1, 0, 0};
+    double size = 1, power = 1;  // factors of the light's own; no power: it is off
+};
+
+struct ShotLight {
+    Place place;  // of its name in the shot
+    LightKind kind = LightKind::point;
+    double radius = 0, length = 0;         // metres; of a rectangle the length is its width
+    double height = 0;                     // of a rectangle
+    double strength = 100;                 // candelas of points and spots, else candelas per square metre
+    glm::dvec3 color{1};                   // linear
+    double range = 1e9;                    // metres
+    double inner_deg = 0, outer_deg = 45;  // of a spot's cone, from its axis
+    std::vector<LightKey> keys;
+};
+
+// A horizontal square that is no part of the model: something for its shadow to fall on.
+struct Ground {
+    double height = 0;               // y
+    std::array<double, 2> center{};  // x, z
+    double half_extent = 1;          // metres
+};
+inline constexpr const char* ground_name = "ground";  // of its node
 
 // What is seen beyond the scene, in radiance. A sky depends on the height of a direction alone: linear in it,
 // from `low` straight down to `high` straight up; else as `shade` draws it, from the horizon, in the square
@@ -65,7 +97,12 @@ struct Shot {
     std::vector<CameraKey> camera;
     double sun_angular_radius_deg = 0.2665;  // the sun as seen from the Earth, mean over the year
     std::vector<SunKey> sun;
+    bool has_sun = true;                          // else there are only lights
+    std::map<std::string, ShotLight> lights;      // by their names
     std::map<std::string, ObjectMotion> objects;  // by the name of a glTF node
+    std::string
+        animation;  // of the model: its name or number; empty: none is played. Frame 0 is its second 0
+    std::optional<Ground> ground;
     std::variant<EnvironmentSky, EnvironmentFile> environment;
     glm::dvec3 origin{0};
     uint32_t seed = 0;
@@ -73,9 +110,16 @@ struct Shot {
 
 // Reads and checks a shot; the scene file itself is not opened.
 std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics);
+// The same from a text that is to become the file `path`.
+std::optional<Shot> parse_shot(std::string_view text, const std::filesystem::path& path,
+                               Diagnostics& diagnostics);
 
-// Every object must name a node of the model, and that node's transform must be translate * rotate * scale.
+// Every object must name one node of the model.
 bool check_objects(const Shot& shot, const Model& model, Diagnostics& diagnostics);
+
+// The model's animation of that name, or else of that number; -1 for "". Throws std::runtime_error, with the
+// names that there are, where there is none.
+int find_animation(const Model& model, const std::string& animation);
 
 struct SunState {
     glm::dvec3 to_sun{0, 1, 0};  // unit, world axes
@@ -85,6 +129,7 @@ struct SunState {
 // The shot at a frame number (between frames too). The camera's position has the shot's origin added.
 Camera camera_at(const Shot& shot, double frame, double aspect);
 SunState sun_at(const Shot& shot, double frame);
+LightKey light_at(const ShotLight& light, double frame);  // axes unit and at right angles
 ObjectKey object_at(const ObjectMotion& motion, double frame);
 
 // Whether anything that a motion vector sees ever changes (the fact `moves`).

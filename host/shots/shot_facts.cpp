@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "host/scene/scene_alpha.h"
+#include "host/shots/light_choice.h"
 
 namespace penumbra {
 
@@ -28,13 +29,13 @@ bool sun_moves(const Shot& shot) {
 
 }  // namespace
 
-std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene) {
-    return {{"sun_up", sun_up(shot)},
-            {"sun_disc", shot.sun_angular_radius_deg > 0},
+std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene, const ShotLight* light) {
+    return {{"sun_up", light || sun_up(shot)},
+            {"sun_disc", light ? has_size(*light) : shot.sun_angular_radius_deg > 0},
             {"casters", !scene.instances().empty()},
             {"alpha", has_alpha(scene)},
-            {"moves", moves(shot)},
-            {"sun_moves", sun_moves(shot)},
+            {"moves", moves(shot) || scene.animated()},
+            {"sun_moves", (light ? light_moves(*light) : sun_moves(shot)) || scene.animated()},
             {"tree", true}};  // the program builds it for whoever walks it
 }
 

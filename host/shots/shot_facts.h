@@ -11,6 +11,8 @@
 
 namespace penumbra {
 
-std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene);
+// `light`: the one that masks are of; none is the sun.
+std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene,
+                                       const ShotLight* light = nullptr);
 
 }  // namespace penumbra

@@ -5,114 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <limits>
 
 #include "host/shots/shot.h"
+#include "host/shots/shot_reader.h"
 #include "host/truth/analytic.h"
 #include "penumbra/json_text.h"
 
 namespace penumbra {
 
 namespace {
-
-constexpr double huge = 1e9;  // metres; positions beyond the solar system's inner part are mistakes
-
-class Reader {
-  public:
-    explicit Reader(Diagnostics& diagnostics) : diagnostics_(diagnostics) {}
-
-    // An object with no other keys than `known`.
-    bool object(const Json& json, const std::string& path, const std::vector<const char*>& known) {
-        if (json.kind != Json::Kind::object) {
-            error(json.place, path, fmt::format("expected an object, not {}", kind_name(json.kind)));
-            return false;
-        }
-        const std::vector<std::string> names(known.begin(), known.end());
-        for (const JsonMember& member : json.members) {
-            if (std::find(names.begin(), names.end(), member.key) != names.end()) continue;
-            error(member.key_place, join(path, member.key), "unknown key" + did_you_mean(member.key, names));
-        }
-        return true;
-    }
-
-    // The member, or an error at the object where it is required.
-    const Json* required(const Json& json, const std::string& path, const char* key) {
-        const Json* value = json.find(key);
-        if (!value) error(json.place, path, fmt::format("\"{}\" is missing", key));
-        return value;
-    }
-
-    void number(const Json& json, const std::string& path, double low, double high, double& out) {
-        if (!json.is_number()) {
-            error(json.place, path, fmt::format("expected a number, not {}", kind_name(json.kind)));
-        } else if (!(json.real >= low && json.real <= high)) {
-            error(json.place, path, fmt::format("{} is not in {} .. {}", json.real, low, high));
-        } else {
-            out = json.real;
-        }
-    }
-
-    void integer(const Json& json, const std::string& path, int64_t low, int64_t high, uint32_t& out) {
-        if (json.kind != Json::Kind::integer) {
-            error(json.place, path, fmt::format("expected an integer, not {}", kind_name(json.kind)));
-        } else if (json.integer < low || json.integer > high) {
-            error(json.place, path, fmt::format("{} is not in {} .. {}", json.integer, low, high));
-        } else {
-            out = static_cast<uint32_t>(json.integer);
-        }
-    }
-
-    void vector(const Json& json, const std::string& path, glm::dvec3& out) {
-        if (json.kind != Json::Kind::array || json.items.size() != 3) {
-            error(json.place, path, "expected three numbers");
-            return;
-        }
-        for (int i = 0; i < 3; ++i) {
-            number(json.items[static_cast<size_t>(i)], fmt::format("{}[{}]", path, i), -huge, huge, out[i]);
-        }
-    }
-
-    // "keys": a list of objects with rising "frame"; `read` fills the rest of a key.
-    template <class Key>
-    void keys(const Json& parent, const std::string& parent_path, std::initializer_list<const char*> known,
-              std::vector<Key>& out, auto read) {
-        const Json* list = required(parent, parent_path, "keys");
-        if (!list) return;
-        const std::string path = join(parent_path, "keys");
-        if (list->kind != Json::Kind::array || list->items.empty()) {
-            error(list->place, path, "expected a list of at least one key");
-            return;
-        }
-        for (size_t i = 0; i < list->items.size(); ++i) {
-            const Json& item = list->items[i];
-            const std::string item_path = fmt::format("{}[{}]", path, i);
-            if (!object(item, item_path, known)) continue;
-            Key key;
-            if (const Json* frame = required(item, item_path, "frame")) {
-                number(*frame, join(item_path, "frame"), 0, 1e6, key.frame);
-                if (!out.empty() && !(key.frame > out.back().frame)) {
-                    error(frame->place, join(item_path, "frame"), "frames of keys must rise");
-                }
-            }
-            read(item, item_path, key);
-            out.push_back(key);
-        }
-    }
-
-    void error(const Place& place, const std::string& path, const std::string& message) {
-        diagnostics_.add(place, path, message);
-    }
-
-    size_t errors() const { return diagnostics_.size(); }
-
-    static std::string join(const std::string& path, std::string_view key) {
-        return path.empty() ? std::string(key) : fmt::format("{}.{}", path, key);
-    }
-
-  private:
-    Diagnostics& diagnostics_;
-};
 
 // One of the analytic scenes: its name and the keys that it has besides those that place it.
 struct AnalyticKind {
@@ -215,13 +117,14 @@ void read_scene(Reader& reader, const Json& root, Shot& shot) {
     } else if (scene->kind != Json::Kind::string || scene->string.empty()) {
         reader.error(scene->place, "scene", "expected the name of a glTF file");
     } else {
-        shot.model = shot.file.parent_path() / scene->string;
+        // Without "..": a shot may be read before its folder is there.
+        shot.model = (shot.file.parent_path() / scene->string).lexically_normal();
     }
 }
 
 // Analytic scenes bring a camera and a motion of their own: what a shot says besides would not be heeded.
 void refuse_with_analytic(Reader& reader, const Json& root) {
-    for (const char* key : {"camera", "objects"})
+    for (const char* key : {"camera", "objects", "lights", "animation", "ground"})
         if (const Json* value = root.find(key))
             reader.error(value->place, key, "an analytic scene has its own");
 }
@@ -264,7 +167,7 @@ void read_camera(Reader& reader, const Json& root, Shot& shot) {
 }
 
 void read_sun(Reader& reader, const Json& root, Shot& shot) {
-    const Json* sun = reader.required(root, "", "sun");
+    const Json* sun = shot.lights.empty() ? reader.required(root, "", "sun") : root.find("sun");
     if (!sun || !reader.object(*sun, "sun", {"angular_radius_deg", "keys"})) return;
     if (const Json* radius = sun->find("angular_radius_deg")) {
         reader.number(*radius, "sun.angular_radius_deg", 0, 45, shot.sun_angular_radius_deg);
@@ -279,6 +182,12 @@ void read_sun(Reader& reader, const Json& root, Shot& shot) {
                         key.to_sun = {0, 1, 0};
                     }
                 });
+}
+
+// Of a shot that is lit by lamps alone nobody asks where its sun is; shadow maps are drawn from above.
+void without_sun(Shot& shot) {
+    shot.has_sun = false;
+    shot.sun = {{0, {0, 1, 0}}};
 }
 
 void read_objects(Reader& reader, const Json& root, Shot& shot) {
@@ -303,6 +212,24 @@ void read_objects(Reader& reader, const Json& root, Shot& shot) {
                         }
                     });
     }
+}
+
+void read_ground(Reader& reader, const Json& root, Shot& shot) {
+    const Json* ground = root.find("ground");
+    if (!ground || !reader.object(*ground, "ground", {"height", "center", "half_extent"})) return;
+    Ground& out = shot.ground.emplace();
+    if (const Json* v = reader.required(*ground, "ground", "height"))
+        reader.number(*v, "ground.height", -huge, huge, out.height);
+    if (const Json* v = reader.required(*ground, "ground", "half_extent"))
+        reader.number(*v, "ground.half_extent", 1e-6, huge, out.half_extent);
+    const Json* center = ground->find("center");
+    if (!center) return;
+    if (center->kind != Json::Kind::array || center->items.size() != 2) {
+        reader.error(center->place, "ground.center", "expected [x, z]");
+        return;
+    }
+    for (size_t i = 0; i < 2; ++i)
+        reader.number(center->items[i], fmt::format("ground.center[{}]", i), -huge, huge, out.center[i]);
 }
 
 // { "file", "scale" }, or a sky { "down", "up" }.
@@ -349,7 +276,7 @@ void check_frames(Reader& reader, const Json& root, const Shot& shot) {
             if (!std::isfinite(value)) return false;
         return true;
     };
-    const Place sun_place = root.find("sun")->find("keys")->place;
+    const Place sun_place = shot.has_sun ? root.find("sun")->find("keys")->place : Place{};
     const Place camera_place = shot.analytic ? sun_place : root.find("camera")->find("keys")->place;
     bool camera_good = true, sun_good = true;
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
@@ -383,14 +310,16 @@ std::string name_of(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics) {
-    const std::optional<Json> root = read_json(path, diagnostics);
+namespace {
+
+std::optional<Shot> shot_of(const std::optional<Json>& root, const std::filesystem::path& path,
+                            Diagnostics& diagnostics) {
     if (!root) return std::nullopt;
     const size_t before = diagnostics.size();
     Reader reader(diagnostics);
     if (!reader.object(*root, "",
                        {"$schema", "penumbra_shot", "scene", "size", "frames", "cuts", "fps", "camera", "sun",
-                        "objects", "environment", "origin", "seed"})) {
+                        "lights", "objects", "animation", "ground", "environment", "origin", "seed"})) {
         return std::nullopt;
     }
     Shot shot;
@@ -419,18 +348,41 @@ std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& di
     const Json* scene = root->find("scene");
     const bool analytic = scene && scene->kind == Json::Kind::object;
     if (!analytic) read_camera(reader, *root, shot);
+    if (!analytic) read_lights(reader, *root, shot);
     read_sun(reader, *root, shot);
     if (!analytic) read_objects(reader, *root, shot);
+    if (!analytic) read_ground(reader, *root, shot);
+    if (const Json* animation = root->find("animation"); animation && !analytic) {
+        if (animation->kind == Json::Kind::string && !animation->string.empty())
+            shot.animation = animation->string;
+        else if (animation->kind == Json::Kind::integer && animation->integer >= 0)
+            shot.animation = std::to_string(animation->integer);
+        else
+            reader.error(animation->place, "animation",
+                         "expected the name or the number of one of the model's");
+    }
     if (analytic) refuse_with_analytic(reader, *root);
     read_environment(reader, *root, shot);
     if (const Json* origin = root->find("origin")) reader.vector(*origin, "origin", shot.origin);
     if (const Json* seed = root->find("seed")) {
         reader.integer(*seed, "seed", 0, std::numeric_limits<uint32_t>::max(), shot.seed);
     }
+    if (diagnostics.size() == before && !root->find("sun")) without_sun(shot);
     if (diagnostics.size() == before) check_frames(reader, *root, shot);
     if (diagnostics.size() != before) return std::nullopt;
     if (shot.analytic) add_analytic_motion(shot);
     return shot;
+}
+
+}  // namespace
+
+std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics) {
+    return shot_of(read_json(path, diagnostics), path, diagnostics);
+}
+
+std::optional<Shot> parse_shot(std::string_view text, const std::filesystem::path& path,
+                               Diagnostics& diagnostics) {
+    return shot_of(parse_json(text, path.string(), diagnostics), path, diagnostics);
 }
 
 }  // namespace penumbra

@@ -4,12 +4,13 @@
 #include "host/truth/coverage.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <numbers>
 
 #include "host/generated/noise.h"
+#include "host/truth/octahedral.h"
+#include "host/truth/tree_boxes.h"
 
 namespace penumbra {
 namespace {
@@ -24,15 +25,6 @@ glm::dvec3 vector(const float (&v)[3]) {
 
 double taxi(const glm::dvec3& v) {
     return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
-}
-
-// The faces of an octahedron, the lower four folded out over the square's corners (receiver_normal.glsl).
-glm::dvec3 decode_normal(const std::array<float, 2>& e) {
-    glm::dvec3 n(e[0], e[1], 1 - std::abs(double(e[0])) - std::abs(double(e[1])));
-    const double fold = std::max(-n.z, 0.0);
-    n.x -= std::copysign(fold, n.x);
-    n.y -= std::copysign(fold, n.y);
-    return glm::normalize(n);
 }
 
 // sun_frame() of sun_sample.glsl.
@@ -74,8 +66,9 @@ class Surface {
         const glm::dvec3 viewer = orthographic() ? world_[2] : -glm::normalize(at(1));
         const double across = std::abs(glm::dot(n, world_[0])) + std::abs(glm::dot(n, world_[1]));
         const double span = 2 / (frame_.size[1] * std::abs(clip_[1].y)) * (orthographic() ? 1 : depth_);
+        const int bits = frame_.sub_pixel_bits ? static_cast<int>(frame_.sub_pixel_bits) : 4;
         return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) +
-               8 * depth_rounding() * std::abs(glm::dot(n, viewer)) + span * across * 0.5 / 256;
+               8 * depth_rounding() * std::abs(glm::dot(n, viewer)) + span * across * std::ldexp(0.5, -bits);
     }
 
   private:
@@ -114,44 +107,13 @@ bool plane_in_doubt(double height, const glm::dvec3& a, const glm::dvec3& b, con
     return !(std::abs(height) > 2 * unit_rounding * extent * taxi(glm::cross(b - a, c - a)));
 }
 
-struct Box {
-    glm::dvec3 lo, hi;
-};
-
-Box child_box(const Texel* node, uint32_t k) {
-    const uint32_t planes[3][2] = {
-        {node[1][2], node[1][3]}, {node[2][0], node[2][1]}, {node[2][2], node[2][3]}};
-    Box box{};
-    for (int a = 0; a < 3; ++a) {
-        const double origin = std::bit_cast<float>(node[0][a]),
-                     step = std::ldexp(1.0, static_cast<int>(node[0][3] >> (8 * a) & 255) - 127);
-        box.lo[a] = origin + step * (planes[a][0] >> (8 * k) & 255);
-        box.hi[a] = origin + step * (planes[a][1] >> (8 * k) & 255);
-    }
-    return box;
-}
-
-// Of a cone's start, axis and half angle: whether it may touch the box. The sphere around the box stands for
-// it.
-struct Cone {
-    glm::dvec3 start, axis;
-    double cosine, sine;
-
-    bool may_touch(const Box& box) const {
-        const double radius = 0.5 * glm::length(box.hi - box.lo);
-        const glm::dvec3 to = 0.5 * (box.lo + box.hi) - start;
-        const double along = glm::dot(to, axis), across = glm::length(to - along * axis);
-        return along >= -radius && across * cosine - along * sine <= radius;
-    }
-};
-
 }  // namespace
 
 CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
                                    std::span<const uint32_t> blue_noise, const CoveragePixel& pixel) {
     const Surface surface(frame.description, pixel);
     CoverageReceiver r;
-    r.normal = decode_normal(pixel.normal);
+    r.normal = octahedral_normal(pixel.normal);
     const glm::dvec3 in_scene = surface.relative() + vector(frame.scene.camera_from_origin.v);
     r.start = glm::vec3(in_scene + r.normal * surface.offset(r.normal, in_scene));  // floats, as the node's
     const auto [turn, dither] = noise(blue_noise, pixel.at, frame.description.index, seed);
@@ -249,7 +211,7 @@ PixelCoverage CoverageScene::cover(const SampledSun& sun, const CoverageReceiver
     out.hidden = out.by_surface;
     const double tangent = reach * std::tan(receiver.angular_radius),
                  cosine = 1 / std::sqrt(1 + tangent * tangent);
-    const Cone cone{receiver.start, receiver.axes[2], cosine, tangent * cosine};
+    const TreeCone cone{receiver.start, receiver.axes[2], cosine, tangent * cosine};
     const auto add = [&](uint32_t index) {
         if (auto triangle = see(sun, receiver, index)) {
             out.hidden |= triangle->hidden;

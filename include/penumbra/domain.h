@@ -15,6 +15,9 @@
 
 namespace penumbra PENUMBRA_API {
 
+// Elements that texel buffers hold on desktop devices and lavapipe, the largest scenes with them; Vulkan promises 65 536.
+inline constexpr uint32_t large_texel_buffer = 1u << 27;
+
 // What a host may promise for a plan's lifetime; true where it says nothing.
 struct Fact {
     std::string name, doc;
@@ -37,13 +40,19 @@ struct Bundle {
         bool gpu_only = false;  // `auto` leaves it on a CPU device that has another
         std::string glsl;       // what its shaders begin with
     };
+    // Which devices a part exists on, by how many texels their buffers hold (large_texel_buffer): what may exceed
+    // those of some comes as two parts, one of texels and one a buffer.
+    enum class Texels : uint8_t { any, many, few };
     struct Part {
         std::string name;  // the slot is PORT.name, PORT_name in GLSL; empty: PORT itself
         PortKind kind = PortKind::texels;
         Format format = Format::r8;  // texels
-        std::string element;         // block: the struct's name
+        std::string element;         // block: the struct's name; buffer: as in declarations
         std::string backend;         // exists with this one alone; empty: with every one
         std::string fact;            // exists where it holds; empty: always. HAS_PORT_NAME in GLSL
+        Texels on = Texels::any;     // exists on these devices alone. HAS_PORT_NAME in GLSL
+
+        bool always() const { return fact.empty() && on == Texels::any; }
     };
     std::string kind, doc;  // kind: the word in declarations
     std::string param;      // of this name, with values of the backends' and "auto"

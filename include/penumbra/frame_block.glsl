@@ -16,4 +16,6 @@ struct FrameBlock {
     float dt_s;               // seconds since the previous recorded frame
     uint frame_index;
     uint flags;               // FRAME_RESET | FRAME_ORTHOGRAPHIC
+    float snap_px;            // how far beside a pixel's centre, along either axis, its depth may have been taken
+    float unused0, unused1, unused2;
 };

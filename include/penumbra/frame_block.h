@@ -28,7 +28,7 @@ struct alignas(16) mat4 {
     float columns[4][4];
 };
 #include "penumbra/frame_block.glsl"
-static_assert(sizeof(FrameBlock) == 64 * 3 + 48 + 16 + 32 + 16);
+static_assert(sizeof(FrameBlock) == 64 * 3 + 48 + 16 + 32 + 16 + 16);
 }  // namespace std140
 
 using std140::FrameBlock;
@@ -55,8 +55,12 @@ struct FrameDescription {
     uint32_t index = 0;
     float dt_s = 0;
     uint32_t flags = 0;
+    // VkPhysicalDeviceLimits::subPixelPrecisionBits of the device that rasterised the depth; 0: of the view's own. A depth
+    // that nobody rasterised is as exact as its texels, which any number of bits is safe for.
+    uint32_t sub_pixel_bits = 0;
 };
 
-FrameBlock make_frame_block(const FrameDescription& frame);
+// Where neither the frame nor the caller knows the rasteriser, it is one of the least precise that Vulkan allows.
+FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_pixel_bits = 4);
 
 }  // namespace penumbra

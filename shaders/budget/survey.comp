@@ -14,6 +14,7 @@ const bool MANY_RAYS = true;
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"
 #include "common/branch.glsl"
+#include "common/cell_before.glsl"
 #include "budget/nearest_past.glsl"
 
 const float NEVER_ELSE = 0.003;  // of 0 or of 1: less than one ray among those that a past stands for
@@ -35,16 +36,9 @@ uvec3 by_their_past(ivec2 tile, uint pixels) {
 
 // Was the cell that the previous frame showed there, and whatever was within gather's reach of it, of one kind?
 bool was_idle(ivec2 cell) {
-    if ((frame.flags & FRAME_RESET) != 0u) return false;
-    const ivec2 first = cell * CELL, last = ivec2(frame.prev_size) - 1;
-    if (!HAS_MOTION && !pixels_have_pasts()) return false;
-    ivec2 there = first;
-    if (HAS_MOTION) {
-        const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
-        const Reprojection before = reproject(middle, texelFetch(motion, middle, 0).xy);
-        if (!before.on_screen) return false;
-        there += ivec2(floor(before.uv * vec2(frame.prev_size))) - middle;
-    }
+    const ivec2 last = ivec2(frame.prev_size) - 1;
+    ivec2 there;
+    if (!cell_before(cell * CELL, there)) return false;
     bool idle = true;
     for (int i = 0; i < 4; ++i)
         idle = idle && is_idle(idle_cells_prev[cell_index(clamp(there + (CELL - 1) * corner(i), ivec2(0), last) / CELL, frame.prev_size)]);

@@ -6,6 +6,7 @@
 #include "common/camera.glsl"
 #include "common/rounded.glsl"
 #include "common/tiles.glsl"
+#include "common/tile_rows.glsl"
 #define READS_BLOCKERS
 #include "common/blockers.glsl"
 #include "common/sun_sample.glsl"
@@ -26,12 +27,6 @@ shared uint asked_count;
 shared uint asked[TILES * 32u];  // 32 tile + pixel, and in the upper bits whether unlike rays are next to it, or two pixels away
 
 const int RING = 2, ROWS = TILE.y + 2 * RING;
-
-// 24 pixels of a row of a tile and of those at its sides.
-uint row_of(uvec3 words, int row) {
-    const uvec3 bytes = words >> uint(8 * row) & 0xffu;
-    return bytes.x | bytes.y << 8 | bytes.z << 16;
-}
 
 uint wider(uint row) { return row | row << 1 | row >> 1; }
 

@@ -8,7 +8,7 @@
 // and a box along the surface, which is flat where the pixels are.
 // Nothing met: all lit. Closed off: all shadowed. Else the tile is left to its pixels.
 //
-// Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves, neighbours; const uint PATCH (triangles), BUDGET
+// Includer declares: what common/bvh.glsl needs; uniform usamplerBuffer neighbours; const uint PATCH (triangles), BUDGET
 // (steps).
 #include "common/bvh.glsl"
 #include "classification/cone.glsl"

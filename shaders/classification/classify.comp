@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Which pixels need a ray. An invocation owns one 8x4 tile, so a tile's words need no other lane and the subgroup may
 // have any size; tiles with undecided pixels go to the list that trace is dispatched over.
-// Sky is nobody's receiver, surfaces that face away from the sun are shadowed, the rest is traced.
+// Sky is nobody's receiver, surfaces that face away from the sun are shadowed, the rest is traced. Of a light that is near also
+// those are no receivers that it cannot reach: out of range, behind it, outside of its cone.
 #define APPENDS_TILES
 #include "node.glsl"
+#include "common/camera.glsl"
 #include "common/guide_normal.glsl"
+#include "common/sun_sample.glsl"
+#include "common/light.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 
@@ -12,6 +16,16 @@
 // lights the surface until its upper rim sets, n.s = -sin a; the stored normal's error is left to the ray.
 float shadowed_below() {
     return TERMINATOR == TERMINATOR_CENTRE ? 0.0 : -sin(sun.angular_radius) - GUIDE_NORMAL_ERROR;
+}
+
+const uint NO_RECEIVER = 0u, SHADOWED = 1u, UNDECIDED = 2u;
+
+uint by_sun(vec3 n, float limit) { return dot(n, sun.to_sun) <= limit ? SHADOWED : UNDECIDED; }
+
+uint by_near_light(ivec2 p, float z, vec3 n) {
+    const vec3 to_centre = light.centre - position(p, z);
+    if (!light_reaches(-to_centre)) return NO_RECEIVER;
+    return light_is_below(n, to_centre, GUIDE_NORMAL_ERROR) ? SHADOWED : UNDECIDED;
 }
 
 void main() {
@@ -23,10 +37,12 @@ void main() {
     uint receivers = 0u, shadowed = 0u;
     for (int i = 0; i < 32; ++i) {
         const ivec2 p = tile * TILE + ivec2(i & 7, i >> 3);
-        if ((pixels >> i & 1u) != 0u && imageLoad(view_depth, p).x > 0.0) {
-            receivers |= 1u << i;
+        const float z = (pixels >> i & 1u) != 0u ? imageLoad(view_depth, p).x : 0.0;
+        if (z > 0.0) {
             const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
-            if (dot(n, sun.to_sun) <= limit) shadowed |= 1u << i;
+            const uint verdict = HAS_LIGHT ? by_near_light(p, z, n) : by_sun(n, limit);
+            if (verdict != NO_RECEIVER) receivers |= 1u << i;
+            if (verdict == SHADOWED) shadowed |= 1u << i;
         }
     }
     const uint undecided = receivers & ~shadowed;

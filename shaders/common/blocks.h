@@ -14,6 +14,26 @@ struct Sun {
     float angular_radius;  // radians
 };
 
+// What a local light's rays end at (docs/lights.md).
+const uint LIGHT_SPHERE = 0u;     // also points and spots; a radius of 0 is a point
+const uint LIGHT_DISC = 1u;       // lights what it faces
+const uint LIGHT_RECTANGLE = 2u;  // lights what it faces
+const uint LIGHT_TUBE = 3u;       // turns its broad side to whoever looks
+
+// A light that is near. Discs, rectangles and tubes have a luminance in candelas per square metre, spheres an intensity in candelas.
+struct Light {
+    vec3 centre;      // camera-relative metres, world axes
+    uint kind;        // LIGHT_SPHERE ..
+    vec3 u;           // half axis: the disc's, half the rectangle's or the tube's; of a sphere (radius, 0, 0)
+    float range;      // metres; nothing beyond is lit
+    vec3 v;           // the other half axis; of a tube (radius, 0, 0)
+    float cos_outer;  // of a spot's cone, where its light ends; -1: no spot
+    vec3 facing;      // unit; of discs, rectangles and spots
+    float cos_inner;  // of the cone in which a spot has all of its light
+    vec3 color;       // linear; candelas, or candelas per square metre
+    uint on;          // 0: nothing receives light from it
+};
+
 struct Scene {
     vec3 camera_from_origin;  // metres: camera position in the BVH's frame, differenced in double precision
     float padding;
@@ -42,6 +62,7 @@ const uint HALF_PLANE_DIRECTIONS = 64u;
 
 #ifdef __cplusplus
 static_assert(sizeof(Cascade) == 64 && sizeof(Cascades) == 272);
+static_assert(sizeof(Light) == 80);
 static_assert(sizeof(Sun) == 16 && sizeof(Scene) == 16);
 }
 #endif

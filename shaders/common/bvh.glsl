@@ -3,7 +3,7 @@
 //
 // The walk itself is common/bvh_path.glsl's. docs/bvh.md has what was measured.
 //
-// Includer declares: uniform usamplerBuffer scene_nodes, scene_leaves; what common/bvh_alpha.glsl needs.
+// Includer declares: what common/scene_words.glsl and common/bvh_alpha.glsl need.
 #include "common/bvh_alpha.glsl"
 #include "common/bvh_leaf.glsl"
 #include "common/bvh_path.glsl"
@@ -16,7 +16,7 @@ bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit, out uint unsure) {
     float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
     uint first, second;
 #ifndef NO_SCENE_ALPHA
-    if (HAS_SCENE_ALPHA_UV) {
+    if (HAS_SCENE_ALPHA) {
         float t_first = t_hit, t_second = t_hit;
         first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_first);
         second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_second);

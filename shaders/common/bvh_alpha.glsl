@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Which triangles of the tree are alpha-tested, and whether such a triangle blocks where it is hit. Layout:
-// host/scene/scene_alpha.h. In a scene without any, nothing is read: HAS_SCENE_ALPHA_UV says so.
+// host/scene/scene_alpha.h. In a scene without any, nothing is read: HAS_SCENE_ALPHA says so.
 //
-// Includer declares: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map; const bool HAS_SCENE_ALPHA_UV; or defines
-// NO_SCENE_ALPHA.
+// Includer declares what common/scene_alpha.glsl needs, or defines NO_SCENE_ALPHA.
 #ifndef NO_SCENE_ALPHA
 #include "common/scene_alpha.glsl"
 
 // The word of triangle `which` (0: v0, v1, v2; 1: v2, v1, v3) of a leaf: 0 = opaque.
 uint bvh_alpha_word(uint leaf, uint which) {
-    uint first = texelFetch(scene_alpha_uv, 0).x;
-    return texelFetch(scene_alpha_uv, int(first + (leaf >> 1)))[(leaf & 1u) * 2u + which];
+    uint first = scene_alpha_texel(0).x;
+    return scene_alpha_texel(int(first + (leaf >> 1)))[(leaf & 1u) * 2u + which];
 }
 
 // `areas`: the edge functions opposite to the triangle's vertices, in the order that `which` gives; of any scale and sign.
@@ -26,7 +25,7 @@ bool bvh_alpha_blocks(uint leaf, uint which, vec3 areas) {
 // Whether a triangle of a leaf may have holes: it can be touched, but what covers its outline is not covered by it.
 bool bvh_alpha_tested(uint leaf, uint which) {
 #ifndef NO_SCENE_ALPHA
-    return HAS_SCENE_ALPHA_UV && bvh_alpha_word(leaf, which) != 0u;
+    return HAS_SCENE_ALPHA && bvh_alpha_word(leaf, which) != 0u;
 #else
     return false;
 #endif

@@ -16,7 +16,8 @@
 // lane by lane a CPU device takes the lanes one by one, with a branch each that nothing can foresee, and that was a
 // seventh of a ray's time.
 //
-// Includer declares: uniform usamplerBuffer scene_nodes.
+// Includer declares: what common/scene_words.glsl needs.
+#include "common/scene_words.glsl"
 
 // A group of child nodes: first << 6 | order << 4 | mask. Order 3: the mask is reversed, the last child goes first.
 struct BvhPath {
@@ -67,9 +68,9 @@ BvhVisit bvh_visit(BvhPath path) {
 void bvh_fetch(BvhPath path, inout BvhVisit visit) {
     visit.bit = bvh_lowest_bit(path.group);
     const int texel = int(((path.group >> 6) + (bvh_bit_index(visit.bit) ^ (path.group >> 4 & 3u))) * 3u);
-    visit.n0 = texelFetch(scene_nodes, texel);
-    visit.n1 = texelFetch(scene_nodes, texel + 1);
-    visit.n2 = texelFetch(scene_nodes, texel + 2);
+    visit.n0 = scene_node_texel(texel);
+    visit.n1 = scene_node_texel(texel + 1);
+    visit.n2 = scene_node_texel(texel + 2);
 }
 
 void bvh_push(inout BvhPath path, bool wanted, uint group) {

@@ -31,6 +31,15 @@ vec3 to_viewer(ivec2 p) {
     return -normalize(position(p, 1.0));
 }
 
+// Of the ray through a pixel, away from the camera: the sine of its angle with the horizon, positive upwards.
+float view_rise(ivec2 p) {
+    const mat4 m = frame.clip_from_view;
+    const vec2 slope = (2.0 * (pixel_uv(p) - frame.jitter) - 1.0 + m[2].xy) / vec2(m[0].x, m[1].y);
+    const vec2 xy = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? vec2(0.0) : slope;
+    const vec3 up = vec3(frame.world_from_view[0].y, frame.world_from_view[1].y, frame.world_from_view[2].y);
+    return (dot(up.xy, xy) - up.z) * inversesqrt(dot(xy, xy) + 1.0);
+}
+
 // Metres along the view axis by which rounding moves a depth kept in 32 bits: 2^-24 of the depth over its slope. That is
 // 2^-24 of the view depth for reverse Z; standard Z spends its digits near 1 and loses z^2 / near.
 float depth_rounding_m(float view_depth) {

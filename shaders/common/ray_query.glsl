@@ -2,8 +2,7 @@
 // Shadow rays against an acceleration structure of the driver (VK_KHR_ray_query): the counterpart of common/bvh.glsl on
 // the same triangles in the same frame. Which triangle is at an edge is the driver's to decide; nothing else differs.
 //
-// Includer declares: uniform accelerationStructureEXT scene_tlas; what common/scene_alpha.glsl needs, and
-// const bool HAS_SCENE_ALPHA_UV.
+// Includer declares: uniform accelerationStructureEXT scene_tlas; what common/scene_alpha.glsl needs.
 #include "common/scene_alpha.glsl"
 // Runs of alpha-tested triangles are instances that are not opaque and carry the number of their first record.
 #ifdef NEAREST_HIT
@@ -11,7 +10,7 @@ const uint ray_query_ends = gl_RayFlagsNoneEXT;
 #else
 const uint ray_query_ends = gl_RayFlagsTerminateOnFirstHitEXT;
 #endif
-const uint ray_query_flags = ray_query_ends | (HAS_SCENE_ALPHA_UV ? 0u : gl_RayFlagsOpaqueEXT);
+const uint ray_query_flags = ray_query_ends | (HAS_SCENE_ALPHA ? 0u : gl_RayFlagsOpaqueEXT);
 
 // Whether the candidate that a query has come to, which is not opaque, is there where the ray meets it. A macro: a query is
 // no parameter.
@@ -29,7 +28,7 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
     rayQueryEXT query;
     rayQueryInitializeEXT(query, scene_tlas, ray_query_flags, 0xFFu, origin, t_min, direction, t_max);
     while (rayQueryProceedEXT(query))
-        if (HAS_SCENE_ALPHA_UV && ray_query_alpha_blocks(query)) rayQueryConfirmIntersectionEXT(query);
+        if (HAS_SCENE_ALPHA && ray_query_alpha_blocks(query)) rayQueryConfirmIntersectionEXT(query);
     const bool found = rayQueryGetIntersectionTypeEXT(query, true) != gl_RayQueryCommittedIntersectionNoneEXT;
     if (found) t_hit = rayQueryGetIntersectionTEXT(query, true);
     return found;

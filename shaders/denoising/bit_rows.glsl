@@ -5,6 +5,8 @@
 // Includer has tiles.glsl and shadow_state.glsl, defines the constant R and declares the buffers visibility_words, sunward_words and,
 // where not every pixel that looks at the sun has a ray, ray_words.
 
+#include "common/tile_rows.glsl"
+
 const int ROWS = CELL + 2 * R;
 const uint ROW_COLUMNS = (1u << uint(ROWS)) - 1u;  // a row is as long as there are rows
 const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
@@ -19,12 +21,6 @@ uint tests_of_tile(uint tile) {
 // Lit pixels in the lower 16 bits, and in the upper ones those that have a ray or a proof. Bit 0 is R pixels left of the cell, the
 // first row R above it.
 uint rows[ROWS];
-
-// 24 pixels of row `row` of a tile and of its neighbours; bit 0 is 8 pixels left of the tile's first.
-uint row_of(uvec3 words, int row) {
-    const uvec3 bytes = words >> uint(8 * row) & 0xffu;
-    return bytes.x | bytes.y << 8 | bytes.z << 16;
-}
 
 void load_tiles(ivec2 cell, const int first) {
     const ivec2 tile = ivec2(cell.x >> 1, cell.y), grid = tile_grid();

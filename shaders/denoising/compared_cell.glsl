@@ -27,6 +27,7 @@ void compare_cell(uint at, ivec2 cell) {
     vec2 steps = vec2(1e9);  // light-space pixel sizes
     float largest = 0.0, seen_m2 = 0.0;  // by the sun, of the cell's pixels
     int pairs = 0, pasts = 0;
+    float flips_per_pair = 0.0;  // a pixel of many rays does not flip
     float radii = 0.0, by_counts = 0.0;  // over these
     int tested_pixels = 0;
     bool resampled = false;
@@ -67,9 +68,12 @@ void compare_cell(uint at, ivec2 cell) {
             worth = told ? frames_worth(now, further) : 0.0;
             const float shared_by = max(now.rays / now.each, 1.0);  // pixels whose rays it counts
             now = with_own(now, further, bit > 0.5);
-            if (HAS_MOTION || HAS_SUN_PREV) {  // the more this frame knows, the less it asks a past that could be over
+            // The more this frame knows, the less it asks a past that could be over: what the own rays have said, which drift does not
+            // test, and what has moved across the pixels. A past that stayed where it was is drift's to doubt: cut short whenever a
+            // frame has several rays, it would never be a mean of rays that repel each other.
+            if (HAS_MOTION || HAS_SUN_PREV) {
                 const float most = COUNT_CAP * inversesqrt(max(worth, 1.0));
-                past.count = min(past.count, most);
+                if (past.elsewhere) past.count = min(past.count, most);
                 past.own.count = min(past.own.count, most);
             }
             if (worth > 0.0) add_pixel(bias, past, now, worth);
@@ -80,7 +84,9 @@ void compare_cell(uint at, ivec2 cell) {
             largest = max(largest, foot.s.s1);
             ++tested_pixels;
             seen_m2 += foot.s.s1 * foot.s.s2;
-            pairs += differs(r, ivec2(1, 0)) + differs(r, ivec2(0, 1));
+            const int unlike = differs(r, ivec2(1, 0)) + differs(r, ivec2(0, 1));
+            pairs += unlike;
+            flips_per_pair += float(unlike) / max(worth, 1.0);
 
             OwnRays own = past.own;
             if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), further == 0u ? 1.0 : even_worth(further));
@@ -105,12 +111,14 @@ void compare_cell(uint at, ivec2 cell) {
                 sums.c += variance * (1.0 + 0.5 * (shared_by - 1.0));
             }
         }
-        imageStore(gathered, p, uvec4(pack_gathered(g, worth, thresholds_at(p)), 0u, 0u));
+        // Whoever does not hand on what a frame is worth has drift take every one for one.
+        imageStore(gathered, p, uvec4(pack_gathered(g, HAS_FRAME_WORTH != 0 ? worth : 1.0, thresholds_at(p)), 0u, 0u));
     }
     const float by_pasts = 1.0 / float(max(pasts, 1));
     if (pasts > 0 && radii * by_pasts < NARROW_PX) {
-        const float flips = flips_of(pairs, radii * by_pasts, by_counts * by_pasts);
-        sums.c += max(flips - sums.v, 0.0);  // where it counts there is one ray
+        const float by_rays = pairs > 0 ? flips_per_pair / float(pairs) : 1.0;
+        const float flips = by_rays * flips_of(pairs, radii * by_pasts, by_counts * by_pasts);
+        sums.c += max(flips - sums.v, 0.0);  // where it counts hardly a neighbour's ray is asked
         sums.v = max(sums.v, flips);
     }
     const vec2 reach = rho > 0.0 ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);

@@ -9,7 +9,7 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/rounded.glsl"
-const bool MANY_RAYS = HAS_FRAMES;
+#include "denoising/many_rays.glsl"
 #include "common/dithered.glsl"
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"

@@ -10,7 +10,7 @@
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
-const bool MANY_RAYS = HAS_FRAME_WORTH != 0;
+#include "denoising/many_rays.glsl"
 #include "common/dithered.glsl"
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"

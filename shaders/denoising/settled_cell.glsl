@@ -3,6 +3,7 @@
 //
 // Includer has working_cells.glsl, bit_rows.glsl, corners.glsl, shadow_state.glsl and lit_or_sky(), and declares the images history, gathered and,
 // where things move, motion, and the buffers idle_cells, idle_cells_prev and cells.
+#include "common/cell_before.glsl"
 
 // Have the rays of some pixel of a cell, all of which say `lit` now, said something else? Then there is a thin or faint
 // penumbra, and one frame's agreement is no reason to forget it. One motion serves the whole cell: under a camera that moves
@@ -10,16 +11,9 @@
 // `known`: that past knows something of every pixel.
 bool past_disagrees(ivec2 first, bool lit, out bool known) {
     known = false;
-    if ((frame.flags & FRAME_RESET) != 0u) return false;
     const ivec2 last = ivec2(frame.prev_size) - 1;
-    if (!HAS_MOTION && !pixels_have_pasts()) return false;
-    ivec2 there = first;
-    if (HAS_MOTION) {
-        const ivec2 middle = min(first + CELL / 2, ivec2(frame.size) - 1);
-        const Reprojection before = reproject(middle, texelFetch(motion, middle, 0).xy);
-        if (!before.on_screen) return false;
-        there += ivec2(floor(before.uv * vec2(frame.prev_size))) - middle;
-    }
+    ivec2 there;
+    if (!cell_before(first, there)) return false;
     bool idled = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = clamp(there + (CELL - 1) * corner(i), ivec2(0), last);

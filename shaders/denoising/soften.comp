@@ -8,7 +8,7 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/rounded.glsl"
-const bool MANY_RAYS = HAS_RAY_WORDS || HAS_RAY_BITS;
+#include "denoising/many_rays.glsl"
 #include "common/dithered.glsl"
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"

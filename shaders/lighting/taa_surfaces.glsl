@@ -143,7 +143,7 @@ bool was_thin(Cameras cameras, Seen seen, ivec2 t) {
 }
 
 // An edge of the picture alternates with the jitter between what is in front and what is behind, so a texel may have shown
-// either. Where one of the four around the position showed something else, the largest share of the others stands for all.
+// either. Where some of the four around the position showed something else, the others' mean stands for all.
 // `moved`: the motion of what is in front.
 Past past_among(vec2 texel, Around around, Cameras cameras, vec3 moved) {
     const bool solid = around.farthest_depth > 0.0;
@@ -183,7 +183,11 @@ Past past_among(vec2 texel, Around around, Cameras cameras, vec3 moved) {
     const ivec2 best = left.x == best_share ? t[0] : left.y == best_share ? t[1] : left.z == best_share ? t[2] : t[3];
     const vec4 value = imageLoad(history, none ? nearest : best);
     vec3 past_color = value.xyz;
-    BRANCH_IF(best_share < 1.0 && dot(left, vec4(1.0)) == 1.0) past_color = history_at(texel);
+    const float counted = dot(left, vec4(1.0));
+    BRANCH_IF(best_share < counted && counted < 1.0)
+        past_color = (left.x * imageLoad(history, t[0]).xyz + left.y * imageLoad(history, t[1]).xyz +
+                      left.z * imageLoad(history, t[2]).xyz + left.w * imageLoad(history, t[3]).xyz) / counted;
+    BRANCH_IF(best_share < 1.0 && counted == 1.0) past_color = history_at(texel);
     return Past(past_color, none && !thin ? 0.0 : frames_of(value.w), thin);
 }
 

@@ -25,7 +25,7 @@ void bvh_nearest_of_leaf(inout BvhHit hit, inout BvhRay ray, uint leaf, out uint
     uint first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t_first);
     uint second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_second);
 #ifndef NO_SCENE_ALPHA
-    if (HAS_SCENE_ALPHA_UV) {
+    if (HAS_SCENE_ALPHA) {
         if (first != BVH_MISS && !bvh_alpha_blocks(leaf, 0u, vec3(bc, ca, ab))) first = BVH_MISS;
         if (second != BVH_MISS && !bvh_alpha_blocks(leaf, 1u, vec3(bd, dc, -bc))) second = BVH_MISS;
     }

@@ -23,9 +23,9 @@ ClosestHit closest_hit(vec3 origin, vec3 direction, float t_min, float t_max) {
 #if BACKEND == BACKEND_RAY_QUERY
     if (!(t_min < t_max)) return ClosestHit(false, t_max, 0u);
     rayQueryEXT query;
-    rayQueryInitializeEXT(query, scene_tlas, HAS_SCENE_ALPHA_UV ? 0u : gl_RayFlagsOpaqueEXT, 0xFFu, origin, t_min, direction, t_max);
+    rayQueryInitializeEXT(query, scene_tlas, HAS_SCENE_ALPHA ? 0u : gl_RayFlagsOpaqueEXT, 0xFFu, origin, t_min, direction, t_max);
     while (rayQueryProceedEXT(query))
-        if (HAS_SCENE_ALPHA_UV && ray_query_alpha_blocks(query)) rayQueryConfirmIntersectionEXT(query);
+        if (HAS_SCENE_ALPHA && ray_query_alpha_blocks(query)) rayQueryConfirmIntersectionEXT(query);
     if (rayQueryGetIntersectionTypeEXT(query, true) == gl_RayQueryCommittedIntersectionNoneEXT) return ClosestHit(false, t_max, 0u);
     const uint instance = uint(rayQueryGetIntersectionInstanceIdEXT(query, true));
     return ClosestHit(true, rayQueryGetIntersectionTEXT(query, true),

@@ -112,7 +112,7 @@ void hide_by_leaf(Receiver r, LightDisc disc, uint leaf, bool wanted, inout Ligh
                                        mask_and(mask_flipped(positive_side(bd), below.y), mask_flipped(positive_side(dc), below.y)));
         by_first = mask_if(hides.x, by_first);
         by_second = mask_if(hides.y, by_second);
-        if (HAS_SCENE_ALPHA_UV) {
+        if (HAS_SCENE_ALPHA) {
             by_first = without_holes(disc, leaf, 0u, vec3[3](bc_line, edge_line(c, a), edge_line(a, b)), by_first, hidden);
             by_second = without_holes(disc, leaf, 1u, vec3[3](edge_line(b, d), edge_line(d, c), -bc_line), by_second, mask_or(hidden, by_first));
         }

@@ -31,7 +31,7 @@ void main() {
         if (index < ray_count) {
             const uint number = wanted_number(share, index / further), k = index % further;  // a pixel's rays lie side by side
             const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k + 1u, rays);
-            if (ray.into_surface || occluded(ray.origin, ray.direction, t_min, t_max)) atomicOr(blocked[number], 1u << k);
+            if (ray.into_surface || occluded(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max)) atomicOr(blocked[number], 1u << k);
         }
     }
     subgroupBarrier();

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The shadow rays of a pixel: from its surface towards points of the sun's disc per pixel and frame (common/sun_sample.glsl,
-// blue_noise.glsl). A sun that is a point takes no noise.
+// blue_noise.glsl), or of a light that is near (common/light.glsl). A light that is a point takes no noise.
 //
 // Includer has common/camera.glsl, common/receiver_normal.glsl and common/ray_origin.glsl and declares: constants ORIGIN and
-// SAMPLING; buffer ray_points, where HAS_RAY_POINTS.
+// SAMPLING; block light; buffer ray_points, where HAS_RAY_POINTS.
 #include "visibility/sun_point.glsl"
+#include "common/light.glsl"
 
 struct ShadowRay {
     vec3 origin, direction;
-    bool into_surface;  // the surface itself hides the sun
+    bool into_surface;  // the surface itself hides the light
+    float t_max;        // where the light is, metres
 };
+
+const float SUN_IS_AT_M = 1e30;  // as classify's records end
 
 // Hybrid Shadows sample: both constants are absolute lengths.
 const float PUBLISHED_OFFSET_M = 1e-4;
@@ -41,11 +45,23 @@ vec3 ray_direction(ivec2 p, uint k, uint rays) {
     return sun_direction_through(sun.to_sun, sun.angular_radius, point);
 }
 
+ShadowRay ray_to_near_light(ivec2 p, vec3 n, uint k, uint rays) {
+    const vec3 origin = shadow_ray_origin(p, n);
+    vec2 point = vec2(0.0);
+    if (HAS_BLUE_NOISE)
+        point = light_point(noise_unit(noise_fixed(p, frame.frame_index, params.seed) + noise_step(k, rays)));
+    if (k == 0u) keep_point(p, pack_point(point));
+    const LightRay ray = light_ray(light.centre + scene.camera_from_origin - origin, point);
+    return ShadowRay(origin, ray.direction, points_into_surface(n, ray.direction), ray.t_max);
+}
+
 ShadowRay shadow_ray(ivec2 p, uint k, uint rays) {
-    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy), direction = ray_direction(p, k, rays);
+    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+    if (HAS_LIGHT) return ray_to_near_light(p, n, k, rays);
+    const vec3 direction = ray_direction(p, k, rays);
     if (ORIGIN == ORIGIN_PUBLISHED) {
         const vec3 in_scene = position(p, imageLoad(view_depth, p).x) + scene.camera_from_origin;
-        return ShadowRay(in_scene + n * PUBLISHED_OFFSET_M, direction, false);
+        return ShadowRay(in_scene + n * PUBLISHED_OFFSET_M, direction, false, SUN_IS_AT_M);
     }
-    return ShadowRay(shadow_ray_origin(p, n), direction, points_into_surface(n, direction));
+    return ShadowRay(shadow_ray_origin(p, n), direction, points_into_surface(n, direction), SUN_IS_AT_M);
 }

@@ -48,7 +48,7 @@ void main() {
             bool hit = ray.into_surface;
             if (!hit) {
                 float t = 0.0;
-                hit = occluded_at(ray.origin, ray.direction, t_min, t_max, t);
+                hit = occluded_at(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, t);
 #if HAS_BLOCKERS
                 if (hit && k == 0u) add_blocker(sums, t);
 #endif

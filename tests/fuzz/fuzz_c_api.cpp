@@ -36,7 +36,7 @@ class Maker {
         const uint32_t choice = number() % 12;
         if (choice < std::size(known)) return known[choice];
         if (choice == 9) return nullptr;
-        const size_t length = std::min<size_t>(number() % 64, bytes_.size());
+        const size_t wanted = number() % 64, length = std::min(wanted, bytes_.size());
         texts_.emplace_back(reinterpret_cast<const char*>(bytes_.data()), length);
         bytes_ = bytes_.subspan(length);
         return texts_.back().c_str();

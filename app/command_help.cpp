@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "app/command_help.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+#include <stdexcept>
+#include <vector>
+
+namespace penumbra {
+namespace {
+
+struct Example {
+    const char *line, *what;
+};
+
+const std::map<std::string, std::vector<Example>>& examples() {
+    static const std::map<std::string, std::vector<Example>> table{
+        {"render",
+         {{"penumbra render model.glb --ground", "a picture of a model, into out/model"},
+          {"penumbra render shadows --shot colonnade --frames 0..15 --out out/a",
+           "a shipped pipeline on a shipped shot"},
+          {"penumbra render mine.json --nodes nodes --shot my.shot.json --capture depth",
+           "a pipeline with node types of your own, and its depth"}}},
+        {"shot", {{"penumbra shot model.glb --ground --out my.shot.json", "a shot to begin with"}}},
+        {"reference",
+         {{"penumbra reference --like out/a --out out/truth",
+           "the truth of just the points that a rendered folder shows"},
+          {"penumbra reference --shot engine --frames 15 --rays 4096 --out out/truth",
+           "of pixel centres, finer"}}},
+        {"compare",
+         {{"penumbra compare out/a out/truth", "how far a mask is from the truth"},
+          {"penumbra compare out/a out/truth --also out/a2 --json", "two seeds, as JSON"}}},
+        {"report",
+         {{"penumbra report --quick --out out/report", "a page for a first look, in minutes"},
+          {"penumbra report --front --shots lamp --out out/front", "speed against error alone"}}},
+        {"plan",
+         {{"penumbra plan hybrid_shadows --size 1920x1080", "passes, barriers, memory; no device is needed"},
+          {"penumbra plan raw --size 640x360 --format dot | dot -Tsvg", "the dataflow as a drawing"}}},
+        {"check", {{"penumbra check pipelines/*.json", "every error of these files"}}},
+        {"nodes",
+         {{"penumbra nodes", "all node types"},
+          {"penumbra nodes trace", "what one takes, gives and can be told"}}},
+        {"gates", {{"penumbra gates shadows --parts still", "straight penumbrae with a known answer"}}},
+        {"bench",
+         {{"penumbra bench hybrid_shadows shadows --shots lamp", "what two pipelines cost, pass by pass"}}},
+        {"explain",
+         {{"penumbra explain --shot colonnade --out sun.svg", "what one pixel sees of the sun"},
+          {"penumbra explain --costs out/*/report.json --out costs.svg", "where the time went"}}},
+        {"statics", {{"penumbra statics shadows", "what the compilers make of its shaders"}}},
+        {"devices", {{"penumbra devices", "the names that --device takes a part of"}}},
+        {"completion",
+         {{"penumbra completion bash >~/.local/share/bash-completion/completions/penumbra",
+           "for every new shell"},
+          {"source <(penumbra completion zsh)", "for this one"}}}};
+    return table;
+}
+
+// "--out", "-h": as they are typed.
+std::vector<std::string> option_names(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    return names;
+}
+
+std::string bash_script(const CLI::App& app) {
+    std::vector<std::string> commands;
+    std::string cases;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        commands.push_back(command->get_name());
+        cases += fmt::format("        {}) words='{}' ;;\n", command->get_name(),
+                             fmt::join(option_names(*command), " "));
+    }
+    return fmt::format(R"(# Completion of penumbra's commands and options; file names elsewhere.
+_penumbra() {{
+    local word=${{COMP_WORDS[COMP_CWORD]}} words=
+    if [[ $COMP_CWORD == 1 ]]; then
+        COMPREPLY=($(compgen -W '{}' -- "$word"))
+        return
+    fi
+    case ${{COMP_WORDS[1]}} in
+{}    esac
+    [[ $word == -* ]] && COMPREPLY=($(compgen -W "$words" -- "$word"))
+}}
+complete -o default -F _penumbra penumbra
+)",
+                       fmt::join(commands, " "), cases);
+}
+
+std::string quoted(std::string text) {
+    for (size_t at = 0; (at = text.find('\'', at)) != text.npos; at += 2) text.insert(at, "\\");
+    return "'" + text + "'";
+}
+
+std::string fish_script(const CLI::App& app) {
+    std::string text = "# Completion of penumbra's commands and options.\n";
+    for (const CLI::App* command : app.get_subcommands({})) {
+        text += fmt::format("complete -c penumbra -n __fish_use_subcommand -a {} -d {}\n",
+                            command->get_name(), quoted(command->get_description()));
+        for (const CLI::Option* option : command->get_options())
+            for (const std::string& name : option->get_lnames())
+                text += fmt::format("complete -c penumbra -n '__fish_seen_subcommand_from {}' -l {} -d {}\n",
+                                    command->get_name(), name, quoted(option->get_description()));
+    }
+    return text;
+}
+
+}  // namespace
+
+void add_examples(CLI::App& app) {
+    size_t given = 0;
+    for (CLI::App* command : app.get_subcommands({})) {
+        const auto found = examples().find(command->get_name());
+        if (found == examples().end()) throw std::logic_error("no example of " + command->get_name());
+        ++given;
+        std::string text = "\nExamples:\n";
+        for (const Example& example : found->second)
+            text += fmt::format("  {}\n      {}\n", example.line, example.what);
+        text += "\nExit code: 0 good, 1 the work failed, 2 the command or a file is wrong.";
+        command->footer(text);
+    }
+    if (given != examples().size()) throw std::logic_error("examples of a command that does not exist");
+}
+
+std::string completion_script(const CLI::App& app, const std::string& shell) {
+    if (shell == "fish") return fish_script(app);
+    return (shell == "zsh" ? "autoload -U +X bashcompinit && bashcompinit\n" : "") + bash_script(app);
+}
+
+}  // namespace penumbra

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "app/light_truth.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <glm/gtc/type_ptr.hpp>
+#include <thread>
+
+#include "app/reference_pipeline.h"
+#include "host/generated/noise.h"
+#include "host/scene/scene_alpha.h"
+#include "host/truth/coverage.h"
+#include "host/truth/light_visibility.h"
+#include "penumbra/shadow_nodes.h"
+
+namespace penumbra {
+namespace {
+
+constexpr uint32_t probe_side = 8;  // 64 rays decide whether a pixel wants more
+constexpr int probe_reach = 2;      // pixels around it that have to agree
+constexpr double housing = 1e-4;    // LIGHT_HOUSING of light.glsl
+
+std::vector<float> floats(const Session& session, const char* name) {
+    const std::span<const std::byte> bytes = session.view().captured(name);
+    std::vector<float> out(bytes.size() / sizeof(float));
+    std::memcpy(out.data(), bytes.data(), bytes.size());
+    return out;
+}
+
+// A receiver's point, whose rays start a little off its surface.
+struct Receiver {
+    glm::dvec3 start{0}, normal{0};
+    bool reached = false;
+};
+
+// The scene and the light of one frame, in the frame of the tree.
+class Frame {
+  public:
+    Frame(const Session& session, uint32_t frame)
+        : standalone_(session.host().frame(frame, false)),
+          light_(moved(standalone_)),
+          triangles_(session.host().scene().triangles(frame)),
+          bvh_(build_bvh(triangles_)),
+          alpha_(make_scene_alpha(session.host().scene())),
+          leaf_words_(alpha_leaf_words(alpha_, bvh_, triangles_)),
+          has_alpha_(has_alpha(session.host().scene())),
+          no_noise_(16384) {}
+
+    Receiver receiver(uint32_t x, uint32_t y, float depth, std::array<float, 2> normal) const {
+        const CoverageReceiver r = coverage_receiver(standalone_, 0, no_noise_, {{x, y}, depth, normal});
+        return {r.start, r.normal, light_.reaches(r.start)};
+    }
+
+    uint32_t lit_rays(const Receiver& r, uint32_t side, uint32_t seed) const {
+        const AlphaTest test = has_alpha_ ? alpha_test(alpha_, leaf_words_) : AlphaTest{};
+        uint32_t lit = 0;
+        for (uint32_t i = 0; i < side * side; ++i) {
+            const uint32_t a = pcg(i + pcg(seed)), b = pcg(a);
+            const glm::dvec2 u((i % side + a * 0x1p-32) / side, (i / side + b * 0x1p-32) / side);
+            const glm::dvec3 way = light_.target(r.start, u) - r.start;
+            if (glm::dot(way, r.normal) <= 0) continue;
+            Ray ray{};
+            for (int c = 0; c < 3; ++c) {
+                ray.origin[c] = static_cast<float>(r.start[c]);
+                ray.direction[c] = static_cast<float>(way[c]);
+            }
+            ray.t_max = static_cast<float>(1 - housing);
+            lit += !occluded(bvh_, ray, nullptr, test);
+        }
+        return lit;
+    }
+
+  private:
+    static NearLight moved(const StandaloneFrame& frame) {
+        blocks::Light block = frame.light;
+        for (int c = 0; c < 3; ++c) block.centre.v[c] += frame.scene.camera_from_origin.v[c];
+        return NearLight(block);
+    }
+
+    StandaloneFrame standalone_;
+    NearLight light_;
+    std::vector<Triangle> triangles_;
+    Bvh bvh_;
+    SceneAlpha alpha_;
+    std::vector<std::array<uint32_t, 2>> leaf_words_;
+    bool has_alpha_;
+    std::vector<uint32_t> no_noise_;
+};
+
+void on_all_cores(uint32_t rows, const std::function<void(uint32_t)>& work) {
+    std::atomic<uint32_t> next{0};
+    const auto loop = [&] {
+        for (uint32_t row; (row = next++) < rows;) work(row);
+    };
+    std::vector<std::jthread> others(std::max(std::thread::hardware_concurrency(), 1u) - 1);
+    for (std::jthread& thread : others) thread = std::jthread(loop);
+    loop();
+}
+
+}  // namespace
+
+std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, const std::string& light,
+                                          Diagnostics& diagnostics, std::vector<std::string>& warnings,
+                                          bool jitter) {
+    static const NodeSet nodes = shadow_nodes();  // plans point into it
+    const std::vector<std::string> settings{"inputs.light={}"};
+    const auto pipeline = parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics);
+    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    if (!checked) return nullptr;
+    SessionOptions options;
+    options.size = shot.size;
+    options.captures = {"view_depth", "receiver_normal"};
+    options.jitter = options.always_jitter = jitter;
+    options.optimum = false;
+    options.light = light;
+    options.facts = {{"sun_up", true}, {"casters", true}};  // so that both are made in any case
+    return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
+}
+
+Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays) {
+    session.run_frame(index, true);
+    const auto [width, height] = session.plan().extent;
+    const size_t pixels = size_t{width} * height;
+    const std::vector<float> depth = floats(session, "view_depth"),
+                             normal = floats(session, "receiver_normal");
+    const Frame frame(session, index);
+    const uint32_t seed = pcg(session.seed());
+
+    std::vector<Receiver> receivers(pixels);
+    std::vector<uint32_t> probed(pixels);
+    on_all_cores(height, [&](uint32_t y) {
+        for (uint32_t x = 0; x < width; ++x) {
+            const size_t p = size_t{y} * width + x;
+            if (!(depth[p] > 0)) continue;
+            receivers[p] = frame.receiver(x, y, depth[p], {normal[2 * p], normal[2 * p + 1]});
+            if (receivers[p].reached)
+                probed[p] = frame.lit_rays(receivers[p], probe_side, pcg(uint32_t(p) + seed));
+        }
+    });
+    const auto agree_around = [&](uint32_t x, uint32_t y) {
+        bool lit = false, dark = false;
+        for (int dy = -probe_reach; dy <= probe_reach; ++dy)
+            for (int dx = -probe_reach; dx <= probe_reach; ++dx) {
+                const int64_t qx = int64_t{x} + dx, qy = int64_t{y} + dy;
+                if (qx < 0 || qy < 0 || qx >= width || qy >= height) continue;
+                const size_t q = size_t(qy) * width + size_t(qx);
+                if (!receivers[q].reached) continue;
+                lit = lit || probed[q] > 0;
+                dark = dark || probed[q] < probe_side * probe_side;
+            }
+        return !(lit && dark);
+    };
+
+    Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
+    const uint32_t many = rays_cast(rays), side = static_cast<uint32_t>(std::lround(std::sqrt(many)));
+    on_all_cores(height, [&](uint32_t y) {
+        for (uint32_t x = 0; x < width; ++x) {
+            const size_t p = size_t{y} * width + x;
+            if (!receivers[p].reached) continue;
+            uint32_t lit = probed[p], all = probe_side * probe_side;
+            if (!agree_around(x, y)) {
+                lit = frame.lit_rays(receivers[p], side, pcg(uint32_t(p) + seed + 1));
+                all = many;
+            }
+            truth.visibility[p] = static_cast<float>(double(lit) / all);
+            truth.receiver[p] = 1;
+            truth.rays[p] = static_cast<float>(all);
+        }
+    });
+    return truth;
+}
+
+}  // namespace penumbra

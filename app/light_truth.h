@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// The true visibility of a light that is near, of one frozen frame, by many rays.
+#pragma once
+
+#include "app/truth.h"
+
+namespace penumbra {
+
+// A session that draws what the pixels show, for counted_light_truth(); `light`: a name of the shot's, not
+// its sun's.
+std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, const std::string& light,
+                                          Diagnostics& diagnostics, std::vector<std::string>& warnings,
+                                          bool jitter);
+
+// Rays in double precision, stratified over the light, against the tree on the processor; pixels around which
+// 64 agree keep those, the others get rays_cast(rays). Who the light cannot reach is no receiver and has 1.
+Truth counted_light_truth(Session& session, uint32_t frame, uint32_t rays);
+
+}  // namespace penumbra

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "host/models/gltf_extension.h"
+
+#include <fmt/format.h>
+
+namespace penumbra {
+
+int extension_integer(const tinygltf::Value& object, const char* key, const char* extension) {
+    if (object.IsObject() && object.Has(key) && object.Get(key).IsNumber())
+        return object.Get(key).GetNumberAsInt();
+    throw GltfError(fmt::format("{}: \"{}\" is not a number", extension, key));
+}
+
+void extension_numbers(const tinygltf::Value& object, const char* key, const char* extension,
+                       std::span<double> out) {
+    if (!object.IsObject() || !object.Has(key)) return;
+    const tinygltf::Value& list = object.Get(key);
+    if (!list.IsArray() || list.ArrayLen() != out.size())
+        throw GltfError(fmt::format("{}: \"{}\" is not {} numbers", extension, key, out.size()));
+    for (size_t i = 0; i < out.size(); ++i) {
+        const tinygltf::Value& number = list.Get(static_cast<int>(i));
+        if (!number.IsNumber())
+            throw GltfError(fmt::format("{}: \"{}\" is not {} numbers", extension, key, out.size()));
+        out[i] = number.GetNumberAsDouble();
+    }
+}
+
+}  // namespace penumbra

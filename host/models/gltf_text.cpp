@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "host/models/gltf_text.h"
+
+#include <cstdint>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace penumbra {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char *meshopt = "EXT_meshopt_compression", *draco = "KHR_draco_mesh_compression";
+constexpr uint32_t glb_magic = 0x46546C67, json_chunk = 0x4E4F534A;
+constexpr size_t glb_header = 12, chunk_header = 8;
+
+uint32_t word(const std::vector<unsigned char>& bytes, size_t at) {
+    uint32_t value = 0;
+    std::memcpy(&value, bytes.data() + at, sizeof value);
+    return value;
+}
+
+// The elements of a member that is a list; none where it is none.
+std::vector<Json*> items(Json& object, const char* key) {
+    std::vector<Json*> out;
+    if (object.is_object() && object.contains(key) && object[key].is_array())
+        for (Json& item : object[key]) out.push_back(&item);
+    return out;
+}
+
+bool has_extension(Json& object, const char* name) {
+    return object.is_object() && object.contains("extensions") && object["extensions"].is_object() &&
+           object["extensions"].contains(name);
+}
+
+// Nothing where nothing is to be changed.
+std::string patched(std::string_view text) {
+    if (text.find(meshopt) == text.npos && text.find(draco) == text.npos) return "";
+    Json json = Json::parse(text, nullptr, false);
+    bool changed = false;
+    for (Json* buffer : items(json, "buffers")) {
+        if (!has_extension(*buffer, meshopt) || buffer->contains("uri")) continue;
+        (*buffer)["uri"] = "data:application/octet-stream;base64,AA==";
+        (*buffer)["byteLength"] = 1;
+        changed = true;
+    }
+    for (Json* mesh : items(json, "meshes"))
+        for (Json* primitive : items(*mesh, "primitives"))
+            if (has_extension(*primitive, draco)) changed = primitive->erase("indices") > 0 || changed;
+    return changed ? json.dump(-1, ' ', false, Json::error_handler_t::replace) : "";
+}
+
+}  // namespace
+
+void make_readable(std::vector<unsigned char>& bytes) {
+    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const bool binary = bytes.size() >= glb_header + chunk_header && word(bytes, 0) == glb_magic;
+    if (!binary) {
+        if (const std::string text = patched(all); !text.empty()) bytes.assign(text.begin(), text.end());
+        return;
+    }
+    const size_t start = glb_header + chunk_header, length = word(bytes, glb_header);
+    if (word(bytes, glb_header + 4) != json_chunk || length > bytes.size() - start) return;
+    std::string text = patched(all.substr(start, length));
+    if (text.empty()) return;
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    std::vector<unsigned char> out(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(start));
+    out.insert(out.end(), text.begin(), text.end());
+    out.insert(out.end(), bytes.begin() + static_cast<ptrdiff_t>(start + length), bytes.end());
+    const uint32_t sizes[2] = {static_cast<uint32_t>(out.size()), static_cast<uint32_t>(text.size())};
+    std::memcpy(out.data() + 8, sizes, sizeof sizes);
+    bytes = std::move(out);
+}
+
+std::string old_version(const std::vector<unsigned char>& bytes) {
+    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (all.starts_with("glTF")) return bytes.size() >= 8 && bytes[4] == 1 ? "1.0" : "";
+    const Json json = Json::parse(all, nullptr, false);
+    if (!json.is_object() || !json.contains("asset") || !json["asset"].is_object()) return "";
+    const auto version = json["asset"].find("version");
+    if (version == json["asset"].end() || !version->is_string()) return "";
+    const std::string text = version->get<std::string>();
+    return text.starts_with("2.") ? "" : text;
+}
+
+}  // namespace penumbra

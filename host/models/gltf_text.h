@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// What has to be known of, or done to, a glTF file's JSON before tinygltf reads it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace penumbra {
+
+// Makes of a .gltf's or .glb's bytes what tinygltf takes: with a byte of data in every buffer that
+// EXT_meshopt_compression has as a place for decoded bytes alone, and without the indices of primitives that
+// Draco holds, whose accessors have no data. Bytes that are no glTF stay as they are.
+void make_readable(std::vector<unsigned char>& bytes);
+
+// "1.0" of a file of that version, whose scenes and meshes are objects instead of lists; nothing where it may
+// be 2.0.
+std::string old_version(const std::vector<unsigned char>& bytes);
+
+}  // namespace penumbra

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// Which of a shot's lights masks are of, and what a frame's block says of it.
+#pragma once
+
+#include <string>
+
+#include "host/shots/shot.h"
+#include "shaders/common/blocks.h"
+
+namespace penumbra {
+
+// The light that a name means, or without one the shot's only light; nullptr is the sun. An unknown name, and
+// none where the shot has several, are errors.
+struct ChosenLight {
+    std::string name = "sun";
+    const ShotLight* light = nullptr;
+};
+std::optional<ChosenLight> choose_light(const Shot& shot, const std::string& name, Diagnostics& diagnostics);
+
+// Where it is as seen from `camera`, both in the world without the shot's origin.
+blocks::Light light_block(const ShotLight& light, double frame, const glm::dvec3& camera);
+
+// Whether anything of it ever changes.
+bool light_moves(const ShotLight& light);
+// Whether it is more than a point.
+bool has_size(const ShotLight& light);
+
+}  // namespace penumbra

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// A shot for a model that nobody has written one for.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "host/models/model.h"
+#include "host/shots/shot.h"
+
+namespace penumbra {
+
+// Seen by the file's first camera, or as large as it fits from the front, the left and above; lit by the
+// file's first directional light, or from behind the viewer's left shoulder; playing the file's first
+// animation once, or standing still for as long as anti-aliasing takes to settle.
+struct ModelShot {
+    std::string text;                    // a shot file; `scene` as seen from the folder that it was made for
+    std::array<glm::dvec3, 2> bounds{};  // of everything that is shown, over all frames
+};
+
+// `model` is what `file` holds, with at least one triangle; `shot_folder` is where the shot will stand.
+ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
+                          const std::filesystem::path& shot_folder, bool ground);
+
+}  // namespace penumbra

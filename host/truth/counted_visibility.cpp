@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+// The triangles that may hide a part of the sun are found once per point; every direction is then asked of
+// each of them, by the signs of three determinants. A direction on an edge that two triangles share has the
+// same determinant in both up to its sign, so that no direction slips between them.
+#include "host/truth/counted_visibility.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "host/generated/noise.h"
+#include "host/truth/tree_boxes.h"
+
+namespace penumbra {
+namespace {
+
+using std::numbers::pi;
+using Corners = std::array<glm::dvec3, 3>;
+
+Corners corners_from(const Triangle& triangle, const glm::dvec3& origin) {
+    Corners out;
+    for (size_t i = 0; i < 3; ++i)
+        out[i] = glm::dvec3(triangle.v[i][0], triangle.v[i][1], triangle.v[i][2]) - origin;
+    return out;
+}
+
+double taxi(const glm::dvec3& v) {
+    return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+}
+
+// The point of a triangle nearest to the origin: Ericson 2005, "Real-Time Collision Detection", 5.1.5, by the
+// regions of corners and edges.
+glm::dvec3 nearest_to_origin(const Corners& v) {
+    const auto& [a, b, c] = v;
+    const glm::dvec3 ab = b - a, ac = c - a;
+    const double d1 = -glm::dot(ab, a), d2 = -glm::dot(ac, a);
+    if (d1 <= 0 && d2 <= 0) return a;
+    const double d3 = -glm::dot(ab, b), d4 = -glm::dot(ac, b);
+    if (d3 >= 0 && d4 <= d3) return b;
+    const double d5 = -glm::dot(ab, c), d6 = -glm::dot(ac, c);
+    if (d6 >= 0 && d5 <= d6) return c;
+    const double at_c = d1 * d4 - d3 * d2, at_b = d5 * d2 - d1 * d6, at_a = d3 * d6 - d5 * d4;
+    if (at_c <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
+    if (at_b <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
+    if (at_a <= 0 && d4 >= d3 && d5 >= d6) return b + (d4 - d3) / (d4 - d3 + d5 - d6) * (c - b);
+    const double sum = at_a + at_b + at_c;
+    return a + at_b / sum * ab + at_c / sum * ac;
+}
+
+// Determinants of a direction with two corners each, of the sign of the triangle's height over the origin:
+// all are positive where the direction meets the triangle ahead.
+struct Lines {
+    std::array<glm::dvec3, 3> line;
+
+    Lines(const Corners& v, double height) {
+        for (size_t i = 0; i < 3; ++i) {
+            line[i] = glm::cross(v[(i + 1) % 3], v[(i + 2) % 3]);
+            if (height < 0) line[i] = -line[i];
+        }
+    }
+    glm::dvec3 weights(const glm::dvec3& d) const {
+        return {glm::dot(line[0], d), glm::dot(line[1], d), glm::dot(line[2], d)};
+    }
+};
+
+double height_over_origin(const Corners& v) {
+    return glm::dot(glm::cross(v[1] - v[0], v[2] - v[0]), v[0]);
+}
+
+// Within what double precision makes of a plane through the origin, with room.
+bool in_plane_of_origin(const Corners& v, double height, const glm::dvec3& origin) {
+    return std::abs(height) <= 0x1p-46 * taxi(v[1] - v[0]) * taxi(v[2] - v[0]) * (taxi(v[0]) + taxi(origin));
+}
+
+// The square to the unit disc, areas kept: Shirley and Chiu 1997, "A Low Distortion Map Between Disk and
+// Square".
+glm::dvec2 concentric_disc(double u, double v) {
+    const double x = 2 * u - 1, y = 2 * v - 1;
+    if (x == 0 && y == 0) return {0, 0};
+    const bool wide = std::abs(x) > std::abs(y);
+    const double angle = pi / 4 * (wide ? y / x : x / y), r = wide ? x : y;
+    return wide ? glm::dvec2(r * std::cos(angle), r * std::sin(angle))
+                : glm::dvec2(r * std::sin(angle), r * std::cos(angle));
+}
+
+glm::dmat3 frame_around(const glm::dvec3& axis) {
+    const glm::dvec3 helper = std::abs(axis.z) < 0.7 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0);
+    const glm::dvec3 x = glm::normalize(glm::cross(helper, axis));
+    return {x, glm::cross(axis, x), axis};
+}
+
+// By the cap's equal-area map: 1 - cos(t) = 2 r^2 sin^2(a / 2) for the disc's radius r, with nothing that
+// cancels for a small sun.
+std::vector<glm::dvec3> directions(const SunStrata& sun) {
+    const glm::dmat3 axes = frame_around(sun.to_sun);
+    const double h = std::sin(0.5 * sun.angular_radius);
+    std::vector<glm::dvec3> out;
+    out.reserve(size_t{sun.side} * sun.side);
+    for (uint32_t i = 0; i < sun.side * sun.side; ++i) {
+        const uint32_t first = pcg(sun.seed + pcg(i)), second = pcg(first);
+        const glm::dvec2 disc = concentric_disc((i % sun.side + first * 0x1p-32) / sun.side,
+                                                (i / sun.side + second * 0x1p-32) / sun.side);
+        const double v = 2 * h * h * glm::dot(disc, disc);
+        out.push_back(axes * glm::dvec3(disc * (h * std::sqrt(2 * (2 - v))), 1 - v));
+    }
+    return out;
+}
+
+}  // namespace
+
+CountedVisibility::CountedVisibility(const Scene& scene, double frame)
+    : triangles_(scene.triangles(frame)), bvh_(build_bvh(triangles_, scene.triangle_objects())) {
+    if (has_alpha(scene)) alpha_ = make_scene_alpha(scene);
+}
+
+template <class Touches, class Visit>
+void CountedVisibility::walk(const Touches& touches, Visit&& visit) const {
+    std::array<uint32_t, 4 * max_bvh_depth> stack{0};
+    for (size_t pending = 1; pending > 0;) {
+        const Texel* node = &bvh_.nodes[size_t{stack[--pending]} * 3];
+        for (uint32_t k = 0; k < 4; ++k) {
+            const bool is_node = node[0][3] >> (24 + k) & 1, is_leaf = node[0][3] >> (28 + k) & 1;
+            if (!(is_node || is_leaf) || !touches(child_box(node, k))) continue;
+            if (is_node) {
+                stack[pending++] = (node[1][0] >> 2) + k;
+                continue;
+            }
+            const std::array<uint32_t, 4>& c = bvh_.corners[node[1][1] + k];
+            visit(c[0] / 3);
+            if (c[3] != c[2]) visit(c[3] / 3);
+        }
+    }
+}
+
+std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double view_depth,
+                                                     const glm::dvec3& normal) const {
+    constexpr double reach_px = 1.0 / 64;
+    const glm::dvec3 point = ray.origin + view_depth * ray.direction;
+    const double pixel = ray.pixel_m + view_depth * ray.pixel_m_per_m;
+    // Depths are floats: what they round by is far less than a pixel, except at grazing views.
+    const glm::dvec3 margin(reach_px * pixel + 0x1p-20 * (taxi(point) + view_depth));
+    const auto near_point = [&](const TreeBox& box) {
+        return glm::all(glm::lessThanEqual(box.lo - margin, point)) &&
+               glm::all(glm::greaterThanEqual(box.hi + margin, point));
+    };
+    double least = INFINITY;
+    std::optional<SurfacePoint> out;
+    walk(near_point, [&](uint32_t index) {
+        const Corners v = corners_from(triangles_[index], point);
+        const glm::dvec3 winding = glm::cross(v[1] - v[0], v[2] - v[0]);
+        if (!(glm::dot(winding, winding) > 0)) return;
+        const glm::dvec3 n = glm::normalize(winding), nearest = nearest_to_origin(v);
+        if (glm::length(nearest) > margin.x) return;
+        // At an edge between two triangles both are as near; the normal says which one it was.
+        const double unlike = glm::length(nearest) / margin.x + 1e3 * (1 - std::abs(glm::dot(n, normal)));
+        if (unlike >= least) return;
+        least = unlike;
+        const double slope = glm::dot(n, ray.direction);
+        const glm::dvec3 met = glm::dot(n, v[0]) / slope * ray.direction;  // from `point` along the ray
+        const Corners from_met = corners_from(triangles_[index], point + met);
+        const bool inside = std::isfinite(met.x) && glm::length(met) <= 64 * margin.x &&
+                            glm::length(nearest_to_origin(from_met)) <= 0x1p-40 * taxi(point);
+        out = {point + (inside ? met : nearest), slope > 0 ? -n : n, index};
+    });
+    return out;
+}
+
+double CountedVisibility::visibility(const SurfacePoint& point, const SunStrata& sun) const {
+    const TreeCone cone{point.at, sun.to_sun, std::cos(sun.angular_radius), std::sin(sun.angular_radius)};
+    std::vector<uint32_t> before;
+    walk([&](const TreeBox& box) { return cone.may_touch(box); },
+         [&](uint32_t index) {
+             if (index != point.triangle) before.push_back(index);
+         });
+    const double leaves_by = glm::dot(point.normal, sun.to_sun);
+    if (leaves_by <= -cone.sine) return 0;
+    if (before.empty() && leaves_by > cone.sine) return 1;
+
+    std::vector<glm::dvec3> free = directions(sun);
+    const auto all = static_cast<double>(free.size());
+    std::erase_if(free, [&](const glm::dvec3& d) { return glm::dot(point.normal, d) <= 0; });
+    for (const uint32_t index : before) {
+        const Corners v = corners_from(triangles_[index], point.at);
+        const double height = height_over_origin(v);
+        if (in_plane_of_origin(v, height, point.at)) continue;
+        const Lines lines(v, height);
+        // Beside the whole sun: no direction has to be asked.
+        if (std::ranges::any_of(lines.line, [&](const glm::dvec3& line) {
+                return glm::dot(line, sun.to_sun) < -cone.sine * glm::length(line);
+            }))
+            continue;
+        const uint32_t record = alpha_ ? alpha_->record_of[index] : 0;
+        std::erase_if(free, [&](const glm::dvec3& d) {
+            const glm::dvec3 w = lines.weights(d);
+            if (!(w.x >= 0 && w.y >= 0 && w.z >= 0)) return false;
+            if (record == 0) return true;
+            const double sum = w.x + w.y + w.z;
+            return alpha_->blocks(record - 1, {w.x / sum, w.y / sum, w.z / sum});
+        });
+        if (free.empty()) break;
+    }
+    return static_cast<double>(free.size()) / all;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// The truth where no closed form is: how many of many directions to the sun's disc are free, from the very
+// point that a pixel shows. Everything is in double precision and nothing starts off the surface: a start
+// that is lifted by what a rasteriser's rounding needs (half of 1/256 pixel) looks past whatever stands
+// within that height, and at a contact that is most of what there is.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <optional>
+#include <vector>
+
+#include "host/bvh/bvh.h"
+#include "host/scene/scene.h"
+#include "host/scene/scene_alpha.h"
+
+namespace penumbra {
+
+// A pixel's view ray in the tree's frame: origin + view depth * direction.
+struct ViewRay {
+    glm::dvec3 origin{0}, direction{0, 0, -1};
+    double pixel_m = 0, pixel_m_per_m = 0;  // what a pixel spans there: constant, and per metre of view depth
+};
+
+struct SurfacePoint {
+    glm::dvec3 at{0}, normal{0, 1, 0};  // in the tree's frame; unit, towards the viewer
+    uint32_t triangle = 0;              // of Scene::triangles()
+};
+
+// Directions to a sun of `angular_radius` radians, one in each of side x side strata of equal area.
+struct SunStrata {
+    glm::dvec3 to_sun{0, 1, 0};  // unit
+    double angular_radius = 0;
+    uint32_t side = 32;
+    uint32_t seed = 0;  // shifts every direction inside its stratum
+};
+
+// A scene's triangles at one moment.
+class CountedVisibility {
+  public:
+    CountedVisibility(const Scene& scene, double frame);
+
+    // What a rasteriser showed at `view_depth` with this normal: the triangle that lies there, and the point
+    // of it that the view ray meets. A rasteriser moves outlines by a part of a pixel, so the ray may pass
+    // beside the triangle; the point is then the triangle's nearest. None where no triangle is within a 64th
+    // of a pixel.
+    std::optional<SurfacePoint> shown(const ViewRay& ray, double view_depth, const glm::dvec3& normal) const;
+
+    // The share of directions that neither point into the point's own surface nor meet another triangle.
+    // Triangles in the plane of the point hide nothing.
+    double visibility(const SurfacePoint& point, const SunStrata& sun) const;
+
+  private:
+    template <class Touches, class Visit>
+    void walk(const Touches& touches, Visit&& visit) const;
+
+    std::vector<Triangle> triangles_;
+    Bvh bvh_;
+    std::optional<SceneAlpha> alpha_;
+};
+
+}  // namespace penumbra

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// A light that is near: whom it can reach, and where a ray to one of its points goes and ends. Points are those of the unit disc,
+// or of the square [-1, 1]^2 where the light is a rectangle or a tube.
+//
+// A disc and a rectangle are sampled evenly over their area. Of a sphere it is the cap that a receiver sees, evenly in solid angle,
+// as the sun's. A tube is the rectangle through its axis that faces the receiver.
+//
+// Includer has common/sun_sample.glsl and declares: block light.
+
+// The share of the way that a ray does not go: what is so near to a light is its own housing.
+const float LIGHT_HOUSING = 1e-4;
+
+bool light_is_square() { return light.kind == LIGHT_RECTANGLE || light.kind == LIGHT_TUBE; }
+bool light_is_flat() { return light.kind == LIGHT_DISC || light.kind == LIGHT_RECTANGLE; }
+
+// Of a sphere around its centre that holds all of it.
+float light_bound_m() {
+    const float u = length(light.u), v = length(light.v);
+    return light.kind == LIGHT_RECTANGLE ? length(vec2(u, v)) : light.kind == LIGHT_TUBE ? u + v : u;
+}
+
+// Whether any of its light can arrive at a point `from_centre` metres from its middle: others are no receivers of it, and whoever
+// is inside a sphere is none either.
+bool light_reaches(vec3 from_centre) {
+    const float distance_m = length(from_centre), height_m = dot(from_centre, light.facing);
+    if (light.on == 0u || !(distance_m < light.range)) return false;
+    if (light_is_flat()) return height_m > 0.0;
+    return light.kind != LIGHT_SPHERE || (distance_m > light.u.x && height_m > light.cos_outer * distance_m);
+}
+
+// Whether no point of it is above a receiver's horizon, whose normal is off by at most `normal_error`.
+bool light_is_below(vec3 n, vec3 to_centre, float normal_error) {
+    const float bound = light_bound_m();
+    return dot(n, to_centre) + bound + normal_error * (length(to_centre) + bound) < 0.0;
+}
+
+struct LightRay {
+    vec3 direction;  // unit
+    float t_max;     // metres
+};
+
+// `to_centre`: from the ray's start, outside of the light, to the light's middle.
+LightRay light_ray(vec3 to_centre, vec2 point) {
+    if (light.kind == LIGHT_SPHERE) {
+        const float distance_m = length(to_centre), sine = min(light.u.x / distance_m, 1.0);
+        const vec3 direction = sun_direction_through(to_centre / distance_m, asin(sine), point);
+        const float along = dot(direction, to_centre), off2 = max(distance_m * distance_m - along * along, 0.0);
+        return LightRay(direction, (1.0 - LIGHT_HOUSING) * (along - sqrt(max(light.u.x * light.u.x - off2, 0.0))));
+    }
+    vec3 across = light.v;
+    if (light.kind == LIGHT_TUBE) {
+        const vec3 side = cross(light.u, to_centre);
+        across = light.v.x * side * inversesqrt(max(dot(side, side), 1e-30));
+    }
+    const vec3 to_point = to_centre + point.x * light.u + point.y * across;
+    const float distance_m = length(to_point);
+    return LightRay(to_point / distance_m, (1.0 - LIGHT_HOUSING) * distance_m);
+}
+
+// The light's point for two numbers in [0, 1), areas kept: turning a disc is shifting u.x.
+vec2 light_point(vec2 u) { return light_is_square() ? 2.0 * u - 1.0 : polar_disc(u); }

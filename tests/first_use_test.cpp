@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// What somebody types on the first day: names instead of paths, a model instead of a shot, and README's own
+// sequence.
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli_run.h"
+
+namespace penumbra::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class FirstUse : public Cli {
+  protected:
+    std::string in(const char* name) const { return (folder_ / name).string(); }
+};
+
+// A frame is rasterised off its pixels' centres where anti-aliasing asks for it. Judged by the truth of the
+// centres, a pipeline as good as this one has the error of a few rays.
+TEST_F(FirstUse, RenderReferenceCompareAgreeOnTheirPoints) {
+    const std::string small = " --size 160x90 --frames 3";
+    ASSERT_EQ(run("render hybrid_shadows --shot colonnade --out " + in("image") + small).code, 0);
+    const Json report = Json::parse(read_file(folder_ / "image/report.json"));
+    const Json jitter = report["by_frame"][3]["jitter"];
+    EXPECT_GT(std::abs(jitter[0].get<double>()) * 160, 0.1);
+    ASSERT_EQ(run("reference --like " + in("image") + " --rays 256 --out " + in("truth")).code, 0);
+    const Result good = run("compare " + in("image") + " " + in("truth") + " --json");
+    ASSERT_EQ(good.code, 0) << good.err;
+    EXPECT_LT(Json::parse(good.out)["rmse"]["penumbra"].get<double>(), 0.05);
+
+    ASSERT_EQ(run("reference --shot colonnade --rays 64 --out " + in("centres") + small).code, 0);
+    const Result refused = run("compare " + in("image") + " " + in("centres"));
+    expect(refused, 2, "reference --like");
+    ASSERT_EQ(run("render hybrid_shadows --no-jitter --shot colonnade --out " + in("still") + small).code, 0);
+    EXPECT_EQ(run("compare " + in("still") + " " + in("centres")).code, 0);
+    expect(run("compare " + in("still") + " " + in("truth")), 2, "pixel centres");
+}
+
+TEST_F(FirstUse, ReferenceLikeAFolderTakesItsFrames) {
+    ASSERT_EQ(run("render raw --shot colonnade --size 48x32 --frames 1..5 --every 2 --out " + in("a")).code,
+              0);
+    ASSERT_EQ(run("reference --like " + in("a") + " --rays 16 --out " + in("t")).code, 0);
+    for (int frame = 0; frame < 6; ++frame)
+        EXPECT_EQ(fs::exists(folder_ / "t" / ("visibility.000" + std::to_string(frame) + ".exr")),
+                  frame % 2 == 1);
+    expect(run("reference --like " + in("a") + " --shot colonnade --out " + in("u")), 2, "--like");
+    expect(run("reference --like " + folder_.string() + " --out " + in("u")), 2, "report.json");
+    expect(run("reference --like " + in("a") + " --frames 2 --out " + in("u")), 2, "--frames");
+}
+
+TEST_F(FirstUse, NamesOfShippedFilesAreLookedUp) {
+    EXPECT_EQ(run("check raw").code, 0);
+    EXPECT_EQ(run("plan fidelityfx --size 64x64").code, 0);
+    expect(run("check hybrid_shadow"), 2, "did you mean \"hybrid_shadows\"?");
+    expect(run("render raw --shot colonade --out " + in("o")), 2, "did you mean \"colonnade\"?");
+    expect(run("render raw one_ray --shot colonnade --out " + in("o")), 2, "one pipeline");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+TEST_F(FirstUse, FramesBeyondAShotAreRefused) {
+    expect(run("render raw --shot colonnade --frames 5..99 --out " + in("o")), 2, "whose frames are 0..63");
+    expect(run("reference --shot colonnade --frames 64 --out " + in("o")), 2, "whose frames are 0..63");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+// The shot that was made up is written beside the picture, and renders the same picture by itself.
+TEST_F(FirstUse, AModelIsEnough) {
+    const std::string model = "scenes/lamp.glb";
+    const Result first = run("render " + model + " raw --ground --size 96x54 --out " + in("a"));
+    ASSERT_EQ(first.code, 0) << first.err;
+    EXPECT_NE(first.err.find("triangles, x "), std::string::npos) << "its bounds are told: " << first.err;
+    const Json report = Json::parse(read_file(folder_ / "a/report.json"));
+    EXPECT_EQ(report["frames"], (Json{15, 15})) << "a still model is one picture";
+    EXPECT_GT(report["counts"]["receivers"].get<int>(), 96 * 54 / 2);
+    ASSERT_EQ(
+        run("render raw --shot " + in("a/lamp.shot.json") + " --size 96x54 --frames 15 --out " + in("b"))
+            .code,
+        0);
+    EXPECT_EQ(read_file(folder_ / "a/visibility.0015.exr"), read_file(folder_ / "b/visibility.0015.exr"));
+
+    const Result shot = run("shot " + model + " --ground --out " + in("c/mine.shot.json"));
+    ASSERT_EQ(shot.code, 0) << shot.err;
+    ASSERT_EQ(
+        run("render raw --shot " + in("c/mine.shot.json") + " --size 96x54 --frames 15 --out " + in("d"))
+            .code,
+        0);
+    EXPECT_EQ(read_file(folder_ / "a/visibility.0015.exr"), read_file(folder_ / "d/visibility.0015.exr"));
+    expect(run("shot " + model + " --out " + in("c/mine.shot.json")), 2, "is there already");
+    expect(run("render raw --shot colonnade --ground --out " + in("e")), 2, "--ground");
+    expect(run("render raw --out " + in("e")), 2, "give a model, or a shot");
+}
+
+// All of the model is in the picture: nothing of it at the border, and not a speck in the middle.
+TEST_F(FirstUse, AModelIsFramed) {
+    for (const char* name : {"lamp", "2CylinderEngine", "trees"}) {
+        const std::string out = in(name);
+        ASSERT_EQ(run(std::string("render scenes/") + name + ".glb raw --size 96x54 --out " + out).code, 0);
+        const Json report = Json::parse(read_file(fs::path(out) / "report.json"));
+        EXPECT_GT(report["counts"]["receivers"].get<int>(), 96 * 54 / 20) << name;
+    }
+}
+
+TEST_F(FirstUse, FilesWithoutAPictureAreRefused) {
+    const std::string empty =
+        file("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
+    expect(run("render " + empty + " --out " + in("o")), 2, "there are no triangles");
+    const std::string old =
+        file("old.gltf", R"({"asset": {"version": "1.0"}, "scenes": {"s": {"nodes": ["n"]}},
+        "scene": "s", "nodes": {"n": {"meshes": []}}})");
+    expect(run("render " + old + " --out " + in("o")), 2, "glTF 1.0");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+// Every command tells by example, and shells complete what is there.
+TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
+    const Result all = run("--help");
+    ASSERT_EQ(all.code, 0);
+    const Result script = run("completion bash");
+    ASSERT_EQ(script.code, 0) << script.err;
+    size_t commands = 0;
+    for (const char* name : {"render", "shot", "reference", "compare", "report", "plan", "check", "nodes",
+                             "gates", "bench", "explain", "statics", "devices", "completion"}) {
+        const Result help = run(std::string(name) + " --help");
+        EXPECT_EQ(help.code, 0);
+        EXPECT_NE(help.out.find("Examples:\n  penumbra " + std::string(name)), std::string::npos) << help.out;
+        EXPECT_NE(all.out.find(std::string("  ") + name), std::string::npos) << name;
+        EXPECT_NE(script.out.find(std::string("        ") + name + ") words="), std::string::npos) << name;
+        ++commands;
+    }
+    EXPECT_EQ(commands, 14u);
+    const std::string file_name = file("completion", script.out);
+    const std::string ask =
+        "bash -c 'source " + file_name +
+        "; COMP_WORDS=(penumbra reference --li); COMP_CWORD=2; _penumbra; test \"${COMPREPLY[*]}\" = --like'";
+    EXPECT_EQ(std::system(ask.c_str()), 0);
+    expect(run("completion csh"), 2, "csh");
+    EXPECT_EQ(run("completion fish").out.find("complete -c penumbra -n __fish_use_subcommand -a") ==
+                  std::string::npos,
+              false);
+}
+
+TEST_F(FirstUse, ErrorsAreColouredOnATerminalAlone) {
+    EXPECT_EQ(run("check nosuch").err.find('\x1b'), std::string::npos);
+    const std::string seen = in("seen");
+    const auto on_terminal = [&](const std::string& before) {
+        const std::string command = before +
+                                    " script -qec \"'" PENUMBRA_PROGRAM "' check nosuch\" /dev/null >'" +
+                                    seen + "' </dev/null";
+        EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 2);
+        return read_file(seen);
+    };
+    EXPECT_NE(on_terminal("").find("\x1b[31mnosuch"), std::string::npos) << read_file(seen);
+    EXPECT_EQ(on_terminal("NO_COLOR=1").find('\x1b'), std::string::npos) << read_file(seen);
+}
+
+// docs/first_steps.md from its first block to its last: files are written under their names, commands are
+// run.
+class FirstSteps : public Cli {};
+
+TEST_F(FirstSteps, EveryStepWorks) {
+    std::istringstream page(read_file(fs::path(PENUMBRA_SOURCE_DIR) / "docs/first_steps.md"));
+    std::string line, name, text;
+    bool inside = false, shell = false;
+    int files = 0, commands = 0;
+    while (std::getline(page, line)) {
+        if (line.starts_with("```") && !inside) {
+            inside = true;
+            shell = line == "```sh";
+            name = shell ? "" : line.substr(line.find(' ') + 1);
+            text.clear();
+        } else if (line.starts_with("```")) {
+            inside = false;
+            if (shell) continue;
+            fs::create_directories((folder_ / name).parent_path());
+            std::ofstream(folder_ / name) << text;
+            ++files;
+        } else if (inside && shell) {
+            ASSERT_TRUE(line.starts_with("penumbra ")) << line;
+            const std::string command = "cd '" + folder_.string() + "' && '" PENUMBRA_PROGRAM "'" +
+                                        line.substr(8) + " >said 2>errors";
+            EXPECT_EQ(std::system(command.c_str()), 0) << line << "\n" << read_file(folder_ / "errors");
+            ++commands;
+        } else if (inside) {
+            text += line + "\n";
+        }
+    }
+    EXPECT_EQ(files, 4);
+    EXPECT_GE(commands, 6);
+    const Json report = Json::parse(read_file(folder_ / "out/darker/report.json"));
+    const Json& outputs = report["outputs"];
+    ASSERT_EQ(outputs.size(), 2u);
+    EXPECT_EQ(outputs[0]["min"], 0) << "there is full shadow";
+    EXPECT_EQ(outputs[1]["min"], 0.25) << "of which the node lets a quarter through";
+}
+
+}  // namespace
+}  // namespace penumbra::test

@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: MIT
+// glTF as users have it: compressed meshes, what moves, transformed and coloured textures, cameras and
+// lights. Files are made here, with the compressors' own encoders.
+#include <draco/compression/encode.h>
+#include <draco/mesh/triangle_soup_mesh_builder.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <meshoptimizer.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "host/models/gltf.h"
+#include "host/scene/scene.h"
+#include "host/shots/model_shot.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// A .glb with its one buffer, filled as accessors and views are added.
+struct Glb {
+    Json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}};
+    std::string bytes;
+
+    int view(const void* data, size_t size) {
+        bytes.resize((bytes.size() + 3) / 4 * 4);
+        json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", size}});
+        bytes.append(static_cast<const char*>(data), size);
+        return static_cast<int>(json["bufferViews"].size()) - 1;
+    }
+    int accessor(int view, int component, size_t count, const char* type) {
+        Json accessor = {{"componentType", component}, {"count", count}, {"type", type}};
+        if (view >= 0) accessor["bufferView"] = view;
+        json["accessors"].push_back(accessor);
+        return static_cast<int>(json["accessors"].size()) - 1;
+    }
+    int floats(const std::vector<float>& values, const char* type, size_t width) {
+        return accessor(view(values.data(), values.size() * 4), 5126, values.size() / width, type);
+    }
+    fs::path save(const std::string& name) {
+        bytes.resize((bytes.size() + 3) / 4 * 4);
+        if (!json.contains("buffers")) json["buffers"] = Json::array({Json::object()});
+        json["buffers"][0]["byteLength"] = bytes.size();
+        std::string text = json.dump();
+        text.resize((text.size() + 3) / 4 * 4, ' ');
+        const auto word = [](size_t value) {
+            const auto v = static_cast<uint32_t>(value);
+            return std::string(reinterpret_cast<const char*>(&v), 4);
+        };
+        const fs::path file = fs::path(::testing::TempDir()) / name;
+        std::ofstream(file, std::ios::binary)
+            << "glTF" << word(2) << word(28 + text.size() + bytes.size()) << word(text.size()) << "JSON"
+            << text << word(bytes.size()) << std::string("BIN\0", 4) << bytes;
+        return file;
+    }
+};
+
+Model loaded(Glb& glb, const char* name) {
+    const fs::path file = glb.save(name);
+    Diagnostics diagnostics;
+    auto model = load_gltf(file, diagnostics);
+    fs::remove(file);
+    EXPECT_TRUE(model) << diagnostics.text();
+    return model ? std::move(*model) : Model{};
+}
+
+const std::vector<float> square{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+const std::vector<uint32_t> square_indices{0, 1, 2, 0, 2, 3};
+
+Glb square_file() {
+    Glb glb;
+    glb.json["nodes"] = {{{"mesh", 0}}};
+    const int position = glb.floats(square, "VEC3", 3);
+    const int indices = glb.accessor(glb.view(square_indices.data(), 24), 5125, 6, "SCALAR");
+    glb.json["meshes"] = {
+        {{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", indices}}}}}};
+    return glb;
+}
+Json& primitive(Glb& glb) {
+    return glb.json["meshes"][0]["primitives"][0];
+}
+
+void expect_square(const Model& model, double tolerance) {
+    ASSERT_EQ(model.triangle_count(), 2u);
+    const Part& part = model.meshes[0].parts[0];
+    double area = 0;
+    for (size_t i = 0; i < 6; i += 3) {
+        const glm::vec3 a = part.positions[part.indices[i]], b = part.positions[part.indices[i + 1]],
+                        c = part.positions[part.indices[i + 2]];
+        area += glm::length(glm::cross(b - a, c - a)) / 2;
+        EXPECT_GT(glm::cross(b - a, c - a).z, 0) << "the winding is kept";
+    }
+    EXPECT_NEAR(area, 1, tolerance);
+}
+
+TEST(GltfFeatures, DracoHoldsTheSameSquare) {
+    draco::TriangleSoupMeshBuilder builder;
+    builder.Start(2);
+    const int attribute = builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
+    for (int face = 0; face < 2; ++face) {
+        const auto corner = [&](size_t k) { return &square[3 * square_indices[size_t(face) * 3 + k]]; };
+        builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(static_cast<uint32_t>(face)), corner(0),
+                                          corner(1), corner(2));
+    }
+    const auto mesh = builder.Finalize();
+    ASSERT_TRUE(mesh);
+    draco::EncoderBuffer encoded;
+    draco::Encoder encoder;
+    ASSERT_TRUE(encoder.EncodeMeshToBuffer(*mesh, &encoded).ok());
+
+    Glb glb;
+    glb.json["nodes"] = {{{"mesh", 0}}};
+    const int view = glb.view(encoded.data(), encoded.size());
+    const int position = glb.accessor(-1, 5126, mesh->num_points(), "VEC3"),
+              indices = glb.accessor(-1, 5125, 6, "SCALAR");
+    glb.json["extensionsRequired"] = glb.json["extensionsUsed"] = {"KHR_draco_mesh_compression"};
+    const uint32_t id = mesh->attribute(attribute)->unique_id();
+    glb.json["meshes"] = {{{"primitives",
+                            {{{"attributes", {{"POSITION", position}}},
+                              {"indices", indices},
+                              {"extensions",
+                               {{"KHR_draco_mesh_compression",
+                                 {{"bufferView", view}, {"attributes", {{"POSITION", id}}}}}}}}}}}};
+    expect_square(loaded(glb, "draco.glb"), 1e-3);
+
+    glb.bytes[glb.bytes.size() / 2] ^= 0x55;
+    glb.bytes[1] ^= 0x55;
+    Diagnostics diagnostics;
+    EXPECT_FALSE(load_gltf(glb.save("draco.glb"), diagnostics));
+    EXPECT_NE(diagnostics.text().find("KHR_draco_mesh_compression"), std::string::npos) << diagnostics.text();
+}
+
+// Views of a buffer that holds nothing until they are decoded, as gltfpack writes them.
+TEST(GltfFeatures, MeshoptHoldsTheSameSquare) {
+    std::vector<float> padded;  // 16 bytes a vertex
+    for (size_t i = 0; i < 4; ++i)
+        padded.insert(padded.end(), {square[3 * i], square[3 * i + 1], square[3 * i + 2], 0});
+    std::vector<unsigned char> vertices(meshopt_encodeVertexBufferBound(4, 16)),
+        indices(meshopt_encodeIndexBufferBound(6, 4));
+    vertices.resize(meshopt_encodeVertexBuffer(vertices.data(), vertices.size(), padded.data(), 4, 16));
+    indices.resize(meshopt_encodeIndexBuffer(indices.data(), indices.size(), square_indices.data(), 6));
+    Glb glb;
+    glb.json["nodes"] = {{{"mesh", 0}}};
+    const auto compressed = [&](const std::vector<unsigned char>& data, size_t stride, size_t count,
+                                const char* mode) {
+        glb.bytes.resize((glb.bytes.size() + 3) / 4 * 4);
+        glb.json["bufferViews"].push_back({{"buffer", 1},
+                                           {"byteOffset", 0},
+                                           {"byteLength", stride * count},
+                                           {"extensions",
+                                            {{"EXT_meshopt_compression",
+                                              {{"buffer", 0},
+                                               {"byteOffset", glb.bytes.size()},
+                                               {"byteLength", data.size()},
+                                               {"byteStride", stride},
+                                               {"count", count},
+                                               {"mode", mode}}}}}});
+        glb.bytes.append(reinterpret_cast<const char*>(data.data()), data.size());
+        return static_cast<int>(glb.json["bufferViews"].size()) - 1;
+    };
+    const int position_view = compressed(vertices, 16, 4, "ATTRIBUTES"),
+              index_view = compressed(indices, 4, 6, "TRIANGLES");
+    glb.json["bufferViews"][0]["byteStride"] = 16;
+    const int position = glb.accessor(position_view, 5126, 4, "VEC3"),
+              index = glb.accessor(index_view, 5125, 6, "SCALAR");
+    glb.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", index}}}}}};
+    glb.json["extensionsRequired"] = glb.json["extensionsUsed"] = {"EXT_meshopt_compression"};
+    glb.json["buffers"] = {
+        Json::object(),
+        {{"byteLength", 100000}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
+    expect_square(loaded(glb, "meshopt.glb"), 1e-6);
+
+    glb.bytes[0] ^= 0x55;
+    Diagnostics diagnostics;
+    EXPECT_FALSE(load_gltf(glb.save("meshopt.glb"), diagnostics));
+    EXPECT_NE(diagnostics.text().find("EXT_meshopt_compression"), std::string::npos) << diagnostics.text();
+}
+
+TEST(GltfFeatures, TextureCoordinatesAreTransformedAndColoursRead) {
+    Glb glb = square_file();
+    primitive(glb)["attributes"]["TEXCOORD_1"] = glb.floats({0, 0, 1, 0, 1, 1, 0, 1}, "VEC2", 2);
+    primitive(glb)["attributes"]["COLOR_0"] = glb.floats({0, .5, 1, 0, .5, 1, 0, .5, 1, 0, .5, 1}, "VEC3", 3);
+    primitive(glb)["material"] = 0;
+    glb.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
+    glb.json["textures"] = {{{"source", 0}}};
+    const double turn = std::acos(0.0);
+    glb.json["materials"] = {
+        {{"pbrMetallicRoughness",
+          {{"baseColorTexture",
+            {{"index", 0},
+             {"extensions",
+              {{"KHR_texture_transform",
+                {{"offset", {.25, .5}}, {"scale", {2, 4}}, {"rotation", turn}, {"texCoord", 1}}}}}}}}}}};
+    glb.json["extensionsRequired"] = {"KHR_texture_transform"};
+    const Model model = loaded(glb, "transform.glb");
+    ASSERT_EQ(model.triangle_count(), 2u);
+    const Part& part = model.meshes[0].parts[0];
+    // Section "Overview" of the extension: translation * rotation * scale, the rotation counter-clockwise.
+    EXPECT_NEAR(part.uv[1].x, .25, 1e-6);
+    EXPECT_NEAR(part.uv[1].y, .5 - 2, 1e-6);
+    EXPECT_NEAR(part.uv[3].x, .25 + 4, 1e-6);
+    EXPECT_NEAR(part.uv[3].y, .5, 1e-6);
+    EXPECT_EQ(part.colors[2], (std::array<uint8_t, 4>{0, 128, 255, 255}));
+}
+
+// Node 0 turns, node 1 hangs on it.
+Glb animated_file(const char* path, const char* interpolation, const std::vector<float>& times,
+                  const std::vector<float>& values, const char* type, size_t width) {
+    Glb glb = square_file();
+    const int input = glb.floats(times, "SCALAR", 1), output = glb.floats(values, type, width);
+    glb.json["animations"] = {
+        {{"name", "go"},
+         {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}}};
+    return glb;
+}
+
+double x_at(const Model& model, double seconds) {
+    return pose_at(model, 0, seconds)[0].translation.x;
+}
+
+TEST(GltfFeatures, AnimationsInterpolateAndHold) {
+    Glb linear = animated_file("translation", "LINEAR", {1, 3}, {0, 0, 0, 4, 0, 0}, "VEC3", 3),
+        step = animated_file("translation", "STEP", {1, 3}, {0, 0, 0, 4, 0, 0}, "VEC3", 3),
+        // Tangents of 1 per second out of the first key and into the second.
+        cubic = animated_file("translation", "CUBICSPLINE", {1, 3},
+                              {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 4, 0, 0, 0, 0, 0}, "VEC3", 3),
+        turning = animated_file("rotation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0, -1, 0}, "VEC4", 4);
+    const Model a = loaded(linear, "linear.glb"), b = loaded(step, "step.glb"),
+                c = loaded(cubic, "cubic.glb"), d = loaded(turning, "turning.glb");
+    EXPECT_EQ(a.animations[0].duration_s, 3);
+    EXPECT_DOUBLE_EQ(x_at(a, 0), 0);
+    EXPECT_DOUBLE_EQ(x_at(a, 1.5), 1);
+    EXPECT_DOUBLE_EQ(x_at(a, 9), 4);
+    EXPECT_DOUBLE_EQ(x_at(b, 2.999), 0);
+    EXPECT_DOUBLE_EQ(x_at(b, 3), 4);
+    // p = (t3 - 2 t2 + t) 2 + (3 t2 - 2 t3) 4 + (t3 - t2) 2 at t = 1/4.
+    EXPECT_NEAR(x_at(c, 1.5),
+                2 * (1 / 64. - 2 / 16. + 1 / 4.) + 4 * (3 / 16. - 2 / 64.) + 2 * (1 / 64. - 1 / 16.), 1e-12);
+    const glm::dquat half = pose_at(d, 0, 0.5)[0].rotation;  // of half a turn about z, the shorter way
+    EXPECT_NEAR(std::abs(half.w), std::sqrt(0.5), 1e-12);
+    EXPECT_NEAR(std::abs(half.z), std::sqrt(0.5), 1e-12);
+}
+
+TEST(GltfFeatures, BrokenAnimationsAreErrorsByName) {
+    for (const auto& [times, values] : {std::pair<std::vector<float>, std::vector<float>>{{0, 1}, {0, 0, 0}},
+                                        {{1, 1}, {0, 0, 0, 1, 0, 0}},
+                                        {{0, 1}, {0, 0, 0, NAN, 0, 0}}}) {
+        Glb glb = animated_file("translation", "LINEAR", times, values, "VEC3", 3);
+        Diagnostics diagnostics;
+        EXPECT_FALSE(load_gltf(glb.save("broken.glb"), diagnostics));
+        EXPECT_NE(diagnostics.text().find("animation \"go\""), std::string::npos) << diagnostics.text();
+    }
+}
+
+// Two bones: the square's upper edge follows the second, which moves; the mesh's own node does not matter.
+TEST(GltfFeatures, SkinsFollowTheirJoints) {
+    Glb glb = square_file();
+    const std::array<std::array<uint8_t, 4>, 4> joints{
+        {{0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}}};
+    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
+    glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {50, 0, 0}}},
+                         {{"name", "root"}},
+                         {{"name", "tip"}, {"translation", {0, 1, 0}}}};
+    glb.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
+    std::vector<float> bind(32, 0);
+    for (size_t i = 0; i < 2; ++i)
+        for (size_t k = 0; k < 4; ++k) bind[16 * i + 5 * k] = 1;
+    bind[16 + 13] = -1;  // the second joint's rest is one metre up
+    glb.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", glb.floats(bind, "MAT4", 16)}}};
+    const int input = glb.floats({0, 1}, "SCALAR", 1), output = glb.floats({0, 1, 0, 0, 1, 3}, "VEC3", 3);
+    glb.json["animations"] = {
+        {{"samplers", {{{"input", input}, {"output", output}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "translation"}}}}}}}};
+    Shot shot;
+    shot.fps = 10;
+    shot.animation = "0";
+    const Scene scene(loaded(glb, "skin.glb"), shot);
+    EXPECT_TRUE(scene.animated());
+    EXPECT_TRUE(scene.moved(0, 1));
+    const auto positions = scene.positions(scene.instances()[0], scene.model().meshes[0].parts[0], 5);
+    EXPECT_NEAR(glm::length(positions[0] - glm::vec3(0, 0, 0)), 0, 1e-6);
+    EXPECT_NEAR(glm::length(positions[2] - glm::vec3(1, 1, 1.5)), 0, 1e-6);
+    const auto box = scene.box(10);
+    EXPECT_NEAR(box[1].z, 3, 1e-6);
+    EXPECT_NEAR(box[1].x, 1, 1e-6);
+    double highest = -1;
+    for (const Triangle& t : scene.triangles(10))
+        for (const auto& v : t.v) highest = std::max(highest, v[2] + scene.bvh_origin().z);
+    EXPECT_NEAR(highest, 3, 1e-6);
+}
+
+TEST(GltfFeatures, JointsThatAreNotThereAreErrors) {
+    Glb glb = square_file();
+    const std::array<std::array<uint8_t, 4>, 4> joints{
+        {{7, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}};
+    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "root"}}};
+    glb.json["scenes"] = {{{"nodes", {0, 1}}}};
+    glb.json["skins"] = {{{"joints", {1}}}};
+    Diagnostics diagnostics;
+    EXPECT_FALSE(load_gltf(glb.save("joints.glb"), diagnostics));
+    EXPECT_NE(diagnostics.text().find("joint 7 of 1"), std::string::npos) << diagnostics.text();
+}
+
+TEST(GltfFeatures, InstancesAreNodes) {
+    Glb glb = square_file();
+    const int translations = glb.floats({0, 0, 0, 5, 0, 0, 9, 0, 0}, "VEC3", 3);
+    glb.json["nodes"][0]["extensions"] = {
+        {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", translations}}}}}};
+    const Scene scene(loaded(glb, "instances.glb"), Shot{});
+    EXPECT_EQ(scene.instances().size(), 3u);
+    EXPECT_EQ(scene.bounds()[1].x, 10);
+}
+
+TEST(GltfFeatures, AShotTakesTheFilesCameraAndSun) {
+    Glb glb = square_file();
+    glb.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.25}}}}};
+    const double h = std::sqrt(0.5);
+    glb.json["extensionsUsed"] = {"KHR_lights_punctual"};
+    glb.json["extensions"] = {
+        {"KHR_lights_punctual", {{"lights", {{{"type", "directional"}}, {{"type", "point"}}}}}}};
+    glb.json["nodes"].push_back({{"camera", 0}, {"translation", {1, 2, 8}}});
+    glb.json["nodes"].push_back(
+        {{"rotation", {-h, 0, 0, h}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    glb.json["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
+    glb.json["scenes"] = {{{"nodes", {0, 1, 2, 3}}}};
+    const Model model = loaded(glb, "camera.glb");
+    EXPECT_EQ(model.warnings, std::vector<std::string>{"KHR_lights_punctual: point lights are not drawn"});
+    Diagnostics diagnostics;
+    const auto shot =
+        parse_shot(make_model_shot(model, "camera.glb", "", false).text, "camera.shot.json", diagnostics);
+    ASSERT_TRUE(shot) << diagnostics.text();
+    EXPECT_NEAR(shot->vertical_fov_deg, glm::degrees(0.5), 1e-3);
+    EXPECT_EQ(shot->near, 0.25);
+    EXPECT_NEAR(glm::length(shot->camera[0].position - glm::dvec3(1, 2, 8)), 0, 1e-4);
+    const glm::dvec3 to_sun = sun_at(*shot, 0).to_sun;  // it shines along its -z, which the turn points down
+    EXPECT_NEAR(to_sun.y, 1, 1e-4);
+}
+
+// What was translation, rotation and scale comes apart again, mirrored or not.
+TEST(GltfFeatures, NodesWithAMatrixCanBeMoved) {
+    for (const double mirror : {1.0, -1.0}) {
+        Model model;
+        model.meshes.push_back(
+            {{Part{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, .indices = {0, 1, 2}}}});
+        Node plain{.name = "thing",
+                   .mesh = 0,
+                   .translation = {3, 1, 2},
+                   .rotation = glm::normalize(glm::dquat(1, .3, -.2, .5)),
+                   .scale = {mirror * 2, .5, 1.5}};
+        Model with_matrix = model;
+        model.nodes = {plain};
+        Shot still;
+        Node matrix{.name = "thing", .mesh = 0};
+        matrix.matrix = Scene(model, still).transforms(0)[0];
+        with_matrix.nodes = {matrix};
+        Shot shot;
+        shot.objects["thing"].keys = {{.frame = 0},
+                                      {.frame = 4, .translation = {1, 2, 3}, .rotation_deg = {0, 0, 40}}};
+        const glm::dmat4 a = Scene(model, shot).transforms(4)[0],
+                         b = Scene(with_matrix, shot).transforms(4)[0];
+        EXPECT_NEAR(glm::length(a[3] - b[3]), 0, 1e-12);
+        if (mirror > 0)
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(glm::length(a[c] - b[c]), 0, 1e-9) << c;
+        EXPECT_NEAR(glm::determinant(a), glm::determinant(b), 1e-9);
+        EXPECT_EQ(Scene(with_matrix, shot).transforms(0)[0][0],
+                  Scene(with_matrix, still).transforms(0)[0][0]);
+    }
+}
+
+}  // namespace
+}  // namespace penumbra

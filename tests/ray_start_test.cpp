@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+// Where a shadow ray starts (shaders/common/ray_offset.glsl): a plane that nothing stands on shades none of
+// its own pixels, on a rasteriser of any sub-pixel precision, at any size, tilt and grazing view; and the
+// part of the bound that is for the rasteriser's grid is needed, so that a test that passes without it would
+// have seen nothing.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <bit>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "host/images/image_file.h"
+#include "host/models/glb_writer.h"
+#include "host/models/shapes.h"
+#include "penumbra/shadow_nodes.h"
+#include "tests/gpu_test.h"
+#include "tests/ray_maker.h"
+
+namespace penumbra::test {
+namespace {
+
+struct Plane {
+    const char* name;
+    double half_m, tilt_deg, height_m;  // of the camera, above the plane
+};
+
+class RayStart : public GpuTest, public ::testing::WithParamInterface<Plane> {
+  protected:
+    RayStart()
+        : path_(std::filesystem::temp_directory_path() / fmt::format("penumbra_plane_{}.glb", getpid())) {}
+    ~RayStart() override { std::filesystem::remove(path_); }
+
+    // Of many triangles: what a corner's rounding tilts is largest in small ones. The camera looks along the
+    // plane, a little down and aside of its diagonal.
+    Shot shot() {
+        const Plane& plane = GetParam();
+        const glm::dmat4 tilt =
+            glm::rotate(glm::dmat4(1), glm::radians(plane.tilt_deg), glm::dvec3(0.6, 0, 0.8));
+        Shape quad = ground(plane.half_m, plane.half_m, 64, 64);
+        quad.transform(tilt);
+        Model model;
+        model.materials = {{{1, 1, 1, 1}}};
+        model.meshes.push_back({{to_part(std::move(quad), 0)}});
+        model.nodes = {Node{.name = "plane", .mesh = 0}};
+        write_file(path_, to_glb(model));
+        normal_ = glm::dvec3(tilt[1]);
+        const auto at = [&](double x, double y, double z) {
+            return glm::dvec3(tilt * glm::dvec4(x, y, z, 1));
+        };
+        const glm::dvec3 eye = at(0.07 * plane.half_m, plane.height_m, 0.11 * plane.half_m);
+        Shot shot;
+        shot.name = "plane";
+        shot.model = path_;
+        shot.size = {320, 180};
+        shot.frames = 4;
+        shot.vertical_fov_deg = 70;
+        shot.near = 0.05;
+        const glm::dvec3 look = eye + glm::dmat3(tilt) * glm::dvec3(-0.83, -0.2, -0.55);
+        shot.camera = {{0, {eye.x, eye.y, eye.z}, {look.x, look.y, look.z}, {0.1, 1, 0}}};
+        shot.sun_angular_radius_deg = 0.27;
+        const glm::dvec3 sun = glm::dmat3(tilt) * glm::dvec3(0.7, 0.35, -0.3);
+        shot.sun = {{0, {sun.x, sun.y, sun.z}}};
+        return shot;
+    }
+
+    std::filesystem::path path_;
+    glm::dvec3 normal_;
+};
+
+TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
+    static const NodeSet nodes = shadow_nodes();
+    Diagnostics diagnostics;
+    const auto pipeline =
+        load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/raw.json", {}, diagnostics);
+    const auto checked = check(*pipeline, nodes, diagnostics);
+    SessionOptions options;
+    options.size = {320, 180};
+    options.optimum = false;
+    options.captures = {"view_depth", "receiver_normal", "hits"};
+    std::vector<std::string> warnings;
+    const auto session = Session::open(gpu(), nodes, *checked, shot(), options, diagnostics, warnings);
+    ASSERT_TRUE(session) << diagnostics.text();
+
+    const uint32_t bits = gpu().limits().subPixelPrecisionBits;
+    size_t receivers = 0, shaded = 0, sunk = 0, below_without_grid = 0;
+    double least = INFINITY;  // height of a start above the plane, over what it was lifted by
+    for (uint32_t frame = 0; frame < 4; ++frame) {
+        session->run_frame(frame, frame == 0);
+        StandaloneFrame standalone = session->host().frame(frame, frame == 0);
+        EXPECT_EQ(standalone.description.sub_pixel_bits, bits);
+        const RayMaker maker(*session, nodes, standalone);
+        StandaloneFrame no_grid = standalone;
+        no_grid.description.sub_pixel_bits = bits + 8;
+        const RayMaker without_grid(*session, nodes, no_grid);
+        const auto depth = captured<float>(*session, "view_depth");
+        const auto normal = captured<NormalTexel>(*session, "receiver_normal");
+        const auto hits = captured<uint32_t>(*session, "hits");
+        for (const uint32_t word : hits) shaded += static_cast<size_t>(std::popcount(word));
+        const glm::dvec3 origin = session->host().scene().bvh_origin();
+        for (uint32_t i = 0; i < depth.size(); ++i) {
+            if (depth[i] == 0) continue;
+            ++receivers;
+            const auto height = [&](const RayMaker& from) {
+                return glm::dot(normal_, from.start(i % 320, i / 320, depth[i], normal[i]) + origin);
+            };
+            const double lifted = height(maker);
+            sunk += lifted < 0;
+            below_without_grid += height(without_grid) < 0;
+            least = std::min(least, lifted / depth[i]);
+        }
+    }
+    std::printf(
+        "%s, %u bits: %zu receivers, %zu shaded, %zu starts below, %zu with a grid of %u bits; least height "
+        "%.2g of the depth\n",
+        GetParam().name, bits, receivers, shaded, sunk, below_without_grid, bits + 8, least);
+    EXPECT_GT(receivers, 60'000u);
+    EXPECT_EQ(shaded, 0u);
+    EXPECT_EQ(sunk, 0u);
+    EXPECT_GT(below_without_grid, 0u) << "the grid does not matter here";
+}
+
+INSTANTIATE_TEST_SUITE_P(Planes, RayStart,
+                         ::testing::Values(Plane{"room", 20, 0, 0.4}, Plane{"tilted", 60, 23, 1.7},
+                                           Plane{"slope", 2000, 31, 1.7}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace penumbra::test
