@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A host that has ray queries and does not bring penumbra's tree: no pipeline asks it for any part of that.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
@@ -50,14 +51,16 @@ TEST_F(NoTreeGpu, NoSlotIsThatOfATree) {
 
 // A node that can do nothing but walk the tree says so, where a pipeline does not leave it out.
 TEST_F(NoTreeGpu, WhatWalksTheTreeCannotRunWithout) {
-    const CheckedPipeline pipeline = shadow_pipeline(R"({ "penumbra": 1, "name": "p", "extends": ")" PENUMBRA_SOURCE_DIR
-        R"(/pipelines/many_rays.json",
+    const CheckedPipeline pipeline =
+        shadow_pipeline(R"({ "penumbra": 1, "name": "p", "extends": ")" PENUMBRA_SOURCE_DIR
+                        R"(/pipelines/many_rays.json",
         "nodes": { "beams": { "if": null }, "trace": { "if": null }, "trace_queries": null } })");
     Target target{.extent = {96, 54}, .facts = {{"tree", false}}, .device = reference_device()};
     target.device.features = {"ray_query"};
     Diagnostics diagnostics;
     EXPECT_FALSE(compile(pipeline, target, {}, diagnostics));
-    EXPECT_NE(diagnostics.text().find("nodes.beams: \"bvh\": the fact \"tree\" does not hold"), std::string::npos)
+    EXPECT_NE(diagnostics.text().find("nodes.beams: \"bvh\": the fact \"tree\" does not hold"),
+              std::string::npos)
         << diagnostics.text();
 }
 
@@ -89,7 +92,7 @@ TEST_F(NoTreeGpu, TheImageIsThatOfTheTree) {
         std::printf("%s without a tree: RMSE %.4f against it\n", name,
                     std::sqrt(squared / double(with.size())));
         EXPECT_LT(std::sqrt(squared / double(with.size())), 0.05) << name;
-        EXPECT_GT(shadow, 0.02 * double(with.size())) << name;
+        EXPECT_GT(shadow, 0.01 * double(with.size())) << name;
     }
 }
 
