@@ -28,12 +28,31 @@ double wall_ms() {
 }
 
 // Slots of a plan; a pipeline names "scene", which stands for those of a trace backend.
-const std::vector<std::string> known_slots = {
-    "depth",        "normal",       "motion",         "albedo",          "sun",      "sun_prev",
-    "cascades",     "cascade_maps", "cascade_bounds", "neighbours",      "scene",    "scene.nodes",
-    "scene.leaves", "scene.tlas",   "scene.alpha_uv", "scene.alpha_map", "material", "emissive",
-    "environment",  "surfaces",     "surface_texels",
-    "scene.nodes_words", "scene.leaves_words", "scene.alpha_uv_words", "scene.alpha_map_words"};
+const std::vector<std::string> known_slots = {"depth",
+                                              "normal",
+                                              "motion",
+                                              "albedo",
+                                              "sun",
+                                              "sun_prev",
+                                              "cascades",
+                                              "cascade_maps",
+                                              "cascade_bounds",
+                                              "neighbours",
+                                              "scene",
+                                              "scene.nodes",
+                                              "scene.leaves",
+                                              "scene.tlas",
+                                              "scene.alpha_uv",
+                                              "scene.alpha_map",
+                                              "material",
+                                              "emissive",
+                                              "environment",
+                                              "surfaces",
+                                              "surface_texels",
+                                              "scene.nodes_words",
+                                              "scene.leaves_words",
+                                              "scene.alpha_uv_words",
+                                              "scene.alpha_map_words"};
 
 bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });

@@ -39,9 +39,10 @@ TEST_F(Cli, BenchFiguresHoldTogether) {
             EXPECT_GT(pass.at("bound_bytes").get<uint64_t>(), 0u);
             if (!pass.at("ms").at("least").is_null()) {
                 const double ms = pass["ms"]["least"];
-                if (ms > 0)
+                if (ms > 0) {
                     EXPECT_NEAR(pass.at("gb_per_s").get<double>() * ms * 1e6,
                                 pass["bound_bytes"].get<double>(), 1e-6 * pass["bound_bytes"].get<double>());
+                }
             }
             if (!cpu) continue;
             expect_rounds(pass.at("cpu_ms"));

@@ -109,9 +109,10 @@ TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
     for (size_t i = 0; i < sunward.size(); ++i) EXPECT_EQ(cast[i] & sunward[i], sunward[i]) << i;
 }
 
-// Things stand until all has settled, and are elsewhere in the next frame. What shadows them then, and what no longer does, lies
-// where the frames before said the same of everything: pixels are asked there in turns. Each has had its own turn within four
-// frames (docs/budget.md), and as a shadow meets turns in its first one, nearly all of it is seen in the second.
+// Things stand until all has settled, and are elsewhere in the next frame. What shadows them then, and what
+// no longer does, lies where the frames before said the same of everything: pixels are asked there in turns.
+// Each has had its own turn within four frames (docs/budget.md), and as a shadow meets turns in its first
+// one, nearly all of it is seen in the second.
 TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
     constexpr uint32_t changes = 40;
     Shot shot = shot_named("lamp");
@@ -122,7 +123,9 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
         motion.keys = {before, after};
     }
     const auto truth_at = [&](uint32_t frame) {
-        Budgeted raw(shot, "raw", {"nodes.trace.params.rays_per_pixel=32", "resources.visibility={\"format\": \"r16f\"}"}, {});
+        Budgeted raw(shot, "raw",
+                     {"nodes.trace.params.rays_per_pixel=32", "resources.visibility={\"format\": \"r16f\"}"},
+                     {});
         raw.frame(frame, true);
         return captured_planes(raw.view(), "visibility").at(0);
     };
@@ -141,8 +144,12 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
         for (const size_t i : changed) late += std::abs(seen[i] - after[i]) > 0.25F;
         const double share = double(late) / double(changed.size());
         RecordProperty("late_in_frame_" + std::to_string(frame - changes), std::to_string(share));
-        if (frame == changes + 1) EXPECT_LE(share, 0.1);
-        if (frame == changes + 4) EXPECT_LE(share, 0.01);
+        if (frame == changes + 1) {
+            EXPECT_LE(share, 0.1);
+        }
+        if (frame == changes + 4) {
+            EXPECT_LE(share, 0.01);
+        }
     }
 }
 

@@ -173,7 +173,7 @@ class CompareSequence : public Compare {
             for (const auto& entry : fs::directory_iterator(root_ / name)) fs::remove(entry.path());
         ReferenceInfo info{"x.shot.json", {width, height}, true, {}, {}};
         for (uint32_t frame = 0; frame < 6; ++frame) {
-            info.frames[frame] = {{0, 0, 1}, ContactLine{{20, 4}, {20, 28}, {-1, 0}}};
+            info.frames[frame] = {{0, 0, 1}, {}, ContactLine{{20, 4}, {20, 28}, {-1, 0}}};
             const fs::path t = root_ / "truth", a = root_ / "a";
             write_image(t, "visibility", frame,
                         {plane("Y", [&](uint32_t x, uint32_t) { return truth(frame, x); }),

@@ -25,7 +25,10 @@ const std::filesystem::path scenes_folder = std::filesystem::path(PENUMBRA_SOURC
 
 Shot shipped_shot(const std::string& name) {
     Diagnostics diagnostics;
-    const std::optional<Shot> shot = read_shot(scenes_folder / (name + ".shot.json"), diagnostics);
+    const std::string file = name + ".shot.json";
+    const bool radiance = std::filesystem::exists(scenes_folder / "radiance" / file);
+    const std::optional<Shot> shot =
+        read_shot(scenes_folder / (radiance ? "radiance" : "") / file, diagnostics);
     EXPECT_TRUE(shot) << diagnostics.text();
     return shot.value_or(Shot{});
 }
@@ -78,7 +81,8 @@ double signed_volume(const Part& part) {
 }
 
 TEST(GeneratedScenes, SolidsAreClosedAndWoundOutwards) {
-    const std::set<std::string> sheets{"floor", "hills", "plain", "paving", "terrain"};
+    const std::set<std::string> sheets{"back",  "floor",  "hills", "left",   "light",
+                                       "plain", "paving", "right", "terrain"};
     for (const GeneratedScene& scene : generated_scenes) {
         const Model model = scene.make();
         size_t checked = 0;

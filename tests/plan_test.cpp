@@ -68,9 +68,10 @@ TEST_P(ShippedPlan, EveryAccessIsOrderedAfterWhatItDependsOn) {
 TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
     for (const Extent extent : sizes) {
         const MemoryReport memory = plan_of(checked(GetParam()), extent).memory;
-        ASSERT_TRUE(memory.optimum_bytes) << "the exhaustive search did not finish";
-        EXPECT_LE(memory.live_bound_bytes, *memory.optimum_bytes);
-        EXPECT_LE(static_cast<double>(memory.heap_bytes), 1.02 * static_cast<double>(*memory.optimum_bytes))
+        // Where the search was not worth its while, the bound that no packing can be below.
+        const uint64_t least = memory.optimum_bytes.value_or(memory.live_bound_bytes);
+        EXPECT_LE(memory.live_bound_bytes, least);
+        EXPECT_LE(static_cast<double>(memory.heap_bytes), 1.02 * static_cast<double>(least))
             << extent.width << "x" << extent.height;
         EXPECT_LE(memory.heap_bytes, memory.unaliased_bytes);
     }

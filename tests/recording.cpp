@@ -71,8 +71,8 @@ CheckedPipeline tracer_of(const CheckedPipeline& pipeline) {
         return pipeline;
     Diagnostics diagnostics;
     const std::vector<std::string> settings{"nodes.gather.params.rays=bits"};
-    const auto tracer = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json", settings,
-                                      diagnostics);
+    const auto tracer = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json",
+                                      settings, diagnostics);
     auto checked = tracer ? check(*tracer, test_nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     return std::move(*checked);

@@ -313,8 +313,10 @@ Facts facts_of(const Row& row) {
 Plan plan_of(const std::string& name, const Facts& facts, const std::string& patch = "") {
     Diagnostics diagnostics;
     const CheckedPipeline pipeline = pipeline_with(name, patch);
-    auto plan = compile(pipeline, standalone_target(pipeline, reference_device(), {320, 180}, facts), {},
-                        diagnostics);
+    DeviceTable device = reference_device();
+    if (const auto tree = facts.find("tree"); tree != facts.end() && !tree->second)
+        device.features = {"ray_query"};  // rays without a tree of ours are the device's
+    auto plan = compile(pipeline, standalone_target(pipeline, device, {320, 180}, facts), {}, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::move(*plan);
 }

@@ -15,7 +15,7 @@
 
 namespace penumbra PENUMBRA_API {
 
-// Elements that texel buffers hold on desktop devices and lavapipe, the largest scenes with them; Vulkan promises 65 536.
+// Elements that texel buffers hold on desktop devices and lavapipe; Vulkan promises 65 536.
 inline constexpr uint32_t large_texel_buffer = 1u << 27;
 
 // What a host may promise for a plan's lifetime; true where it says nothing.
