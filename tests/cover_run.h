@@ -25,6 +25,7 @@ inline std::vector<std::string> without_beams() {
         "nodes.beams=null",
         "nodes.beams_alone=null",
         "nodes.trace=null",
+        "nodes.trace_queries=null",
         "nodes.cover.if=casters",
         "nodes.resolve_still=null",
         "nodes.average=null",

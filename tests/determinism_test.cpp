@@ -104,7 +104,10 @@ TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
             const std::string other = "other_" + r.list;
             settings.push_back(
                 "nodes." + other + "={ " + params +
-                (r.node == "cover" || GetParam() == std::string("shadows") ? R"(, "if": "sun_disc")" : "") +
+                (GetParam() == std::string("shadows") ? R"(, "if": "sun_disc")"
+                 : r.node == "cover"                   ? R"(, "if": "sun_disc & tree")"
+                 : has_beams(GetParam())               ? R"(, "if": "tree")"
+                                                       : "") +
                 R"(, "in": { "tile_list": ")" + r.list + R"(", "trace_args": ")" + r.args +
                 R"(" }, "out": { "permuted_list": ")" + other + R"(" } })");
             settings.push_back("nodes." + r.node + ".in." + r.port + "=" + other);

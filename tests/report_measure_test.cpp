@@ -120,7 +120,7 @@ TEST_F(ReportMeasure, BruteForceGainsWithEveryRayAndIsChargedForIt) {
 TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const EdgeShot edge = make_edge_shot(8, 0.5, 6, folder_ / "shots", diagnostics);
+    const EdgeShot edge = make_edge_shot(8, 0.5, 7, folder_ / "shots", diagnostics);
     const auto shot = open_report_shot(edge.shot.file, folder_ / "shots", 4, diagnostics);
     ASSERT_TRUE(shot) << diagnostics.text();
     ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
@@ -359,7 +359,7 @@ TEST_F(ReportMeasure, MistakesAreFoundFirstAndLeaveNoPage) {
     says("is the name of");
     arguments.pipelines = {pipeline("raw")};
     arguments.shots = {"nowhere"};
-    says("\"nowhere\" is neither a file");
+    says("nowhere: no such file, and no shot of that name is shipped");
 
     // An object that the scene does not have shows only when the scene is opened: by then an old page is
     // gone.
