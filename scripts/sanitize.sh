@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What continuous integration runs under address and undefined-behaviour sanitisers: tests of whatever takes input, plans and
+# Under address and undefined-behaviour sanitisers: tests of whatever takes input, plans and
 # packs, then ten seconds of each fuzzer. `scripts/sanitize.sh all` runs the whole suite instead.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -207,7 +207,8 @@ TEST_F(NearLightsRefused, OffIsNoRayAndNoShadow) {
     const auto session = open(shot, "light_raw", {}, diagnostics);
     ASSERT_TRUE(session) << diagnostics.text();
     session->run_frame(0, true);
-    for (const float v : captured_planes(session->view(), "visibility")[0]) EXPECT_EQ(v, 1);
+    const auto planes = captured_planes(session->view(), "visibility");
+    for (const float v : planes.at(0)) ASSERT_EQ(v, 1);
     EXPECT_EQ(counters_of(session->view(), "trace").at("rays"), 0u);
     EXPECT_EQ(counters_of(session->view(), "classify").at("receivers"), 0u);
 }
