@@ -20,6 +20,8 @@ std::optional<std::string> obstacle(const CheckedPipeline& pipeline) {
     for (const HostInput& input : pipeline.inputs)
         if (!input.optional && !standalone_has_input(input.name))
             return fmt::format("takes \"{}\", which only an engine can bring", input.name);
+    if (std::ranges::find(pipeline.inputs, "light", &HostInput::name) != pipeline.inputs.end())
+        return "takes a light that is near, and a report's shots have a sun";
     const std::vector<std::string> outputs = pipeline.output_names();
     if (std::ranges::find(outputs, "visibility") == outputs.end()) return "puts out no \"visibility\"";
     return std::nullopt;
@@ -57,16 +59,18 @@ void add_plain_rays(Contenders& contenders, std::span<const uint32_t> numbers, b
     }
 }
 
-// The rays per pixel of the node that traces; nothing where there is none, or several.
+// The rays per pixel of the nodes that trace; nothing where there is none, or they differ.
 std::optional<uint32_t> rays_per_pixel(const CheckedPipeline& pipeline) {
     std::optional<uint32_t> rays;
     for (const BoundNode& node : pipeline.nodes)
         for (size_t i = 0; i < node.params.size(); ++i)
             if (node.type().params[i].name == "rays_per_pixel") {
-                if (rays) return std::nullopt;
-                if (const auto* value = std::get_if<uint32_t>(&node.params[i])) rays = *value;
+                std::optional<uint32_t> here;
+                if (const auto* value = std::get_if<uint32_t>(&node.params[i])) here = *value;
                 if (const auto* value = std::get_if<int32_t>(&node.params[i]))
-                    rays = static_cast<uint32_t>(*value);
+                    here = static_cast<uint32_t>(*value);
+                if (rays && rays != here) return std::nullopt;
+                rays = here;
             }
     return rays;
 }
