@@ -68,10 +68,12 @@ TEST_P(ShippedPlan, EveryAccessIsOrderedAfterWhatItDependsOn) {
 TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
     for (const Extent extent : sizes) {
         const MemoryReport memory = plan_of(checked(GetParam()), extent).memory;
-        // Where the search was not worth its while, the bound that no packing can be below.
+        // Where the search does not end or was not worth its while, the bound that no packing can be below, which
+        // the best may not reach.
         const uint64_t least = memory.optimum_bytes.value_or(memory.live_bound_bytes);
         EXPECT_LE(memory.live_bound_bytes, least);
-        EXPECT_LE(static_cast<double>(memory.heap_bytes), 1.02 * static_cast<double>(least))
+        EXPECT_LE(static_cast<double>(memory.heap_bytes),
+                  (memory.optimum_bytes ? 1.02 : 1.06) * static_cast<double>(least))
             << extent.width << "x" << extent.height;
         EXPECT_LE(memory.heap_bytes, memory.unaliased_bytes);
     }
