@@ -73,7 +73,7 @@ TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
         const uint64_t least = memory.optimum_bytes.value_or(memory.live_bound_bytes);
         EXPECT_LE(memory.live_bound_bytes, least);
         EXPECT_LE(static_cast<double>(memory.heap_bytes),
-                  (!memory.optimum_bytes ? 1.06 : GetParam() == "reflections" ? 1.04 : 1.02) * static_cast<double>(least))
+                  (GetParam() == "reflections" ? 1.06 : 1.02) * static_cast<double>(least))
             << extent.width << "x" << extent.height;
         EXPECT_LE(memory.heap_bytes, memory.unaliased_bytes);
     }
