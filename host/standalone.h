@@ -80,7 +80,6 @@ class StandaloneHost {
     Shot shot_;
     Scene scene_;
     StandaloneOptions options_;
-    uint32_t sub_pixel_bits_;  // of the device that draws the G-buffer
     GBuffer gbuffer_;
     uint32_t cascade_layers_ = 1;
 };

@@ -109,7 +109,7 @@ class RayMaker {
         const double facing = std::abs(glm::dot(n, -glm::normalize(relative)));
         const glm::dmat3 axes = glm::make_mat3(frame_.description.camera.world_from_view.data());
         const double across = std::abs(glm::dot(n, axes[0])) + std::abs(glm::dot(n, axes[1]));
-        return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing +
+        return 3 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing +
                pixel_angle * z * across * frame_snap_px();
     }
 

@@ -108,6 +108,24 @@ VkRenderingAttachmentInfo cleared_attachment(const GpuImage& image) {
     return info;
 }
 
+// The inverse of clip_from_view for a pixel's ndc, in world axes.
+DrawConstants frame_constants(const FrameDescription& frame, VkExtent2D extent) {
+    const auto clip = glm::make_mat4(frame.camera.clip_from_view.data());
+    const auto axes = glm::make_mat3(frame.camera.world_from_view.data());
+    const bool orthographic = frame.flags & frame_orthographic;
+    const glm::dvec2 shift = orthographic ? -glm::dvec2(clip[3]) : glm::dvec2(clip[2]);
+    const glm::dvec3 ray_x = axes[0] / clip[0][0], ray_y = axes[1] / clip[1][1];
+    const glm::dvec3 ray_0 = shift.x * ray_x + shift.y * ray_y - (orthographic ? glm::dvec3(0) : axes[2]);
+    return {glm::vec2(2 * frame.jitter[0], 2 * frame.jitter[1]),
+            glm::vec2(2.0 / extent.width, 2.0 / extent.height),
+            glm::vec4(ray_x, -clip[2][2]),
+            glm::vec4(ray_y, clip[3][2]),
+            glm::vec4(ray_0, orthographic),
+            glm::vec4(-axes[2], 0),
+            0,
+            0};
+}
+
 }  // namespace
 
 uint64_t gbuffer_bytes_per_pixel() {
@@ -210,14 +228,16 @@ void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const 
         const glm::dmat4 prev_rel =
             rel_from_local(prev_world[node], item.part->origin, origin, frame.previous);
         const glm::dmat3 linear(rel);
-        const glm::dmat3 normals = cofactors(linear) / largest_element(cofactors(linear));
+        const double largest = largest_element(cofactors(linear));
+        const glm::dmat3 normals = cofactors(linear) / largest;
         const glm::dvec3 camera = -(glm::inverse(linear) * glm::dvec3(rel[3]));
 
         DrawRecord record{};
         record.clip_from_local = glm::mat4(clip * rel);
         record.prev_clip_from_local = glm::mat4(prev_clip * prev_rel);
         for (int c = 0; c < 3; ++c) record.world_from_local[c] = glm::vec4(glm::vec3(normals[c]), 0);
-        record.camera_local = glm::vec4(glm::vec3(camera), glm::determinant(linear) < 0 ? -1 : 1);
+        record.camera_local = glm::vec4(glm::vec3(camera), glm::determinant(linear) / largest);
+        record.camera_local_low = glm::vec4(camera - glm::dvec3(glm::vec3(camera)), 0);
         record.base_color = glm::vec4(1);
         record.metallic_roughness = glm::vec4(0, 1, 0, 0);
         if (item.part->material >= 0) {
@@ -282,8 +302,7 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
                             &draws_.sets[slot], 0, nullptr);
     VkDescriptorSet bound = VK_NULL_HANDLE;
     VkPipeline drawn_with = VK_NULL_HANDLE;
-    DrawConstants constants{glm::vec2(2 * frame.jitter[0], 2 * frame.jitter[1]),
-                            glm::vec2(2.0 / extent.width, 2.0 / extent.height), 0, 0};
+    DrawConstants constants = frame_constants(frame, extent);
     for (size_t i = 0; i < items_.size(); ++i) {
         const DrawItem& item = items_[i];
         const int material = item.part->material;

@@ -10,6 +10,8 @@
 
 namespace penumbra {
 
+// FrameDescription::sub_pixel_bits of its depth, which no grid moved: a step of it is less than any rounding.
+inline constexpr uint32_t gbuffer_sub_pixel_bits = 32;
 inline constexpr VkFormat gbuffer_depth_format = VK_FORMAT_D32_SFLOAT;
 // Normal, motion, albedo; where materials are wanted also those and what shines.
 inline constexpr std::array<VkFormat, 5> gbuffer_color_formats{
@@ -21,16 +23,17 @@ inline constexpr size_t gbuffer_colors_without_materials = 3;
 struct DrawRecord {
     glm::mat4 clip_from_local, prev_clip_from_local;
     glm::vec4 world_from_local[3];  // a mat3: columns padded to 16 bytes
-    glm::vec4 camera_local;
+    glm::vec4 camera_local, camera_local_low;
     glm::vec4 base_color;
     glm::vec4 metallic_roughness, emissive;
 };
-static_assert(sizeof(DrawRecord) == 240);
+static_assert(sizeof(DrawRecord) == 256);
 
 // `Constants` of gbuffer.glsl.
 struct DrawConstants {
     glm::vec2 jitter_ndc;
     glm::vec2 ndc_per_pixel;
+    glm::vec4 ray_x, ray_y, ray_0, ahead;
     uint32_t draw;
     uint32_t least_alpha;
 };

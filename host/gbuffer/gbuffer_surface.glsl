@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Normal, motion and albedo of the nearest surface (conventions: host inputs `normal`, `motion`, `albedo`). Motion is
 // formed from the interpolated *change* of the clip position: interpolation errors then scale with the motion, where
-// a difference of two interpolated positions would keep those of the positions. MATERIALS: what reflections ask for besides
+// a difference of two interpolated positions would keep those of the positions. Depth is that of the triangle's plane at the pixel's
+// very centre: interpolated, it is that of a point up to half a step of the rasteriser's grid beside it, which is far more than
+// rounding, and shadow rays would have to start that much off the surface (shaders/common/ray_offset.glsl). MATERIALS: what reflections ask for besides
 // (host inputs `material`, `emissive`).
 #include "gbuffer.glsl"
 #include "common/mask_texel.glsl"
@@ -21,6 +23,7 @@ layout(location = 0) in vec3 clip_change;
 layout(location = 1) in vec2 texture_uv;
 layout(location = 2) flat in vec3 normal;
 layout(location = 3) in vec3 base_color;
+layout(location = 4) flat in float plane_offset;
 
 layout(location = 0) out vec4 out_normal;
 layout(location = 1) out vec4 out_motion;
@@ -36,6 +39,16 @@ bool is_hole() {
     return uint(texelFetch(base_color_texture, texel, 0).a * 255.0 + 0.5) < constants.least_alpha;
 }
 
+// A plane that is seen from within has no depth there: the rasteriser's is taken.
+float depth_of_plane(vec2 ndc) {
+    const bool orthographic = constants.ray_0.w != 0.0;
+    const vec3 there = constants.ray_0.xyz + ndc.x * constants.ray_x.xyz + ndc.y * constants.ray_y.xyz;
+    const float z = orthographic ? (plane_offset - dot(normal, there)) / dot(normal, constants.ahead.xyz)
+                                 : plane_offset / dot(normal, there);
+    const float depth = (constants.ray_y.w + constants.ray_x.w * z) / (orthographic ? 1.0 : z);
+    return z > 0.0 && depth > 0.0 && depth < 1.0 ? depth : gl_FragCoord.z;
+}
+
 void main() {
     const vec3 albedo = texture(base_color_texture, texture_uv).rgb * base_color;  // while all neighbours are there
 #ifdef MATERIALS
@@ -44,6 +57,7 @@ void main() {
 #endif
     if (ALPHA_TESTED && is_hole()) discard;
     const vec2 ndc = gl_FragCoord.xy * constants.ndc_per_pixel - 1.0 - constants.jitter_ndc;
+    gl_FragDepth = depth_of_plane(ndc);
     const float prev_w = 1.0 / gl_FragCoord.w + clip_change.z;
     // (c + dc) / (w + dw) - c / w with c / w = ndc.
     const vec2 motion = prev_w > 0.0 ? 0.5 * (clip_change.xy - ndc * clip_change.z) / prev_w : off_screen;

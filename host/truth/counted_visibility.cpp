@@ -152,16 +152,19 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
         if (!(glm::dot(winding, winding) > 0)) return;
         const glm::dvec3 n = glm::normalize(winding), nearest = nearest_to_origin(v);
         if (glm::length(nearest) > margin.x) return;
+        // What shows the viewer its other side is not what the rasteriser saw, which at a silhouette may be what lies behind it.
+        const double slope = glm::dot(n, ray.direction);
+        const glm::dvec3 shown = slope > 0 ? -n : n;
+        if (!(glm::dot(shown, normal) > 0)) return;
         // At an edge between two triangles both are as near; the normal says which one it was.
-        const double unlike = glm::length(nearest) / margin.x + 1e3 * (1 - std::abs(glm::dot(n, normal)));
+        const double unlike = glm::length(nearest) / margin.x + 1e3 * (1 - glm::dot(shown, normal));
         if (unlike >= least) return;
         least = unlike;
-        const double slope = glm::dot(n, ray.direction);
         const glm::dvec3 met = glm::dot(n, v[0]) / slope * ray.direction;  // from `point` along the ray
         const Corners from_met = corners_from(triangles_[index], point + met);
         const bool inside = std::isfinite(met.x) && glm::length(met) <= 64 * margin.x &&
                             glm::length(nearest_to_origin(from_met)) <= 0x1p-40 * taxi(point);
-        out = {point + (inside ? met : nearest), slope > 0 ? -n : n, index};
+        out = {point + (inside ? met : nearest), shown, index};
     });
     return out;
 }

@@ -67,7 +67,7 @@ class Surface {
         const double across = std::abs(glm::dot(n, world_[0])) + std::abs(glm::dot(n, world_[1]));
         const double span = 2 / (frame_.size[1] * std::abs(clip_[1].y)) * (orthographic() ? 1 : depth_);
         const int bits = frame_.sub_pixel_bits ? static_cast<int>(frame_.sub_pixel_bits) : 4;
-        return 16 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) +
+        return 3 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) +
                8 * depth_rounding() * std::abs(glm::dot(n, viewer)) + span * across * std::ldexp(0.5, -bits);
     }
 

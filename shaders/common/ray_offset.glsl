@@ -2,7 +2,8 @@
 // How far off the surface, along its geometric normal, a shadow ray starts: by how far the reconstructed point may lie below
 // the surface that the rasteriser saw. An error bound, not a constant, of three parts:
 //
-// - The grid. A rasteriser moves each corner of a triangle to a grid of 2^-b pixels, b = subPixelPrecisionBits, by half a step s
+// - The grid, for a host whose depth the rasteriser interpolates (frame.snap_px; the standalone host's is of the pixel's very centre, and
+//   takes none of this: host/gbuffer/gbuffer_surface.glsl). A rasteriser moves each corner of a triangle to a grid of 2^-b pixels, b = subPixelPrecisionBits, by half a step s
 //   at most along either axis of the image, and keeps its depth. In homogeneous coordinates depth is linear over the image, so
 //   what a pixel p within the moved triangle gets is sum w_i z_i with p = sum w_i (c_i + e_i), w_i >= 0, sum w_i = 1,
 //   |e_i| <= s: the depth of the plane that was meant, at q = p - sum w_i e_i, no farther from p than s along either axis
@@ -10,13 +11,15 @@
 //   the surface has a point on q's ray there, so the two differ across the view axis alone, by s pixels along either axis, and
 //   off the plane by s * span * (|n.right| + |n.up|) at most. Nothing where the surface faces the camera; and no slope of a
 //   depth is in it, however large the triangle or grazing the view.
-// - Rounding of reconstruction, shift to the scene's frame and the ray-triangle test: each is an ulp or two of the largest number
-//   involved, 16 bound the sum.
+// - Rounding of reconstruction, shift to the scene's frame and the ray-triangle test. A bound of every step in turn would be some
+//   20 ulps, of which no plane was ever seen to need more than 2: each is random. 3 leave a factor of two where it was worst
+//   (tests/ray_start_test.cpp: planes of 1 m to 40 km, a millimetre to 40 km per triangle). What this is worth: a point .5 mm beside a wall
+//   419 m away starts on the right side of it; with 16 ulps it did not.
 // - Rounding of the depth, interpolated and stored, moves the point along the view ray, of which the normal sees a part. How
 //   exactly depth is interpolated Vulkan does not say; DEPTH_ROUNDINGS is what rasterisers were found to need, with room.
 //
 // Includer has common/camera.glsl.
-const float ULPS = 16.0 * 1.1920929e-7;  // 2^-23
+const float ULPS = 3.0 * 1.1920929e-7;  // 2^-23
 const float DEPTH_ROUNDINGS = 8.0;
 
 // Metres. `relative`: the point, camera-relative; `in_scene`: the same in the frame of the scene's triangles.
