@@ -190,7 +190,7 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
                 if ((differing >> bit & 1) == 0) continue;
                 const uint32_t x = tile_x * 8 + bit % 8, y = tile_y * 4 + bit / 8,
                                pixel = y * shot.size[0] + x;
-                EXPECT_EQ(alpha.truth(triangles, maker.ray(x, y, depth[pixel], normal[pixel]), 8e-6),
+                EXPECT_EQ(alpha.truth(triangles, maker.ray(x, y, depth[pixel], normal[pixel]), 1e-6),
                           Truth::either)
                     << "pixel " << x << ", " << y << " of frame " << frame << ", the tree's word "
                     << tree[word];
@@ -254,8 +254,8 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
             const Ray ray = maker.ray(x, y, depth[pixel], normal[pixel]);
             const Truth opposite =
                 (hits[tile_y * 12 + tile_x] >> bit & 1) != 0 ? Truth::clear : Truth::blocked;
-            wrong += truth(now, ray, 8e-6) == opposite;
-            wrong_at_first += truth(at_first, ray, 8e-6) == opposite;
+            wrong += truth(now, ray, 1e-6) == opposite;
+            wrong_at_first += truth(at_first, ray, 1e-6) == opposite;
         }
     }
     EXPECT_EQ(wrong, 0u);
