@@ -90,6 +90,7 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
+      sub_pixel_bits_(device.limits().subPixelPrecisionBits + gbuffer_further_bits),
       gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
                options.materials) {
     for (uint32_t index = 0; index < shot_.frames; ++index)
@@ -130,7 +131,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     description.dt_s = static_cast<float>(1 / shot_.fps);
     description.flags = has_previous ? 0u : uint32_t(frame_reset);
     if (shot_.analytic) description.flags |= frame_orthographic;
-    description.sub_pixel_bits = gbuffer_sub_pixel_bits;
+    description.sub_pixel_bits = sub_pixel_bits_;
 
     out.sun = sun_block(sun_at(shot_, index));
     out.sun_prev = sun_block(sun_at(shot_, previous));

@@ -80,6 +80,7 @@ class StandaloneHost {
     Shot shot_;
     Scene scene_;
     StandaloneOptions options_;
+    uint32_t sub_pixel_bits_;  // of the G-buffer's depth
     GBuffer gbuffer_;
     uint32_t cascade_layers_ = 1;
 };

@@ -2,15 +2,15 @@
 // How far off the surface, along its geometric normal, a shadow ray starts: by how far the reconstructed point may lie below
 // the surface that the rasteriser saw. An error bound, not a constant, of three parts:
 //
-// - The grid, for a host whose depth the rasteriser interpolates (frame.snap_px; the standalone host's is of the pixel's very centre, and
-//   takes none of this: host/gbuffer/gbuffer_surface.glsl). A rasteriser moves each corner of a triangle to a grid of 2^-b pixels, b = subPixelPrecisionBits, by half a step s
-//   at most along either axis of the image, and keeps its depth. In homogeneous coordinates depth is linear over the image, so
-//   what a pixel p within the moved triangle gets is sum w_i z_i with p = sum w_i (c_i + e_i), w_i >= 0, sum w_i = 1,
-//   |e_i| <= s: the depth of the plane that was meant, at q = p - sum w_i e_i, no farther from p than s along either axis
-//   (corners that clipping makes lie on the plane, and are moved alike). Reconstructed is the point of p's view ray at q's depth;
-//   the surface has a point on q's ray there, so the two differ across the view axis alone, by s pixels along either axis, and
-//   off the plane by s * span * (|n.right| + |n.up|) at most. Nothing where the surface faces the camera; and no slope of a
-//   depth is in it, however large the triangle or grazing the view.
+// - The grid, for a host whose depth the rasteriser interpolates. (The standalone host's depth is of the pixel's very centre and says
+//   four times the steps, for the neighbours' sake: host/gbuffer/gbuffer_pipeline.h.) A rasteriser moves each corner of a triangle to
+//   a grid of 2^-b pixels, b = subPixelPrecisionBits, by half a step s at most along either axis of the image, and keeps its depth. In
+//   homogeneous coordinates depth is linear over the image, so what a pixel p within the moved triangle gets is sum w_i z_i with
+//   p = sum w_i (c_i + e_i), w_i >= 0, sum w_i = 1, |e_i| <= s: the depth of the plane that was meant, at q = p - sum w_i e_i, no
+//   farther from p than s along either axis (corners that clipping makes lie on the plane, and are moved alike). Reconstructed is
+//   the point of p's view ray at q's depth; the surface has a point on q's ray there, so the two differ across the view axis alone,
+//   by s pixels along either axis, and off the plane by s * span * (|n.right| + |n.up|) at most. Nothing where the surface faces the
+//   camera; and no slope of a depth is in it, however large the triangle or grazing the view.
 // - Rounding of reconstruction, shift to the scene's frame and the ray-triangle test. A bound of every step in turn would be some
 //   20 ulps, of which no plane was ever seen to need more than 2: each is random. 3 leave a factor of two where it was worst
 //   (tests/ray_start_test.cpp: planes of 1 m to 40 km, a millimetre to 40 km per triangle). What this is worth: a point .5 mm beside a wall
