@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
 // How much of a penumbra the tiles around a pixel hold, 0 to 1, as a cubic B-spline through the smoothed tiles: sixteen texels by
-// four linear taps. The published lookup takes the image's size for the tiles' and drifts by up to half a tile where that is no
+// four bilinear taps. The published lookup takes the image's size for the tiles' and drifts by up to half a tile where that is no
 // multiple; this one does not.
 //
-// Includer declares: sampled image smooth_tiles, filtered linearly; has sigma/sigma.glsl.
+// Includer declares: sampled image smooth_tiles; has common/bilinear.glsl and sigma/sigma.glsl.
 
-float smooth_tile(vec2 texel) {
-    const vec2 size = vec2(textureSize(smooth_tiles, 0));
-    return textureLod(smooth_tiles, clamp(texel, vec2(0.5), size - 0.5) / size, 0.0).y;
-}
+float smooth_tile(vec2 texel) { return bilinear(smooth_tiles, texel, tile_grid()).y; }
 
 float tile_value(ivec2 p) {
     const vec2 at = (vec2(p) + 0.5) / float(TILE_PX) - 0.5;
