@@ -10,6 +10,7 @@
 #include "penumbra/graph.h"
 #include "penumbra/penumbra.h"
 #include "penumbra/version.h"
+#include "tests/allocations.h"
 #include "tests/c_nodes.h"
 #include "tests/gpu_test.h"
 
@@ -145,6 +146,33 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     penumbra_program_destroy(nullptr);
     penumbra_view_destroy(nullptr);
     penumbra_transients_destroy(nullptr);
+}
+
+// Wherever the host's own memory ends: also where what is wrong is being put into words.
+TEST_F(CApiGpu, NothingThrowsWhereverMemoryEnds) {
+    const std::string wrong = std::string(text).replace(std::string(text).rfind("guides"), 6, "gides");
+    for (const char* pipeline : {text, wrong.c_str()}) {
+        const penumbra_plan_request request = request_of(pipeline);
+        const penumbra_code whole = pipeline == text ? PENUMBRA_OK : PENUMBRA_PIPELINE;
+        ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), whole) << error_.text;
+        penumbra_plan_destroy(std::exchange(plan_, nullptr));  // the node set is made once
+        const size_t before = allocations;
+        ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), whole) << error_.text;
+        const size_t needed = allocations - before;
+        ASSERT_GT(needed, 100u);
+        for (size_t n = 1; n <= needed; n += n < 50 || n + 50 > needed ? 1 : 1 + needed / 200) {
+            penumbra_plan_destroy(std::exchange(plan_, nullptr));
+            failing_allocation = allocations + n;
+            const penumbra_code code = penumbra_plan_create(&request, &plan_, &error_);
+            failing_allocation = ~size_t{0};
+            ASSERT_EQ(code, PENUMBRA_OUT_OF_MEMORY) << n << " of " << needed;
+            EXPECT_EQ(error_.code, code);
+            EXPECT_EQ(error_.result, VK_ERROR_OUT_OF_HOST_MEMORY);
+            EXPECT_STREQ(error_.text, "no memory");
+            EXPECT_EQ(plan_, nullptr);
+        }
+        EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), whole) << "afterwards all is as before";
+    }
 }
 
 struct Counted {
