@@ -42,6 +42,7 @@ GpuImage image_of(VkFormat format, VkImageUsageFlags usage);  // a frame's size
 struct Spy {
     static inline std::set<std::string> asked;
     static inline std::vector<VkImageMemoryBarrier2> transfers;
+    static inline std::vector<VkMemoryBarrier2> barriers;
     static inline std::vector<std::byte> cache;  // that a program was made with
 
     static inline std::set<std::string> names, labels;  // of objects, of what passes record
@@ -63,12 +64,21 @@ struct Spy {
     }
 
     static VKAPI_ATTR void VKAPI_CALL barrier(VkCommandBuffer cmd, const VkDependencyInfo* info) {
+        barriers.insert(barriers.end(), info->pMemoryBarriers,
+                        info->pMemoryBarriers + info->memoryBarrierCount);
         if (info->imageMemoryBarrierCount > 0 &&
             info->pImageMemoryBarriers[0].srcQueueFamilyIndex != VK_QUEUE_FAMILY_IGNORED)
             transfers.insert(transfers.end(), info->pImageMemoryBarriers,
                              info->pImageMemoryBarriers + info->imageMemoryBarrierCount);
         else
             vkCmdPipelineBarrier2(cmd, info);
+    }
+    static inline uint32_t uploads = 0;  // of tables
+    static VKAPI_ATTR void VKAPI_CALL upload(VkCommandBuffer cmd, VkBuffer from, VkImage to,
+                                             VkImageLayout layout, uint32_t count,
+                                             const VkBufferImageCopy* regions) {
+        ++uploads;
+        vkCmdCopyBufferToImage(cmd, from, to, layout, count, regions);
     }
     static inline std::vector<std::array<uint32_t, 3>> dispatches;
     static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer cmd, uint32_t x, uint32_t y, uint32_t z) {
@@ -98,6 +108,7 @@ struct Spy {
         PENUMBRA_COUNTED(vkAllocateDescriptorSets)
 #undef PENUMBRA_COUNTED
         if (!std::strcmp(name, "vkCmdPipelineBarrier2")) return reinterpret_cast<PFN_vkVoidFunction>(barrier);
+        if (!std::strcmp(name, "vkCmdCopyBufferToImage")) return reinterpret_cast<PFN_vkVoidFunction>(upload);
         if (!std::strcmp(name, "vkCmdDispatch")) return reinterpret_cast<PFN_vkVoidFunction>(dispatch);
         if (!std::strcmp(name, "vkSetDebugUtilsObjectNameEXT"))
             return reinterpret_cast<PFN_vkVoidFunction>(set_name);
@@ -117,6 +128,8 @@ struct Spy {
     static DeviceHandles handles() {
         asked.clear();
         transfers.clear();
+        barriers.clear();
+        uploads = 0;
         DeviceHandles handles = handles_of(gpu());
         handles.get_instance_proc_addr = of_instance;
         return handles;
