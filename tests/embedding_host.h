@@ -86,8 +86,24 @@ struct Spy {
         vkCmdDispatch(cmd, x, y, z);
     }
 
-    // Objects that were made, counted by the functions that penumbra makes any with while it runs.
-    static inline uint32_t made = 0;
+    static inline uint32_t made = 0;  // objects, by the functions that penumbra makes any with while it runs
+    static inline uint32_t sets = 0, room = 0;  // taken from descriptor pools, and what these have
+    static inline std::map<VkDescriptorType, uint32_t> descriptors;
+    static VKAPI_ATTR VkResult VKAPI_CALL make_pool(VkDevice device, const VkDescriptorPoolCreateInfo* info,
+                                                    const VkAllocationCallbacks* callbacks,
+                                                    VkDescriptorPool* pool) {
+        room += info->maxSets;
+        for (uint32_t i = 0; i < info->poolSizeCount; ++i)
+            descriptors[info->pPoolSizes[i].type] += info->pPoolSizes[i].descriptorCount;
+        return vkCreateDescriptorPool(device, info, callbacks, pool);
+    }
+    static VKAPI_ATTR VkResult VKAPI_CALL take_sets(VkDevice device, const VkDescriptorSetAllocateInfo* info,
+                                                    VkDescriptorSet* taken) {
+        sets += info->descriptorSetCount;
+        ++made;
+        return vkAllocateDescriptorSets(device, info, taken);
+    }
+
     template <auto function, class... A>
     static VKAPI_ATTR VkResult VKAPI_CALL counted(A... arguments) {
         ++made;
@@ -105,9 +121,12 @@ struct Spy {
         PENUMBRA_COUNTED(vkCreateComputePipelines)
         PENUMBRA_COUNTED(vkCreateImage)
         PENUMBRA_COUNTED(vkCreateBuffer)
-        PENUMBRA_COUNTED(vkAllocateDescriptorSets)
 #undef PENUMBRA_COUNTED
         if (!std::strcmp(name, "vkCmdPipelineBarrier2")) return reinterpret_cast<PFN_vkVoidFunction>(barrier);
+        if (!std::strcmp(name, "vkCreateDescriptorPool"))
+            return reinterpret_cast<PFN_vkVoidFunction>(make_pool);
+        if (!std::strcmp(name, "vkAllocateDescriptorSets"))
+            return reinterpret_cast<PFN_vkVoidFunction>(take_sets);
         if (!std::strcmp(name, "vkCmdCopyBufferToImage")) return reinterpret_cast<PFN_vkVoidFunction>(upload);
         if (!std::strcmp(name, "vkCmdDispatch")) return reinterpret_cast<PFN_vkVoidFunction>(dispatch);
         if (!std::strcmp(name, "vkSetDebugUtilsObjectNameEXT"))
@@ -146,6 +165,7 @@ class Allocator {
     size_t calls = 0, fail_at = ~size_t{0};
     VkResult failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
     std::map<void*, MemoryBlock> live;
+    uint64_t bytes = 0;  // that were asked for, in all
 
   private:
     VkResult allocate(const MemoryRequest& request, MemoryBlock& block) {
@@ -165,6 +185,7 @@ class Allocator {
                   "");
             block.mapped = static_cast<std::byte*>(block.mapped) + block.offset;
         }
+        bytes += request.need.size;
         block.user = block.memory;
         live[block.user] = block;
         return VK_SUCCESS;
