@@ -87,6 +87,18 @@ struct Spy {
     }
 
     static inline uint32_t made = 0;  // objects, by the functions that penumbra makes any with while it runs
+    static inline std::vector<std::pair<VkDeviceMemory, VkDeviceSize>> bound;  // where objects were bound
+    static VKAPI_ATTR VkResult VKAPI_CALL bind_image(VkDevice device, VkImage image, VkDeviceMemory memory,
+                                                     VkDeviceSize offset) {
+        bound.emplace_back(memory, offset);
+        return vkBindImageMemory(device, image, memory, offset);
+    }
+    static VKAPI_ATTR VkResult VKAPI_CALL bind_buffer(VkDevice device, VkBuffer buffer, VkDeviceMemory memory,
+                                                      VkDeviceSize offset) {
+        bound.emplace_back(memory, offset);
+        return vkBindBufferMemory(device, buffer, memory, offset);
+    }
+
     static inline uint32_t sets = 0, room = 0;  // taken from descriptor pools, and what these have
     static inline std::map<VkDescriptorType, uint32_t> descriptors;
     static VKAPI_ATTR VkResult VKAPI_CALL make_pool(VkDevice device, const VkDescriptorPoolCreateInfo* info,
@@ -123,6 +135,9 @@ struct Spy {
         PENUMBRA_COUNTED(vkCreateBuffer)
 #undef PENUMBRA_COUNTED
         if (!std::strcmp(name, "vkCmdPipelineBarrier2")) return reinterpret_cast<PFN_vkVoidFunction>(barrier);
+        if (!std::strcmp(name, "vkBindImageMemory")) return reinterpret_cast<PFN_vkVoidFunction>(bind_image);
+        if (!std::strcmp(name, "vkBindBufferMemory"))
+            return reinterpret_cast<PFN_vkVoidFunction>(bind_buffer);
         if (!std::strcmp(name, "vkCreateDescriptorPool"))
             return reinterpret_cast<PFN_vkVoidFunction>(make_pool);
         if (!std::strcmp(name, "vkAllocateDescriptorSets"))
@@ -165,7 +180,8 @@ class Allocator {
     size_t calls = 0, fail_at = ~size_t{0};
     VkResult failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
     std::map<void*, MemoryBlock> live;
-    uint64_t bytes = 0;  // that were asked for, in all
+    uint64_t bytes = 0;                              // that were asked for, in all
+    std::map<VkDeviceMemory, VkDeviceSize> offsets;  // of all blocks so far
 
   private:
     VkResult allocate(const MemoryRequest& request, MemoryBlock& block) {
@@ -186,6 +202,7 @@ class Allocator {
             block.mapped = static_cast<std::byte*>(block.mapped) + block.offset;
         }
         bytes += request.need.size;
+        offsets[block.memory] = block.offset;
         block.user = block.memory;
         live[block.user] = block;
         return VK_SUCCESS;

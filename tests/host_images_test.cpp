@@ -157,17 +157,23 @@ TEST_F(HostImagesGpu, AnOutputIsPutIntoTheHostsImage) {
 // What the host did with its image before, writing or reading, is over when the frame begins to write: one
 // command buffer has a clear, a frame, a copy out of the image, and another frame.
 TEST_F(HostImagesGpu, AnOutputsImageWaitsForWhatTheHostDidWithIt) {
+    // A node without counters, whose clearing would order more than is asked for.
     const CheckedPipeline pipeline =
-        checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })");
+        checked(R"("inputs": { "given": { "format": "r32f" } }, "outputs": ["blended"],
+        "nodes": { "blend": { "type": "toy_blend", "in": { "value": "given", "history": null } } })");
     CompileOptions options;
-    options.outputs["value"].host_image = true;
+    options.outputs["blended"].host_image = true;
     View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, options)), {});
     const GpuImage own =
         image_of(VK_FORMAT_R32_SFLOAT,
                  VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
     const GpuBuffer copy =
         make_host_buffer(gpu(), 4 * width * height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "copy");
+    GpuImage given = image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT);
+    const std::vector<float> sevens(width * height, 7.0f);
+    upload_image(gpu(), given, std::as_bytes(std::span(sevens)));
     Externals externals(view.plan());
+    externals["given"].image = given.view.get();
     gpu().run([&](VkCommandBuffer cmd) {
         constexpr VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
         VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
@@ -182,20 +188,20 @@ TEST_F(HostImagesGpu, AnOutputsImageWaitsForWhatTheHostDidWithIt) {
         vkCmdPipelineBarrier2(cmd, &dependency);
         const VkClearColorValue colour{};
         vkCmdClearColorImage(cmd, own.get(), VK_IMAGE_LAYOUT_GENERAL, &colour, 1, &all);
-        externals["value"] = {.image = own.view.get(),
-                              .handover = Handover{.image = own.get(),
-                                                   .stages_before = VK_PIPELINE_STAGE_2_CLEAR_BIT,
-                                                   .stages_after = VK_PIPELINE_STAGE_2_COPY_BIT,
-                                                   .access_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                                                   .access_after = VK_ACCESS_2_TRANSFER_READ_BIT,
-                                                   .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
+        externals["blended"] = {.image = own.view.get(),
+                                .handover = Handover{.image = own.get(),
+                                                     .stages_before = VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                                                     .stages_after = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                                     .access_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                                     .access_after = VK_ACCESS_2_TRANSFER_READ_BIT,
+                                                     .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
         view.record(cmd, description(0), externals);
         VkBufferImageCopy region{};
         region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         region.imageExtent = {width, height, 1};
         vkCmdCopyImageToBuffer(cmd, own.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy.get(), 1, &region);
-        externals["value"].handover->stages_before = VK_PIPELINE_STAGE_2_COPY_BIT;
-        externals["value"].handover->access_before = VK_ACCESS_2_TRANSFER_READ_BIT;
+        externals["blended"].handover->stages_before = VK_PIPELINE_STAGE_2_COPY_BIT;
+        externals["blended"].handover->access_before = VK_ACCESS_2_TRANSFER_READ_BIT;
         view.record(cmd, description(1), externals);
     });
     EXPECT_EQ(static_cast<const float*>(copy.mapped)[7], 7.0f);

@@ -9,12 +9,16 @@ class HostMemoryGpu : public GpuTest {};
 
 TEST_F(HostMemoryGpu, MemoryComesFromTheHost) {
     Allocator allocator;
-    DeviceHandles handles = handles_of(gpu());
-    const Outputs expected = run_toys(handles, 3);
+    const Outputs expected = run_toys(handles_of(gpu()), 3);
+    DeviceHandles handles = Spy::handles();
     handles.memory = allocator.callbacks();
+    Spy::bound.clear();
     EXPECT_EQ(run_toys(handles, 3), expected);
     EXPECT_GT(allocator.calls, 3u);
     EXPECT_TRUE(allocator.live.empty());
+    // Nothing lies in front of its block, where others of the host's are.
+    EXPECT_GT(Spy::bound.size(), allocator.calls);
+    for (const auto& [memory, offset] : Spy::bound) EXPECT_GE(offset, allocator.offsets.at(memory));
 }
 
 TEST_F(HostMemoryGpu, WhatIsAllocatedIsWhatIsSaid) {
