@@ -87,15 +87,20 @@ struct Spy {
     }
 
     static inline uint32_t made = 0;  // objects, by the functions that penumbra makes any with while it runs
-    static inline std::vector<std::pair<VkDeviceMemory, VkDeviceSize>> bound;  // where objects were bound
+    struct Bound {
+        VkDeviceMemory memory;
+        VkDeviceSize offset;
+        bool image;
+    };
+    static inline std::vector<Bound> bound;  // where objects were
     static VKAPI_ATTR VkResult VKAPI_CALL bind_image(VkDevice device, VkImage image, VkDeviceMemory memory,
                                                      VkDeviceSize offset) {
-        bound.emplace_back(memory, offset);
+        bound.push_back({memory, offset, true});
         return vkBindImageMemory(device, image, memory, offset);
     }
     static VKAPI_ATTR VkResult VKAPI_CALL bind_buffer(VkDevice device, VkBuffer buffer, VkDeviceMemory memory,
                                                       VkDeviceSize offset) {
-        bound.emplace_back(memory, offset);
+        bound.push_back({memory, offset, false});
         return vkBindBufferMemory(device, buffer, memory, offset);
     }
 
@@ -180,8 +185,12 @@ class Allocator {
     size_t calls = 0, fail_at = ~size_t{0};
     VkResult failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
     std::map<void*, MemoryBlock> live;
-    uint64_t bytes = 0;                              // that were asked for, in all
-    std::map<VkDeviceMemory, VkDeviceSize> offsets;  // of all blocks so far
+    uint64_t bytes = 0;  // that were asked for, in all
+    struct Block {
+        VkDeviceSize offset;
+        bool linear;
+    };
+    std::map<VkDeviceMemory, Block> blocks;  // all so far
 
   private:
     VkResult allocate(const MemoryRequest& request, MemoryBlock& block) {
@@ -202,7 +211,7 @@ class Allocator {
             block.mapped = static_cast<std::byte*>(block.mapped) + block.offset;
         }
         bytes += request.need.size;
-        offsets[block.memory] = block.offset;
+        blocks[block.memory] = {block.offset, request.linear};
         block.user = block.memory;
         live[block.user] = block;
         return VK_SUCCESS;

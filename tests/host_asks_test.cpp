@@ -165,7 +165,8 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
     usage([&] { view.record(VK_NULL_HANDLE, description(0), externals); }, "p", "command buffer");
 }
 
-// A part of a buffer of the host's: the shader sees that part, from its beginning to its end.
+// A part of a buffer of the host's: the shader sees that part, from its beginning to its end. Counters come
+// back in their order.
 TEST_F(HostAsksGpu, ABuffersPartIsWhatIsBound) {
     const std::filesystem::path folder =
         std::filesystem::path(::testing::TempDir()) / "penumbra_embedding_buffer";
@@ -173,11 +174,13 @@ TEST_F(HostAsksGpu, ABuffersPartIsWhatIsBound) {
     std::ofstream(folder / "toy_part.json") << R"({ "node": "toy_part", "doc": "d", "shader": "toy_part.comp",
         "inputs": { "numbers": { "kind": "buffer", "element": "u32" } },
         "outputs": { "value": { "kind": "image", "format": "r32f" } },
-        "dispatch": { "over": "value", "group": [8, 8] } })";
+        "dispatch": { "over": "value", "group": [8, 8] }, "counters": ["pixels", "even"] })";
     std::ofstream(folder / "toy_part.comp") << R"(#include "node.glsl"
 void main() {
     const ivec2 p = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(p, imageSize(value)))) return;
+    count_pixels(1u);
+    count_even(p.x % 2 == 0 ? 1u : 0u);
     imageStore(value, p, vec4(float(numbers[0]) + 100.0 * float(numbers.length())));
 })";
     NodeSet set;
@@ -193,6 +196,8 @@ void main() {
     externals["numbers"] = {.buffer = buffer.get(), .offset = 256, .range = 12};
     gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), externals); });
     EXPECT_EQ(floats(view.captured("value"))[3], 64.0f + 300.0f);
+    EXPECT_EQ(view.statistics()[0].counters,
+              (std::vector<uint32_t>{width * height, (width + 1) / 2 * height}));
     std::filesystem::remove_all(folder);
 }
 

@@ -16,9 +16,13 @@ TEST_F(HostMemoryGpu, MemoryComesFromTheHost) {
     EXPECT_EQ(run_toys(handles, 3), expected);
     EXPECT_GT(allocator.calls, 3u);
     EXPECT_TRUE(allocator.live.empty());
-    // Nothing lies in front of its block, where others of the host's are.
+    // Nothing lies in front of its block, where others of the host's are, and images lie in blocks that were
+    // asked for as such.
     EXPECT_GT(Spy::bound.size(), allocator.calls);
-    for (const auto& [memory, offset] : Spy::bound) EXPECT_GE(offset, allocator.offsets.at(memory));
+    for (const Spy::Bound& bound : Spy::bound) {
+        EXPECT_GE(bound.offset, allocator.blocks.at(bound.memory).offset);
+        EXPECT_EQ(bound.image, !allocator.blocks.at(bound.memory).linear);
+    }
 }
 
 TEST_F(HostMemoryGpu, WhatIsAllocatedIsWhatIsSaid) {

@@ -79,15 +79,22 @@ TEST_F(SeveralViewsGpu, AFrameInSharedMemoryWaitsForAllThatWasBefore) {
     }
 }
 
+// Of another pipeline, which has other heaps, and of the same one for smaller frames, which has smaller ones.
 TEST_F(SeveralViewsGpu, TransientsOfASmallerPlanAreRefused) {
-    const CheckedPipeline small = checked(given_and_history), large = toy_pipeline_file();
-    const auto of_small =
-        Program(handles_of(gpu()), plan_of(small, capturing(small, true))).make_transients();
+    const CheckedPipeline other = checked(given_and_history), large = toy_pipeline_file();
+    Diagnostics diagnostics;
+    const auto small =
+        compile(large, {.extent = {width / 2, height / 2}, .device = device_table(handles_of(gpu()))},
+                capturing(large, true), diagnostics);
+    ASSERT_TRUE(small) << diagnostics.text();
     const auto program = std::make_shared<Program>(handles_of(gpu()), plan_of(large, capturing(large, true)));
-    const auto error = attempt([&] { View view(program, {.transients = of_small}); });
-    ASSERT_TRUE(error);
-    EXPECT_EQ(error->code, ErrorCode::usage);
-    EXPECT_EQ(error->place, "ViewOptions::transients");
+    for (const auto& plan : {plan_of(other, capturing(other, true)), std::make_shared<const Plan>(*small)}) {
+        const auto of_small = Program(handles_of(gpu()), plan).make_transients();
+        const auto error = attempt([&] { View view(program, {.transients = of_small}); });
+        ASSERT_TRUE(error);
+        EXPECT_EQ(error->code, ErrorCode::usage);
+        EXPECT_EQ(error->place, "ViewOptions::transients");
+    }
 }
 
 // A node that reads a table.
