@@ -93,6 +93,24 @@ TEST_F(CApiGpu, APipelinesMistakesHaveTheirPlace) {
     EXPECT_EQ(penumbra_plan_create(&none, &plan_, &error_), PENUMBRA_PIPELINE);
 }
 
+// What is longer than an error's room is cut, and what was there before leaves nothing behind.
+TEST_F(CApiGpu, TextsAreCutToTheirRoom) {
+    std::string many = "{ \"penumbra\": 1, \"name\": \"c\", \"outputs\": [\"x\"], \"nodes\": {";
+    for (int i = 0; i < 200; ++i)
+        many += (i ? ", \"node" : " \"node") + std::to_string(i) + "\": { \"type\": \"nosuch\" }";
+    const penumbra_plan_request request = request_of((many += "} }").c_str());
+    struct {
+        penumbra_error error;
+        char behind[16];
+    } own{no_error(), "untouched"};
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &own.error), PENUMBRA_PIPELINE);
+    EXPECT_EQ(std::strlen(own.error.text), sizeof own.error.text - 1);
+    EXPECT_STREQ(own.behind, "untouched");
+    EXPECT_EQ(penumbra_plan_create(nullptr, &plan_, &own.error), PENUMBRA_USAGE);
+    EXPECT_STREQ(own.error.place, "request");
+    EXPECT_STREQ(own.error.text, "is null");
+}
+
 // An older caller's structs are shorter, a newer one's longer; one that says nothing is wrong.
 TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
     struct Newer {

@@ -43,7 +43,8 @@ struct Spy {
     static inline std::set<std::string> asked;
     static inline std::vector<VkImageMemoryBarrier2> transfers;
     static inline std::vector<VkMemoryBarrier2> barriers;
-    static inline std::vector<std::byte> cache;  // that a program was made with
+    static inline std::vector<VkImageMemoryBarrier2> images;  // all of them
+    static inline std::vector<std::byte> cache;               // that a program was made with
 
     static inline std::set<std::string> names, labels;  // of objects, of what passes record
     static VKAPI_ATTR VkResult VKAPI_CALL set_name(VkDevice, const VkDebugUtilsObjectNameInfoEXT* info) {
@@ -64,6 +65,8 @@ struct Spy {
     }
 
     static VKAPI_ATTR void VKAPI_CALL barrier(VkCommandBuffer cmd, const VkDependencyInfo* info) {
+        images.insert(images.end(), info->pImageMemoryBarriers,
+                      info->pImageMemoryBarriers + info->imageMemoryBarrierCount);
         barriers.insert(barriers.end(), info->pMemoryBarriers,
                         info->pMemoryBarriers + info->memoryBarrierCount);
         if (info->imageMemoryBarrierCount > 0 &&
@@ -168,6 +171,7 @@ struct Spy {
         asked.clear();
         transfers.clear();
         barriers.clear();
+        images.clear();
         uploads = 0;
         DeviceHandles handles = handles_of(gpu());
         handles.get_instance_proc_addr = of_instance;

@@ -163,7 +163,7 @@ TEST_F(HostImagesGpu, AnOutputsImageWaitsForWhatTheHostDidWithIt) {
         "nodes": { "blend": { "type": "toy_blend", "in": { "value": "given", "history": null } } })");
     CompileOptions options;
     options.outputs["blended"].host_image = true;
-    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, options)), {});
+    View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, options)), {});
     const GpuImage own =
         image_of(VK_FORMAT_R32_SFLOAT,
                  VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
@@ -205,6 +205,14 @@ TEST_F(HostImagesGpu, AnOutputsImageWaitsForWhatTheHostDidWithIt) {
         view.record(cmd, description(1), externals);
     });
     EXPECT_EQ(static_cast<const float*>(copy.mapped)[7], 7.0f);
+    // Of reads validation does not notice it.
+    std::vector<VkPipelineStageFlags2> waited_for;
+    for (const VkImageMemoryBarrier2& barrier : Spy::images)
+        if (barrier.image == own.get() && barrier.newLayout == VK_IMAGE_LAYOUT_GENERAL)
+            waited_for.push_back(barrier.srcStageMask);
+    ASSERT_EQ(waited_for.size(), 2u);
+    EXPECT_TRUE(waited_for[0] & VK_PIPELINE_STAGE_2_CLEAR_BIT);
+    EXPECT_TRUE(waited_for[1] & VK_PIPELINE_STAGE_2_COPY_BIT);
 }
 
 TEST_F(HostImagesGpu, AnOutputWithAPastStaysPenumbras) {
