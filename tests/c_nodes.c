@@ -45,6 +45,8 @@ static void draw(const penumbra_call* call) {
     if (penumbra_call_port(call, "drawn", &drawn, &own) || penumbra_call_param(call, "gain", &s->gain, &count, &own) || count != 1)
         ++s->wrong;
     if (penumbra_call_param(call, "turns", &s->turns, &count, &own) || penumbra_call_param(call, "way", &s->way, &count, &own)) ++s->wrong;
+    uint32_t none = 0;
+    if (penumbra_call_param(call, "gain", &s->gain, &none, &own) != PENUMBRA_USAGE) ++s->wrong;
     if (penumbra_call_port(call, "nosuch", &drawn, &own) != PENUMBRA_USAGE || strcmp(own.place, "nosuch")) ++s->wrong;
     if (penumbra_call_param(call, "nosuch", NULL, &count, &own) != PENUMBRA_USAGE) ++s->wrong;
     if (strcmp(info.node, "engine") || !drawn.image) ++s->wrong;

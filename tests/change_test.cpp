@@ -39,6 +39,13 @@ TEST_F(ChangeGpu, AnHeirGoesOnWhereTheViewBeforeHasStopped) {
         const bool moves = &view->plan() == &day->plan();
         EXPECT_EQ(floats(view->captured("level"))[2], (moves ? 3 : 1) * 2.0f + static_cast<float>(f)) << f;
     }
+    // An heir whose first frame is a cut takes nothing over.
+    View cut(day, {.heir_of = view.get()});
+    FrameDescription first = description(12);
+    first.flags = frame_reset;
+    gpu().run([&](VkCommandBuffer cmd) { cut.record(cmd, first, {}); });
+    EXPECT_EQ(cut.reset().reason, Reset::Reason::asked);
+    EXPECT_EQ(floats(cut.captured("blended"))[5], 17.0f);  // the value alone
 }
 
 TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
