@@ -13,6 +13,9 @@
 #include "common/round_store.glsl"
 #include "common/tiles.glsl"
 
+#define HISTORY(q) imageLoad(history, q).x
+BILINEAR(float, history_at, HISTORY)
+
 const int RADIUS = 8;
 // exp(-3 i^2 / 81), i = 0 .. 8
 const float WEIGHT[9] = float[](1.0, 0.96364044, 0.86230336, 0.71653131, 0.55289200, 0.39616443, 0.26359714, 0.16286807,
@@ -126,7 +129,7 @@ Accumulated accumulate(ivec2 p, float z, float mean) {
     const float half_box = params.clamp_sigma * sqrt(spatial_variance);
     float before = bit;
     if ((frame.flags & FRAME_RESET) == 0u)
-        before = bilinear(history, there.uv * vec2(frame.prev_size), ivec2(frame.prev_size)).x;
+        before = history_at(there.uv * vec2(frame.prev_size), ivec2(frame.prev_size));
     // History that left the box is counted as less.
     const float outside = (before - mean) / max(half_box, 0.001);
     moments.z *= exp(-outside * outside / 20.0);

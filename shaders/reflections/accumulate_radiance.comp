@@ -56,7 +56,9 @@ struct Candidate {
     float frames, worth, variance_mean;  // worth: N', 0 without a past
 };
 
-vec4 carried_drift(vec2 uv) { return bilinear(drift_prev, uv * vec2(frame.prev_size), ivec2(frame.prev_size)); }
+#define DRIFT_THEN(q) imageLoad(drift_prev, q)
+BILINEAR(vec4, drift_between, DRIFT_THEN)
+vec4 carried_drift(vec2 uv) { return drift_between(uv * vec2(frame.prev_size), ivec2(frame.prev_size)); }
 
 vec4 past(bool image_past, ivec2 q) { return image_past ? texelFetch(past_image, q, 0) : texelFetch(past_surface, q, 0); }
 

@@ -2,7 +2,6 @@
 // SIGMA, blur and second blur: 5x5 pixels for the penumbra's radius and for what is narrow, then eight taps of a disc as wide as
 // the penumbra, stretched along the surface. The first reads rays, the second what the first made of them.
 #include "node.glsl"
-#include "common/bilinear.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"

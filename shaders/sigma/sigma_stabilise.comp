@@ -16,7 +16,9 @@ uint packed_past(float z, float frames) { return floatBitsToUint(z) & ~7u | uint
 float past_depth(uint word) { return uintBitsToFloat(word & ~7u); }
 float past_frames(uint word) { return float(word & 7u); }
 
-float history_tap(vec2 texel) { return bilinear(history, texel, ivec2(frame.prev_size)).x; }
+#define HISTORY(q) imageLoad(history, q).x
+BILINEAR(float, history_between, HISTORY)
+float history_tap(vec2 texel) { return history_between(texel, ivec2(frame.prev_size)); }
 
 // Catmull-Rom over twelve texels by five bilinear taps: the four corners, which weigh least, are left out.
 float sharp_history(vec2 texel) {
