@@ -38,7 +38,10 @@ penumbra_code succeeded(penumbra_error* error) noexcept {
     return PENUMBRA_OK;
 }
 
-penumbra_code describe(penumbra_error* error) noexcept {
+namespace {
+
+// Texts take memory, which may be what is missing.
+penumbra_code described(penumbra_error* error) {
     try {
         throw;
     } catch (const Failure& failure) {
@@ -53,6 +56,20 @@ penumbra_code describe(penumbra_error* error) noexcept {
                           std::to_string(first.place.column),
                       mistakes.diagnostics.text());
     } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        return report(error, PENUMBRA_INTERNAL, VK_SUCCESS, "", e.what());
+    } catch (...) {
+        return report(error, PENUMBRA_INTERNAL, VK_SUCCESS, "", "something that is no exception was thrown");
+    }
+}
+
+}  // namespace
+
+penumbra_code describe(penumbra_error* error) noexcept {
+    try {
+        return described(error);
+    } catch (const std::bad_alloc&) {
         if (error && error->struct_size >= first_size<penumbra_error>) {
             error->code = PENUMBRA_OUT_OF_MEMORY;
             error->result = VK_ERROR_OUT_OF_HOST_MEMORY;
@@ -60,10 +77,6 @@ penumbra_code describe(penumbra_error* error) noexcept {
             std::strcpy(error->text, "no memory");
         }
         return PENUMBRA_OUT_OF_MEMORY;
-    } catch (const std::exception& e) {
-        return report(error, PENUMBRA_INTERNAL, VK_SUCCESS, "", e.what());
-    } catch (...) {
-        return report(error, PENUMBRA_INTERNAL, VK_SUCCESS, "", "something that is no exception was thrown");
     }
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Views: frames in, outputs and statistics out.
+#include <cmath>
+#include <limits>
+
 #include "capi/shared.h"
 
 using namespace penumbra;
@@ -45,6 +48,15 @@ FrameDescription frame_of(const penumbra_frame& f) {
     return frame;
 }
 
+// What no conversion loses anything of; NaN is no number.
+template <class T>
+T whole(const Param& param, double value) {
+    if (!(value >= double(std::numeric_limits<T>::min()) && value <= double(std::numeric_limits<T>::max())) ||
+        value != std::trunc(value))
+        misuse(param.name, "takes a whole number of 32 bits");
+    return static_cast<T>(value);
+}
+
 ParamValue param_of(const Param& param, const double* values, uint32_t count) {
     const uint32_t wanted = param.type == ParamType::vec2   ? 2
                             : param.type == ParamType::vec3 ? 3
@@ -55,15 +67,16 @@ ParamValue param_of(const Param& param, const double* values, uint32_t count) {
         case ParamType::boolean:
             return values[0] != 0;
         case ParamType::integer:
-            return static_cast<int32_t>(values[0]);
+            return whole<int32_t>(param, values[0]);
         case ParamType::uint:
-            return static_cast<uint32_t>(values[0]);
+            return whole<uint32_t>(param, values[0]);
         case ParamType::real:
             return static_cast<float>(values[0]);
-        case ParamType::enumeration:
-            if (values[0] < 0 || values[0] >= static_cast<double>(param.values.size()))
-                misuse(param.name, "has no value of this index");
-            return param.values[static_cast<size_t>(values[0])];
+        case ParamType::enumeration: {
+            const uint32_t index = whole<uint32_t>(param, values[0]);
+            if (index >= param.values.size()) misuse(param.name, "has no value of this index");
+            return param.values[index];
+        }
         default:
             return std::vector<float>(values, values + count);
     }

@@ -286,10 +286,13 @@ void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& depende
     images_.clear();
     for (const Activation& a : dependency.activations) {
         VkPipelineStageFlags2 before = a.src_stages;
-        if (const auto lent = plan().resources[a.resource].slot)
+        VkAccessFlags2 access = a.src_access;
+        if (const auto lent = plan().resources[a.resource].slot) {
             before |= bound_[*lent].handover->stages_before;
+            access |= bound_[*lent].handover->access_before;
+        }
         images_.push_back(
-            activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access, a.src_access));
+            activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access, access));
     }
     memory_dependency(cmd, dependency, images_);
 }

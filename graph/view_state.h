@@ -6,33 +6,11 @@
 #include <array>
 #include <vector>
 
+#include "graph/descriptor_writer.h"
 #include "graph/program_state.h"
 #include "penumbra/view.h"
 
 namespace penumbra {
-
-// Collects descriptor writes. The infos they point to stay put until flush(), since there is room for as many
-// as were asked for.
-class DescriptorWriter {
-  public:
-    DescriptorWriter(const GraphDevice& device, size_t room);
-    void image(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorImageInfo& info);
-    void buffer(VkDescriptorSet set, const PlanBinding& b, const VkDescriptorBufferInfo& info);
-    void texels(VkDescriptorSet set, const PlanBinding& b, VkBufferView view);
-    void structure(VkDescriptorSet set, const PlanBinding& b, VkAccelerationStructureKHR handle);
-    void flush();
-
-  private:
-    VkWriteDescriptorSet& write(VkDescriptorSet set, const PlanBinding& b);
-
-    const GraphDevice* device_;
-    std::vector<VkWriteDescriptorSet> writes_;
-    std::vector<VkDescriptorImageInfo> images_;
-    std::vector<VkDescriptorBufferInfo> buffers_;
-    std::vector<VkBufferView> views_;
-    std::vector<VkAccelerationStructureKHR> handles_;
-    std::vector<VkWriteDescriptorSetAccelerationStructureKHR> structures_;
-};
 
 class ViewState {
   public:

@@ -10,6 +10,7 @@
 #include "penumbra/graph.h"
 #include "penumbra/penumbra.h"
 #include "penumbra/version.h"
+#include "tests/allocations.h"
 #include "tests/c_nodes.h"
 #include "tests/gpu_test.h"
 
@@ -92,6 +93,24 @@ TEST_F(CApiGpu, APipelinesMistakesHaveTheirPlace) {
     EXPECT_EQ(penumbra_plan_create(&none, &plan_, &error_), PENUMBRA_PIPELINE);
 }
 
+// What is longer than an error's room is cut, and what was there before leaves nothing behind.
+TEST_F(CApiGpu, TextsAreCutToTheirRoom) {
+    std::string many = "{ \"penumbra\": 1, \"name\": \"c\", \"outputs\": [\"x\"], \"nodes\": {";
+    for (int i = 0; i < 200; ++i)
+        many += (i ? ", \"node" : " \"node") + std::to_string(i) + "\": { \"type\": \"nosuch\" }";
+    const penumbra_plan_request request = request_of((many += "} }").c_str());
+    struct {
+        penumbra_error error;
+        char behind[16];
+    } own{no_error(), "untouched"};
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &own.error), PENUMBRA_PIPELINE);
+    EXPECT_EQ(std::strlen(own.error.text), sizeof own.error.text - 1);
+    EXPECT_STREQ(own.behind, "untouched");
+    EXPECT_EQ(penumbra_plan_create(nullptr, &plan_, &own.error), PENUMBRA_USAGE);
+    EXPECT_STREQ(own.error.place, "request");
+    EXPECT_STREQ(own.error.text, "is null");
+}
+
 // An older caller's structs are shorter, a newer one's longer; one that says nothing is wrong.
 TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
     struct Newer {
@@ -145,6 +164,33 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     penumbra_program_destroy(nullptr);
     penumbra_view_destroy(nullptr);
     penumbra_transients_destroy(nullptr);
+}
+
+// Wherever the host's own memory ends: also where what is wrong is being put into words.
+TEST_F(CApiGpu, NothingThrowsWhereverMemoryEnds) {
+    const std::string wrong = std::string(text).replace(std::string(text).rfind("guides"), 6, "gides");
+    for (const char* pipeline : {text, wrong.c_str()}) {
+        const penumbra_plan_request request = request_of(pipeline);
+        const penumbra_code whole = pipeline == text ? PENUMBRA_OK : PENUMBRA_PIPELINE;
+        ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), whole) << error_.text;
+        penumbra_plan_destroy(std::exchange(plan_, nullptr));  // the node set is made once
+        const size_t before = allocations;
+        ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), whole) << error_.text;
+        const size_t needed = allocations - before;
+        ASSERT_GT(needed, 100u);
+        for (size_t n = 1; n <= needed; n += n < 50 || n + 50 > needed ? 1 : 1 + needed / 200) {
+            penumbra_plan_destroy(std::exchange(plan_, nullptr));
+            failing_allocation = allocations + n;
+            const penumbra_code code = penumbra_plan_create(&request, &plan_, &error_);
+            failing_allocation = ~size_t{0};
+            ASSERT_EQ(code, PENUMBRA_OUT_OF_MEMORY) << n << " of " << needed;
+            EXPECT_EQ(error_.code, code);
+            EXPECT_EQ(error_.result, VK_ERROR_OUT_OF_HOST_MEMORY);
+            EXPECT_STREQ(error_.text, "no memory");
+            EXPECT_EQ(plan_, nullptr);
+        }
+        EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), whole) << "afterwards all is as before";
+    }
 }
 
 struct Counted {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "tests/c_nodes.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,7 +19,9 @@ static penumbra_error error = {.struct_size = sizeof error};
 static const char declaration[] =
     "{ \"node\": \"engine\", \"doc\": \"d\", \"host\": true, \"inputs\": {},"
     "  \"outputs\": { \"drawn\": { \"kind\": \"image\", \"format\": \"r32f\" } },"
-    "  \"params\": { \"gain\": { \"type\": \"float\", \"default\": 2, \"doc\": \"d\" } } }";
+    "  \"params\": { \"gain\": { \"type\": \"float\", \"default\": 2, \"doc\": \"d\" },"
+    "                \"turns\": { \"type\": \"uint\", \"default\": 1, \"doc\": \"d\" },"
+    "                \"way\": { \"type\": \"enum\", \"values\": [\"up\", \"down\"], \"default\": \"up\", \"doc\": \"d\" } } }";
 static const char pipeline[] =
     "{ \"penumbra\": 1, \"name\": \"c\", \"inputs\": {}, \"outputs\": [\"doubled\"],"
     "  \"nodes\": { \"engine\": { \"type\": \"engine\" }, \"twice\": { \"type\": \"c_twice\" } } }";
@@ -27,7 +30,7 @@ static const char pipeline[] =
 typedef struct seen {
     c_host* host;
     int calls, wrong;
-    double gain;
+    double gain, turns, way;
     uint32_t frame, width;
 } seen;
 
@@ -41,6 +44,9 @@ static void draw(const penumbra_call* call) {
     uint32_t count = 1;
     if (penumbra_call_port(call, "drawn", &drawn, &own) || penumbra_call_param(call, "gain", &s->gain, &count, &own) || count != 1)
         ++s->wrong;
+    if (penumbra_call_param(call, "turns", &s->turns, &count, &own) || penumbra_call_param(call, "way", &s->way, &count, &own)) ++s->wrong;
+    uint32_t none = 0;
+    if (penumbra_call_param(call, "gain", &s->gain, &none, &own) != PENUMBRA_USAGE) ++s->wrong;
     if (penumbra_call_port(call, "nosuch", &drawn, &own) != PENUMBRA_USAGE || strcmp(own.place, "nosuch")) ++s->wrong;
     if (penumbra_call_param(call, "nosuch", NULL, &count, &own) != PENUMBRA_USAGE) ++s->wrong;
     if (strcmp(info.node, "engine") || !drawn.image) ++s->wrong;
@@ -99,12 +105,21 @@ const char* run_c_nodes(c_host* host) {
         REQUIRE(penumbra_view_create(program, &options, &view, &error) == PENUMBRA_OK);
         const double gain = 5;
         if (v) REQUIRE(penumbra_view_set_param(view, "engine", "gain", &gain, 1, &error) == PENUMBRA_OK);
+        const double none[] = {NAN, -1, 1.5, 4294967296.0, INFINITY};
+        for (int i = 0; i < 5; ++i)
+            REQUIRE(penumbra_view_set_param(view, "engine", "turns", &none[i], 1, &error) == PENUMBRA_USAGE &&
+                    penumbra_view_set_param(view, "engine", "way", &none[i], 1, &error) == PENUMBRA_USAGE);
+        const double turns = 4294967295.0, way = 1, beyond = 2;
+        REQUIRE(penumbra_view_set_param(view, "engine", "turns", &turns, 1, &error) == PENUMBRA_OK);
+        REQUIRE(penumbra_view_set_param(view, "engine", "way", &way, 1, &error) == PENUMBRA_OK);
+        REQUIRE(penumbra_view_set_param(view, "engine", "way", &beyond, 1, &error) == PENUMBRA_USAGE);
         for (uint32_t f = 0; f < 3; ++f) {
             penumbra_frame frame = {.struct_size = sizeof frame, .index = f, .size = {24 - 8 * f, 16 - f}};
             frame.camera.clip_from_view[5] = frame.previous.clip_from_view[5] = 1;
             REQUIRE(penumbra_view_record(view, host->begin(), &frame, NULL, 0, &error) == PENUMBRA_OK);
             host->submit_and_wait();
             REQUIRE(views_see[v].calls == (int)f + 1 && views_see[v].wrong == 0);
+            REQUIRE(views_see[v].turns == 4294967295.0 && views_see[v].way == 1);
             REQUIRE(views_see[v].gain == (v ? 5 : 2) && views_see[v].frame == f && views_see[v].width == 24 - 8 * f);
             const void* data = NULL;
             size_t size = 0;

@@ -4,6 +4,7 @@
 
 #include "tests/embedding_host.h"
 #include "tests/sized_run.h"
+#include "tests/toy_nodes.h"
 
 namespace penumbra::test {
 namespace {
@@ -38,6 +39,13 @@ TEST_F(ChangeGpu, AnHeirGoesOnWhereTheViewBeforeHasStopped) {
         const bool moves = &view->plan() == &day->plan();
         EXPECT_EQ(floats(view->captured("level"))[2], (moves ? 3 : 1) * 2.0f + static_cast<float>(f)) << f;
     }
+    // An heir whose first frame is a cut takes nothing over.
+    View cut(day, {.heir_of = view.get()});
+    FrameDescription first = description(12);
+    first.flags = frame_reset;
+    gpu().run([&](VkCommandBuffer cmd) { cut.record(cmd, first, {}); });
+    EXPECT_EQ(cut.reset().reason, Reset::Reason::asked);
+    EXPECT_EQ(floats(cut.captured("blended"))[5], 17.0f);  // the value alone
 }
 
 TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
@@ -46,9 +54,20 @@ TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
                           second =
                               checked(R"("outputs": ["blended"], "nodes": { "fill": { "type": "toy_fill" },
         "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })");
+    NodeSet set;  // with a "blended" of another format, as large in memory
+    NodeEntry other;
+    other.type = parse_toy(R"({ "node": "other", "doc": "d", "host": true,
+      "inputs": { "history": { "kind": "image", "format": "rg16f", "previous": true } },
+      "outputs": { "blended": { "kind": "image", "format": "rg16f" } } })",
+                           "other");
+    other.callback = [](const HostPassContext&) {};
+    set.add(std::move(other));
+    const CheckedPipeline third = checked(
+        R"("outputs": ["blended"], "nodes": { "other": { "type": "other", "in": { "history": "blended@-1" } } })",
+        set);
     const std::shared_ptr<const Program> heirs = program_with(second, {});
     const std::shared_ptr<const Program> before_them[] = {
-        program_with(first, {}),                              // has none
+        program_with(third, {}), program_with(first, {}),     // has none
         program_with(second, {}, true, {width + 1, height}),  // has another size
         program_with(second, {}, false)};                     // does not hand it on
     for (const auto& program : before_them) {
@@ -72,6 +91,87 @@ TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
     View after(heirs, {.heir_of = &unused});
     gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(0), {}); });
     EXPECT_EQ(after.reset().reason, Reset::Reason::first_frame);
+}
+
+// Between plans for frames of several sizes a history that follows the frame goes over as far as both have
+// it: a buffer's beginning, every level of a chain.
+TEST_F(ChangeGpu, BuffersAndChainsGoOverAsFarAsBothHaveThem) {
+    static const GpuBuffer read = make_host_buffer(gpu(), 16, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "read");
+    NodeSet set;
+    NodeEntry keeper;
+    keeper.type = parse_toy(R"({ "node": "keeper", "doc": "d", "host": true,
+      "inputs": { "cells_prev": { "kind": "buffer", "element": "u32", "previous": true },
+                  "chain_prev": { "kind": "image", "format": "r32f", "levels": true, "previous": true } },
+      "outputs": { "cells": { "kind": "buffer", "element": "u32", "count": { "of": "frame", "div": [1, 1] } },
+                   "chain": { "kind": "image", "format": "r32f", "levels": true } } })",
+                            "keeper");
+    keeper.callback = [](const HostPassContext& context) {
+        const auto index = context.frame->frame_index;
+        if (index == 0) {
+            vkCmdFillBuffer(context.cmd, context.resource("cells")->buffer, 0, VK_WHOLE_SIZE, 1234);
+            const VkClearColorValue colour{.float32 = {5}};
+            const VkImageSubresourceRange third{VK_IMAGE_ASPECT_COLOR_BIT, 2, 1, 0, 1};
+            vkCmdClearColorImage(context.cmd, context.resource("chain")->image, VK_IMAGE_LAYOUT_GENERAL,
+                                 &colour, 1, &third);
+            return;
+        }
+        const VkBufferCopy cells{0, 0, 8};
+        vkCmdCopyBuffer(context.cmd, context.resource("cells_prev")->buffer, read.get(), 1, &cells);
+        VkBufferImageCopy texel{};
+        texel.bufferOffset = 8;
+        texel.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 2, 0, 1};
+        texel.imageExtent = {1, 1, 1};
+        vkCmdCopyImageToBuffer(context.cmd, context.resource("chain_prev")->image, VK_IMAGE_LAYOUT_GENERAL,
+                               read.get(), 1, &texel);
+    };
+    set.add(std::move(keeper));
+    const CheckedPipeline pipeline = checked(
+        R"("outputs": ["cells", "chain"], "nodes": { "keeper": { "type": "keeper",
+           "in": { "cells_prev": "cells@-1", "chain_prev": "chain@-1" } } })",
+        set);
+    constexpr Extent small{12, 8}, large{29, 13};
+    for (const Extent from : {small, large}) {
+        View before(program_with(pipeline, {}, true, from), {});
+        gpu().run([&](VkCommandBuffer cmd) { before.record(cmd, description(0, small), {}); });
+        const Extent to = from.width == small.width ? large : small;
+        View heir(program_with(pipeline, {}, true, to), {.heir_of = &before});
+        std::memset(read.mapped, 0, 16);
+        gpu().run([&](VkCommandBuffer cmd) { heir.record(cmd, description(1, small), {}); });
+        EXPECT_EQ(heir.reset().reason, Reset::Reason::none);
+        uint32_t cells[2];
+        float texel;
+        std::memcpy(cells, read.mapped, 8);
+        std::memcpy(&texel, static_cast<const std::byte*>(read.mapped) + 8, 4);
+        EXPECT_EQ(cells[1], 1234u) << to.width;
+        EXPECT_EQ(texel, 5.0f) << to.width;
+    }
+}
+
+// A frame's block has the size of the one before it, whose history it reads, or its own where it reads none.
+TEST_F(ChangeGpu, AFrameKnowsTheSizeBefore) {
+    NodeSet set;
+    NodeEntry looks;
+    looks.type = parse_toy(R"({ "node": "looks", "doc": "d", "host": true, "inputs": {},
+      "outputs": { "seen": { "kind": "image", "format": "r32f" } } })",
+                           "looks");
+    std::vector<std::array<uint32_t, 4>> seen;
+    looks.callback = [&](const HostPassContext& context) {
+        const FrameBlock& f = *context.frame;
+        seen.push_back({f.size.v[0], f.size.v[1], f.prev_size.v[0], f.prev_size.v[1]});
+    };
+    set.add(std::move(looks));
+    const CheckedPipeline pipeline =
+        checked(R"("outputs": ["seen"], "nodes": { "looks": { "type": "looks" } })", set);
+    View view(program_with(pipeline, {}), {});
+    const Extent sizes[] = {{20, 10}, {9, 12}, {29, 13}, {7, 7}};
+    for (uint32_t f = 0; f < 4; ++f) {
+        FrameDescription frame = description(f, sizes[f]);
+        frame.prev_size = {1, 1};  // not asked: the view knows
+        frame.flags = f == 2 ? uint32_t{frame_reset} : 0u;
+        gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame, {}); });
+    }
+    EXPECT_EQ(seen, (std::vector<std::array<uint32_t, 4>>{
+                        {20, 10, 20, 10}, {9, 12, 20, 10}, {29, 13, 29, 13}, {7, 7, 29, 13}}));
 }
 
 // A frame of a smaller size runs as many groups as it needs, also of a mip chain's levels.

@@ -42,7 +42,9 @@ GpuImage image_of(VkFormat format, VkImageUsageFlags usage);  // a frame's size
 struct Spy {
     static inline std::set<std::string> asked;
     static inline std::vector<VkImageMemoryBarrier2> transfers;
-    static inline std::vector<std::byte> cache;  // that a program was made with
+    static inline std::vector<VkMemoryBarrier2> barriers;
+    static inline std::vector<VkImageMemoryBarrier2> images;  // all of them
+    static inline std::vector<std::byte> cache;               // that a program was made with
 
     static inline std::set<std::string> names, labels;  // of objects, of what passes record
     static VKAPI_ATTR VkResult VKAPI_CALL set_name(VkDevice, const VkDebugUtilsObjectNameInfoEXT* info) {
@@ -63,6 +65,10 @@ struct Spy {
     }
 
     static VKAPI_ATTR void VKAPI_CALL barrier(VkCommandBuffer cmd, const VkDependencyInfo* info) {
+        images.insert(images.end(), info->pImageMemoryBarriers,
+                      info->pImageMemoryBarriers + info->imageMemoryBarrierCount);
+        barriers.insert(barriers.end(), info->pMemoryBarriers,
+                        info->pMemoryBarriers + info->memoryBarrierCount);
         if (info->imageMemoryBarrierCount > 0 &&
             info->pImageMemoryBarriers[0].srcQueueFamilyIndex != VK_QUEUE_FAMILY_IGNORED)
             transfers.insert(transfers.end(), info->pImageMemoryBarriers,
@@ -70,14 +76,54 @@ struct Spy {
         else
             vkCmdPipelineBarrier2(cmd, info);
     }
+    static inline uint32_t uploads = 0;  // of tables
+    static VKAPI_ATTR void VKAPI_CALL upload(VkCommandBuffer cmd, VkBuffer from, VkImage to,
+                                             VkImageLayout layout, uint32_t count,
+                                             const VkBufferImageCopy* regions) {
+        ++uploads;
+        vkCmdCopyBufferToImage(cmd, from, to, layout, count, regions);
+    }
     static inline std::vector<std::array<uint32_t, 3>> dispatches;
     static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer cmd, uint32_t x, uint32_t y, uint32_t z) {
         dispatches.push_back({x, y, z});
         vkCmdDispatch(cmd, x, y, z);
     }
 
-    // Objects that were made, counted by the functions that penumbra makes any with while it runs.
-    static inline uint32_t made = 0;
+    static inline uint32_t made = 0;  // objects, by the functions that penumbra makes any with while it runs
+    struct Bound {
+        VkDeviceMemory memory;
+        VkDeviceSize offset;
+        bool image;
+    };
+    static inline std::vector<Bound> bound;  // where objects were
+    static VKAPI_ATTR VkResult VKAPI_CALL bind_image(VkDevice device, VkImage image, VkDeviceMemory memory,
+                                                     VkDeviceSize offset) {
+        bound.push_back({memory, offset, true});
+        return vkBindImageMemory(device, image, memory, offset);
+    }
+    static VKAPI_ATTR VkResult VKAPI_CALL bind_buffer(VkDevice device, VkBuffer buffer, VkDeviceMemory memory,
+                                                      VkDeviceSize offset) {
+        bound.push_back({memory, offset, false});
+        return vkBindBufferMemory(device, buffer, memory, offset);
+    }
+
+    static inline uint32_t sets = 0, room = 0;  // taken from descriptor pools, and what these have
+    static inline std::map<VkDescriptorType, uint32_t> descriptors;
+    static VKAPI_ATTR VkResult VKAPI_CALL make_pool(VkDevice device, const VkDescriptorPoolCreateInfo* info,
+                                                    const VkAllocationCallbacks* callbacks,
+                                                    VkDescriptorPool* pool) {
+        room += info->maxSets;
+        for (uint32_t i = 0; i < info->poolSizeCount; ++i)
+            descriptors[info->pPoolSizes[i].type] += info->pPoolSizes[i].descriptorCount;
+        return vkCreateDescriptorPool(device, info, callbacks, pool);
+    }
+    static VKAPI_ATTR VkResult VKAPI_CALL take_sets(VkDevice device, const VkDescriptorSetAllocateInfo* info,
+                                                    VkDescriptorSet* taken) {
+        sets += info->descriptorSetCount;
+        ++made;
+        return vkAllocateDescriptorSets(device, info, taken);
+    }
+
     template <auto function, class... A>
     static VKAPI_ATTR VkResult VKAPI_CALL counted(A... arguments) {
         ++made;
@@ -95,9 +141,16 @@ struct Spy {
         PENUMBRA_COUNTED(vkCreateComputePipelines)
         PENUMBRA_COUNTED(vkCreateImage)
         PENUMBRA_COUNTED(vkCreateBuffer)
-        PENUMBRA_COUNTED(vkAllocateDescriptorSets)
 #undef PENUMBRA_COUNTED
         if (!std::strcmp(name, "vkCmdPipelineBarrier2")) return reinterpret_cast<PFN_vkVoidFunction>(barrier);
+        if (!std::strcmp(name, "vkBindImageMemory")) return reinterpret_cast<PFN_vkVoidFunction>(bind_image);
+        if (!std::strcmp(name, "vkBindBufferMemory"))
+            return reinterpret_cast<PFN_vkVoidFunction>(bind_buffer);
+        if (!std::strcmp(name, "vkCreateDescriptorPool"))
+            return reinterpret_cast<PFN_vkVoidFunction>(make_pool);
+        if (!std::strcmp(name, "vkAllocateDescriptorSets"))
+            return reinterpret_cast<PFN_vkVoidFunction>(take_sets);
+        if (!std::strcmp(name, "vkCmdCopyBufferToImage")) return reinterpret_cast<PFN_vkVoidFunction>(upload);
         if (!std::strcmp(name, "vkCmdDispatch")) return reinterpret_cast<PFN_vkVoidFunction>(dispatch);
         if (!std::strcmp(name, "vkSetDebugUtilsObjectNameEXT"))
             return reinterpret_cast<PFN_vkVoidFunction>(set_name);
@@ -117,6 +170,9 @@ struct Spy {
     static DeviceHandles handles() {
         asked.clear();
         transfers.clear();
+        barriers.clear();
+        images.clear();
+        uploads = 0;
         DeviceHandles handles = handles_of(gpu());
         handles.get_instance_proc_addr = of_instance;
         return handles;
@@ -133,6 +189,12 @@ class Allocator {
     size_t calls = 0, fail_at = ~size_t{0};
     VkResult failure = VK_ERROR_OUT_OF_DEVICE_MEMORY;
     std::map<void*, MemoryBlock> live;
+    uint64_t bytes = 0;  // that were asked for, in all
+    struct Block {
+        VkDeviceSize offset;
+        bool linear;
+    };
+    std::map<VkDeviceMemory, Block> blocks;  // all so far
 
   private:
     VkResult allocate(const MemoryRequest& request, MemoryBlock& block) {
@@ -152,6 +214,8 @@ class Allocator {
                   "");
             block.mapped = static_cast<std::byte*>(block.mapped) + block.offset;
         }
+        bytes += request.need.size;
+        blocks[block.memory] = {block.offset, request.linear};
         block.user = block.memory;
         live[block.user] = block;
         return VK_SUCCESS;

@@ -2,8 +2,12 @@
 // What a host may ask, and what it is told where it is wrong.
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 
+#include "penumbra/user_nodes.h"
 #include "tests/embedding_host.h"
+#include "tests/toy_nodes.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -159,6 +163,96 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
         usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "Handover::image");
     });
     usage([&] { view.record(VK_NULL_HANDLE, description(0), externals); }, "p", "command buffer");
+}
+
+// A part of a buffer of the host's: the shader sees that part, from its beginning to its end. Counters come
+// back in their order.
+TEST_F(HostAsksGpu, ABuffersPartIsWhatIsBound) {
+    const std::filesystem::path folder =
+        std::filesystem::path(::testing::TempDir()) / "penumbra_embedding_buffer";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "toy_part.json") << R"({ "node": "toy_part", "doc": "d", "shader": "toy_part.comp",
+        "inputs": { "numbers": { "kind": "buffer", "element": "u32" } },
+        "outputs": { "value": { "kind": "image", "format": "r32f" } },
+        "dispatch": { "over": "value", "group": [8, 8] }, "counters": ["pixels", "even"] })";
+    std::ofstream(folder / "toy_part.comp") << R"(#include "node.glsl"
+void main() {
+    const ivec2 p = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(p, imageSize(value)))) return;
+    count_pixels(1u);
+    count_even(p.x % 2 == 0 ? 1u : 0u);
+    imageStore(value, p, vec4(float(numbers[0]) + 100.0 * float(numbers.length())));
+})";
+    NodeSet set;
+    Diagnostics diagnostics;
+    ASSERT_TRUE(add_user_nodes(set, folder, diagnostics, open_shader_cache(""))) << diagnostics.text();
+    const CheckedPipeline pipeline = checked(
+        R"("inputs": { "numbers": {} }, "outputs": ["value"], "nodes": { "part": { "type": "toy_part" } })",
+        set);
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline))), {});
+    const GpuBuffer buffer = make_host_buffer(gpu(), 1024, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "numbers");
+    for (uint32_t i = 0; i < 256; ++i) static_cast<uint32_t*>(buffer.mapped)[i] = i;
+    Externals externals(view.plan());
+    externals["numbers"] = {.buffer = buffer.get(), .offset = 256, .range = 12};
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), externals); });
+    EXPECT_EQ(floats(view.captured("value"))[3], 64.0f + 300.0f);
+    EXPECT_EQ(view.statistics()[0].counters,
+              (std::vector<uint32_t>{width * height, (width + 1) / 2 * height}));
+    std::filesystem::remove_all(folder);
+}
+
+// The pool of descriptors has room for what is taken from it and for no more: few drivers say where it has
+// not.
+TEST_F(HostAsksGpu, DescriptorPoolsFit) {
+    const auto program = std::make_shared<Program>(Spy::handles(), plan_of(toy_pipeline_file(), {}));
+    for (const uint32_t n : {1u, 3u}) {
+        Spy::sets = Spy::room = 0;
+        Spy::descriptors.clear();
+        View view(program, {.frames_in_flight = n});
+        EXPECT_EQ(Spy::sets, Spy::room);
+        std::map<VkDescriptorType, uint32_t> expected;
+        for (const PlanPass& pass : program->plan().passes)
+            for (const PlanBinding& b : pass.bindings)
+                expected[b.type] += b.set ? n : 2 * std::max<uint32_t>(uint32_t(pass.level_groups.size()), 1);
+        EXPECT_EQ(Spy::descriptors, expected);
+    }
+}
+
+// A host that builds acceleration structures orders that itself: they have no layout and no queue of their
+// own.
+TEST_F(HostAsksGpu, AnAccelerationStructureIsNotHandedOver) {
+    NodeSet set;
+    NodeEntry looks;
+    looks.type =
+        parse_toy(R"({ "node": "looks", "doc": "d", "host": true, "inputs": { "scene": { "kind": "scene" } },
+      "outputs": { "seen": { "kind": "image", "format": "r32f" } },
+      "params": { "backend": { "type": "enum", "values": ["auto", "bvh", "ray_query"], "default": "ray_query",
+                               "constant": true, "doc": "d" } } })",
+                  "looks");
+    looks.callback = [](const HostPassContext&) {};
+    set.add(std::move(looks));
+    const CheckedPipeline pipeline = checked(
+        R"("inputs": { "scene": {} }, "outputs": ["seen"], "nodes": { "looks": { "type": "looks" } })", set);
+    Target target{
+        .extent = {width, height}, .facts = {{"alpha", false}}, .device = device_table(handles_of(gpu()))};
+    target.device.features = {"ray_query"};
+    Diagnostics diagnostics;
+    const auto plan = compile(pipeline, target, {}, diagnostics);
+    ASSERT_TRUE(plan) << diagnostics.text();
+    View view(std::make_shared<Program>(handles_of(gpu()), std::make_shared<const Plan>(*plan)), {});
+    Externals externals(view.plan());
+    for (const HostSlot& slot : view.plan().slots) {  // never looked at
+        externals[slot.name].buffer = reinterpret_cast<VkBuffer>(1);
+        externals[slot.name].structure = reinterpret_cast<VkAccelerationStructureKHR>(1);
+    }
+    ASSERT_TRUE(externals.has("scene.tlas"));
+    externals["scene.tlas"].handover = Handover{};
+    const auto error = attempt(
+        [&] { gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), externals); }); });
+    ASSERT_TRUE(error);
+    EXPECT_EQ(error->code, ErrorCode::usage);
+    EXPECT_EQ(error->place, "the slot \"scene.tlas\"");
+    EXPECT_NE(error->text.find("cannot be handed over"), std::string::npos) << error->text;
 }
 
 }  // namespace

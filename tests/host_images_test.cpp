@@ -36,6 +36,7 @@ TEST_F(HostImagesGpu, AnotherQueuesImageIsAcquiredAndReleased) {
     EXPECT_EQ(acquire.oldLayout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     EXPECT_EQ(acquire.newLayout, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     EXPECT_EQ(acquire.srcStageMask, VK_PIPELINE_STAGE_2_NONE);  // the release's, on the other queue
+    EXPECT_EQ(acquire.srcAccessMask, VK_ACCESS_2_NONE);
     EXPECT_EQ(acquire.dstStageMask, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
     EXPECT_EQ(acquire.image, given.get());
     EXPECT_EQ(release.srcQueueFamilyIndex, own);
@@ -43,6 +44,8 @@ TEST_F(HostImagesGpu, AnotherQueuesImageIsAcquiredAndReleased) {
     EXPECT_EQ(release.oldLayout, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     EXPECT_EQ(release.newLayout, VK_IMAGE_LAYOUT_GENERAL);
     EXPECT_EQ(release.srcStageMask, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
+    EXPECT_EQ(release.dstStageMask, VK_PIPELINE_STAGE_2_NONE);  // the acquisition's, over there
+    EXPECT_EQ(release.dstAccessMask, VK_ACCESS_2_NONE);
 }
 
 TEST_F(HostImagesGpu, DebuggersAreToldTheNames) {
@@ -149,6 +152,67 @@ TEST_F(HostImagesGpu, AnOutputIsPutIntoTheHostsImage) {
     ASSERT_TRUE(error);
     EXPECT_EQ(error->code, ErrorCode::usage);
     EXPECT_EQ(error->place, "the slot \"value\"");
+}
+
+// What the host did with its image before, writing or reading, is over when the frame begins to write: one
+// command buffer has a clear, a frame, a copy out of the image, and another frame.
+TEST_F(HostImagesGpu, AnOutputsImageWaitsForWhatTheHostDidWithIt) {
+    // A node without counters, whose clearing would order more than is asked for.
+    const CheckedPipeline pipeline =
+        checked(R"("inputs": { "given": { "format": "r32f" } }, "outputs": ["blended"],
+        "nodes": { "blend": { "type": "toy_blend", "in": { "value": "given", "history": null } } })");
+    CompileOptions options;
+    options.outputs["blended"].host_image = true;
+    View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, options)), {});
+    const GpuImage own =
+        image_of(VK_FORMAT_R32_SFLOAT,
+                 VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+    const GpuBuffer copy =
+        make_host_buffer(gpu(), 4 * width * height, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "copy");
+    GpuImage given = image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT);
+    const std::vector<float> sevens(width * height, 7.0f);
+    upload_image(gpu(), given, std::as_bytes(std::span(sevens)));
+    Externals externals(view.plan());
+    externals["given"].image = given.view.get();
+    gpu().run([&](VkCommandBuffer cmd) {
+        constexpr VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+        VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+        fresh.dstStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT;
+        fresh.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+        fresh.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+        fresh.image = own.get();
+        fresh.subresourceRange = all;
+        VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+        dependency.imageMemoryBarrierCount = 1;
+        dependency.pImageMemoryBarriers = &fresh;
+        vkCmdPipelineBarrier2(cmd, &dependency);
+        const VkClearColorValue colour{};
+        vkCmdClearColorImage(cmd, own.get(), VK_IMAGE_LAYOUT_GENERAL, &colour, 1, &all);
+        externals["blended"] = {.image = own.view.get(),
+                                .handover = Handover{.image = own.get(),
+                                                     .stages_before = VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                                                     .stages_after = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                                     .access_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                                     .access_after = VK_ACCESS_2_TRANSFER_READ_BIT,
+                                                     .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
+        view.record(cmd, description(0), externals);
+        VkBufferImageCopy region{};
+        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+        region.imageExtent = {width, height, 1};
+        vkCmdCopyImageToBuffer(cmd, own.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy.get(), 1, &region);
+        externals["blended"].handover->stages_before = VK_PIPELINE_STAGE_2_COPY_BIT;
+        externals["blended"].handover->access_before = VK_ACCESS_2_TRANSFER_READ_BIT;
+        view.record(cmd, description(1), externals);
+    });
+    EXPECT_EQ(static_cast<const float*>(copy.mapped)[7], 7.0f);
+    // Of reads validation does not notice it.
+    std::vector<VkPipelineStageFlags2> waited_for;
+    for (const VkImageMemoryBarrier2& barrier : Spy::images)
+        if (barrier.image == own.get() && barrier.newLayout == VK_IMAGE_LAYOUT_GENERAL)
+            waited_for.push_back(barrier.srcStageMask);
+    ASSERT_EQ(waited_for.size(), 2u);
+    EXPECT_TRUE(waited_for[0] & VK_PIPELINE_STAGE_2_CLEAR_BIT);
+    EXPECT_TRUE(waited_for[1] & VK_PIPELINE_STAGE_2_COPY_BIT);
 }
 
 TEST_F(HostImagesGpu, AnOutputWithAPastStaysPenumbras) {

@@ -9,12 +9,44 @@ class HostMemoryGpu : public GpuTest {};
 
 TEST_F(HostMemoryGpu, MemoryComesFromTheHost) {
     Allocator allocator;
-    DeviceHandles handles = handles_of(gpu());
-    const Outputs expected = run_toys(handles, 3);
+    const Outputs expected = run_toys(handles_of(gpu()), 3);
+    DeviceHandles handles = Spy::handles();
     handles.memory = allocator.callbacks();
+    Spy::bound.clear();
     EXPECT_EQ(run_toys(handles, 3), expected);
     EXPECT_GT(allocator.calls, 3u);
     EXPECT_TRUE(allocator.live.empty());
+    // Nothing lies in front of its block, where others of the host's are, and images lie in blocks that were
+    // asked for as such.
+    EXPECT_GT(Spy::bound.size(), allocator.calls);
+    for (const Spy::Bound& bound : Spy::bound) {
+        EXPECT_GE(bound.offset, allocator.blocks.at(bound.memory).offset);
+        EXPECT_EQ(bound.image, !allocator.blocks.at(bound.memory).linear);
+    }
+}
+
+TEST_F(HostMemoryGpu, WhatIsAllocatedIsWhatIsSaid) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    Allocator allocator;
+    DeviceHandles handles = handles_of(gpu());
+    handles.memory = allocator.callbacks();
+    const auto asked_for = [&](auto&& make) {
+        const uint64_t before = allocator.bytes;
+        const auto made = make();
+        return std::pair(allocator.bytes - before, made);
+    };
+    const auto [of_program, program] = asked_for(
+        [&] { return std::make_shared<Program>(handles, plan_of(pipeline, capturing(pipeline, true))); });
+    EXPECT_EQ(of_program, program->bytes());
+    const auto [shared, transients] = asked_for([&] { return program->make_transients(); });
+    EXPECT_EQ(shared, bytes_of(*transients));
+    for (const uint32_t n : {1u, 3u}) {
+        const auto [own, view] = asked_for([&, shared_memory = transients] {
+            return std::make_shared<View>(program,
+                                          ViewOptions{.frames_in_flight = n, .transients = shared_memory});
+        });
+        EXPECT_EQ(own, view->bytes()) << n;
+    }
 }
 
 // For every call that the allocator may fail: an error that says so, nothing left behind, and then it works.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //   race
-// Two views of one program, and one of another, recorded by three threads at once, for ThreadSanitizer to
-// watch:
+// Two views of one program, and one of another, recorded by three threads at once, while a fourth makes and
+// drops what a host makes while it runs: a view of that program in each frame, and at times a plan of the
+// pipeline that the others have, and its program. For ThreadSanitizer to watch:
 //   cmake --preset tsan && cmake --build --preset tsan --target race && build/tsan/tests/race
 // The frames are submitted and waited for by one thread. The driver is not instrumented; what it does by
 // itself is not looked at (default suppressions below).
@@ -120,12 +121,13 @@ int main() {
                 pen::Handover{.image = image, .layout_before = VK_IMAGE_LAYOUT_UNDEFINED};
         }
     };
-    std::vector<std::unique_ptr<pen::View>> views;
+    constexpr int count = 4;  // of threads; the last one's views last a frame each
+    std::vector<std::unique_ptr<pen::View>> views(count);
     std::vector<pen::Externals> externals;
-    Thread threads[3];
-    for (int t = 0; t < 3; ++t) {
+    Thread threads[count];
+    for (int t = 0; t < count; ++t) {
         const auto& program = programs[t == 2];
-        views.push_back(std::make_unique<pen::View>(program, pen::ViewOptions{.frames_in_flight = 1}));
+        if (t < 3) views[t] = std::make_unique<pen::View>(program, pen::ViewOptions{.frames_in_flight = 1});
         externals.emplace_back(program->plan());
         bind(program->plan(), externals.back());
         const VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO, nullptr, 0, 0};
@@ -134,10 +136,16 @@ int main() {
                                                    threads[t].pool, VK_COMMAND_BUFFER_LEVEL_PRIMARY, 1};
         must(vkAllocateCommandBuffers(device, &allocate, &threads[t].cmd), "vkAllocateCommandBuffers");
     }
+    std::shared_ptr<const pen::Program> fresh;
     for (uint32_t f = 0; f < 100; ++f) {
         std::vector<std::thread> running;
-        for (int t = 0; t < 3; ++t)
+        for (int t = 0; t < count; ++t)
             running.emplace_back([&, t] {
+                if (t == 3) {
+                    if (f % 20 == 10) fresh = program_of({40, 20});
+                    views[t] =
+                        std::make_unique<pen::View>(fresh && f % 2 ? fresh : programs[0], pen::ViewOptions{});
+                }
                 must(vkResetCommandPool(device, threads[t].pool, 0), "vkResetCommandPool");
                 const VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
                 must(vkBeginCommandBuffer(threads[t].cmd, &begin), "vkBeginCommandBuffer");
@@ -147,16 +155,22 @@ int main() {
                 frame.size = {most.width - f % 16, most.height - f % 8};
                 frame.index = f;
                 views[t]->record(threads[t].cmd, frame, externals[t]);
+                if (!views[t]->completed() && f && t < 3) {
+                    std::fputs("no statistics of the frame before\n", stderr);
+                    std::_Exit(1);
+                }
                 must(vkEndCommandBuffer(threads[t].cmd), "vkEndCommandBuffer");
             });
         for (std::thread& thread : running) thread.join();
-        VkCommandBuffer all[3] = {threads[0].cmd, threads[1].cmd, threads[2].cmd};
+        VkCommandBuffer all[count];
+        for (int t = 0; t < count; ++t) all[t] = threads[t].cmd;
         VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
-        submit.commandBufferCount = 3;
+        submit.commandBufferCount = count;
         submit.pCommandBuffers = all;
         must(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
         must(vkQueueWaitIdle(queue), "vkQueueWaitIdle");
     }
-    std::puts("100 frames of three views on three threads");
-    std::_Exit(0);  // the process takes the device with it
+    std::puts("100 frames of four views on four threads");
+    return 0;  // and not _Exit(), by which ThreadSanitizer's status would be lost; the process takes the
+               // device with it
 }

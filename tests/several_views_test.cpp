@@ -14,6 +14,13 @@ namespace {
 
 class SeveralViewsGpu : public GpuTest {};
 
+GpuImage filled_image() {
+    GpuImage image = image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT);
+    const std::vector<float> zeros(width * height);
+    upload_image(gpu(), image, std::as_bytes(std::span(zeros)));
+    return image;
+}
+
 // Four views take turns in one piece of shared memory, each with a past of its own.
 TEST_F(SeveralViewsGpu, ViewsThatTakeTurnsShareTransientsAndKeepTheirPasts) {
     const CheckedPipeline pipeline = toy_pipeline_file();
@@ -48,15 +55,46 @@ TEST_F(SeveralViewsGpu, ViewsThatTakeTurnsShareTransientsAndKeepTheirPasts) {
     for (uint32_t v = 0; v < 4; ++v) EXPECT_EQ(outputs_of(*views[v]), expected[v]) << v;
 }
 
+// What another view did in the memory is over before anything of a frame begins: also of images in it that
+// this plan knows nothing of, which no validation layer sees.
+TEST_F(SeveralViewsGpu, AFrameInSharedMemoryWaitsForAllThatWasBefore) {
+    const CheckedPipeline pipeline = checked(given_and_history);
+    const auto program =
+        std::make_shared<Program>(Spy::handles(), plan_of(pipeline, capturing(pipeline, true)));
+    const GpuImage given = filled_image();
+    for (const bool shared : {false, true}) {
+        View view(program, {.transients = shared ? program->make_transients() : nullptr});
+        Externals externals(view.plan());
+        externals["given"].image = given.view.get();
+        for (uint32_t f = 0; f < 2; ++f) {
+            Spy::barriers.clear();
+            gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(f), externals); });
+        }
+        const auto whole = std::ranges::count_if(Spy::barriers, [](const VkMemoryBarrier2& b) {
+            constexpr VkAccessFlags2 any = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+            return b.srcStageMask == VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT && b.srcAccessMask == any &&
+                   b.dstStageMask == VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT && b.dstAccessMask == any;
+        });
+        EXPECT_EQ(whole, shared);
+    }
+}
+
+// Of another pipeline, which has other heaps, and of the same one for smaller frames, which has smaller ones.
 TEST_F(SeveralViewsGpu, TransientsOfASmallerPlanAreRefused) {
-    const CheckedPipeline small = checked(given_and_history), large = toy_pipeline_file();
-    const auto of_small =
-        Program(handles_of(gpu()), plan_of(small, capturing(small, true))).make_transients();
+    const CheckedPipeline other = checked(given_and_history), large = toy_pipeline_file();
+    Diagnostics diagnostics;
+    const auto small =
+        compile(large, {.extent = {width / 2, height / 2}, .device = device_table(handles_of(gpu()))},
+                capturing(large, true), diagnostics);
+    ASSERT_TRUE(small) << diagnostics.text();
     const auto program = std::make_shared<Program>(handles_of(gpu()), plan_of(large, capturing(large, true)));
-    const auto error = attempt([&] { View view(program, {.transients = of_small}); });
-    ASSERT_TRUE(error);
-    EXPECT_EQ(error->code, ErrorCode::usage);
-    EXPECT_EQ(error->place, "ViewOptions::transients");
+    for (const auto& plan : {plan_of(other, capturing(other, true)), std::make_shared<const Plan>(*small)}) {
+        const auto of_small = Program(handles_of(gpu()), plan).make_transients();
+        const auto error = attempt([&] { View view(program, {.transients = of_small}); });
+        ASSERT_TRUE(error);
+        EXPECT_EQ(error->code, ErrorCode::usage);
+        EXPECT_EQ(error->place, "ViewOptions::transients");
+    }
 }
 
 // A node that reads a table.
@@ -128,12 +166,20 @@ TEST_F(SeveralViewsGpu, ThreadsRecordViewsAndGraphsAtOnce) {
 TEST_F(SeveralViewsGpu, TablesMayBeUploadedAheadOfAllViews) {
     const CheckedPipeline pipeline =
         checked(R"("outputs": ["value"], "nodes": { "table": { "type": "toy_table" } })", set_with_table());
-    const auto program = std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline)));
+    const auto program = std::make_shared<Program>(Spy::handles(), plan_of(pipeline, capturing(pipeline)));
     EXPECT_GT(program->bytes(), 0u);
-    gpu().run([&](VkCommandBuffer cmd) { program->record_uploads(cmd); });
-    View view(program, {.tables_uploaded = true});
-    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); });
+    const auto uploads_of = [](auto&& record) {
+        Spy::uploads = 0;
+        gpu().run(record);
+        return Spy::uploads;
+    };
+    EXPECT_EQ(uploads_of([&](VkCommandBuffer cmd) { program->record_uploads(cmd); }), 1u);
+    View view(program, {.tables_uploaded = true}), another(program, {});
+    EXPECT_EQ(uploads_of([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); }), 0u);
     EXPECT_EQ(floats(view.captured("value"))[2], 4.0f);
+    for (uint32_t f = 0; f < 3; ++f)  // with its first frame, and no more
+        EXPECT_EQ(uploads_of([&](VkCommandBuffer cmd) { another.record(cmd, description(f), {}); }), f == 0)
+            << f;
 }
 
 }  // namespace

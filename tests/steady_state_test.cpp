@@ -11,15 +11,19 @@
 #include "app/session.h"
 #include "graph/functions.h"
 #include "penumbra/graph.h"
+#include "tests/allocations.h"
 #include "tests/gpu_test.h"
 #include "tests/toy_set.h"
 #include "tests/view_run.h"
 
-namespace {
-thread_local size_t allocations = 0;
+namespace penumbra::test {
+thread_local size_t allocations = 0, failing_allocation = ~size_t{0};
+}
 
+namespace {
 void* counted(size_t bytes) {
-    ++allocations;
+    using namespace penumbra::test;
+    if (++allocations == failing_allocation) throw std::bad_alloc();
     if (void* memory = std::malloc(bytes ? bytes : 1)) return memory;
     throw std::bad_alloc();
 }

@@ -298,6 +298,10 @@ TEST_F(ViewGpu, AParameterKeepsItsValueWhereANewOneDoesNotFit) {
         program_of(checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })", set)), {});
     EXPECT_FALSE(view.set_param("fill", "scale", ParamValue(int32_t{3})));
     EXPECT_FALSE(view.set_param("fill", "scale", ParamValue(std::vector<float>(1000, 3.0f))));
+    EXPECT_FALSE(view.set_param("fill", "nosuch", ParamValue(3.0f)));
+    const size_t passes = view.plan().passes.size(), params = view.plan().passes[0].params.size();
+    EXPECT_FALSE(view.set_param(passes, 0, ParamValue(3.0f)));
+    EXPECT_FALSE(view.set_param(0, params, ParamValue(3.0f)));
     gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); });
     EXPECT_EQ(floats(view.captured("value"))[10], 10.0f);
 }

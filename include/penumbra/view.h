@@ -154,10 +154,10 @@ class View {
     void record_pass(VkCommandBuffer cmd, size_t pass);
     void end(VkCommandBuffer cmd);
 
-    // The value of a parameter of Plan::passes[pass].params from the next frame on; false where it is not of
-    // its type and range.
+    // The value of a parameter of Plan::passes[pass].params from the next frame on; false where there is none
+    // or the value is not of its type and range.
     bool set_param(size_t pass, size_t param, const ParamValue& value);
-    // The same by names; also false where there is no such node or dynamic parameter.
+    // The same by names.
     bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
 
     // The most recently recorded frame's output.

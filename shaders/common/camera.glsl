@@ -77,12 +77,6 @@ Reprojection reproject(ivec2 p, vec2 motion) {
                         finite && all(greaterThan(there, vec2(0.0))) && all(lessThan(there, vec2(1.0))));
 }
 
-// A position in the previous frame's texels, kept on texel centres so that no neighbour from outside the used part of
-// a history image is blended in, as a coordinate for a sampler.
-vec2 history_coordinate(vec2 texel, ivec2 image_size) {
-    return clamp(texel, vec2(0.5), vec2(frame.prev_size) - 0.5) / vec2(image_size);
-}
-
 // The previous frame's texel that contains `uv` (inside the image).
 ivec2 previous_texel(vec2 uv) { return min(ivec2(uv * vec2(frame.prev_size)), ivec2(frame.prev_size) - 1); }
 

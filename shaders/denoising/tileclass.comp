@@ -5,12 +5,16 @@
 // An invocation owns a column of an 8x8 block, so that a row of bits is weighted once for the eight pixels below and
 // above it.
 #include "node.glsl"
+#include "common/bilinear.glsl"
 #include "common/camera.glsl"
 #include "common/corners.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
 #include "common/tiles.glsl"
+
+#define HISTORY(q) imageLoad(history, q).x
+BILINEAR(float, history_at, HISTORY)
 
 const int RADIUS = 8;
 // exp(-3 i^2 / 81), i = 0 .. 8
@@ -124,10 +128,8 @@ Accumulated accumulate(ivec2 p, float z, float mean) {
     const float spatial_variance = max(mean - mean * mean, 0.0);
     const float half_box = params.clamp_sigma * sqrt(spatial_variance);
     float before = bit;
-    if ((frame.flags & FRAME_RESET) == 0u) {
-        const vec2 at = history_coordinate(there.uv * vec2(frame.prev_size), textureSize(history, 0));
-        before = textureLod(history, at, 0.0).x;
-    }
+    if ((frame.flags & FRAME_RESET) == 0u)
+        before = history_at(there.uv * vec2(frame.prev_size), ivec2(frame.prev_size));
     // History that left the box is counted as less.
     const float outside = (before - mean) / max(half_box, 0.001);
     moments.z *= exp(-outside * outside / 20.0);

@@ -3,6 +3,7 @@
 // over 5x5 similar pixels and over time, less what noise alone would show, is the past's bias; with 1 / frames it is its error
 // in units of the gather's, and the better of the two pasts wins. Nothing is clamped beyond this.
 #include "node.glsl"
+#include "common/bilinear.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
@@ -55,9 +56,9 @@ struct Candidate {
     float frames, worth, variance_mean;  // worth: N', 0 without a past
 };
 
-vec4 carried_drift(vec2 uv) {
-    return textureLod(drift_prev, history_coordinate(uv * vec2(frame.prev_size), textureSize(drift_prev, 0)), 0.0);
-}
+#define DRIFT_THEN(q) imageLoad(drift_prev, q)
+BILINEAR(vec4, drift_between, DRIFT_THEN)
+vec4 carried_drift(vec2 uv) { return drift_between(uv * vec2(frame.prev_size), ivec2(frame.prev_size)); }
 
 vec4 past(bool image_past, ivec2 q) { return image_past ? texelFetch(past_image, q, 0) : texelFetch(past_surface, q, 0); }
 

@@ -5,6 +5,7 @@
 #include "common/guide_normal.glsl"
 #include "reflections/glossy.glsl"
 #include "reflections/published_tile.glsl"
+#include "common/bilinear.glsl"
 #include "reflections/published_average.glsl"
 
 // Halton (2, 3), stretched to -3..3.

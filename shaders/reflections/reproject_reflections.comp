@@ -3,6 +3,7 @@
 // the mean radiance of 8x8 pixels.
 #include "node.glsl"
 #define TILE_RADIANCE(q) texelFetch(radiance, q, 0)
+#include "common/bilinear.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "reflections/published_tile.glsl"
@@ -30,9 +31,13 @@ float similarity(vec3 n, float z, Past past) {
     return exp(-1.4 * abs(1.0 - max(0.0, dot(n, past.normal)))) * exp(-abs(past.depth - z) / z);
 }
 
-vec3 history_at(vec2 uv) {
-    return textureLod(history, history_coordinate(uv * vec2(frame.prev_size), textureSize(history, 0)), 0.0).rgb;
-}
+#define HISTORY(q) imageLoad(history, q).rgb
+#define SAMPLES_THEN(q) imageLoad(samples_prev, q).x
+#define VARIANCE_THEN(q) imageLoad(variance_prev, q).x
+BILINEAR(vec3, history_between, HISTORY)
+BILINEAR(float, samples_between, SAMPLES_THEN)
+BILINEAR(float, variance_between, VARIANCE_THEN)
+vec3 history_at(vec2 uv) { return history_between(uv * vec2(frame.prev_size), ivec2(frame.prev_size)); }
 
 // Where the previous frame saw what is mirrored here: the view ray, longer by the reflection ray.
 vec2 hit_uv(ivec2 p, float z, float ray_m) {
@@ -85,7 +90,7 @@ Reprojected reprojected_history(ivec2 p, float z, vec3 n, float roughness, float
         const Past tap = past_at((floor(at) + vec2(step) + 0.5) / vec2(frame.prev_size));
         const vec2 share = mix(1.0 - within, within, vec2(step));
         const float weight = similarity(n, z, tap) > 0.45 ? share.x * share.y : 0.0;
-        sum += weight * texelFetch(history, previous_texel(clamp(tap.uv, vec2(0.0), vec2(1.0))), 0).rgb;
+        sum += weight * HISTORY(previous_texel(clamp(tap.uv, vec2(0.0), vec2(1.0))));
         normal += weight * tap.normal;
         depth += weight * tap.depth;
         weights += weight;
@@ -126,12 +131,12 @@ void main() {
     float samples = 1.0, variance_now = 1.0;
     vec3 kept = vec3(0.0);
     if (past.factor >= 0.9) {
-        const vec2 texel = history_coordinate(past.uv * vec2(frame.prev_size), textureSize(samples_prev, 0));
+        const vec2 texel = past.uv * vec2(frame.prev_size);
         const float most = max(8.0, SAMPLES * (1.0 - exp(-100.0 * roughness)));
-        samples = min(most, textureLod(samples_prev, texel, 0.0).x * past.factor + 1.0);
+        samples = min(most, samples_between(texel, ivec2(frame.prev_size)) * past.factor + 1.0);
         kept = past.history;
         // Published defect, inverted: at first the old variance has all the weight.
-        variance_now = mix(temporal_variance(c.rgb, kept), textureLod(variance_prev, texel, 0.0).x, 1.0 / samples);
+        variance_now = mix(temporal_variance(c.rgb, kept), variance_between(texel, ivec2(frame.prev_size)), 1.0 / samples);
     }
     imageStore(reprojected, p, vec4(kept, 0.0));
     imageStore(samples_now, p, vec4(samples));

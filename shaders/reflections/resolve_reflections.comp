@@ -3,6 +3,7 @@
 #include "node.glsl"
 #define TILE_RADIANCE(q) imageLoad(prefiltered, q)
 #include "reflections/published_tile.glsl"
+#include "common/bilinear.glsl"
 #include "reflections/published_average.glsl"
 
 const float STABILITY = 0.7 * 1.4;

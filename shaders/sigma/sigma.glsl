@@ -9,6 +9,8 @@ const float MAX_RADIUS_PX = 32.0;
 const int TILE_PX = 16;
 const float PLANE_SENSITIVITY = 0.02;  // of the frustum's height: how far off a pixel's plane another one still counts
 
+ivec2 tile_grid() { return (ivec2(frame.size) + TILE_PX - 1) / TILE_PX; }
+
 bool is_lit(float penumbra) { return penumbra >= LIT; }
 
 // World height of the view at a depth, in metres.

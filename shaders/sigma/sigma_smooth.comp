@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // SIGMA, second pass: a tile of wide penumbrae spreads over its neighbours, one of narrow ones hardly at all.
 #include "node.glsl"
+#include "common/camera.glsl"
+#include "sigma/sigma.glsl"
 
 void main() {
-    const ivec2 tile = ivec2(gl_GlobalInvocationID.xy), last = imageSize(smooth_tiles) - 1;
+    const ivec2 tile = ivec2(gl_GlobalInvocationID.xy), last = tile_grid() - 1;
     if (any(greaterThan(tile, last))) return;
     const vec3 centre = imageLoad(tiles, tile).xyz;
     const float steepness = 1.01 / (centre.y + 0.01);

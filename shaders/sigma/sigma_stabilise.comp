@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SIGMA, last pass: the past, clamped to what 5x5 pixels of this frame allow, and mixed in by how long the surface has been seen.
 #include "node.glsl"
+#include "common/bilinear.glsl"
 #include "common/camera.glsl"
 #include "common/corners.glsl"
 #include "common/pixels.glsl"
@@ -15,9 +16,11 @@ uint packed_past(float z, float frames) { return floatBitsToUint(z) & ~7u | uint
 float past_depth(uint word) { return uintBitsToFloat(word & ~7u); }
 float past_frames(uint word) { return float(word & 7u); }
 
-float history_tap(vec2 texel) { return textureLod(history, history_coordinate(texel, textureSize(history, 0)), 0.0).x; }
+#define HISTORY(q) imageLoad(history, q).x
+BILINEAR(float, history_between, HISTORY)
+float history_tap(vec2 texel) { return history_between(texel, ivec2(frame.prev_size)); }
 
-// Catmull-Rom over twelve texels by five linear taps: the four corners, which weigh least, are left out.
+// Catmull-Rom over twelve texels by five bilinear taps: the four corners, which weigh least, are left out.
 float sharp_history(vec2 texel) {
     const vec2 base = floor(texel - 0.5) + 0.5, f = texel - base;
     const vec2 w0 = f * (-SHARPNESS + f * (2.0 * SHARPNESS - SHARPNESS * f));

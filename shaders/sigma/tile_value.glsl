@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: MIT
-// How much of a penumbra the tiles around a pixel hold, 0 to 1, as a cubic B-spline through the smoothed tiles: sixteen texels by
-// four linear taps. The published lookup takes the image's size for the tiles' and drifts by up to half a tile where that is no
-// multiple; this one does not.
+// How much of a penumbra the tiles around a pixel hold, 0 to 1, as a cubic B-spline through the smoothed tiles. The published lookup
+// takes the image's size for the tiles' and drifts by up to half a tile where that is no multiple; this one does not.
 //
-// Includer declares: sampled image smooth_tiles, filtered linearly; has sigma/sigma.glsl.
-
-float smooth_tile(vec2 texel) {
-    const vec2 size = vec2(textureSize(smooth_tiles, 0));
-    return textureLod(smooth_tiles, clamp(texel, vec2(0.5), size - 0.5) / size, 0.0).y;
-}
+// Includer declares: sampled image smooth_tiles; has sigma/sigma.glsl.
 
 float tile_value(ivec2 p) {
-    const vec2 at = (vec2(p) + 0.5) / float(TILE_PX) - 0.5;
-    const vec2 f = fract(at), g = 1.0 - f, middle = floor(at) + 0.5;
+    const vec2 at = (vec2(p) + 0.5) / float(TILE_PX) - 0.5, base = floor(at), f = at - base, g = 1.0 - f;
     const vec2 w0 = g * g * g / 6.0, w1 = (4.0 - 6.0 * f * f + 3.0 * f * f * f) / 6.0;
     const vec2 w2 = (4.0 - 6.0 * g * g + 3.0 * g * g * g) / 6.0, w3 = f * f * f / 6.0;
-    const vec2 low = w0 + w1, high = w2 + w3;
-    const vec2 before = middle - 1.0 + w1 / low, after = middle + 1.0 + w3 / high;
-    return low.y * (low.x * smooth_tile(before) + high.x * smooth_tile(vec2(after.x, before.y))) +
-           high.y * (low.x * smooth_tile(vec2(before.x, after.y)) + high.x * smooth_tile(after));
+    const ivec2 last = tile_grid() - 1;
+    const ivec4 x = clamp(int(base.x) + ivec4(-1, 0, 1, 2), 0, last.x), y = clamp(int(base.y) + ivec4(-1, 0, 1, 2), 0, last.y);
+    const vec4 across = vec4(w0.x, w1.x, w2.x, w3.x), down = vec4(w0.y, w1.y, w2.y, w3.y);
+    float sum = 0.0;
+    [[unroll]] for (int j = 0; j < 4; ++j)
+        sum += down[j] * dot(across, vec4(texelFetch(smooth_tiles, ivec2(x[0], y[j]), 0).y, texelFetch(smooth_tiles, ivec2(x[1], y[j]), 0).y,
+                                          texelFetch(smooth_tiles, ivec2(x[2], y[j]), 0).y, texelFetch(smooth_tiles, ivec2(x[3], y[j]), 0).y));
+    return sum;
 }

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: MIT
+// Frames through penumbra.h: everything that a host in C says of them reaches the shader, the view or the
+// plan.
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "penumbra/penumbra.h"
+#include "tests/embedding_host.h"
+
+namespace penumbra::test {
+namespace {
+
+// What the frame's block and its slots hold, by column; a history of two more in each frame, in column 7.
+const char* const declaration = R"({ "node": "c_frame", "doc": "d", "shader": "c_frame.comp",
+    "inputs": { "numbers": { "kind": "buffer", "element": "u32" },
+                "given": { "kind": "image", "format": "r32f", "optional": true },
+                "history": { "kind": "image", "format": "r32f", "as": "storage", "previous": true } },
+    "outputs": { "drawn": { "kind": "image", "format": "r32f" } },
+    "dispatch": { "over": "frame", "group": [8, 8] } })";
+const char* const shader = R"(#include "node.glsl"
+#include "common/pixels.glsl"
+void for_pixel(ivec2 p) {
+    const bool anew = (frame.flags & FRAME_RESET) != 0u;
+    float v[8] = float[](float(numbers[0]), float(numbers.length()), HAS_GIVEN ? texelFetch(given, p, 0).x : -1.0,
+                         float(frame.frame_index), frame.prev_jitter.x, frame.jitter.y, frame.dt_s,
+                         anew ? 1.0 : 1.0 + 0.5 * imageLoad(history, p).x);
+    imageStore(drawn, p, vec4(v[p.x & 7]));
+}
+void main() { for_each_pixel(); }
+)";
+const char* const twice = R"({ "node": "c_again", "doc": "d", "shader": "c_again.comp",
+    "inputs": { "drawn": { "kind": "image", "format": "r32f" } },
+    "outputs": { "doubled": { "kind": "image", "format": "r32f" } },
+    "dispatch": { "over": "frame", "group": [8, 8] } })";
+const char* const twice_shader = R"(#include "node.glsl"
+#include "common/pixels.glsl"
+void for_pixel(ivec2 p) { imageStore(doubled, p, 2.0 * texelFetch(drawn, p, 0)); }
+void main() { for_each_pixel(); }
+)";
+const char* const text = R"({ "penumbra": 1, "name": "c",
+    "inputs": { "numbers": {}, "given": { "format": "r32f", "optional": true } }, "outputs": ["doubled"],
+    "nodes": { "frame": { "type": "c_frame", "in": { "history": "doubled@-1" } }, "again": { "type": "c_again" } } })";
+
+template <class T>
+T sized() {
+    T t{};
+    t.struct_size = sizeof t;
+    return t;
+}
+
+// Blocks that begin somewhere in the host's memory.
+VkResult allocate(void*, const penumbra_memory_request* request, penumbra_memory_block* block) {
+    block->offset = 1 << 16;
+    uint32_t type = 0;
+    while (!(request->need.memoryTypeBits >> type & 1) ||
+           (gpu().memory().memoryTypes[type].propertyFlags & request->properties) != request->properties)
+        ++type;
+    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr,
+                                    block->offset + request->need.size, type};
+    const VkResult result = vkAllocateMemory(gpu().get(), &info, nullptr, &block->memory);
+    if (result != VK_SUCCESS || !request->mapped) return result;
+    return vkMapMemory(gpu().get(), block->memory, block->offset, VK_WHOLE_SIZE, 0, &block->mapped);
+}
+void release(void*, const penumbra_memory_block* block) {
+    vkFreeMemory(gpu().get(), block->memory, nullptr);
+}
+
+class CFramesGpu : public GpuTest {
+  protected:
+    CFramesGpu() : device_(sized<penumbra_device>()), error_(sized<penumbra_error>()) {
+        device_.queue_family = gpu().queue_family();
+        device_.instance = gpu().instance();
+        device_.physical = gpu().physical();
+        device_.device = gpu().get();
+        device_.get_instance_proc_addr = vkGetInstanceProcAddr;
+        device_.allocate = allocate;
+        device_.release = release;
+        const std::filesystem::path folder =
+            std::filesystem::path(::testing::TempDir()) / "penumbra_c_frames";
+        std::filesystem::create_directories(folder);
+        std::ofstream(folder / "c_frame.json") << declaration;
+        std::ofstream(folder / "c_frame.comp") << shader;
+        std::ofstream(folder / "c_again.json") << twice;
+        std::ofstream(folder / "c_again.comp") << twice_shader;
+        EXPECT_EQ(penumbra_nodes_create(&nodes_, &error_), PENUMBRA_OK);
+        EXPECT_EQ(penumbra_nodes_add_folder(nodes_, folder.string().c_str(), "", &error_), PENUMBRA_OK)
+            << error_.text;
+        request_ = sized<penumbra_plan_request>();
+        request_.width = width;
+        request_.height = height;
+        request_.file = "c.json";
+        request_.text = text;
+        request_.device = &device_;
+        request_.nodes = nodes_;
+        request_.captures = &output_;
+        request_.capture_count = 1;
+        request_.share_transients = request_.hand_on_history = VK_TRUE;
+        given_ = sized<penumbra_external>();
+        given_.name = "given";
+        given_.layout = VK_IMAGE_LAYOUT_GENERAL;
+        image_ = image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT);
+        given_.image = image_.view.get();
+        numbers_ = sized<penumbra_external>();
+        numbers_.name = "numbers";
+        buffer_ = make_host_buffer(gpu(), 1024, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "numbers");
+        for (uint32_t i = 0; i < 256; ++i) static_cast<uint32_t*>(buffer_.mapped)[i] = i;
+        numbers_.buffer = buffer_.get();
+    }
+    ~CFramesGpu() override {
+        penumbra_nodes_destroy(nodes_);
+        std::filesystem::remove_all(std::filesystem::path(::testing::TempDir()) / "penumbra_c_frames");
+    }
+
+    penumbra_plan* plan() {
+        penumbra_plan* made = nullptr;
+        EXPECT_EQ(penumbra_plan_create(&request_, &made, &error_), PENUMBRA_OK) << error_.text;
+        return made;
+    }
+    penumbra_code record(penumbra_view* view, uint32_t index,
+                         std::initializer_list<penumbra_external> externals) {
+        frame_ = sized<penumbra_frame>();
+        frame_.size[0] = width;
+        frame_.size[1] = height;
+        frame_.index = index;
+        frame_.flags = flags_;
+        frame_.dt_s = 0.25f;
+        frame_.jitter[1] = 0.125;
+        frame_.prev_jitter[0] = 0.0625;
+        frame_.camera.clip_from_view[5] = frame_.previous.clip_from_view[5] = 1;
+        penumbra_code code = PENUMBRA_INTERNAL;
+        gpu().run([&](VkCommandBuffer cmd) {
+            VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+            fresh.srcStageMask = fresh.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+            fresh.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+            fresh.newLayout = VK_IMAGE_LAYOUT_GENERAL;
+            fresh.image = image_.get();
+            fresh.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+            VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+            dependency.imageMemoryBarrierCount = 1;
+            dependency.pImageMemoryBarriers = &fresh;
+            vkCmdPipelineBarrier2(cmd, &dependency);
+            const VkClearColorValue colour{.float32 = {17}};
+            vkCmdClearColorImage(cmd, image_.get(), VK_IMAGE_LAYOUT_GENERAL, &colour, 1,
+                                 &fresh.subresourceRange);
+            fresh.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+            fresh.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
+            fresh.oldLayout = VK_IMAGE_LAYOUT_GENERAL;
+            vkCmdPipelineBarrier2(cmd, &dependency);
+            code = penumbra_view_record(view, cmd, &frame_, externals.begin(), uint32_t(externals.size()),
+                                        &error_);
+        });
+        return code;
+    }
+    std::vector<float> row(penumbra_view* view) {
+        const void* data = nullptr;
+        size_t size = 0;
+        EXPECT_EQ(penumbra_view_captured(view, "doubled", &data, &size, &error_), PENUMBRA_OK) << error_.text;
+        std::vector<float> values(8);
+        std::memcpy(values.data(), data, 32);
+        for (float& v : values) v /= 2;
+        return values;
+    }
+
+    penumbra_device device_;
+    penumbra_error error_;
+    penumbra_nodes* nodes_ = nullptr;
+    penumbra_plan_request request_;
+    penumbra_frame frame_;
+    uint32_t flags_ = 0;
+    const char* output_ = "doubled";
+    GpuImage image_;
+    GpuBuffer buffer_;
+    penumbra_external given_, numbers_;
+};
+
+TEST_F(CFramesGpu, WhatAHostSaysOfAFrameReachesIt) {
+    penumbra_plan* made = plan();
+    penumbra_memory memory = sized<penumbra_memory>();
+    ASSERT_EQ(penumbra_plan_memory(made, &memory, &error_), PENUMBRA_OK);
+    EXPECT_GT(memory.shared_bytes, 0u);
+    penumbra_program* program = nullptr;
+    ASSERT_EQ(penumbra_program_create(&device_, made, nullptr, &program, &error_), PENUMBRA_OK)
+        << error_.text;
+    penumbra_transients* transients = nullptr;
+    ASSERT_EQ(penumbra_transients_create(program, &transients, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_view_options options = sized<penumbra_view_options>();
+    options.frames_in_flight = 3;
+    options.no_timestamps = VK_TRUE;
+    penumbra_view *view = nullptr, *own = nullptr, *heir = nullptr;
+    ASSERT_EQ(penumbra_view_create(program, &options, &own, &error_), PENUMBRA_OK) << error_.text;
+    options.transients = transients;
+    ASSERT_EQ(penumbra_view_create(program, &options, &view, &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_EQ(penumbra_view_bytes(view) + penumbra_transients_bytes(transients), penumbra_view_bytes(own));
+    penumbra_view_destroy(own);
+
+    penumbra_external part = numbers_;
+    part.offset = 256;
+    part.range = 12;
+    uint64_t completed = 0;
+    uint32_t passes = 0;
+    for (uint32_t f = 0; f < 4; ++f) {
+        ASSERT_EQ(record(view, 40 + f, {f % 2 ? numbers_ : part, given_}), PENUMBRA_OK) << error_.text;
+        const float kept = static_cast<float>(f + 1);
+        EXPECT_EQ(row(view),
+                  (std::vector<float>{f % 2 ? 0.0f : 64.0f, f % 2 ? 256.0f : 3.0f, 17.0f,
+                                      40.0f + static_cast<float>(f), 0.0625f, 0.125f, 0.25f, kept}))
+            << f;
+        EXPECT_STREQ(penumbra_view_reset_reason(view, nullptr), f ? "none" : "first_frame");
+        ASSERT_EQ(penumbra_view_completed(view, &completed, &passes, nullptr, &error_), PENUMBRA_OK);
+        EXPECT_EQ(completed, f < 3 ? UINT64_MAX : 0u) << f;
+    }
+    std::vector<penumbra_pass_statistics> list(passes, sized<penumbra_pass_statistics>());
+    ASSERT_EQ(penumbra_view_completed(view, &completed, &passes, list.data(), &error_), PENUMBRA_OK);
+    EXPECT_STREQ(list[0].node, "frame");
+    EXPECT_LT(list[0].ms, 0) << "there are no timestamps";
+    passes = 1;
+    EXPECT_EQ(penumbra_view_completed(view, &completed, &passes, list.data(), &error_), PENUMBRA_USAGE);
+
+    // What the last frame had is not this frame's.
+    EXPECT_EQ(record(view, 44, {given_}), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "the slot \"numbers\"");
+
+    options.heir_of = view;
+    ASSERT_EQ(penumbra_view_create(program, &options, &heir, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_EQ(record(heir, 44, {numbers_, given_}), PENUMBRA_OK) << error_.text;
+    EXPECT_STREQ(penumbra_view_reset_reason(heir, nullptr), "none");
+    EXPECT_EQ(row(heir)[7], 5.0f);
+    flags_ = PENUMBRA_FRAME_RESET;
+    ASSERT_EQ(record(heir, 45, {numbers_, given_}), PENUMBRA_OK) << error_.text;
+    EXPECT_STREQ(penumbra_view_reset_reason(heir, nullptr), "asked");
+    EXPECT_EQ(row(heir)[7], 1.0f);
+    penumbra_view_destroy(heir);
+    penumbra_view_destroy(view);
+    penumbra_transients_destroy(transients);
+    penumbra_program_destroy(program);
+    penumbra_plan_destroy(made);
+}
+
+TEST_F(CFramesGpu, WhatAHostAsksOfAPlanIsInIt) {
+    penumbra_plan* whole = plan();
+    EXPECT_EQ(penumbra_plan_slot_count(whole), 2u);
+    penumbra_input input = sized<penumbra_input>();
+    input.name = "given";
+    input.left_out = VK_TRUE;
+    request_.inputs = &input;
+    request_.input_count = 1;
+    penumbra_plan* without = plan();
+    EXPECT_EQ(penumbra_plan_slot_count(without), 1u);
+    penumbra_plan_destroy(without);
+    request_.input_count = 0;
+    request_.text =
+        R"({ "penumbra": 1, "name": "c", "inputs": { "drawn": { "format": "r32f" } }, "outputs": ["doubled"],
+        "nodes": { "again": { "type": "c_again" } } })";
+    request_.host_images = &output_;
+    request_.host_image_count = 1;
+    penumbra_plan* lent = plan();
+    ASSERT_EQ(penumbra_plan_slot_count(lent), 2u);
+    uint32_t outputs = 0;
+    for (uint32_t i = 0; i < 2; ++i) {
+        penumbra_slot slot = sized<penumbra_slot>();
+        ASSERT_EQ(penumbra_plan_slot(lent, i, &slot, &error_), PENUMBRA_OK);
+        outputs += slot.output;
+    }
+    EXPECT_EQ(outputs, 1u);
+    penumbra_plan_destroy(lent);
+    penumbra_plan_destroy(whole);
+}
+
+}  // namespace
+}  // namespace penumbra::test
