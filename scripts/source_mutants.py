@@ -49,14 +49,16 @@ def main():
     for program in sorted({m[3] for m in chosen}):
         if not build(program):
             sys.exit(f"{program} does not build without a mutant")
+    # Before the first mutant: afterwards the programs hold the last one.
+    for program, tests in sorted({(m[3], m[4]) for m in chosen}):
+        if not passes(program, tests):
+            sys.exit(f"{program} {tests} fails without a mutant")
     lived = 0
     for file, old, new, program, tests in chosen:
         path = copy / file
         text = path.read_text()
         if text.count(old) != 1:
             sys.exit(f"{file}: \"{old}\" is there {text.count(old)} times")
-        if not passes(program, tests):
-            sys.exit(f"{program} {tests} fails without a mutant")
         path.write_text(text.replace(old, new))
         try:
             if not build(program):
