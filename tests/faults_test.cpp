@@ -6,13 +6,13 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 
 #include "app/session.h"
 #include "penumbra/graph.h"
 #include "tests/faulty_vulkan.h"
 #include "tests/gpu_test.h"
 #include "tests/plan_mutants.h"
+#include "tests/process_size.h"
 #include "tests/toy_set.h"
 
 namespace penumbra::test {
@@ -125,13 +125,6 @@ TEST_F(FaultsGpu, TheLastBarrierIsForWhatTheHostReads) {
     EXPECT_TRUE(last.dstAccessMask & VK_ACCESS_2_HOST_READ_BIT);
 }
 
-long resident_kib() {
-    std::ifstream status("/proc/self/statm");
-    long pages = 0;
-    status >> pages >> pages;
-    return pages * 4;
-}
-
 // PENUMBRA_GRAPHS: how many; docs/reliability.md has a run of ten thousand.
 TEST_F(FaultsGpu, ManyGraphsLeaveNothing) {
     const char* wanted = std::getenv("PENUMBRA_GRAPHS");
@@ -139,10 +132,11 @@ TEST_F(FaultsGpu, ManyGraphsLeaveNothing) {
     const auto plan = toy_plan(device_table(handles_of(gpu())));
     const DeviceHandles handles = FaultyVulkan::handles(handles_of(gpu()));
     for (int i = 0; i < 30; ++i) run(gpu(), handles, plan, 1);  // caches of the driver's fill
-    const long before = resident_kib();
+    const long before = resident_kib(), files = open_files();
     for (int i = 0; i < graphs; ++i) run(gpu(), handles, plan, 1);
     const long grown = resident_kib() - before;
-    std::printf("%d graphs: %ld KiB more\n", graphs, grown);
+    std::printf("%d graphs: %ld KiB more, %ld open files more\n", graphs, grown, open_files() - files);
+    EXPECT_EQ(open_files(), files);
     EXPECT_EQ(FaultyVulkan::objects(), 0);
     EXPECT_LT(grown, 8 * 1024 + graphs / 2)
         << "KiB";  // allocators round up; half a KiB per graph would be a leak
