@@ -53,7 +53,7 @@ def main():
     for program, tests in sorted({(m[3], m[4]) for m in chosen}):
         if not passes(program, tests):
             sys.exit(f"{program} {tests} fails without a mutant")
-    lived = 0
+    lived = broken = 0
     for file, old, new, program, tests in chosen:
         path = copy / file
         text = path.read_text()
@@ -62,7 +62,9 @@ def main():
         path.write_text(text.replace(old, new))
         try:
             if not build(program):
-                sys.exit(f"{file}: does not build with \"{new}\"")
+                broken += 1
+                print(f"BROKEN  {file}: does not build with \"{new}\"", flush=True)
+                continue
             lives = passes(program, tests)
         except subprocess.TimeoutExpired:
             lives = False
@@ -70,8 +72,8 @@ def main():
             path.write_text(text)
         lived += lives
         print(f"{'LIVES ' if lives else 'killed'}  {file}: {old}  ->  {new}", flush=True)
-    print(f"{len(chosen) - lived} of {len(chosen)} killed")
-    sys.exit(1 if lived else 0)
+    print(f"{len(chosen) - lived - broken} of {len(chosen)} killed")
+    sys.exit(1 if lived or broken else 0)
 
 
 main()
