@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "graph/shader_compiler.h"
 #include "graph/workgroup_memory.h"
@@ -70,6 +72,38 @@ TEST(Limits, EachIsRefusedOneBelowWhatAPlanTakes) {
     EXPECT_GT(tried, 40u);
 }
 
+// The most of any pass or resource, whichever comes first.
+TEST(Limits, WhatAPlanTakesIsTheMostThatAnyPassTakes) {
+    for (const char* name : {"hybrid_shadows", "reflections"}) {
+        Diagnostics diagnostics;
+        const auto plan =
+            compile(shipped(name), {.extent = {333, 77}, .device = reference_device()}, {}, diagnostics);
+        ASSERT_TRUE(plan) << diagnostics.text();
+        std::map<std::string, uint64_t> most;
+        const auto take = [&](const char* limit, uint64_t value) {
+            most[limit] = std::max(most[limit], value);
+        };
+        for (const PlanPass& pass : plan->passes) {
+            if (pass.kind != PassKind::compute) continue;
+            take("maxComputeWorkGroupCount[0]", pass.groups[0]);
+            take("maxComputeWorkGroupInvocations",
+                 uint64_t{pass.constants[0]} * pass.constants[1] * pass.constants[2]);
+            take("maxPushConstantsSize", pass.push.size());
+            take("maxPerStageResources", pass.bindings.size());
+            take("maxComputeSharedMemorySize", workgroup_bytes(plan->modules[*pass.module], pass.constants));
+        }
+        for (const Heap& heap : plan->heaps) take("maxMemoryAllocationSize", heap.bytes);
+        std::erase_if(most, [](const auto& limit) { return limit.second == 0; });
+        size_t seen = 0;
+        for (const NeededLimit& need : needed_limits(*plan))
+            if (const auto at = most.find(need.name); at != most.end()) {
+                EXPECT_EQ(need.value, at->second) << name << ": " << need.name;
+                ++seen;
+            }
+        EXPECT_EQ(seen, most.size()) << name;
+    }
+}
+
 // Counts of workgroups, in the declaration's own hand: the device decides, not a number of ours.
 TEST(Limits, ADispatchIsHeldToTheDevices) {
     DeviceTable device = reference_device();
@@ -98,6 +132,10 @@ TEST(Limits, SharedMemoryIsCounted) {
     EXPECT_EQ(bytes_of("shared uint a[5];" + use + "atomicAdd(a[i], 1u); }"), 20u);
     EXPECT_EQ(bytes_of("shared vec3 a[5];" + use + "a[i] = vec3(i); barrier(); seen[i] = a[4 - i].y; }"),
               80u);
+    EXPECT_EQ(bytes_of("shared uint a[5]; shared vec3 b[2];" + use +
+                       "a[i] = i; b[i] = vec3(i); barrier(); seen[i] = b[1 - i].y + a[4 - i]; }"),
+              64u)
+        << "20 bytes of one, 12 between them, 32 of the other: either may come first";
     EXPECT_EQ(bytes_of("struct S { float f; vec2 v; }; shared S a[3];" + use +
                        "a[i].f = 1.0; a[i].v = vec2(i); barrier(); seen[i] = a[2 - i].v.x + a[2 - i].f; }"),
               48u);
@@ -127,8 +165,7 @@ TEST_P(ShippedSizes, LongNarrowAndLargeOnesCompile) {
     // The square of 8K takes a buffer of some that a device need not have.
     const std::string square = refusal(pipeline, {8192, 8192}, reference_device());
     if (!square.empty()) {
-        EXPECT_NE(square.find(
-                      " bytes exceed the device's largest storage buffer, 134217728, by 1342177"),
+        EXPECT_NE(square.find(" bytes exceed the device's largest storage buffer, 134217728, by 1342177"),
                   std::string::npos)
             << square;
     }
