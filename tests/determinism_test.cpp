@@ -94,7 +94,8 @@ TEST_P(Determinism, TenRunsGiveTheSameBits) {
         EXPECT_TRUE(run(i % 2 ? *other : *one, GetParam(), 6) == expected) << "run " << i + 1;
 }
 
-// What a frame after a reset leaves for the next one, too, is what a first frame leaves: pictures alone hide most of it.
+// What a frame after a reset leaves for the next one, too, is what a first frame leaves: pictures alone hide
+// most of it.
 class Resets : public GpuTest {};
 
 TEST_F(Resets, ForgetWhichCellsWereIdle) {
