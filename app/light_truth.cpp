@@ -121,7 +121,7 @@ std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, cons
 
 Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays) {
     session.run_frame(index, true);
-    const auto [width, height] = session.plan().extent;
+    const uint32_t width = session.plan().extent.width, height = session.plan().extent.height;
     const size_t pixels = size_t{width} * height;
     const std::vector<float> depth = floats(session, "view_depth"),
                              normal = floats(session, "receiver_normal");

@@ -120,7 +120,7 @@ std::vector<ExecutableStatics> executables_of(const Device& device, VkPipeline p
              "vkGetPipelineExecutablePropertiesKHR", node)) {
         const VkPipelineExecutableInfoKHR which{VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR, nullptr,
                                                 pipeline, static_cast<uint32_t>(result.size())};
-        ExecutableStatics& e = result.emplace_back(found.name, found.subgroupSize);
+        ExecutableStatics& e = result.emplace_back(ExecutableStatics{found.name, found.subgroupSize});
         for (const VkPipelineExecutableStatisticKHR& s : all_of(
                  [&](uint32_t*n, VkPipelineExecutableStatisticKHR*to) {
                      return statistics(device.get(), &which, n, to);

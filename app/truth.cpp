@@ -91,7 +91,7 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
 
 Truth counted_truth(Session& session, uint32_t frame, uint32_t rays) {
     session.run_frame(frame, false);
-    const auto [width, height] = session.plan().extent;
+    const uint32_t width = session.plan().extent.width, height = session.plan().extent.height;
     const size_t pixels = size_t{width} * height;
     const std::vector<float> depth = captured_floats(session, "view_depth", pixels),
                              normal = captured_floats(session, "receiver_normal", 2 * pixels);

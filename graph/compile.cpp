@@ -10,6 +10,7 @@
 #include "graph/barriers.h"
 #include "graph/compiler.h"
 #include "graph/lifetimes.h"
+#include "graph/limits.h"
 
 namespace penumbra {
 
@@ -63,11 +64,28 @@ std::optional<Plan> Compiler::run() {
                           plan_.device));
         return std::nullopt;
     }
+    check_limits(*selection);
+    if (diagnostics_.size() != errors) return std::nullopt;
     place_barriers(plan_);
     for (uint32_t i = 0; i < plan_.resources.size(); ++i)
         if (plan_.resources[i].history || plan_.resources[i].kept)
             plan_.reset.push_back({i, plan_.resources[i].clear_on_reset});
     return std::move(plan_);
+}
+
+// Those that no resource's own message speaks of.
+void Compiler::check_limits(const Selection& selection) {
+    for (const NeededLimit& need : needed_limits(plan_)) {
+        const auto limit = target_.device.limits.find(need.name);
+        if (limit == target_.device.limits.end() || need.value <= limit->second) continue;
+        const auto node = std::ranges::find_if(selection.nodes, [&](const SelectedNode& s) {
+            return s.node && need.pass && s.node->id == need.why;
+        });
+        const std::string path = need.pass ? "nodes." + need.why : need.why;
+        error(node != selection.nodes.end() ? node->node->place : Place{pipeline_.file}, path,
+              fmt::format("it takes {} of {}, {} more than the {} of the device \"{}\"", need.value,
+                          need.name, need.value - limit->second, limit->second, plan_.device));
+    }
 }
 
 void Compiler::error(const Place& place, const std::string& path, const std::string& message) {

@@ -265,8 +265,8 @@ void Compiler::check_readable(const PlanResource& r, const Port& port) {
         lacks(VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT, "read texels of");
         if (r.count > device.max_texel_elements)
             error({pipeline_.file}, "resources." + r.names.back(),
-                  fmt::format("{} texels exceed the device's largest texel buffer, {}", r.count,
-                              device.max_texel_elements));
+                  fmt::format("{} texels exceed the device's largest texel buffer, {}, by {}", r.count,
+                              device.max_texel_elements, r.count - device.max_texel_elements));
     } else if (port.kind == PortKind::image && !port.storage && port.linear) {
         lacks(VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT, "filter");
     }

@@ -126,8 +126,6 @@ void Compiler::fill_constants(const SelectedNode& selected) {
     const auto group = overrides(node).group.value_or(type.dispatch.group);
     const auto per_thread = overrides(node).per_thread.value_or(type.dispatch.per_thread);
     pass.constants = {group[0], group[1], group[2], per_thread[0], per_thread[1], pass.counter_base};
-    if (group[0] * group[1] * group[2] > target_.device.max_workgroup_invocations)
-        error(node.place, "nodes." + node.id, "the workgroup is larger than the device allows");
     const PushConstants layout = push_constants(type);
     pass.push.resize(layout.size);
     pass.mip_level = layout.mip_level;
@@ -187,8 +185,6 @@ void Compiler::fill_dispatch(const SelectedNode& selected) {
                 for (uint32_t level = 0; level < plan_.resources[made_[id].resource].levels; ++level)
                     pass.level_groups.push_back(groups(level));
             }
-            if (std::max(pass.groups[0], pass.groups[1]) > 65535)
-                error(node.place, "nodes." + node.id, "the dispatch exceeds 65535 groups per axis");
         }
     }
 }

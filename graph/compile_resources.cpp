@@ -135,15 +135,16 @@ void Compiler::size_resource(PlanResource& r, const Made& made) {
     if (r.kind == PortKind::image) {
         if (std::max(r.extent.width, r.extent.height) > device.max_image_extent)
             error(bound.place, path,
-                  fmt::format("{}x{} exceeds the device's largest image, {} per axis", r.extent.width,
-                              r.extent.height, device.max_image_extent));
+                  fmt::format("{}x{} exceeds the device's largest image, {} per axis, by {}", r.extent.width,
+                              r.extent.height, device.max_image_extent,
+                              std::max(r.extent.width, r.extent.height) - device.max_image_extent));
         if (!device.supports(r.format, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT))
             error(bound.place, path,
                   fmt::format("the device \"{}\" cannot store to {}", plan_.device, info(r.format).name));
     } else if (r.buffer_bytes() > device.max_storage_bytes) {
         error(bound.place, path,
-              fmt::format("{} bytes exceed the device's largest storage buffer, {}", r.buffer_bytes(),
-                          device.max_storage_bytes));
+              fmt::format("{} bytes exceed the device's largest storage buffer, {}, by {}", r.buffer_bytes(),
+                          device.max_storage_bytes, r.buffer_bytes() - device.max_storage_bytes));
     }
 }
 

@@ -38,6 +38,8 @@ class Compiler {
     void error(const Place& place, const std::string& path, const std::string& message);
     const std::string& name(uint32_t resource) const { return pipeline_.resources[resource].name; }
 
+    void check_limits(const Selection& selection);
+
     // Facts and outputs, by the host's names.
     size_t read_facts();
     void lend_outputs();

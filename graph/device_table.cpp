@@ -11,6 +11,16 @@ DeviceTable reference_device(bool cpu) {
     DeviceTable table;
     table.name = cpu ? "reference cpu" : "reference gpu";
     table.cpu = cpu;
+    table.limits = {{"maxComputeSharedMemorySize", 32768},
+                    {"maxComputeWorkGroupCount[0]", 65535},
+                    {"maxComputeWorkGroupCount[1]", 65535},
+                    {"maxComputeWorkGroupCount[2]", 65535},
+                    {"maxComputeWorkGroupInvocations", 1024},
+                    {"maxComputeWorkGroupSize[0]", 1024},
+                    {"maxComputeWorkGroupSize[1]", 1024},
+                    {"maxComputeWorkGroupSize[2]", 64},
+                    {"maxImageArrayLayers", 2048},
+                    {"maxImageDimension2D", table.max_image_extent}};
     const auto round_up = [](uint64_t value, uint64_t to) { return (value + to - 1) / to * to; };
     table.image_memory = [round_up](const ImageNeed& need) {
         uint64_t size = 0;

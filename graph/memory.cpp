@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+#include "graph/limits.h"
+
 namespace penumbra {
 namespace {
 
@@ -47,7 +49,7 @@ DeviceTable device_table(const DeviceHandles& handles) {
     table.max_image_extent = properties.limits.maxImageDimension2D;
     table.max_texel_elements = properties.limits.maxTexelBufferElements;
     table.max_storage_bytes = properties.limits.maxStorageBufferRange;
-    table.max_workgroup_invocations = properties.limits.maxComputeWorkGroupInvocations;
+    table.limits = limits_of(handles.physical, device->vk());
     VkPhysicalDeviceMemoryProperties memory{};
     device->vk().vkGetPhysicalDeviceMemoryProperties(handles.physical, &memory);
     table.memory_bytes = 0;

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "graph/json_reader.h"
 #include "graph/node_param.h"
@@ -78,6 +79,9 @@ class DeclarationReader {
             Table table{.name = member.key};
             claim(table.name, member.key_place, reader.path());
             table.file = reader.text("file");
+            const std::filesystem::path file(table.file);
+            if (file.is_absolute() || std::ranges::find(file, "..") != file.end())
+                reader.error("file", fmt::format("\"{}\" leads out of the declaration's folder", table.file));
             table.format = reader.format("format").value_or(table.format);
             table.extent = reader.pair("extent", table.extent);
             if (const Json* condition = reader.find("if"))

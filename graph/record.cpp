@@ -109,7 +109,8 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     frame_block_.prev_size = {before.width, before.height};
     size_ = size;
     std::memcpy(slot.frame_block.data(), &frame_block_, sizeof frame_block_);
-    if (recorded_ == 0 && !options_.tables_uploaded) program_.record_uploads(cmd);
+    // The frame before a reset may never have run, and with it the first uploads.
+    if ((reset || recorded_ == 0) && !options_.tables_uploaded) program_.record_uploads(cmd);
     if (slot.timestamps)
         vk().vkCmdResetQueryPool(cmd, slot.timestamps.get(), 0,
                                  2 * static_cast<uint32_t>(plan().passes.size()));

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "graph/functions.h"
-#include "penumbra/frame_block.h"
+#include "graph/limits.h"
 
 namespace penumbra {
 namespace {
@@ -56,12 +56,6 @@ class Needs {
         if ((" " + r.why + " ").find(" " + why + " ") == std::string::npos)
             r.why += (r.why.empty() ? "" : " ") + why;
     }
-    void at_least(const std::string& name, uint64_t value, const std::string& why) {
-        Requirement& r = at(Kind::limit, name);
-        if (value <= r.value) return;
-        r.value = value;
-        r.why = why;
-    }
     std::vector<Requirement> list;
 
   private:
@@ -92,36 +86,6 @@ void need_of_shader(const Plan& plan, const PlanPass& pass, Needs& needs) {
     }
 }
 
-void need_of_pass(const PlanPass& pass, Needs& needs) {
-    std::map<VkDescriptorType, uint32_t> count;
-    for (const PlanBinding& b : pass.bindings) ++count[b.type];
-    needs.at_least(
-        "maxPerStageDescriptorSampledImages",
-        count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] + count[VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER],
-        pass.node);
-    needs.at_least("maxPerStageDescriptorSamplers", count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER],
-                   pass.node);
-    needs.at_least("maxPerStageDescriptorStorageImages", count[VK_DESCRIPTOR_TYPE_STORAGE_IMAGE], pass.node);
-    needs.at_least("maxPerStageDescriptorStorageBuffers", count[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER],
-                   pass.node);
-    needs.at_least("maxPerStageDescriptorUniformBuffers", count[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER],
-                   pass.node);
-    needs.at_least("maxPerStageResources", pass.bindings.size(), pass.node);
-    needs.at_least("maxPushConstantsSize", pass.push.size(), pass.node);
-    needs.at_least("maxComputeWorkGroupInvocations",
-                   uint64_t{pass.constants[0]} * pass.constants[1] * pass.constants[2], pass.node);
-    for (size_t axis = 0; axis < 3; ++axis) {
-        const std::string of = "[" + std::to_string(axis) + "]";
-        needs.at_least("maxComputeWorkGroupSize" + of, pass.constants[axis], pass.node);
-        needs.at_least("maxComputeWorkGroupCount" + of, pass.groups[axis], pass.node);
-    }
-}
-
-void need_of_image(Extent extent, uint32_t layers, const std::string& name, Needs& needs) {
-    needs.at_least("maxImageDimension2D", std::max(extent.width, extent.height), name);
-    needs.at_least("maxImageArrayLayers", layers, name);
-}
-
 // What a binding asks of its format.
 void need_of_binding(const PlanBinding& b, const std::string& name, Needs& needs) {
     VkFormatFeatureFlags features = 0;
@@ -133,33 +97,6 @@ void need_of_binding(const PlanBinding& b, const std::string& name, Needs& needs
         if (b.linear) features |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
     }
     if (features) needs.add(Kind::format, info(b.format).name, features, name);
-}
-
-struct NamedLimit {
-    const char* name;
-    uint64_t value;
-};
-
-std::vector<NamedLimit> limits_of(const VkPhysicalDeviceLimits& l) {
-    return {{"maxPerStageDescriptorSampledImages", l.maxPerStageDescriptorSampledImages},
-            {"maxPerStageDescriptorSamplers", l.maxPerStageDescriptorSamplers},
-            {"maxPerStageDescriptorStorageImages", l.maxPerStageDescriptorStorageImages},
-            {"maxPerStageDescriptorStorageBuffers", l.maxPerStageDescriptorStorageBuffers},
-            {"maxPerStageDescriptorUniformBuffers", l.maxPerStageDescriptorUniformBuffers},
-            {"maxPerStageResources", l.maxPerStageResources},
-            {"maxPushConstantsSize", l.maxPushConstantsSize},
-            {"maxComputeWorkGroupInvocations", l.maxComputeWorkGroupInvocations},
-            {"maxComputeWorkGroupSize[0]", l.maxComputeWorkGroupSize[0]},
-            {"maxComputeWorkGroupSize[1]", l.maxComputeWorkGroupSize[1]},
-            {"maxComputeWorkGroupSize[2]", l.maxComputeWorkGroupSize[2]},
-            {"maxComputeWorkGroupCount[0]", l.maxComputeWorkGroupCount[0]},
-            {"maxComputeWorkGroupCount[1]", l.maxComputeWorkGroupCount[1]},
-            {"maxComputeWorkGroupCount[2]", l.maxComputeWorkGroupCount[2]},
-            {"maxImageDimension2D", l.maxImageDimension2D},
-            {"maxImageArrayLayers", l.maxImageArrayLayers},
-            {"maxTexelBufferElements", l.maxTexelBufferElements},
-            {"maxStorageBufferRange", l.maxStorageBufferRange},
-            {"maxUniformBufferRange", l.maxUniformBufferRange}};
 }
 
 struct NamedFeature {
@@ -182,25 +119,11 @@ std::vector<Requirement> requirements(const Plan& plan) {
     for (const PlanPass& pass : plan.passes) {
         if (pass.kind != PassKind::compute) continue;
         need_of_shader(plan, pass, needs);
-        need_of_pass(pass, needs);
         for (const PlanBinding& b : pass.bindings)
             need_of_binding(b, b.source == BindingSource::host ? plan.slots[b.index].name : pass.node, needs);
     }
-    for (const PlanResource& r : plan.resources) {
-        if (r.kind == PortKind::image)
-            need_of_image(r.extent, r.layers, r.names.front(), needs);
-        else
-            needs.at_least("maxStorageBufferRange", r.buffer_bytes(), r.names.front());
-        if (r.buffer_usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)
-            needs.at_least("maxTexelBufferElements", r.count, r.names.front());
-    }
-    for (const HostSlot& slot : plan.slots) {
-        if (slot.kind == PortKind::image) need_of_image(slot.extent, slot.layers, slot.name, needs);
-        if (slot.kind == PortKind::block) needs.at_least("maxUniformBufferRange", slot.bytes, slot.name);
-    }
-    for (const PlanTable& table : plan.tables)
-        need_of_image({table.extent[0], table.extent[1]}, 1, table.name, needs);
-    needs.at_least("maxUniformBufferRange", sizeof(FrameBlock), "the frame block");
+    for (const NeededLimit& limit : needed_limits(plan))
+        needs.list.push_back({Kind::limit, limit.name, limit.value, limit.why});
     std::ranges::stable_sort(needs.list, {}, &Requirement::kind);
     return std::move(needs.list);
 }
@@ -246,7 +169,7 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
     vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, nullptr);
     std::vector<VkExtensionProperties> extensions(count);
     vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, extensions.data());
-    const std::vector<NamedLimit> limits = limits_of(properties.properties.limits);
+    const auto limits = limits_of(handles.physical, vk);
 
     const auto met = [&](const Requirement& r) {
         switch (r.kind) {
@@ -259,8 +182,7 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
                 return std::ranges::any_of(extensions,
                                            [&](const auto& e) { return r.name == e.extensionName; });
             case Kind::limit:
-                return std::ranges::any_of(
-                    limits, [&](const NamedLimit& l) { return r.name == l.name && l.value >= r.value; });
+                return limits.at(r.name) >= r.value;
             case Kind::feature:
                 // An extension's own feature is there where the extension is.
                 return std::ranges::none_of(

@@ -3,6 +3,12 @@
 // device.
 #include <gtest/gtest.h>
 
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <map>
+
 #include "tests/cli_run.h"
 
 namespace penumbra::test {
@@ -84,6 +90,81 @@ TEST_F(CliRobustness, AnAllocationThatFailsEndsWithAWord) {
         }
         EXPECT_GT(failed, 20u) << command;
     }
+}
+
+using Files = std::map<std::string, std::string>;
+
+Files files_in(const fs::path& folder) {
+    Files files;
+    for (const auto& entry : fs::directory_iterator(folder))
+        files[entry.path().filename().string()] = read_file(entry.path());
+    return files;
+}
+
+// Every call that puts a file on the disk goes wrong in turn (tests/failing_files.cpp), over a folder of
+// older files: whatever stands there under its own name afterwards is one that was there or one that was to
+// come, whole.
+TEST_F(CliRobustness, AFileThatCannotBeWrittenEndsWithAWord) {
+    const fs::path out = folder_ / "out_files";
+    const auto plan = [&](const char* size, const std::string& before) {
+        return raw(before, std::string("plan pipelines/raw.json --out ") + out.string() + " --size " + size,
+                   ">/dev/null");
+    };
+    ASSERT_EQ(plan("640x64", "").code, 0);
+    const Files older = files_in(out);
+    ASSERT_EQ(plan("64x640", "").code, 0);
+    const Files newer = files_in(out);
+    ASSERT_NE(older, newer);
+    std::map<std::string, size_t> faults;  // by the call
+    for (const std::string& how : {std::to_string(ENOSPC), std::to_string(EROFS), std::to_string(EIO),
+                                   std::to_string(EINTR), std::string("short"), std::string("kill")}) {
+        const bool survives = how == "short" || how == std::to_string(EINTR), killed = how == "kill";
+        for (size_t n = 1;; n += how == std::to_string(ENOSPC) || killed ? 1 : 3) {
+            const std::string what = how + " at call " + std::to_string(n);
+            fs::remove_all(out);
+            fs::create_directories(out);
+            for (const auto& [name, text] : older) std::ofstream(out / name) << text;
+            const Result result =
+                plan("64x640", "LD_PRELOAD='" PENUMBRA_FAILING_FILES "' PENUMBRA_FAIL_FILE_HOW=" + how +
+                                   " PENUMBRA_FAIL_FILE_AT=" + std::to_string(n));
+            const size_t at = result.err.find("[fault in ");
+            if (at == std::string::npos) break;  // it was past the last one
+            const std::string call = result.err.substr(at + 10, result.err.find(']') - at - 10);
+            ++faults[call];
+            Files left = files_in(out);
+            if (killed) {
+                EXPECT_EQ(result.code, 128 + SIGKILL) << what << result.err;
+                std::erase_if(left, [](const auto& file) { return file.first.ends_with(".part"); });
+            } else if (survives || result.code == 0) {
+                EXPECT_EQ(result.code, 0) << what << ": " << result.err;
+                EXPECT_TRUE(left == newer) << what;
+                EXPECT_TRUE(survives || call == "fsync" || call == "flock")
+                    << what << " was missed in " << call;
+            } else {
+                EXPECT_TRUE(result.code == 1 || result.code == 2) << what << ": " << result.code;
+                EXPECT_NE(result.err.find(out.string()), std::string::npos) << what << ": " << result.err;
+                EXPECT_NE(result.err.find(std::strerror(std::atoi(how.c_str()))), std::string::npos)
+                    << what << ": " << result.err;
+            }
+            for (const auto& [name, text] : left) {
+                const auto before = older.find(name), after = newer.find(name);
+                EXPECT_TRUE((before != older.end() && before->second == text) ||
+                            (after != newer.end() && after->second == text))
+                    << what << ": " << name << " is neither the old nor the new one, or is left over";
+            }
+            if (killed) {
+                EXPECT_EQ(plan("64x640", "").code, 0) << what;
+                EXPECT_TRUE(files_in(out) == newer) << what << ": a killed run is not repeated";
+            }
+        }
+    }
+    size_t count = 0;
+    for (const auto& [call, times] : faults) {
+        EXPECT_GT(times, 5u) << call;
+        count += times;
+    }
+    EXPECT_EQ(faults.size(), 6u) << "open, flock, ftruncate, write, fsync, rename";
+    std::printf("%zu faults of %zu calls\n", count, faults.size());
 }
 
 }  // namespace

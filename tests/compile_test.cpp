@@ -228,6 +228,21 @@ TEST(CompileKept, HasOneMemoryForAllFrames) {
     }
 }
 
+TEST(CompileResets, WhatBeginsAsZeroIsClearedByAReset) {
+    const NodeSet set = small_set();
+    const std::string body = R"("outputs": ["mixed"], "nodes": { "source": { "type": "source" },
+        "mix": { "type": "mix", "in": { "before": "mixed@-1" } } })";
+    for (const bool zero : {false, true}) {
+        const Plan plan =
+            *compile_text(set, (zero ? R"("resources": { "mixed": { "first": "clear" } }, )" : "") + body,
+                          target_of({64, 64}))
+                 .plan;
+        EXPECT_EQ(resource_of(plan, "mixed")->clear_on_reset, zero);
+        ASSERT_EQ(plan.reset.size(), 1u);
+        EXPECT_EQ(plan.reset[0].clear, zero);
+    }
+}
+
 TEST(CompileUpdates, AChainIsOneResourceThatLivesFromFirstToLastName) {
     const NodeSet set = small_set();
     const Plan plan =

@@ -94,6 +94,26 @@ TEST_P(Determinism, TenRunsGiveTheSameBits) {
         EXPECT_TRUE(run(i % 2 ? *other : *one, GetParam(), 6) == expected) << "run " << i + 1;
 }
 
+// What a frame after a reset leaves for the next one, too, is what a first frame leaves: pictures alone hide
+// most of it.
+class Resets : public GpuTest {};
+
+TEST_F(Resets, ForgetWhichCellsWereIdle) {
+    const std::vector<std::string> kept{"idle_cells"};
+    const auto one = open("shadows", {}, kept), other = open("shadows", {}, kept);
+    const auto idle = [](Session& session) {
+        const auto bytes = session.view().captured("idle_cells");
+        return std::vector<std::byte>(bytes.begin(), bytes.end());
+    };
+    one->run_frame(0, true);
+    const auto expected = idle(*one);
+    EXPECT_NE(std::ranges::count(expected, std::byte{0}), std::ptrdiff_t(expected.size()));
+    for (uint32_t frame = 0; frame < 5; ++frame) other->run_frame(frame, frame == 0);
+    EXPECT_NE(idle(*other), expected) << "nothing is remembered";
+    other->run_frame(0, true);
+    EXPECT_TRUE(idle(*other) == expected);
+}
+
 TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
     const auto expected = run(*open(GetParam(), {}, {}), GetParam(), 4);
     for (const uint32_t stride : {0u, 5003u, 65521u}) {

@@ -6,13 +6,13 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 
 #include "app/session.h"
 #include "penumbra/graph.h"
 #include "tests/faulty_vulkan.h"
 #include "tests/gpu_test.h"
 #include "tests/plan_mutants.h"
+#include "tests/process_size.h"
 #include "tests/toy_set.h"
 
 namespace penumbra::test {
@@ -125,27 +125,25 @@ TEST_F(FaultsGpu, TheLastBarrierIsForWhatTheHostReads) {
     EXPECT_TRUE(last.dstAccessMask & VK_ACCESS_2_HOST_READ_BIT);
 }
 
-long resident_kib() {
-    std::ifstream status("/proc/self/statm");
-    long pages = 0;
-    status >> pages >> pages;
-    return pages * 4;
-}
-
 // PENUMBRA_GRAPHS: how many; docs/reliability.md has a run of ten thousand.
 TEST_F(FaultsGpu, ManyGraphsLeaveNothing) {
     const char* wanted = std::getenv("PENUMBRA_GRAPHS");
     const int graphs = wanted ? std::atoi(wanted) : 100;
-    const auto plan = toy_plan(device_table(handles_of(gpu())));
-    const DeviceHandles handles = FaultyVulkan::handles(handles_of(gpu()));
-    for (int i = 0; i < 30; ++i) run(gpu(), handles, plan, 1);  // caches of the driver's fill
-    const long before = resident_kib();
-    for (int i = 0; i < graphs; ++i) run(gpu(), handles, plan, 1);
-    const long grown = resident_kib() - before;
-    std::printf("%d graphs: %ld KiB more\n", graphs, grown);
+    Device device({gpu().info().name, false});  // the validation layer keeps some 8 KiB of each
+    const auto plan = toy_plan(device_table(handles_of(device)));
+    const DeviceHandles handles = FaultyVulkan::handles(handles_of(device));
+    for (int i = 0; i < 30; ++i) run(device, handles, plan, 1);  // caches of the driver's fill
+    const long resident = resident_kib(), live = live_allocations, files = open_files();
+    for (int i = 1; i <= graphs; ++i) {
+        run(device, handles, plan, 1);
+        if (i % 1000 == 0 || i == graphs)
+            std::printf("%d graphs: %ld allocations, %ld KiB resident, %ld open files more\n", i,
+                        live_allocations - live, resident_kib() - resident, open_files() - files);
+    }
+    EXPECT_EQ(open_files(), files);
     EXPECT_EQ(FaultyVulkan::objects(), 0);
-    EXPECT_LT(grown, 8 * 1024 + graphs / 2)
-        << "KiB";  // allocators round up; half a KiB per graph would be a leak
+    EXPECT_EQ(live_allocations, live) << "by operator new, penumbra's and LLVM's";
+    EXPECT_LT(resident_kib() - resident, 8 * 1024 + 2 * graphs);  // Mesa keeps 1.5 KiB of malloc's per graph
 }
 
 // Mutants of a plan, run: which of them synchronisation validation reports, and which show in poisoned

@@ -163,6 +163,39 @@ TEST_F(SeveralViewsGpu, ThreadsRecordViewsAndGraphsAtOnce) {
     }
 }
 
+// Commands that are recorded and never run, the first of a view or later ones: with a reset behind them the frames
+// are those of a new view. Validation would see a table that nobody has uploaded, and images without a layout.
+TEST_F(SeveralViewsGpu, CommandsThatAreThrownAwayTakeNothingWithThem) {
+    const CheckedPipeline pipeline = checked(
+        R"("outputs": ["blended"], "nodes": { "table": { "type": "toy_table" },
+           "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })",
+        set_with_table());
+    const auto plan = plan_of(pipeline, capturing(pipeline));
+    ASSERT_FALSE(plan->tables.empty());
+    const auto program = [&] { return std::make_shared<const Program>(handles_of(gpu()), plan); };
+    const auto frames = [](View& view) {
+        std::vector<Outputs> outputs;
+        for (uint32_t f = 0; f < 3; ++f) {
+            FrameDescription frame = description(f);
+            if (f == 0) frame.flags |= frame_reset;
+            gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame, {}); });
+            outputs.push_back(outputs_of(view));
+        }
+        return outputs;
+    };
+    View undisturbed(program(), {});
+    const std::vector<Outputs> expected = frames(undisturbed);
+    EXPECT_NE(expected[0], expected[1]) << "no history";
+    Recorder never_run;
+    for (const uint32_t before : {0u, 1u, 2u}) {
+        View view(program(), {});
+        for (uint32_t f = 0; f < before; ++f)
+            gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(f), {}); });
+        never_run.record([&](VkCommandBuffer cmd) { view.record(cmd, description(before), {}); });
+        EXPECT_EQ(frames(view), expected) << before << " frames before";
+    }
+}
+
 TEST_F(SeveralViewsGpu, TablesMayBeUploadedAheadOfAllViews) {
     const CheckedPipeline pipeline =
         checked(R"("outputs": ["value"], "nodes": { "table": { "type": "toy_table" } })", set_with_table());

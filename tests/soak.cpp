@@ -9,6 +9,7 @@
 #include "app/truth.h"
 #include "host/truth/analytic.h"
 #include "penumbra/shadow_nodes.h"
+#include "tests/process_size.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -103,9 +104,18 @@ double Soak::n_eff_kept() const {
     return last / first;
 }
 
+long Soak::grown_kib() const {
+    return windows.back().resident_kib - windows.front().resident_kib;
+}
+
+long Soak::more_files() const {
+    return windows.back().open_files - windows.front().open_files;
+}
+
 bool soak_holds(const Soak& result) {
     return result.drift() <= 1e-4 && result.n_eff_kept() >= 0.95 &&
-           result.left <= result.left_of_young + 0.01 && result.nonfinite == 0;
+           result.left <= result.left_of_young + 0.01 && result.nonfinite == 0 &&
+           result.grown_kib() < 8 * 1024 && result.more_files() == 0;
 }
 
 Soak soak(Device& device, const SoakOptions& options) {
@@ -138,6 +148,8 @@ Soak soak(Device& device, const SoakOptions& options) {
         }
         w.n_eff = signal * window / error;
         w.mean = sum / static_cast<double>(truth.size() * window);
+        w.resident_kib = resident_kib();
+        w.open_files = open_files();
     }
     result.left = run.left_after_jump(options);
 

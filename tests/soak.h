@@ -24,6 +24,7 @@ struct SoakWindow {
     uint32_t first = 0;  // of 256 frames
     double n_eff = 0;    // effective samples of a frame, by the mean of their squared errors
     double mean = 0;     // visibility of all pixels and frames
+    long resident_kib = 0, open_files = 0;  // of the process, at its end
 };
 
 struct Soak {
@@ -38,12 +39,17 @@ struct Soak {
     // limits.
     double drift() const;       // of the mean
     double n_eff_kept() const;  // quotient
+
+    // Since the end of the first window.
+    long grown_kib() const;
+    long more_files() const;
 };
 
 Soak soak(Device& device, const SoakOptions& options);
 
 // The limits: the mean drifts by no more than 1e-4, .95 of N_eff are kept, the jump is followed as a young
-// history follows it, and everything is finite.
+// history follows it, everything is finite, and the process has neither 8 MiB nor an open file more than at
+// the end of the first window.
 bool soak_holds(const Soak& result);
 
 }  // namespace penumbra::test

@@ -29,10 +29,12 @@ int main(int argc, char** argv) {
         const std::clock_t begin = std::clock();
         const Soak result = soak(device, {.pipeline = argv[i], .frames = frames});
         fmt::print(
-            "{}, {} frames, {:.0f} s of processor time\n\n| frames from | N_eff | mean |\n|---|---|---|\n",
+            "{}, {} frames, {:.0f} s of processor time\n\n| frames from | N_eff | mean | KiB | open "
+            "files |\n|---|---|---|---|---|\n",
             argv[i], frames, double(std::clock() - begin) / CLOCKS_PER_SEC);
         for (const SoakWindow& w : result.windows)
-            fmt::print("| {} | {:.1f} | {:.6f} |\n", w.first, w.n_eff, w.mean);
+            fmt::print("| {} | {:.1f} | {:.6f} | {} | {} |\n", w.first, w.n_eff, w.mean, w.resident_kib,
+                       w.open_files);
         fmt::print(
             "\nlast third against the first: drift of the mean {:.2g}, N_eff kept {:.3f}; left 3 frames "
             "after a "

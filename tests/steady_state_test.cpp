@@ -13,6 +13,7 @@
 #include "penumbra/graph.h"
 #include "tests/allocations.h"
 #include "tests/gpu_test.h"
+#include "tests/process_size.h"
 #include "tests/toy_set.h"
 #include "tests/view_run.h"
 
@@ -29,23 +30,35 @@ void* counted(size_t bytes) {
 }
 }  // namespace
 
+std::atomic<long> penumbra::test::live_allocations{0};
+
+static void* taken(size_t bytes) {
+    void* memory = counted(bytes);
+    ++penumbra::test::live_allocations;
+    return memory;
+}
+static void given_back(void* memory) {
+    if (memory) --penumbra::test::live_allocations;
+    std::free(memory);
+}
+
 void* operator new(size_t bytes) {
-    return counted(bytes);
+    return taken(bytes);
 }
 void* operator new[](size_t bytes) {
-    return counted(bytes);
+    return taken(bytes);
 }
 void operator delete(void* memory) noexcept {
-    std::free(memory);
+    given_back(memory);
 }
 void operator delete[](void* memory) noexcept {
-    std::free(memory);
+    given_back(memory);
 }
 void operator delete(void* memory, size_t) noexcept {
-    std::free(memory);
+    given_back(memory);
 }
 void operator delete[](void* memory, size_t) noexcept {
-    std::free(memory);
+    given_back(memory);
 }
 
 namespace penumbra::test {

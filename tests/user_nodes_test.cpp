@@ -230,6 +230,21 @@ TEST_F(UserNodes, AFolderWithoutDeclarationsIsAnError) {
     EXPECT_NE(declaration_errors().find("cannot be read"), std::string::npos);
 }
 
+TEST_F(UserNodes, FilesOutsideOfTheFolderAreRefused) {
+    write("outside.bin", "0123456789abcdef");
+    for (const std::string name : {"../outside.bin", "sub/../../outside.bin", "/etc/passwd", ".."}) {
+        std::string text = declaration;
+        text.replace(
+            text.rfind('}'), 1,
+            R"(, "tables": { "noise": { "file": ")" + name + R"(", "format": "rg8", "extent": [4, 2] } } })");
+        write("nodes/mine.json", text);
+        EXPECT_NE(declaration_errors().find("tables.noise.file: \"" + name +
+                                            "\" leads out of the declaration's folder"),
+                  std::string::npos)
+            << diagnostics_.text();
+    }
+}
+
 TEST_F(UserNodes, TablesAreReadAndMeasured) {
     std::string text = declaration;
     text.replace(text.rfind('}'), 1,

@@ -7,6 +7,8 @@
 #include <limits>
 #include <memory>
 
+#include "host/images/image_checks.h"
+
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
@@ -19,6 +21,7 @@ namespace penumbra {
 std::optional<RgbaImage> decode_image(std::span<const std::byte> bytes, uint64_t limit) {
     if (bytes.empty() || bytes.size() > static_cast<size_t>(std::numeric_limits<int>::max()))
         return std::nullopt;
+    if (!is_sound_image(bytes)) return std::nullopt;
     const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
     const int size = static_cast<int>(bytes.size());
     int width = 0, height = 0, channels = 0;

@@ -80,21 +80,30 @@ void put(std::vector<uint8_t>& rgb, size_t pixel, bool nan, uint8_t r, uint8_t g
     rgb[3 * pixel + 2] = nan ? 255 : b;
 }
 
+// A call that a signal ends is made again.
+template <class Call>
+auto uninterrupted(Call call) {
+    for (;;)
+        if (const auto result = call(); result >= 0 || errno != EINTR) return result;
+}
+
 // The file beside `path` that it is written to first, opened and locked; -1 with errno. Its name is the same
 // for every process: what a killed one left is overwritten by whoever writes that file next, and the lock,
 // which ends with its process, keeps two that live apart.
 int open_part(const std::string& part) {
     for (;;) {
-        const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+        const int file = uninterrupted(
+            [&] { return ::open(part.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666); });
         if (file < 0) return -1;
         struct stat opened {
         }, named{};
-        const bool locked = ::flock(file, LOCK_EX) == 0 || errno == EINTR || errno == ENOLCK;
+        const bool locked = uninterrupted([&] { return ::flock(file, LOCK_EX); }) == 0 || errno == ENOLCK;
         // Who held the lock before has given the file its final name: this is no longer the part.
         const bool same = ::fstat(file, &opened) == 0 && ::stat(part.c_str(), &named) == 0 &&
                           opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
-        if (locked && same && ::ftruncate(file, 0) == 0) return file;
+        if (locked && same && uninterrupted([&] { return ::ftruncate(file, 0); }) == 0) return file;
         const int error = errno;
+        if (same) ::unlink(part.c_str());
         ::close(file);
         if (locked && !same) continue;
         errno = error;
@@ -106,13 +115,14 @@ int open_part(const std::string& part) {
 // between the two would else keep the name of an empty file.
 int write_all(int file, std::span<const std::byte> bytes) {
     for (size_t done = 0; done < bytes.size();) {
-        const ssize_t count = ::write(file, bytes.data() + done, bytes.size() - done);
-        if (count < 0 && errno == EINTR) continue;
+        const ssize_t count =
+            uninterrupted([&] { return ::write(file, bytes.data() + done, bytes.size() - done); });
         if (count <= 0) return count < 0 ? errno : EIO;
         done += static_cast<size_t>(count);
     }
     // Pipes and some file systems cannot flush.
-    return ::fsync(file) == 0 || errno == EINVAL || errno == ENOTSUP ? 0 : errno;
+    return uninterrupted([&] { return ::fsync(file); }) == 0 || errno == EINVAL || errno == ENOTSUP ? 0
+                                                                                                    : errno;
 }
 
 // The name itself. The file is whole under it already, so what fails here takes nothing away.
@@ -143,7 +153,7 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
     };
     if (file < 0) fail("written", errno);
     if (const int error = write_all(file, bytes)) fail("written", error);
-    if (::rename(part.c_str(), path.c_str()) != 0) fail("put in place", errno);
+    if (uninterrupted([&] { return ::rename(part.c_str(), path.c_str()); }) != 0) fail("put in place", errno);
     ::close(file);
     flush_folder(path);
 }

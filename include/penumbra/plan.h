@@ -49,7 +49,9 @@ struct DeviceTable {
     uint32_t max_image_extent = 16384;  // pixels per axis
     uint32_t max_texel_elements = 1u << 27;
     uint32_t max_storage_bytes = 1u << 27;  // of one buffer binding
-    uint32_t max_workgroup_invocations = 1024;
+    // The rest of its limits, by the names of their members in Vulkan's structs; what is not named bounds
+    // nothing.
+    std::map<std::string, uint64_t> limits;
     uint64_t memory_bytes = ~uint64_t{0};  // of the largest heap
     std::set<std::string>
         features;  // of Domain::features, those enabled on the device, which only the host can tell

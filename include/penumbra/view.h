@@ -5,7 +5,8 @@
 //
 // The host promises: one queue, frames submitted in the order they were recorded, and that frame f -
 // frames_in_flight has completed when frame f is recorded. Outputs are valid until the next record() of the
-// same view.
+// same view. After commands that are thrown away instead of submitted, the next frame is recorded with
+// frame_reset.
 #pragma once
 
 #include <memory>
