@@ -47,7 +47,7 @@ struct RenderArguments {
 struct ViewCommandArguments {
     std::vector<std::string> files;  // a pipeline, a model, or both
     ViewArguments view;
-    std::string out;                 // for screenshots and flights; empty: out/<the shot's name>
+    std::string out;  // for screenshots and flights; empty: out/<the shot's name>
     std::string size = "640x360", window = "1280x800";
     std::string show, beside = "nothing";  // what the picture begins with
     std::vector<std::string> settings, node_folders;

@@ -71,16 +71,19 @@ void add_view_command(CLI::App& app, ViewCommandArguments& a) {
     c->add_option("--size", a.size, "WxH that is rendered (default: 640x360)");
     c->add_option("--window", a.window, "WxH of the window (default: 1280x800)");
     c->add_option("--show", a.show, "begin with this resource instead of the pipeline's last output");
-    c->add_option("--beside", a.beside, "begin with this on the right: nothing, raw, published, truth or error")
+    c->add_option("--beside", a.beside,
+                  "begin with this on the right: nothing, raw, published, truth or error")
         ->check(CLI::IsMember({"nothing", "raw", "published", "truth", "error"}));
-    c->add_option("--out", a.out, "folder for screenshots and flights (default: out/NAME of the shot or model)");
+    c->add_option("--out", a.out,
+                  "folder for screenshots and flights (default: out/NAME of the shot or model)");
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline");
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--seed", a.seed, "instead of the shot's seed");
     c->add_option("--light", a.light, "of which of the shot's lights the mask is, where it has several");
     c->add_flag("--validate", a.validate, "Vulkan validation with synchronisation checks");
-    c->add_option("--frames", a.frames, "end after so many (default: when the window is closed; headless: 16)");
+    c->add_option("--frames", a.frames,
+                  "end after so many (default: when the window is closed; headless: 16)");
     CLI::Option* headless =
         c->add_option("--headless", a.headless, "PNG file: write what the window would show, and open none");
     c->add_option("--rays", a.rays, "headless: per pixel of the truth (default: 64)")

@@ -33,9 +33,9 @@ struct SessionOptions {
     bool always_jitter = false;  // whether one does or not
     bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
-    Facts facts;             // instead of what the scene says
-    bool optimum = true;     // search for the smallest possible heap, for the report
-    bool steered = false;    // somebody will steer(): facts promise neither a still camera nor a sun that is up
+    Facts facts;           // instead of what the scene says
+    bool optimum = true;   // search for the smallest possible heap, for the report
+    bool steered = false;  // somebody will steer(): facts promise neither a still camera nor a sun that is up
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 

@@ -33,8 +33,8 @@ class TruthRounds {
     ~TruthRounds();
     // Goes on, on all cores, for about so many milliseconds: at least a row, at most to the round's end.
     void work(double milliseconds);
-    uint32_t rounds() const;  // that every pixel has
-    Truth truth() const;      // of all rows so far; rays 0 where there are none yet
+    uint32_t rounds() const;         // that every pixel has
+    Truth truth() const;             // of all rows so far; rays 0 where there are none yet
     bool knows(uint32_t row) const;  // a round of it is done
 
   private:

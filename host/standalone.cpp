@@ -162,8 +162,7 @@ void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& fra
     const FrameDescription& description = frame.description;
     const uint32_t previous = (description.flags & frame_reset) ? description.index : description.index - 1;
     gbuffer_.record(commands, description, scene_.transforms(moment(description.index)),
-                    scene_.transforms(moment(previous)),
-                    shot_.origin);
+                    scene_.transforms(moment(previous)), shot_.origin);
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {

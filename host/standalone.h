@@ -57,7 +57,8 @@ class StandaloneHost {
 
     // `reset`: the frame has no history (the first one, a cold start); its previous camera is its own.
     StandaloneFrame frame(uint32_t index, bool reset) const;
-    // From this frame on, instead of the shot's own course; the frame before it is seen as it was steered last.
+    // From this frame on, instead of the shot's own course; the frame before it is seen as it was steered
+    // last.
     void steer(uint32_t index, const Stance& stance);
     // The moment of the shot that a frame shows: its number, unless somebody steers.
     double moment(uint32_t index) const;

@@ -51,13 +51,15 @@ Owned<VkDescriptorPool> make_pool(const Device& device) {
 
 std::array<VkOffset3D, 2> corners(const Area& area) {
     const auto whole = [](float v) { return static_cast<int32_t>(std::lround(v)); };
-    return {{{whole(area.x), whole(area.y), 0}, {whole(area.x + area.width), whole(area.y + area.height), 1}}};
+    return {
+        {{whole(area.x), whole(area.y), 0}, {whole(area.x + area.width), whole(area.y + area.height), 1}}};
 }
 
 }  // namespace
 
 Area fitted(const Area& room, uint32_t width, uint32_t height) {
-    const float scale = std::min(room.width / static_cast<float>(width), room.height / static_cast<float>(height));
+    const float scale =
+        std::min(room.width / static_cast<float>(width), room.height / static_cast<float>(height));
     const float w = scale * static_cast<float>(width), h = scale * static_cast<float>(height);
     return {room.x + (room.width - w) / 2, room.y + (room.height - h) / 2, w, h};
 }
@@ -108,11 +110,12 @@ void Canvas::resize(VkExtent2D extent) {
 void Canvas::upload(const Picture& picture) {
     const VkExtent2D extent{picture.width, picture.height};
     if (!picture_.get() || picture_.extent.width != extent.width || picture_.extent.height != extent.height) {
-        picture_ = make_image(device_, format, extent, 1,
-                              VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
-                                  VK_IMAGE_USAGE_SAMPLED_BIT,
-                              "the picture");
-        staging_ = make_host_buffer(device_, picture.rgba.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "the picture");
+        picture_ = make_image(
+            device_, format, extent, 1,
+            VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_SAMPLED_BIT,
+            "the picture");
+        staging_ =
+            make_host_buffer(device_, picture.rgba.size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "the picture");
     }
     std::memcpy(staging_.mapped, picture.rgba.data(), picture.rgba.size());
 }
@@ -156,8 +159,8 @@ void Canvas::draw(const Picture& picture, const Area& area, ImDrawData* ui) {
 }
 
 std::vector<uint8_t> Canvas::rgba() {
-    const std::vector<std::byte> bytes = read_image(device_, image_.get(), format, image_.extent,
-                                                    VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    const std::vector<std::byte> bytes =
+        read_image(device_, image_.get(), format, image_.extent, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     std::vector<uint8_t> out(bytes.size());
     std::memcpy(out.data(), bytes.data(), bytes.size());
     for (size_t i = 3; i < out.size(); i += 4) out[i] = 255;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a window shows, as an image on the device: a picture, and Dear ImGui's draw lists over it. With a window or
-// without one, it is drawn by the same commands.
+// What a window shows, as an image on the device: a picture, and Dear ImGui's draw lists over it. With a
+// window or without one, it is drawn by the same commands.
 #pragma once
 
 #include <imgui.h>

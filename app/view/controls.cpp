@@ -50,7 +50,9 @@ struct AsJson {
     std::string operator()(int32_t v) const { return fmt::format("{}", v); }
     std::string operator()(uint32_t v) const { return fmt::format("{}", v); }
     std::string operator()(float v) const { return fmt::format("{}", v); }
-    std::string operator()(const std::vector<float>& v) const { return fmt::format("[{}]", fmt::join(v, ",")); }
+    std::string operator()(const std::vector<float>& v) const {
+        return fmt::format("[{}]", fmt::join(v, ","));
+    }
     std::string operator()(const std::string& v) const { return v; }
 };
 
@@ -86,7 +88,8 @@ bool turn(Session& session, Control& control, const ParamValue& value) {
 std::vector<std::string> turn_again(Session& session, std::vector<Control>& controls, const Turned& turned) {
     std::vector<std::string> lost;
     for (const auto& [name, value] : turned) {
-        const auto control = std::ranges::find_if(controls, [&](const Control& c) { return c.name() == name; });
+        const auto control =
+            std::ranges::find_if(controls, [&](const Control& c) { return c.name() == name; });
         if (control == controls.end() || !turn(session, *control, value)) lost.push_back(name);
     }
     return lost;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What of a plan can be turned while it runs: the dynamic parameters of its nodes, as their declarations describe
-// them.
+// What of a plan can be turned while it runs: the dynamic parameters of its nodes, as their declarations
+// describe them.
 #pragma once
 
 #include <array>
@@ -13,11 +13,12 @@
 namespace penumbra::viewer {
 
 struct Control {
-    Param param;            // type, range, unit, doc, values
-    std::string node;       // its id
-    std::vector<std::array<size_t, 2>> places;  // pass and parameter of the plan: a node may be several passes
-    ParamValue value;       // as it is now
-    ParamValue initial;     // as the pipeline says, with the device class's overrides
+    Param param;       // type, range, unit, doc, values
+    std::string node;  // its id
+    std::vector<std::array<size_t, 2>>
+        places;          // pass and parameter of the plan: a node may be several passes
+    ParamValue value;    // as it is now
+    ParamValue initial;  // as the pipeline says, with the device class's overrides
 
     std::string name() const { return node + "." + param.name; }
     bool changed() const { return value != initial; }

@@ -47,7 +47,8 @@ Dataflow dataflow_of(const Plan& plan, double letter) {
             auto source = sources.find(name);
             if (source == sources.end()) {
                 const bool previous = name.ends_with("@-1");
-                add({previous ? FlowBox::Kind::previous : FlowBox::Kind::host, "", {name}}, items[box].layer - 1);
+                add({previous ? FlowBox::Kind::previous : FlowBox::Kind::host, "", {name}},
+                    items[box].layer - 1);
                 source = sources.find(name);
             }
             flow.lines.push_back({source->second.box, source->second.row, box});

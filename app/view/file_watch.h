@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether files that something was made of have changed since: by their times and sizes, which is asked now and
-// then; an editor that writes beside a file and renames is noticed as well.
+// Whether files that something was made of have changed since: by their times and sizes, which is asked now
+// and then; an editor that writes beside a file and renames is noticed as well.
 #pragma once
 
 #include <filesystem>
@@ -20,8 +20,8 @@ class FileWatch {
     bool changed();
 
   private:
-    using State = std::map<std::filesystem::path,
-                           std::optional<std::pair<std::filesystem::file_time_type, uintmax_t>>>;
+    using State =
+        std::map<std::filesystem::path, std::optional<std::pair<std::filesystem::file_time_type, uintmax_t>>>;
     State look() const;
 
     std::set<std::filesystem::path> files_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where somebody stands who flies through a shot: along the shot's own course until he takes the camera or the
-// sun into his hands, from there on as his keys and his mouse say.
+// Where somebody stands who flies through a shot: along the shot's own course until he takes the camera or
+// the sun into his hands, from there on as his keys and his mouse say.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,12 @@ namespace penumbra::viewer {
 
 // What hands have done since the last frame.
 struct FlightInput {
-    glm::dvec3 move{0};      // right, up and forward, each -1 .. 1
-    glm::dvec2 look{0};      // radians: to the right, upwards
-    glm::dvec2 sun{0};       // radians: azimuth, elevation
-    double faster = 1;       // factor of the speed that is kept (the wheel)
-    bool hurry = false;      // five times as fast while it holds
-    double seconds = 0;      // since the last frame
+    glm::dvec3 move{0};  // right, up and forward, each -1 .. 1
+    glm::dvec2 look{0};  // radians: to the right, upwards
+    glm::dvec2 sun{0};   // radians: azimuth, elevation
+    double faster = 1;   // factor of the speed that is kept (the wheel)
+    bool hurry = false;  // five times as fast while it holds
+    double seconds = 0;  // since the last frame
     bool any() const { return move != glm::dvec3(0) || look != glm::dvec2(0) || sun != glm::dvec2(0); }
 };
 

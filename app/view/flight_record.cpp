@@ -17,9 +17,9 @@ Json list(const glm::dvec3& v) {
     return Json::array({v.x, v.y, v.z});
 }
 
-// The frames that need a key, the first and the last among them (Ramer 1972, Douglas and Peucker 1973: where the
-// farthest from the straight course is too far, the course is bent there). `miss`: by how much frame i is missed
-// on the course from a to b, in units of what may be.
+// The frames that need a key, the first and the last among them (Ramer 1972, Douglas and Peucker 1973: where
+// the farthest from the straight course is too far, the course is bent there). `miss`: by how much frame i is
+// missed on the course from a to b, in units of what may be.
 std::vector<size_t> keys_of(size_t frames, const std::function<double(size_t a, size_t b, size_t i)>& miss) {
     std::vector<size_t> keys{0};
     std::vector<size_t> ends{frames - 1};  // of courses that are still to be looked at, from keys.back() on
@@ -55,7 +55,8 @@ std::vector<Stance> FlightRecord::frames(double fps) const {
         const double time = static_cast<double>(frame) / fps;
         while (after + 1 < held_.size() && held_[after].seconds < time) ++after;
         const Held &b = held_[after], &a = held_[after > 0 ? after - 1 : 0];
-        const double t = b.seconds > a.seconds ? std::clamp((time - a.seconds) / (b.seconds - a.seconds), 0.0, 1.0) : 1;
+        const double t =
+            b.seconds > a.seconds ? std::clamp((time - a.seconds) / (b.seconds - a.seconds), 0.0, 1.0) : 1;
         Stance& s = stances.emplace_back(b.stance);
         s.camera.position = glm::mix(a.stance.camera.position, b.stance.camera.position, t);
         s.camera.target = glm::mix(a.stance.camera.target, b.stance.camera.target, t);
@@ -77,8 +78,7 @@ std::string FlightRecord::shot_text(const std::string& base, const Shot& shot, c
                          glm::length(glm::mix(p.up, q.up, t) - r.up) / fine});
     };
     const auto missed_by_sun = [&](size_t a, size_t b, size_t i) {
-        const glm::dvec3 on_course =
-            glm::mix(stances[a].sun.to_sun, stances[b].sun.to_sun, share(a, b, i));
+        const glm::dvec3 on_course = glm::mix(stances[a].sun.to_sun, stances[b].sun.to_sun, share(a, b, i));
         return glm::length(on_course - stances[i].sun.to_sun) / fine;
     };
     Json json = Json::parse(base);

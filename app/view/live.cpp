@@ -98,7 +98,8 @@ void Live::choose_pipeline(const std::string& name) {
 void Live::show(const std::string& resource) {
     const auto names = resources_of(*main_);
     if (!resource.empty() && std::ranges::find(names, resource) == names.end()) {
-        error_ = fmt::format("{} has no \"{}\"{}", main_->pipeline.name, resource, did_you_mean(resource, names));
+        error_ =
+            fmt::format("{} has no \"{}\"{}", main_->pipeline.name, resource, did_you_mean(resource, names));
         return;
     }
     StageWish wish = wish_;
@@ -185,7 +186,8 @@ void Live::reload_changed() {
         ++reloads_;
         return;
     }
-    std::set<std::filesystem::path> files = files_of_pipeline(main_->pipeline.file);  // it may extend others now
+    std::set<std::filesystem::path> files =
+        files_of_pipeline(main_->pipeline.file);  // it may extend others now
     files.insert(main_->files.begin(), main_->files.end());
     files_.watch(std::move(files), {wish_.node_folders.begin(), wish_.node_folders.end()});
 }

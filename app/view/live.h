@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the view shows, without a window: a shot that is flown through while a pipeline runs on it, beside another
-// pipeline or the truth. Whatever is wished for and cannot be had is an error in words, and what ran before
-// goes on.
+// What the view shows, without a window: a shot that is flown through while a pipeline runs on it, beside
+// another pipeline or the truth. Whatever is wished for and cannot be had is an error in words, and what ran
+// before goes on.
 #pragma once
 
 #include <memory>
@@ -24,7 +24,8 @@ inline constexpr std::array<const char*, 5> beside_names{"nothing", "raw", "publ
 
 struct PassCost {
     std::string node, type;
-    std::optional<double> ms, cpu_ms;  // of the device's timestamps, of the process; mean over the last frames
+    std::optional<double> ms,
+        cpu_ms;  // of the device's timestamps, of the process; mean over the last frames
 };
 
 // How good the mask is where the truth is known.
@@ -74,7 +75,7 @@ class Live {
     std::optional<Judgement> judgement() const;
     const std::string& error() const { return error_; }
     const std::vector<std::string>& warnings() const { return warnings_; }  // of the scene
-    uint32_t reloads() const { return reloads_; }  // that succeeded
+    uint32_t reloads() const { return reloads_; }                           // that succeeded
 
     const Stance& stance() const { return stance_; }  // of the last frame
     uint32_t frames() const { return index_; }        // that have run

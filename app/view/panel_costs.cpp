@@ -67,7 +67,8 @@ void Panels::memory(const Live& live) {
         ImGui::TableNextColumn();
         ImGui::TextUnformatted(r->names.back().c_str());
         ImGui::TableNextColumn();
-        bar(static_cast<double>(r->bytes), static_cast<double>(resources.front()->bytes), kib(r->bytes), memory_color);
+        bar(static_cast<double>(r->bytes), static_cast<double>(resources.front()->bytes), kib(r->bytes),
+            memory_color);
         ImGui::TableNextColumn();
         ImGui::Text("%u passes from %s%s", r->length, live.plan().passes[r->first_pass].node.c_str(),
                     r->history ? ", into the next frame" : "");

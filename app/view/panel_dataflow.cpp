@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The dataflow as boxes and lines; a click on a resource shows it.
-#include "app/view/dataflow.h"
-
 #include <algorithm>
 
+#include "app/view/dataflow.h"
 #include "app/view/panels.h"
 
 namespace penumbra::viewer {
@@ -55,11 +54,13 @@ void Panels::dataflow(const Live& live) {
         }
         for (size_t row = 0; row < box.rows.size(); ++row, ++y) {
             const std::string name = resource_of(box.rows[row]);
-            draw->AddText(at(box.x + 0.5, y + 0.1), name == shown ? bright_color : text_color, box.rows[row].c_str());
+            draw->AddText(at(box.x + 0.5, y + 0.1), name == shown ? bright_color : text_color,
+                          box.rows[row].c_str());
             if (std::ranges::find(can, name) == can.end()) continue;
             ImGui::PushID(static_cast<int>(1000 * b + row));
             ImGui::SetCursorScreenPos(at(box.x, y));
-            if (ImGui::InvisibleButton("row", {static_cast<float>(box.width) * height, height})) clicked = name;
+            if (ImGui::InvisibleButton("row", {static_cast<float>(box.width) * height, height}))
+                clicked = name;
             if (ImGui::IsItemHovered()) {
                 draw->AddRect(ImGui::GetItemRectMin(), ImGui::GetItemRectMax(), bright_color, 3);
                 ImGui::SetTooltip("show %s", name.c_str());

@@ -12,8 +12,9 @@ namespace penumbra::viewer {
 namespace {
 
 constexpr float left_width = 330, below_height = 250;
-constexpr ImGuiWindowFlags fixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
-                                   ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoBringToFrontOnFocus;
+constexpr ImGuiWindowFlags fixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar |
+                                   ImGuiWindowFlags_NoBringToFrontOnFocus;
 constexpr ImGuiWindowFlags overlay = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
                                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing;
 
@@ -50,7 +51,7 @@ void Panels::mark(const std::string& name) {
     places_[name] = {(low.x + high.x) / 2, (low.y + high.y) / 2};
 }
 
-Asked Panels::build(Live& live, FlightInput& input) {
+Asked Panels::build(Live& live, FlightInput& input, std::span<const int> went_down) {
     Asked asked;
     places_.clear();
     wishes_.clear();
@@ -61,7 +62,7 @@ Asked Panels::build(Live& live, FlightInput& input) {
     caption(live);
     messages(live);
     mouse(live, input);
-    keys(live, asked);
+    keys(live, went_down, asked);
     for (const auto& wish : wishes_) wish(live);
     return asked;
 }
@@ -71,7 +72,8 @@ void Panels::left(const Live& live) {
     ImGui::SetNextWindowSize({left_width, ImGui::GetIO().DisplaySize.y});
     ImGui::Begin("left", nullptr, fixed);
     ImGui::SetNextItemWidth(-1);
-    const bool open = ImGui::BeginCombo("##pipeline", live.wish().pipeline.c_str(), ImGuiComboFlags_HeightLarge);
+    const bool open =
+        ImGui::BeginCombo("##pipeline", live.wish().pipeline.c_str(), ImGuiComboFlags_HeightLarge);
     mark("pipeline");
     if (open) {
         for (const std::string& name : pipelines_) {
@@ -87,8 +89,7 @@ void Panels::left(const Live& live) {
     const auto [width, height] = live.size();
     ImGui::Text("%ux%u", width, height);
     ImGui::SameLine();
-    if (ImGui::SmallButton("coarser (-)"))
-        wishes_.emplace_back([](Live& l) { l.reduce(l.divisor() + 1); });
+    if (ImGui::SmallButton("coarser (-)")) wishes_.emplace_back([](Live& l) { l.reduce(l.divisor() + 1); });
     mark("coarser");
     ImGui::SameLine();
     if (ImGui::SmallButton("finer (=)") && live.divisor() > 1)
@@ -145,8 +146,8 @@ void Panels::control(const Live& live, size_t index) {
         case ParamType::integer: {
             int v = std::get<int32_t>(c.value);
             const std::string format = number_format(c.param, "%d");
-            if (range ? ImGui::SliderInt(name, &v, static_cast<int>((*range)[0]), static_cast<int>((*range)[1]),
-                                         format.c_str(), inside)
+            if (range ? ImGui::SliderInt(name, &v, static_cast<int>((*range)[0]),
+                                         static_cast<int>((*range)[1]), format.c_str(), inside)
                       : ImGui::DragInt(name, &v, 0.2f, 0, 0, format.c_str()))
                 wish(int32_t{v});
             break;
@@ -156,8 +157,9 @@ void Panels::control(const Live& live, size_t index) {
             const std::string format = number_format(c.param, "%u");
             const uint32_t low = range ? static_cast<uint32_t>((*range)[0]) : 0,
                            high = range ? static_cast<uint32_t>((*range)[1]) : 0;
-            if (range ? ImGui::SliderScalar(name, ImGuiDataType_U32, &v, &low, &high, format.c_str(), inside)
-                      : ImGui::DragScalar(name, ImGuiDataType_U32, &v, 0.2f, nullptr, nullptr, format.c_str()))
+            if (range
+                    ? ImGui::SliderScalar(name, ImGuiDataType_U32, &v, &low, &high, format.c_str(), inside)
+                    : ImGui::DragScalar(name, ImGuiDataType_U32, &v, 0.2f, nullptr, nullptr, format.c_str()))
                 wish(v);
             break;
         }
@@ -166,8 +168,9 @@ void Panels::control(const Live& live, size_t index) {
             const std::string format = number_format(c.param, "%.4g");
             // Of a range of several powers of ten the low end would be a pixel wide.
             const bool wide = range && (*range)[0] > 0 && (*range)[1] / (*range)[0] > 1000;
-            if (range ? ImGui::SliderFloat(name, &v, static_cast<float>((*range)[0]), static_cast<float>((*range)[1]),
-                                           format.c_str(), inside | (wide ? ImGuiSliderFlags_Logarithmic : 0))
+            if (range ? ImGui::SliderFloat(name, &v, static_cast<float>((*range)[0]),
+                                           static_cast<float>((*range)[1]), format.c_str(),
+                                           inside | (wide ? ImGuiSliderFlags_Logarithmic : 0))
                       : ImGui::DragFloat(name, &v, std::max(std::abs(v), 0.01f) / 100, 0, 0, format.c_str()))
                 wish(v);
             break;
@@ -176,7 +179,8 @@ void Panels::control(const Live& live, size_t index) {
         case ParamType::vec3:
         case ParamType::vec4: {
             auto v = std::get<std::vector<float>>(c.value);
-            const float low = range ? static_cast<float>((*range)[0]) : 0, high = range ? static_cast<float>((*range)[1]) : 0;
+            const float low = range ? static_cast<float>((*range)[0]) : 0,
+                        high = range ? static_cast<float>((*range)[1]) : 0;
             const std::string format = number_format(c.param, "%.4g");
             if (ImGui::DragScalarN(name, ImGuiDataType_Float, v.data(), static_cast<int>(v.size()), 0.01f,
                                    range ? &low : nullptr, range ? &high : nullptr, format.c_str(),
@@ -276,9 +280,9 @@ void Panels::messages(const Live& live) const {
     ImGui::PopStyleColor();
 }
 
-void Panels::keys(const Live& live, Asked& asked) {
+void Panels::keys(const Live& live, std::span<const int> went_down, Asked& asked) {
     if (ImGui::GetIO().WantTextInput) return;
-    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, false); };
+    const auto pressed = [&](int key) { return std::ranges::find(went_down, key) != went_down.end(); };
     for (int i = 0; i < static_cast<int>(beside_names.size()); ++i)
         if (pressed(GLFW_KEY_1 + i))
             wishes_.emplace_back([i](Live& l) { l.compare(static_cast<Beside>(i)); });
@@ -299,8 +303,9 @@ void Panels::keys(const Live& live, Asked& asked) {
 void Panels::mouse(Live& live, FlightInput& input) {
     const ImGuiIO& io = ImGui::GetIO();
     const Area area = picture_area(live);
-    const bool inside = !io.WantCaptureMouse && io.MousePos.x >= area.x && io.MousePos.x < area.x + area.width &&
-                        io.MousePos.y >= area.y && io.MousePos.y < area.y + area.height;
+    const bool inside = !io.WantCaptureMouse && io.MousePos.x >= area.x &&
+                        io.MousePos.x < area.x + area.width && io.MousePos.y >= area.y &&
+                        io.MousePos.y < area.y + area.height;
     const float line = area.x + static_cast<float>(live.split_share) * area.width;
     if (inside && (ImGui::IsMouseClicked(0) || ImGui::IsMouseClicked(1))) {
         drags_split_ = live.beside() != Beside::nothing && ImGui::IsMouseClicked(0) &&

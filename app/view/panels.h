@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The interface around the picture, in Dear ImGui: what runs and its parameters on the left, what it costs and its
-// dataflow below. It knows what is shown (live.h) and no window.
+// The interface around the picture, in Dear ImGui: what runs and its parameters on the left, what it costs
+// and its dataflow below. It knows what is shown (live.h) and no window.
 #pragma once
 
 #include <array>
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,15 +28,15 @@ class Panels {
     // `pipelines`: what can be chosen, the first is the one that was given.
     explicit Panels(std::vector<std::string> pipelines) : pipelines_(std::move(pipelines)) {}
 
-    // Between ImGui::NewFrame() and Render(). Wishes are carried out at the end of it. `input` gets what the mouse
-    // has done in the picture.
-    Asked build(Live& live, FlightInput& input);
+    // Between ImGui::NewFrame() and Render(). `pressed`: GLFW's numbers of the keys that went down. Wishes
+    // are carried out at the end of it. `input` gets what the mouse has done in the picture.
+    Asked build(Live& live, FlightInput& input, std::span<const int> pressed);
 
     // Where the picture goes, of these proportions.
     Area picture_area(const Live& live) const;
     const Places& places() const { return places_; }
-    std::string said;         // a line about what was written
-    std::string picture_note; // Picture::note of the last one
+    std::string said;          // a line about what was written
+    std::string picture_note;  // Picture::note of the last one
     double frames_per_second = 0;
 
   private:
@@ -52,7 +53,7 @@ class Panels {
     void help() const;
     void caption(const Live& live) const;
     void messages(const Live& live) const;
-    void keys(const Live& live, Asked& asked);
+    void keys(const Live& live, std::span<const int> pressed, Asked& asked);
     void mouse(Live& live, FlightInput& input);
 
     std::vector<std::string> pipelines_;

@@ -9,8 +9,8 @@
 
 namespace penumbra::viewer {
 
-// JSON: pipeline, settings (as --set takes them), size, resource, beside, the stance, judgement or null, error.
-// `places` (see panels.h) by name.
+// JSON: pipeline, settings (as --set takes them), size, resource, beside, the stance, judgement or null,
+// error. `places` (see panels.h) by name.
 std::string snapshot_text(const Live& live, const std::map<std::string, std::array<float, 2>>& places,
                           double frames_per_second);
 

@@ -17,9 +17,9 @@ struct StageWish {
     std::string pipeline;  // a file, or the name of a shipped one
     std::vector<std::string> settings, node_folders;
     std::array<uint32_t, 2> size{640, 360};
-    std::string light;              // as render's --light
-    std::optional<uint32_t> seed;   // instead of the shot's
-    std::string shown;              // a resource to look at beside the outputs; left out where there is none of it
+    std::string light;             // as render's --light
+    std::optional<uint32_t> seed;  // instead of the shot's
+    std::string shown;  // a resource to look at beside the outputs; left out where there is none of it
 };
 
 struct Stage {
@@ -31,7 +31,8 @@ struct Stage {
     bool fresh = true;                      // no frame has run yet
 };
 
-// Everything is read anew. What a device fails with is a diagnostic, too: the view goes on without this stage.
+// Everything is read anew. What a device fails with is a diagnostic, too: the view goes on without this
+// stage.
 std::unique_ptr<Stage> open_stage(Device& device, const Shot& shot, const StageWish& wish,
                                   Diagnostics& diagnostics, std::vector<std::string>& warnings);
 

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <fstream>
 #include <iostream>
+#include <span>
 #include <sstream>
 
 #include "app/commands.h"
@@ -79,7 +80,8 @@ std::optional<Job> prepare(const ViewCommandArguments& a) {
     if (!source || !size || !window) return std::nullopt;
     if (source->shot.analytic) {
         std::cerr << source->shot.file.string()
-                  << ": an analytic scene has a camera of its own, and nobody can fly in it: give a shot of a model\n";
+                  << ": an analytic scene has a camera of its own, and nobody can fly in it: give a shot of "
+                     "a model\n";
         return std::nullopt;
     }
     Job job{std::move(*source), "", {}, {}, Beside::nothing, {(*window)[0], (*window)[1]}, folder};
@@ -92,7 +94,8 @@ std::optional<Job> prepare(const ViewCommandArguments& a) {
     job.wish.seed = a.seed;
     job.pipelines.push_back(job.wish.pipeline);
     for (const fs::path& file : shipped_files(shipped_root(), shipped_pipelines))
-        if (const std::string name = file.stem().string(); name != job.wish.pipeline) job.pipelines.push_back(name);
+        if (const std::string name = file.stem().string(); name != job.wish.pipeline)
+            job.pipelines.push_back(name);
     const auto beside = std::ranges::find(beside_names, a.beside);
     job.beside = static_cast<Beside>(beside - beside_names.begin());
     return job;
@@ -113,7 +116,8 @@ void write_screenshot(const fs::path& png, Canvas& canvas, const Live& live, con
 fs::path free_name(const fs::path& folder, const char* name, const char* suffix) {
     fs::create_directories(folder);
     for (int i = 1;; ++i)
-        if (fs::path file = folder / fmt::format("{}.{:04}{}", name, i, suffix); !fs::exists(file)) return file;
+        if (fs::path file = folder / fmt::format("{}.{:04}{}", name, i, suffix); !fs::exists(file))
+            return file;
 }
 
 // The wishes of the command line; false, and it has been said why, where one cannot be had.
@@ -133,10 +137,10 @@ bool first_wishes(Live& live, const ViewCommandArguments& a, Beside beside) {
 }
 
 // The interface of this frame; what was asked for by keys is the result.
-Asked build(Live& live, Panels& panels, FlightInput& next) {
+Asked build(Live& live, Panels& panels, FlightInput& next, std::span<const int> pressed = {}) {
     ImGui_ImplVulkan_NewFrame();
     ImGui::NewFrame();
-    const Asked asked = panels.build(live, next);
+    const Asked asked = panels.build(live, next, pressed);
     ImGui::Render();
     return asked;
 }
@@ -145,7 +149,8 @@ int run_headless(Device& device, const ViewCommandArguments& a, Live& live, cons
     const Interface interface;
     Panels panels(job.pipelines);
     Canvas canvas(device, job.window);
-    ImGui::GetIO().DisplaySize = {static_cast<float>(job.window.width), static_cast<float>(job.window.height)};
+    ImGui::GetIO().DisplaySize = {static_cast<float>(job.window.width),
+                                  static_cast<float>(job.window.height)};
     const bool judged = live.beside() == Beside::truth || live.beside() == Beside::error;
     live.flight().play(!judged);
     const uint32_t frames = a.frames ? a.frames : 16;
@@ -210,7 +215,7 @@ int run_window(Device& device, const ViewCommandArguments& a, Live& live, const 
         canvas.resize(window.extent());
         ImGui_ImplGlfw_NewFrame();
         const Area area = panels.picture_area(live);
-        const Asked asked = build(live, panels, input);
+        const Asked asked = build(live, panels, input, window.pressed());
         canvas.draw(picture, area, ImGui::GetDrawData());
         window.present(canvas);
         if (asked.screenshot) {

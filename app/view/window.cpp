@@ -50,9 +50,11 @@ Window::Window(Device& device, VkExtent2D extent, const std::string& title) : de
         check(glfwCreateWindowSurface(device.instance(), window_, nullptr, &surface_),
               "glfwCreateWindowSurface", "the window");
         VkBool32 shows = VK_FALSE;
-        check(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface_, &shows),
-              "vkGetPhysicalDeviceSurfaceSupportKHR", "the window");
-        if (!shows) throw DeviceError(fmt::format("{} shows nothing in this window system", device.info().name));
+        check(
+            vkGetPhysicalDeviceSurfaceSupportKHR(device.physical(), device.queue_family(), surface_, &shows),
+            "vkGetPhysicalDeviceSurfaceSupportKHR", "the window");
+        if (!shows)
+            throw DeviceError(fmt::format("{} shows nothing in this window system", device.info().name));
         VkFenceCreateInfo create{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
         VkFence fence = VK_NULL_HANDLE;
         check(vkCreateFence(device.get(), &create, nullptr, &fence), "vkCreateFence", "the window");
@@ -62,7 +64,13 @@ Window::Window(Device& device, VkExtent2D extent, const std::string& title) : de
         glfwDestroyWindow(window_);
         throw;
     }
-    ImGui_ImplGlfw_InitForVulkan(window_, true);
+    glfwSetInputMode(window_, GLFW_STICKY_KEYS, GLFW_TRUE);  // a short tap flies a frame long
+    glfwSetWindowUserPointer(window_, this);
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+        if (action == GLFW_PRESS)
+            static_cast<Window*>(glfwGetWindowUserPointer(window))->pressed_.push_back(key);
+    });
+    ImGui_ImplGlfw_InitForVulkan(window_, true);  // calls what was there before
 }
 
 Window::~Window() {
@@ -73,6 +81,7 @@ Window::~Window() {
 }
 
 bool Window::poll() {
+    pressed_.clear();
     glfwPollEvents();
     return !glfwWindowShouldClose(window_);
 }
@@ -104,13 +113,15 @@ bool Window::make_swapchain(VkExtent2D extent) {
     const auto plain = std::ranges::find_if(formats, [](const VkSurfaceFormatKHR& f) {
         return f.format == VK_FORMAT_B8G8R8A8_UNORM || f.format == VK_FORMAT_R8G8B8A8_UNORM;
     });
-    if (plain == formats.end()) throw DeviceError("the window takes no 8-bit colours without a transfer curve");
+    if (plain == formats.end())
+        throw DeviceError("the window takes no 8-bit colours without a transfer curve");
     if (!(can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_DST_BIT))
         throw DeviceError("the window takes no copies of images");
     format_ = plain->format;
     VkSwapchainCreateInfoKHR create{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
     create.surface = surface_;
-    create.minImageCount = can.maxImageCount ? std::min(can.minImageCount + 1, can.maxImageCount) : can.minImageCount + 1;
+    create.minImageCount =
+        can.maxImageCount ? std::min(can.minImageCount + 1, can.maxImageCount) : can.minImageCount + 1;
     create.imageFormat = format_;
     create.imageColorSpace = plain->colorSpace;
     create.imageExtent = extent;
@@ -126,7 +137,8 @@ bool Window::make_swapchain(VkExtent2D extent) {
     swapchain_ = {device_.get(), made};
     check(vkGetSwapchainImagesKHR(device_.get(), made, &count, nullptr), "vkGetSwapchainImagesKHR", "count");
     images_.resize(count);
-    check(vkGetSwapchainImagesKHR(device_.get(), made, &count, images_.data()), "vkGetSwapchainImagesKHR", "list");
+    check(vkGetSwapchainImagesKHR(device_.get(), made, &count, images_.data()), "vkGetSwapchainImagesKHR",
+          "list");
     presented_ = extent;
     return true;
 }
@@ -153,7 +165,8 @@ void Window::present(const Canvas& canvas) {
         VkImageBlit blit{};  // copies would not change the order of the channels
         blit.srcSubresource = blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         blit.srcOffsets[1] = {static_cast<int32_t>(from.width), static_cast<int32_t>(from.height), 1};
-        blit.dstOffsets[1] = {static_cast<int32_t>(presented_.width), static_cast<int32_t>(presented_.height), 1};
+        blit.dstOffsets[1] = {static_cast<int32_t>(presented_.width), static_cast<int32_t>(presented_.height),
+                              1};
         vkCmdBlitImage(cmd, canvas.image().get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, images_[index],
                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, VK_FILTER_NEAREST);
         full_barrier(cmd, images_[index], format_, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,

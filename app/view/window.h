@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A window of GLFW's that shows a canvas by a swapchain of the device that draws it: nothing passes through the
-// processor on the way, and no second graphics interface is needed.
+// A window of GLFW's that shows a canvas by a swapchain of the device that draws it: nothing passes through
+// the processor on the way, and no second graphics interface is needed.
 #pragma once
 
 #include <string>
@@ -36,6 +36,9 @@ class Window {
     // In pixels; waits while it is minimised.
     VkExtent2D extent() const;
     void present(const Canvas& canvas);
+    // Keys that went down since the poll before: at five frames per second a key is up again before anybody
+    // looks.
+    const std::vector<int>& pressed() const { return pressed_; }
     // Keys that fly, where no field of the interface wants them.
     void fly(FlightInput& input) const;
 
@@ -49,6 +52,7 @@ class Window {
     std::vector<VkImage> images_;
     VkFormat format_ = VK_FORMAT_UNDEFINED;
     VkExtent2D presented_{};
+    std::vector<int> pressed_;
     Owned<VkFence> acquired_;
 };
 

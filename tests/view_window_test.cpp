@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+// `penumbra view` in a window of a screen without hardware (Xvfb), with clicks and keys as a hand gives them
+// (xdotool); looked at through the screenshots that it writes when it is told to.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "host/images/image_decode.h"
+#include "host/shots/shot.h"
+#include "tests/cli_run.h"
+
+namespace penumbra::test {
+namespace {
+
+using Json = nlohmann::json;
+using namespace std::chrono_literals;
+
+// A process of ours, which ends with us.
+class Child {
+  public:
+    Child(const std::vector<std::string>& command, const fs::path& said, const std::string& display,
+          int keep = -1) {
+        id_ = fork();
+        if (id_ != 0) return;
+        const int out = open(said.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+        dup2(out, 1);
+        dup2(out, 2);
+        if (keep >= 0) dup2(keep, 3);
+        if (!display.empty()) setenv("DISPLAY", display.c_str(), 1);
+        if (chdir(PENUMBRA_SOURCE_DIR) != 0) _exit(127);
+        std::vector<char*> arguments;
+        for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
+        arguments.push_back(nullptr);
+        execvp(arguments[0], arguments.data());
+        _exit(127);
+    }
+    ~Child() {
+        if (id_ > 0) kill(id_, SIGTERM);
+        wait();
+    }
+    Child(const Child&) = delete;
+    Child& operator=(const Child&) = delete;
+    bool runs() {
+        if (id_ > 0 && waitpid(id_, &status_, WNOHANG) == id_) id_ = 0;
+        return id_ > 0;
+    }
+    int wait() {
+        if (id_ > 0) waitpid(id_, &status_, 0);
+        id_ = 0;
+        return WIFEXITED(status_) ? WEXITSTATUS(status_) : -1;
+    }
+
+  private:
+    pid_t id_ = 0;
+    int status_ = 0;
+};
+
+class ViewWindow : public Cli {
+  protected:
+    void SetUp() override {
+        Cli::SetUp();
+        int ends[2];
+        ASSERT_EQ(pipe(ends), 0);
+        screen_ = std::make_unique<Child>(std::vector<std::string>{"Xvfb", "-displayfd", "3", "-screen", "0",
+                                                                   "1000x700x24", "-nolisten", "tcp"},
+                                          folder_ / "xvfb", "", ends[1]);
+        close(ends[1]);
+        char number[16] = {};
+        const ssize_t length = read(ends[0], number, sizeof number - 1);
+        close(ends[0]);
+        ASSERT_GT(length, 1) << "no Xvfb: scripts/setup.sh --test installs it; "
+                             << read_file(folder_ / "xvfb");
+        display_ = ":" + std::string(number, static_cast<size_t>(length) - 1);
+    }
+    void open_view(std::vector<std::string> more) {
+        std::vector<std::string> command{PENUMBRA_PROGRAM, "view",     "--size", "160x90",
+                                         "--window",       "1000x700", "--out",  (folder_ / "shots").string(),
+                                         "--validate"};
+        command.insert(command.end(), more.begin(), more.end());
+        view_ = std::make_unique<Child>(command, folder_ / "said", display_);
+        ASSERT_TRUE(hand("search --sync --onlyvisible --name 'penumbra view' windowfocus --sync"))
+            << read_file(folder_ / "said");
+    }
+    bool hand(const std::string& gesture) const {
+        return std::system(
+                   ("DISPLAY=" + display_ + " timeout 60 xdotool " + gesture + " >/dev/null 2>&1").c_str()) ==
+               0;
+    }
+    // What the window shows now: the JSON; its picture is in picture_.
+    Json look() {
+        const std::string name = "shots/view." + std::string(4 - std::to_string(looks_ + 1).size(), '0') +
+                                 std::to_string(looks_ + 1);
+        ++looks_;
+        EXPECT_TRUE(hand("key F12"));
+        for (int i = 0; i < 600 && !fs::exists(folder_ / (name + ".json")) && view_->runs(); ++i)
+            std::this_thread::sleep_for(100ms);
+        const std::string text = read_file(folder_ / (name + ".json"));
+        if (text.empty()) throw std::runtime_error("no screenshot: " + read_file(folder_ / "said"));
+        const std::string png = read_file(folder_ / (name + ".png"));
+        picture_ = decode_image(std::as_bytes(std::span(png)), 1u << 30).value();
+        seen_ = Json::parse(text);
+        return seen_;
+    }
+    void click(const std::string& place, int button = 1) {
+        ASSERT_TRUE(seen_["places"].contains(place)) << place << " is not in the window";
+        const auto [x, y] = seen_["places"][place].get<std::array<float, 2>>();
+        ASSERT_TRUE(hand("mousemove " + std::to_string(int(x)) + " " + std::to_string(int(y))));
+        std::this_thread::sleep_for(400ms);  // until a frame has seen the mouse there
+        ASSERT_TRUE(hand("click " + std::to_string(button)));
+        std::this_thread::sleep_for(400ms);
+    }
+    void drag(int button) {
+        const std::string b = std::to_string(button);
+        ASSERT_TRUE(hand("mousemove 560 200"));
+        std::this_thread::sleep_for(400ms);
+        ASSERT_TRUE(hand("mousedown " + b));
+        std::this_thread::sleep_for(600ms);
+        ASSERT_TRUE(hand("mousemove 620 200"));
+        std::this_thread::sleep_for(600ms);
+        ASSERT_TRUE(hand("mouseup " + b));
+        std::this_thread::sleep_for(400ms);
+    }
+    std::array<int, 3> pixel(uint32_t x, uint32_t y) const {
+        const uint8_t* p = picture_.rgba.data() + 4 * (size_t{y} * picture_.width + x);
+        return {p[0], p[1], p[2]};
+    }
+    // Pixels of the picture's right half that are neither black nor white nor of the interface.
+    size_t greys(uint32_t x0, uint32_t x1) const {
+        size_t count = 0;
+        for (uint32_t y = 60; y < 380; ++y)
+            for (uint32_t x = x0; x < x1; ++x) {
+                const auto [r, g, b] = pixel(x, y);
+                count += r == g && g == b && r > 8 && r < 247;
+            }
+        return count;
+    }
+
+    std::string display_;
+    std::unique_ptr<Child> screen_, view_;
+    int looks_ = 0;
+    Json seen_;
+    RgbaImage picture_;
+};
+
+glm::dvec3 vector(const Json& json) {
+    return {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
+}
+
+TEST_F(ViewWindow, HandsReachEverything) {
+    open_view({"covered", "--shot", "lamp"});
+    look();
+    EXPECT_EQ(picture_.width, 1000u);
+    EXPECT_EQ(picture_.height, 700u);
+    EXPECT_EQ(seen_["pipeline"], "covered");
+
+    // Beside raw rays: on the right there is no grey, on the left there is.
+    ASSERT_TRUE(hand("key space"));
+    click("beside raw");
+    look();
+    ASSERT_EQ(seen_["beside"], "raw") << seen_["error"];
+    EXPECT_GT(greys(340, 650), 20u);
+    EXPECT_EQ(greys(680, 990), 0u);
+
+    // Another pipeline, chosen from the list.
+    click("beside nothing");
+    click("pipeline");
+    look();
+    click("pipeline raw");
+    look();
+    EXPECT_EQ(seen_["pipeline"], "raw") << seen_["error"];
+
+    // The left button looks around, the right one moves the sun, a key flies.
+    const Json before = seen_;
+    drag(1);
+    look();
+    const glm::dvec3 old_ahead = vector(before["camera"]["target"]) - vector(before["camera"]["position"]),
+                     ahead = vector(seen_["camera"]["target"]) - vector(seen_["camera"]["position"]);
+    EXPECT_GT(glm::length(glm::normalize(old_ahead) - glm::normalize(ahead)), 0.02);
+    EXPECT_EQ(seen_["to_sun"], before["to_sun"]);
+    drag(3);
+    const Json looked = seen_;
+    look();
+    EXPECT_GT(glm::length(vector(looked["to_sun"]) - vector(seen_["to_sun"])), 0.02);
+    EXPECT_EQ(seen_["camera"], looked["camera"]);
+    const Json sunned = seen_;
+    ASSERT_TRUE(hand("key r"));
+    ASSERT_TRUE(hand("key w"));
+    std::this_thread::sleep_for(500ms);
+    look();
+    const glm::dvec3 way = vector(seen_["camera"]["position"]) - vector(sunned["camera"]["position"]);
+    ASSERT_GT(glm::length(way), 1e-4) << "a short tap flies, too";
+    EXPECT_GT(glm::dot(glm::normalize(way), glm::normalize(ahead)), 0.999);
+
+    // The flight is a shot.
+    ASSERT_TRUE(hand("key r"));
+    const fs::path flight = folder_ / "shots/flight.0001.shot.json";
+    for (int i = 0; i < 300 && !fs::exists(flight); ++i) std::this_thread::sleep_for(100ms);
+    Diagnostics diagnostics;
+    const auto flown = read_shot(flight, diagnostics);
+    ASSERT_TRUE(flown) << diagnostics.text();
+    EXPECT_TRUE(fs::exists(flown->model)) << flown->model;
+    EXPECT_LT(glm::length(flown->camera.front().position - vector(sunned["camera"]["position"])), 1e-3);
+
+    // The dataflow: a click on a resource shows it.
+    click("tab dataflow");
+    look();
+    click("resource view_depth");
+    look();
+    EXPECT_EQ(seen_["resource"], "view_depth") << seen_["error"];
+
+    // A key makes the picture coarser.
+    ASSERT_TRUE(hand("key minus"));
+    look();
+    EXPECT_EQ(seen_["size"], (Json{80, 45}));
+    EXPECT_EQ(seen_["error"], "");
+    EXPECT_TRUE(view_->runs()) << read_file(folder_ / "said");
+}
+
+// Validation is on, and what it says is the exit code.
+TEST_F(ViewWindow, ItEndsByItselfAndSilently) {
+    open_view({"hybrid_shadows", "--shot", "lamp", "--frames", "6"});
+    EXPECT_EQ(view_->wait(), 0) << read_file(folder_ / "said");
+    EXPECT_EQ(read_file(folder_ / "said"), "");
+}
+
+TEST_F(ViewWindow, HeadlessIsTheSamePictureAndMistakesAreSaid) {
+    const std::string png = (folder_ / "view.png").string();
+    const Result good =
+        run("view raw --shot lamp --size 160x90 --window 800x600 --frames 3 --beside truth --rays 16 "
+            "--validate --headless " +
+            png);
+    ASSERT_EQ(good.code, 0) << good.err;
+    const Json json = Json::parse(read_file(folder_ / "view.json"));
+    EXPECT_EQ(json["beside"], "truth");
+    EXPECT_GE(json["judgement"]["rays"], 16);
+    EXPECT_NEAR(json["judgement"]["n_eff"].get<double>(), 1, 0.6);
+    expect(run("view raw --shot lamp --size 160x90 --show vis --headless " + png + "x"), 2, "\"vis\"");
+    expect(run("view rew --shot lamp --headless " + png + "x"), 2, "did you mean \"raw\"?");
+    expect(run("view raw --shot lamp --rays 16"), 2, "--headless");
+    expect(run("view raw_reflections --shot lamp --size 160x90 --beside truth --headless " + png + "x"), 2,
+           "visibility");
+    const std::string analytic =
+        file("a.shot.json", R"({"penumbra_shot": 1, "scene": {"analytic": "half_plane",
+        "penumbra_px": 16}, "sun": {"keys": [{"frame": 0, "to_sun": [0.3, 0.2, 1]}]}})");
+    expect(run("view raw --shot " + analytic + " --headless " + png + "x"), 2, "analytic");
+    EXPECT_FALSE(fs::exists(png + "x")) << "nothing is left of what failed";
+}
+
+// Without a screen there is an error in words.
+TEST_F(Cli, AViewWithoutAScreenSaysSo) {
+    const std::string command = std::string("env -u DISPLAY -u WAYLAND_DISPLAY '") + PENUMBRA_PROGRAM +
+                                "' view raw --shot " PENUMBRA_SOURCE_DIR
+                                "/scenes/lamp.shot.json >/dev/null 2>'" +
+                                (folder_ / "err").string() + "'";
+    EXPECT_NE(std::system(command.c_str()), 0);
+    EXPECT_NE(read_file(folder_ / "err").find("--headless"), std::string::npos) << read_file(folder_ / "err");
+}
+
+}  // namespace
+}  // namespace penumbra::test
