@@ -69,7 +69,7 @@ std::vector<Stance> FlightRecord::frames(double fps) const {
 std::string FlightRecord::shot_text(const std::string& base, const Shot& shot, const fs::path& folder) const {
     if (held_.empty()) throw std::logic_error("a recorded flight has a frame");
     const std::vector<Stance> stances = frames(shot.fps);
-    constexpr double fine = 1e-4;
+    constexpr double fine = 1e-3;
     const auto missed_by_camera = [&](size_t a, size_t b, size_t i) {
         const CameraKey &p = stances[a].camera, &q = stances[b].camera, &r = stances[i].camera;
         const double t = share(a, b, i), scale = fine * std::max(glm::length(r.target - r.position), 1e-9);

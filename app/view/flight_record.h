@@ -21,7 +21,7 @@ class FlightRecord {
 
     // The text of a shot file that will stand in `folder`. `base`: the flown shot's own text, as it stands in
     // the folder of `shot`. The camera and the sun get a key wherever a straight course between two keys
-    // would miss what was recorded by more than a ten-thousandth of what the camera looks at, or a direction
+    // would miss what was recorded by more than a thousandth of what the camera looks at, or a direction
     // by as much. What moves by itself (objects, an animation) plays from the shot's first frame. Not of an
     // empty record.
     std::string shot_text(const std::string& base, const Shot& shot,

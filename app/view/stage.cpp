@@ -48,8 +48,7 @@ std::vector<std::string> resources_of(const Stage& stage) {
     std::vector<std::string> names;
     for (const PlanPass& pass : stage.session->plan().passes)
         if (pass.kind != PassKind::capture) names.insert(names.end(), pass.writes.begin(), pass.writes.end());
-    for (const HostSlot& slot : stage.session->plan().slots)
-        if (is_host_image(slot.name)) names.push_back(slot.name);
+    for (const char* name : {"depth", "normal", "motion", "albedo"}) names.emplace_back(name);
     return names;
 }
 

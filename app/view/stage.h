@@ -36,7 +36,7 @@ struct Stage {
 std::unique_ptr<Stage> open_stage(Device& device, const Shot& shot, const StageWish& wish,
                                   Diagnostics& diagnostics, std::vector<std::string>& warnings);
 
-// Names that a frame of the stage can be asked for: what its passes write, and the host's images.
+// Names that a frame of the stage can be asked for: what its passes write, and the G-buffer.
 std::vector<std::string> resources_of(const Stage& stage);
 
 }  // namespace penumbra::viewer
