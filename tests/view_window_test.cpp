@@ -91,39 +91,43 @@ class ViewWindow : public Cli {
                    ("DISPLAY=" + display_ + " timeout 60 xdotool " + gesture + " >/dev/null 2>&1").c_str()) ==
                0;
     }
-    // What the window shows now: the JSON; its picture is in picture_.
-    Json look() {
-        const std::string name = "shots/view." + std::string(4 - std::to_string(looks_ + 1).size(), '0') +
-                                 std::to_string(looks_ + 1);
-        ++looks_;
+    // Until a frame has been drawn that knows all gestures before: a screenshot is the sign.
+    std::string pass_frame() {
+        const std::string number = std::to_string(++looks_);
+        const fs::path name = folder_ / ("shots/view." + std::string(4 - number.size(), '0') + number);
         EXPECT_TRUE(hand("key F12"));
-        for (int i = 0; i < 600 && !fs::exists(folder_ / (name + ".json")) && view_->runs(); ++i)
-            std::this_thread::sleep_for(100ms);
-        const std::string text = read_file(folder_ / (name + ".json"));
-        if (text.empty()) throw std::runtime_error("no screenshot: " + read_file(folder_ / "said"));
-        const std::string png = read_file(folder_ / (name + ".png"));
+        for (int i = 0; i < 1200 && !fs::exists(name.string() + ".json") && view_->runs(); ++i)
+            std::this_thread::sleep_for(50ms);
+        if (!fs::exists(name.string() + ".json"))
+            throw std::runtime_error("no screenshot: " + read_file(folder_ / "said"));
+        return name.string();
+    }
+    // What the window shows now; its picture is in picture_. A click is two frames, and what it wishes for is
+    // seen in the third.
+    void look() {
+        pass_frame();
+        pass_frame();
+        const std::string name = pass_frame();
+        const std::string png = read_file(name + ".png");
         picture_ = decode_image(std::as_bytes(std::span(png)), 1u << 30).value();
-        seen_ = Json::parse(text);
-        return seen_;
+        seen_ = Json::parse(read_file(name + ".json"));
     }
     void click(const std::string& place, int button = 1) {
         ASSERT_TRUE(seen_["places"].contains(place)) << place << " is not in the window";
         const auto [x, y] = seen_["places"][place].get<std::array<float, 2>>();
         ASSERT_TRUE(hand("mousemove " + std::to_string(int(x)) + " " + std::to_string(int(y))));
-        std::this_thread::sleep_for(400ms);  // until a frame has seen the mouse there
+        pass_frame();
         ASSERT_TRUE(hand("click " + std::to_string(button)));
-        std::this_thread::sleep_for(400ms);
+        look();
     }
     void drag(int button) {
         const std::string b = std::to_string(button);
-        ASSERT_TRUE(hand("mousemove 560 200"));
-        std::this_thread::sleep_for(400ms);
-        ASSERT_TRUE(hand("mousedown " + b));
-        std::this_thread::sleep_for(600ms);
-        ASSERT_TRUE(hand("mousemove 620 200"));
-        std::this_thread::sleep_for(600ms);
-        ASSERT_TRUE(hand("mouseup " + b));
-        std::this_thread::sleep_for(400ms);
+        for (const std::string& gesture : {std::string("mousemove 560 200"), "mousedown " + b,
+                                           std::string("mousemove 620 200"), "mouseup " + b}) {
+            ASSERT_TRUE(hand(gesture));
+            pass_frame();
+        }
+        look();
     }
     std::array<int, 3> pixel(uint32_t x, uint32_t y) const {
         const uint8_t* p = picture_.rgba.data() + 4 * (size_t{y} * picture_.width + x);
@@ -161,7 +165,6 @@ TEST_F(ViewWindow, HandsReachEverything) {
     // Beside raw rays: on the right there is no grey, on the left there is.
     ASSERT_TRUE(hand("key space"));
     click("beside raw");
-    look();
     ASSERT_EQ(seen_["beside"], "raw") << seen_["error"];
     EXPECT_GT(greys(340, 650), 20u);
     EXPECT_EQ(greys(680, 990), 0u);
@@ -169,28 +172,24 @@ TEST_F(ViewWindow, HandsReachEverything) {
     // Another pipeline, chosen from the list.
     click("beside nothing");
     click("pipeline");
-    look();
     click("pipeline raw");
-    look();
     EXPECT_EQ(seen_["pipeline"], "raw") << seen_["error"];
 
     // The left button looks around, the right one moves the sun, a key flies.
     const Json before = seen_;
     drag(1);
-    look();
     const glm::dvec3 old_ahead = vector(before["camera"]["target"]) - vector(before["camera"]["position"]),
                      ahead = vector(seen_["camera"]["target"]) - vector(seen_["camera"]["position"]);
     EXPECT_GT(glm::length(glm::normalize(old_ahead) - glm::normalize(ahead)), 0.02);
     EXPECT_EQ(seen_["to_sun"], before["to_sun"]);
-    drag(3);
     const Json looked = seen_;
-    look();
+    drag(3);
     EXPECT_GT(glm::length(vector(looked["to_sun"]) - vector(seen_["to_sun"])), 0.02);
     EXPECT_EQ(seen_["camera"], looked["camera"]);
     const Json sunned = seen_;
     ASSERT_TRUE(hand("key r"));
+    look();
     ASSERT_TRUE(hand("key w"));
-    std::this_thread::sleep_for(500ms);
     look();
     const glm::dvec3 way = vector(seen_["camera"]["position"]) - vector(sunned["camera"]["position"]);
     ASSERT_GT(glm::length(way), 1e-4) << "a short tap flies, too";
@@ -208,9 +207,7 @@ TEST_F(ViewWindow, HandsReachEverything) {
 
     // The dataflow: a click on a resource shows it.
     click("tab dataflow");
-    look();
     click("resource view_depth");
-    look();
     EXPECT_EQ(seen_["resource"], "view_depth") << seen_["error"];
 
     // A key makes the picture coarser.
