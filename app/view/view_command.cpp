@@ -176,10 +176,12 @@ int run_headless(Device& device, const ViewCommandArguments& a, Live& live, cons
             for (; rays < (known ? known->rays : 0) && rays < a.rays; ++rays) progress.step();
         }
     }
-    FlightInput none;
     picture = live.picture();
     panels.picture_note = picture.note;
-    build(live, panels, none);
+    for (int i = 0; i < 2; ++i) {  // a caption of more lines is as large as it should be in the second
+        FlightInput none;
+        build(live, panels, none);
+    }
     canvas.draw(picture, panels.picture_area(live), ImGui::GetDrawData());
     const fs::path png = a.headless;
     if (png.has_parent_path()) fs::create_directories(png.parent_path());
