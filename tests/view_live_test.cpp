@@ -142,6 +142,10 @@ TEST_F(ViewLive, TheTruthConvergesWhileNothingMovesAndJudges) {
     // One ray per pixel is one effective ray per pixel, by the definition.
     EXPECT_NEAR(*noisy.judgement()->n_eff, 1, 0.35);
     EXPECT_GT(*good.judgement()->n_eff, 50);
+    noisy.choose_pipeline((fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json").string());
+    EXPECT_FALSE(noisy.judgement()) << "of a pipeline that has not drawn a frame";
+    run(noisy, 1);
+    EXPECT_TRUE(noisy.judgement()) << "the truth is the same";
     const uint32_t rays = good.judgement()->rays;
     good.frame({}, 1e9);
     EXPECT_GT(good.judgement()->rays, rays);
@@ -253,6 +257,15 @@ TEST_F(ViewLive, WhatIsSavedIsTakenOverAndMistakesAreShown) {
     l.reload_changed();
     EXPECT_EQ(l.error(), "");
     EXPECT_EQ(middle(), 153) << "what hands have turned outlives the file's own value";
+
+    // What is looked at, and what was turned, may be gone from what is saved.
+    l.show("dimmed");
+    write("mine.json", R"({ "extends": ")" + raw + R"(", "name": "mine" })");
+    l.reload_changed();
+    EXPECT_NE(l.error().find("\"dimmed\""), std::string::npos) << l.error();
+    EXPECT_NE(l.error().find("dim.gain"), std::string::npos) << l.error();
+    middle();
+    EXPECT_EQ(l.shown(), "lit");
 }
 
 TEST_F(ViewLive, ACoarserPictureIsOfTheSamePlace) {

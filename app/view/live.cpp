@@ -63,6 +63,11 @@ bool Live::restage(const StageWish& wish) {
     if (!lost.empty())
         error_ += fmt::format("{} {} no longer there, or of another type or range: as the pipeline says\n",
                               fmt::join(lost, ", "), lost.size() > 1 ? "are" : "is");
+    if (const auto names = resources_of(*main_);
+        !wish_.shown.empty() && std::ranges::find(names, wish_.shown) == names.end()) {
+        error_ += fmt::format("{} has no \"{}\" any more\n", main_->pipeline.name, wish_.shown);
+        wish_.shown.clear();
+    }
     watch();
     choose_jitter();
     if (beside_ != Beside::nothing && !puts_out(*main_, mask_name)) {
@@ -278,7 +283,7 @@ Picture Live::picture() const {
 }
 
 std::optional<Judgement> Live::judgement() const {
-    if (!truth_ || truth_->rounds() == 0) return std::nullopt;
+    if (main_->fresh || !truth_ || truth_->rounds() == 0) return std::nullopt;
     const Truth truth = truth_->truth();
     const PlanarImage image = captured_image(*main_->session, mask_name);
     std::vector<uint8_t> counted;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <span>
 #include <sstream>
@@ -112,12 +113,22 @@ void write_screenshot(const fs::path& png, Canvas& canvas, const Live& live, con
                snapshot_text(live, panels.places(), panels.frames_per_second));
 }
 
-// FOLDER/view.0001.png: the first number that is free.
-fs::path free_name(const fs::path& folder, const char* name, const char* suffix) {
-    fs::create_directories(folder);
-    for (int i = 1;; ++i)
-        if (fs::path file = folder / fmt::format("{}.{:04}{}", name, i, suffix); !fs::exists(file))
-            return file;
+// Writes FOLDER/view.0001.png, with the first number that is free; in words, what came of it: a full disk
+// ends no view.
+std::string keep(const fs::path& folder, const char* name, const char* suffix,
+                 const std::function<void(const fs::path&)>& write) {
+    try {
+        fs::create_directories(folder);
+        fs::path file;
+        for (int i = 1; file.empty() || fs::exists(file); ++i)
+            file = folder / fmt::format("{}.{:04}{}", name, i, suffix);
+        write(file);
+        return "written: " + file.generic_string();
+    } catch (const FileError& error) {
+        return error.what();
+    } catch (const fs::filesystem_error& error) {
+        return error.what();
+    }
 }
 
 // The wishes of the command line; false, and it has been said why, where one cannot be had.
@@ -220,16 +231,13 @@ int run_window(Device& device, const ViewCommandArguments& a, Live& live, const 
         const Asked asked = build(live, panels, input, window.pressed());
         canvas.draw(picture, area, ImGui::GetDrawData());
         window.present(canvas);
-        if (asked.screenshot) {
-            const fs::path png = free_name(job.folder, "view", ".png");
-            write_screenshot(png, canvas, live, panels);
-            panels.said = "written: " + png.generic_string();
-        }
-        if (asked.write_record && !live.recorded().empty()) {
-            const fs::path file = free_name(job.folder, "flight", ".shot.json");
-            write_text(file, live.recorded().shot_text(job.base, live.shot(), job.folder));
-            panels.said = "written: " + file.generic_string();
-        }
+        if (asked.screenshot)
+            panels.said = keep(job.folder, "view", ".png",
+                               [&](const fs::path& file) { write_screenshot(file, canvas, live, panels); });
+        if (asked.write_record && !live.recorded().empty())
+            panels.said = keep(job.folder, "flight", ".shot.json", [&](const fs::path& file) {
+                write_text(file, live.recorded().shot_text(job.base, live.shot(), job.folder));
+            });
         if (a.frames > 0 && live.frames() >= a.frames) break;
     }
     return exit_good;
