@@ -306,5 +306,24 @@ TEST_F(ViewLive, CameraAndSunMayGoAnywhere) {
     }
 }
 
+// What the shot's own course takes of shadow maps is no bound for hands.
+TEST_F(ViewLive, ACameraThatLandsHasItsCascades) {
+    shot_.camera = {{0, {0, 60, 1}, {0, 0, 0}, {0, 1, 0}}};
+    Live l = live("hybrid_cascades");
+    ASSERT_TRUE(l.open()) << l.error();
+    const auto cascades = [&] { return l.stage().session->host().cascade_fit(l.frames() - 1).count; };
+    run(l, 1);
+    const uint32_t from_above = cascades();
+    FlightInput down;
+    down.move = {0, -1, 0};
+    down.look = {0, 1.2};
+    down.seconds = 59.7 / l.flight().speed_m_per_s();
+    l.frame(down, 0);
+    run(l, 1);
+    EXPECT_NEAR(l.stance().camera.position.y, 0.3, 0.01);
+    EXPECT_GT(cascades(), from_above);
+    EXPECT_LE(cascades(), l.stage().session->cascade_maps()->maps().layers);
+}
+
 }  // namespace
 }  // namespace penumbra::viewer
