@@ -88,8 +88,7 @@ bool turn(Session& session, Control& control, const ParamValue& value) {
 std::vector<std::string> turn_again(Session& session, std::vector<Control>& controls, const Turned& turned) {
     std::vector<std::string> lost;
     for (const auto& [name, value] : turned) {
-        const auto control =
-            std::ranges::find_if(controls, [&](const Control& c) { return c.name() == name; });
+        const auto control = std::ranges::find(controls, name, &Control::name);
         if (control == controls.end() || !turn(session, *control, value)) lost.push_back(name);
     }
     return lost;
