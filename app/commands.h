@@ -44,6 +44,21 @@ struct RenderArguments {
     bool no_jitter = false;
 };
 
+struct ViewCommandArguments {
+    std::vector<std::string> files;  // a pipeline, a model, or both
+    ViewArguments view;
+    std::string out;  // for screenshots and flights; empty: out/<the shot's name>
+    std::string size = "640x360", window = "1280x800";
+    std::string show, beside = "nothing";  // what the picture begins with
+    std::vector<std::string> settings, node_folders;
+    std::string device, light;
+    std::optional<uint32_t> seed;
+    bool validate = false;
+    std::string headless;  // a PNG file, instead of a window
+    uint32_t frames = 0;   // after which it ends; 0: when the window is closed
+    uint32_t rays = 64;    // headless: of the truth
+};
+
 struct PlanArguments {
     std::string pipeline, size, facts, format = "text", device, out;
     std::vector<std::string> settings, node_folders;
@@ -137,6 +152,7 @@ struct ExplainArguments {
 };
 
 int run_render(const RenderArguments& arguments);
+int run_view(const ViewCommandArguments& arguments);
 int run_plan(const PlanArguments& arguments);
 int run_statics(const StaticsArguments& arguments);
 int run_check(const CheckArguments& arguments);

@@ -61,6 +61,36 @@ void add_render(CLI::App& app, RenderArguments& a) {
     c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
 }
 
+void add_view_command(CLI::App& app, ViewCommandArguments& a) {
+    CLI::App* c = app.add_subcommand("view", "fly through a shot or a model while a pipeline runs on it");
+    c->add_option(
+         "files", a.files,
+         "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
+        ->expected(0, 2);
+    add_view(c, a.view);
+    c->add_option("--size", a.size, "WxH that is rendered (default: 640x360)");
+    c->add_option("--window", a.window, "WxH of the window (default: 1280x800)");
+    c->add_option("--show", a.show, "begin with this resource instead of the pipeline's last output");
+    c->add_option("--beside", a.beside,
+                  "begin with this on the right: nothing, raw, published, truth or error")
+        ->check(CLI::IsMember({"nothing", "raw", "published", "truth", "error"}));
+    c->add_option("--out", a.out,
+                  "folder for screenshots and flights (default: out/NAME of the shot or model)");
+    c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline");
+    add_node_folders(c, a.node_folders);
+    c->add_option("--device", a.device, "part of a device's name");
+    c->add_option("--seed", a.seed, "instead of the shot's seed");
+    c->add_option("--light", a.light, "of which of the shot's lights the mask is, where it has several");
+    c->add_flag("--validate", a.validate, "Vulkan validation with synchronisation checks");
+    c->add_option("--frames", a.frames,
+                  "end after so many (default: when the window is closed; headless: 16)");
+    CLI::Option* headless =
+        c->add_option("--headless", a.headless, "PNG file: write what the window would show, and open none");
+    c->add_option("--rays", a.rays, "headless: per pixel of the truth (default: 64)")
+        ->check(CLI::Range(4u, 65536u))
+        ->needs(headless);
+}
+
 void add_plan(CLI::App& app, PlanArguments& a) {
     CLI::App* c = app.add_subcommand("plan", "compile a pipeline and print the plan; no device is needed");
     c->add_option("pipeline", a.pipeline, "pipeline: a file, or the name of a shipped one")->required();
@@ -216,7 +246,8 @@ int dispatch(const CLI::App& app, const RenderArguments& render, const PlanArgum
              const CheckArguments& check, const NodesArguments& nodes, const ReferenceArguments& reference,
              const CompareArguments& compare, const ReportArguments& report, const GatesArguments& gates,
              const ExplainArguments& explain, const StaticsArguments& statics, const BenchArguments& bench,
-             const ShotArguments& shot) {
+             const ShotArguments& shot, const ViewCommandArguments& view) {
+    if (app.got_subcommand("view")) return run_view(view);
     if (app.got_subcommand("shot")) return run_shot(shot);
     if (app.got_subcommand("statics")) return run_statics(statics);
     if (app.got_subcommand("bench")) return run_bench(bench);
@@ -257,7 +288,9 @@ int run(int argc, char** argv) {
     ExplainArguments explain;
     ShotArguments shot;
     StaticsArguments statics;
+    ViewCommandArguments view;
     add_render(app, render);
+    add_view_command(app, view);
     add_plan(app, plan);
     add_reference(app, reference);
     add_compare(app, compare);
@@ -306,7 +339,7 @@ int run(int argc, char** argv) {
     for (int i = 0; i < argc; ++i) report.command_line += (i ? " " : "") + std::string(argv[i]);
     bench.command_line = report.command_line;
     return dispatch(app, render, plan, check, nodes, reference, compare, report, gates, explain, statics,
-                    bench, shot);
+                    bench, shot, view);
 }
 
 // A standard stream that is closed gives its number to the next file that is opened, which would then be

@@ -8,15 +8,19 @@
 
 namespace penumbra {
 
-std::optional<NodeSet> open_nodes(const std::vector<std::string>& folders) {
+std::optional<NodeSet> read_nodes(const std::vector<std::string>& folders, Diagnostics& diagnostics) {
     NodeSet nodes = shadow_nodes();
     const auto warn = [](const std::string& message) { std::cerr << "warning: " << message << "\n"; };
     const auto cache = open_shader_cache(default_shader_cache(), warn);
-    Diagnostics diagnostics;
     for (const std::string& folder : folders) add_user_nodes(nodes, folder, diagnostics, cache);
-    if (diagnostics.empty()) return nodes;
-    std::cerr << diagnostics.text();
-    return std::nullopt;
+    return diagnostics.empty() ? std::optional(std::move(nodes)) : std::nullopt;
+}
+
+std::optional<NodeSet> open_nodes(const std::vector<std::string>& folders) {
+    Diagnostics diagnostics;
+    auto nodes = read_nodes(folders, diagnostics);
+    if (!nodes) std::cerr << diagnostics.text();
+    return nodes;
 }
 
 }  // namespace penumbra

@@ -182,6 +182,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (options.optimum) compile_options.optimum_search_nodes = render_search_nodes;
     host_options.jitter = options.jitter;
     host_options.light = chosen->name;
+    host_options.steered = options.steered;
     host_options.materials = std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
         return input.name == "material" || input.name == "emissive";
     });
@@ -200,6 +201,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                           fmt::format("at {}x{}: {}", options.size[0], options.size[1], error.what()));
     }
     Facts facts = options.facts;
+    if (options.steered)  // what a camera or a sun that somebody steers may come to
+        facts.merge(Facts{{"moves", true}, {"sun_moves", true}, {"sun_up", true}});
     facts.merge(session->host_->facts());  // keeps what is there
     Target target =
         standalone_target(pipeline, table, options.largest.value_or(options.size), facts,
@@ -322,10 +325,10 @@ FrameCost Session::repeat_frame() {
     return run_passes([](VkCommandBuffer) {}, {});
 }
 
-void Session::update_surfaces(uint32_t index, uint32_t previous) {
-    surfaces_->update(index, previous, bvh_ ? &bvh_->bvh() : nullptr,
+void Session::update_surfaces(double moment, double previous) {
+    surfaces_->update(moment, previous, bvh_ ? &bvh_->bvh() : nullptr,
                       tlas_ ? tlas_->first_triangles() : std::vector<uint32_t>{});
-    surfaces_frames_ = {index, previous};
+    surfaces_moments_ = {moment, previous};
 }
 
 void Session::draw_cascades(uint32_t index, FrameCost& cost) {
@@ -343,18 +346,19 @@ void Session::draw_cascades(uint32_t index, FrameCost& cost) {
 FrameCost Session::run_frame(uint32_t index, bool reset) {
     const StandaloneFrame frame = host_->frame(index, reset);
     // Since the frame that was traced last, which need not be the one before: a session may start anywhere.
-    if (host_->scene().moved(traced_frame_, index)) {
-        if (bvh_) bvh_->update(index);
-        if (tlas_) tlas_->update(index);
-        if (cascade_maps_) cascade_maps_->update(index);
+    const double moment = host_->moment(index);
+    if (host_->scene().moved(traced_moment_, moment)) {
+        if (bvh_) bvh_->update(moment);
+        if (tlas_) tlas_->update(moment);
+        if (cascade_maps_) cascade_maps_->update(moment);
     }
-    traced_frame_ = index;
+    traced_moment_ = moment;
     if (surfaces_) {
-        const uint32_t previous = frame.description.flags & frame_reset ? index : index - 1;
-        const auto moved = [&](uint32_t a, uint32_t b) { return host_->scene().moved(a, b); };
-        if (moved(surfaces_frames_[0], index) || moved(surfaces_frames_[0], surfaces_frames_[1]) ||
-            moved(previous, index))
-            update_surfaces(index, previous);
+        const double previous = frame.description.flags & frame_reset ? moment : host_->moment(index - 1);
+        const auto moved = [&](double a, double b) { return host_->scene().moved(a, b); };
+        if (moved(surfaces_moments_[0], moment) || moved(surfaces_moments_[0], surfaces_moments_[1]) ||
+            moved(previous, moment))
+            update_surfaces(moment, previous);
     }
     write_blocks(frame);
     last_ = frame.description;

@@ -33,8 +33,9 @@ struct SessionOptions {
     bool always_jitter = false;  // whether one does or not
     bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
     std::optional<uint32_t> poison;
-    Facts facts;             // instead of what the scene says
-    bool optimum = true;     // search for the smallest possible heap, for the report
+    Facts facts;           // instead of what the scene says
+    bool optimum = true;   // search for the smallest possible heap, for the report
+    bool steered = false;  // somebody will steer(): facts promise neither a still camera nor a sun that is up
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
@@ -61,6 +62,10 @@ class Session {
                                          std::vector<std::string>& warnings);
 
     FrameCost run_frame(uint32_t index, bool reset);
+    // Before the frame of this index is run: from where it is seen, instead of from where the shot says.
+    void steer(uint32_t index, const Stance& stance) { host_->steer(index, stance); }
+    // From the next frame on: whether frames are rasterised off their pixels' centres.
+    void set_jitter(bool wanted) { host_->set_jitter(wanted); }
 
     // The last frame's passes once more, on the same inputs and the history that they have just left.
     FrameCost repeat_frame();
@@ -68,6 +73,10 @@ class Session {
     void set_pass_costs(bool wanted) { pass_costs_ = wanted; }
     // A dynamic parameter of every node that has one of this name, from the next frame on.
     void set_param(std::string_view name, const ParamValue& value);
+    // Of one pass; false where it is not of its type and range.
+    bool set_param(size_t pass, size_t param, const ParamValue& value) {
+        return view_->set_param(pass, param, value);
+    }
 
     const Plan& plan() const { return view_->plan(); }
     const View& view() const { return *view_; }
@@ -84,7 +93,7 @@ class Session {
     void write_blocks(const StandaloneFrame& frame);
     // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is
     // none.
-    void update_surfaces(uint32_t index, uint32_t previous);
+    void update_surfaces(double moment, double previous);
     void draw_cascades(uint32_t index, FrameCost& cost);
     // Adds what the passes cost to `cost`.
     FrameCost run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost);
@@ -100,9 +109,9 @@ class Session {
     std::unique_ptr<HitSurfaces> surfaces_;  // where a pass shades what its rays hit
     GpuImage environment_;                   // where a pass looks beyond the scene
     std::unique_ptr<CascadeMaps> cascade_maps_;
-    uint32_t traced_frame_ = 0;  // the frame that all three stand at
-    std::array<uint32_t, 2>
-        surfaces_frames_{};  // what `surfaces_` was made for: the frame and its previous one
+    double traced_moment_ = 0;  // the moment that all three stand at
+    std::array<double, 2>
+        surfaces_moments_{};  // what `surfaces_` was made for: the frame's and its previous one's
     GpuBuffer sun_, sun_prev_, light_, scene_, cascades_;
     std::unique_ptr<View> view_;
 };

@@ -3,9 +3,11 @@
 #include "app/truth.h"
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/type_ptr.hpp>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 
@@ -89,48 +91,107 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }
 
-Truth counted_truth(Session& session, uint32_t frame, uint32_t rays) {
-    session.run_frame(frame, false);
-    const uint32_t width = session.plan().extent.width, height = session.plan().extent.height;
-    const size_t pixels = size_t{width} * height;
-    const std::vector<float> depth = captured_floats(session, "view_depth", pixels),
-                             normal = captured_floats(session, "receiver_normal", 2 * pixels);
-    const StandaloneHost& host = session.host();
-    const Scene& scene = host.scene();
-    const CountedVisibility counted(scene, frame);
-    const ViewRays view_rays(session.frame_description(), host.shot().origin + scene.bvh_origin());
-    const SunState sun = sun_at(host.shot(), frame);
-    const uint32_t side = strata_per_axis(rays);
+struct TruthRounds::State {
+    State(const Session& session, uint32_t index, uint32_t strata)
+        : extent(session.plan().extent),
+          pixels(size_t{extent.width} * extent.height),
+          depth(captured_floats(session, "view_depth", pixels)),
+          normal(captured_floats(session, "receiver_normal", 2 * pixels)),
+          frame(session.frame_description()),
+          counted(session.host().scene(), session.host().moment(index)),
+          rays(frame, session.host().shot().origin + session.host().scene().bvh_origin()),
+          sun(sun_at(session.host().shot(), index)),
+          side(strata),
+          seed(session.seed()),
+          points(pixels),
+          sums(pixels),
+          row_rounds(extent.height) {}
 
-    Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
+    void trace_row(uint32_t y) {
+        for (uint32_t x = 0; x < extent.width; ++x) {
+            const size_t p = size_t{y} * extent.width + x;
+            if (!(depth[p] > 0)) continue;
+            if (round == 0) {
+                points[p] = counted.shown(rays.at(x, y), depth[p],
+                                          octahedral_normal({normal[2 * p], normal[2 * p + 1]}));
+                if (!points[p]) ++lost;
+            }
+            if (!points[p]) continue;
+            const SunStrata strata{sun.to_sun, sun.angular_radius, side,
+                                   pcg(uint32_t(p) + pcg(seed + round))};
+            sums[p] += counted.visibility(*points[p], strata);
+        }
+        row_rounds[y] = round + 1;
+    }
+
+    Extent extent;
+    size_t pixels;
+    std::vector<float> depth, normal;
+    FrameDescription frame;
+    CountedVisibility counted;
+    ViewRays rays;  // refers to `frame`
+    SunState sun;
+    uint32_t side, seed;
+    std::vector<std::optional<SurfacePoint>> points;
+    std::vector<double> sums;  // over rounds
+    std::vector<uint32_t> row_rounds;
+    uint32_t round = 0;
     std::atomic<uint32_t> next_row{0};
     std::atomic<size_t> lost{0};
-    const auto work = [&] {
-        for (uint32_t y; (y = next_row++) < height;) {
-            for (uint32_t x = 0; x < width; ++x) {
-                const size_t p = size_t{y} * width + x;
-                if (!(depth[p] > 0)) continue;
-                const auto point = counted.shown(view_rays.at(x, y), depth[p],
-                                                 octahedral_normal({normal[2 * p], normal[2 * p + 1]}));
-                if (!point) {
-                    ++lost;
-                    continue;
-                }
-                const SunStrata strata{sun.to_sun, sun.angular_radius, side,
-                                       pcg(uint32_t(p) + pcg(session.seed()))};
-                truth.visibility[p] = static_cast<float>(counted.visibility(*point, strata));
-                truth.receiver[p] = 1;
-                truth.rays[p] = static_cast<float>(side * side);
-            }
+};
+
+TruthRounds::TruthRounds(const Session& session, uint32_t frame, uint32_t side)
+    : state_(std::make_unique<State>(session, frame, side)) {}
+TruthRounds::~TruthRounds() = default;
+
+void TruthRounds::work(double milliseconds) {
+    using Clock = std::chrono::steady_clock;
+    State& s = *state_;
+    const auto start = Clock::now();
+    const auto some = [&] {
+        for (uint32_t y; (y = s.next_row++) < s.extent.height;) {
+            s.trace_row(y);
+            if (std::chrono::duration<double, std::milli>(Clock::now() - start).count() >= milliseconds)
+                return;
         }
     };
     {
         std::vector<std::jthread> others(std::max(std::thread::hardware_concurrency(), 1u) - 1);
-        for (std::jthread& thread : others) thread = std::jthread(work);
-        work();
+        for (std::jthread& thread : others) thread = std::jthread(some);
+        some();
     }
-    truth.lost = lost;
+    if (s.next_row < s.extent.height) return;
+    s.next_row = 0;
+    ++s.round;
+}
+
+uint32_t TruthRounds::rounds() const {
+    return state_->round;
+}
+
+bool TruthRounds::knows(uint32_t row) const {
+    return state_->row_rounds.at(row) > 0;
+}
+
+Truth TruthRounds::truth() const {
+    const State& s = *state_;
+    Truth truth{std::vector<float>(s.pixels, 1), std::vector<float>(s.pixels), std::vector<float>(s.pixels)};
+    for (size_t p = 0; p < s.pixels; ++p) {
+        const uint32_t rounds = s.row_rounds[p / s.extent.width];
+        if (!s.points[p] || rounds == 0) continue;
+        truth.visibility[p] = static_cast<float>(s.sums[p] / rounds);
+        truth.receiver[p] = 1;
+        truth.rays[p] = static_cast<float>(s.side * s.side * rounds);
+    }
+    truth.lost = s.lost;
     return truth;
+}
+
+Truth counted_truth(Session& session, uint32_t frame, uint32_t rays) {
+    session.run_frame(frame, false);
+    TruthRounds rounds(session, frame, strata_per_axis(rays));
+    while (rounds.rounds() == 0) rounds.work(std::numeric_limits<double>::infinity());
+    return rounds.truth();
 }
 
 }  // namespace penumbra

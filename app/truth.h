@@ -25,6 +25,23 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
 // (host/truth/counted_visibility.h).
 Truth counted_truth(Session& session, uint32_t frame, uint32_t rays);
 
+// The same bit by bit, of the frame that the session has just run. Each round casts side x side rays per
+// pixel in directions of its own; what is known is their mean.
+class TruthRounds {
+  public:
+    TruthRounds(const Session& session, uint32_t frame, uint32_t side);
+    ~TruthRounds();
+    // Goes on, on all cores, for about so many milliseconds: at least a row, at most to the round's end.
+    void work(double milliseconds);
+    uint32_t rounds() const;         // that every pixel has
+    Truth truth() const;             // of all rows so far; rays 0 where there are none yet
+    bool knows(uint32_t row) const;  // a round of it is done
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
 uint32_t rays_cast(uint32_t wanted);  // the next square
 
 }  // namespace penumbra

@@ -93,8 +93,24 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const Sta
       sub_pixel_bits_(device.limits().subPixelPrecisionBits + gbuffer_further_bits),
       gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
                options.materials) {
+    if (options.steered) cascade_layers_ = max_cascades;
     for (uint32_t index = 0; index < shot_.frames; ++index)
         cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
+}
+
+void StandaloneHost::steer(uint32_t index, const Stance& stance) {
+    Stance now = stance, before = stances_.empty() ? stance : stances_.back();
+    now.camera.frame = now.sun.frame = index;
+    before.camera.frame = before.sun.frame = index - 1.0;
+    stances_ = {before, now};
+    shot_.camera = {before.camera, now.camera};
+    shot_.sun = {before.sun, now.sun};
+    shot_.cuts.clear();
+}
+
+double StandaloneHost::moment(uint32_t index) const {
+    if (stances_.empty()) return index;
+    return (index < stances_.back().camera.frame ? stances_.front() : stances_.back()).moment;
 }
 
 CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
@@ -105,7 +121,7 @@ CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
     const SunState sun = sun_at(shot_, index);
     request.to_sun = sun.to_sun;
     request.angular_radius = sun.angular_radius;
-    const auto [low, high] = scene_.box(index);
+    const auto [low, high] = scene_.box(moment(index));
     request.low = low;
     request.high = high;
     request.size = options_.cascade_size;
@@ -136,7 +152,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     out.sun = sun_block(sun_at(shot_, index));
     out.sun_prev = sun_block(sun_at(shot_, previous));
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
-    if (light()) out.light = light_block(*light(), index, camera - shot_.origin);
+    if (light()) out.light = light_block(*light(), moment(index), camera - shot_.origin);
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_.bvh_origin());
     for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
@@ -146,8 +162,8 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
 void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& frame) {
     const FrameDescription& description = frame.description;
     const uint32_t previous = (description.flags & frame_reset) ? description.index : description.index - 1;
-    gbuffer_.record(commands, description, scene_.transforms(description.index), scene_.transforms(previous),
-                    shot_.origin);
+    gbuffer_.record(commands, description, scene_.transforms(moment(description.index)),
+                    scene_.transforms(moment(previous)), shot_.origin);
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {

@@ -25,6 +25,15 @@ struct StandaloneOptions {
     uint32_t cascade_size = 1024;  // texels along a side of a shadow map
     std::string light = "sun";     // a name of the shot's: which one masks are of
     bool materials = false;        // whether the G-buffer has `material` and `emissive`
+    bool steered = false;          // somebody will steer(): maps are made for any camera and sun
+};
+
+// Where somebody stands who looks around, and the moment of the shot that is seen, in frames of it: an
+// animation may be held while frames go on.
+struct Stance {
+    CameraKey camera;
+    SunKey sun;
+    double moment = 0;
 };
 
 // One frame's data, a pure function of its index.
@@ -48,6 +57,11 @@ class StandaloneHost {
 
     // `reset`: the frame has no history (the first one, a cold start); its previous camera is its own.
     StandaloneFrame frame(uint32_t index, bool reset) const;
+    // From this frame on, instead of the shot's own course; the frame before it is seen as it was steered
+    // last.
+    void steer(uint32_t index, const Stance& stance);
+    // The moment of the shot that a frame shows: its number, unless somebody steers.
+    double moment(uint32_t index) const;
     // Whether the shot cuts to this frame: it then has no history either.
     bool cut(uint32_t index) const;
     // How far off their pixels' centres a frame's points are, in uv.
@@ -83,6 +97,7 @@ class StandaloneHost {
     uint32_t sub_pixel_bits_;  // of the G-buffer's depth
     GBuffer gbuffer_;
     uint32_t cascade_layers_ = 1;
+    std::vector<Stance> stances_;  // as steered: of the last two frames, by CameraKey::frame
 };
 
 }  // namespace penumbra

@@ -18,6 +18,7 @@ packages=(
     libglm-dev nlohmann-json3-dev libfmt-dev libcli11-dev
     libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
     libdraco-dev libmeshoptimizer-dev # compressed meshes of glTF files
+    libglfw3-dev libimgui-dev         # the window of penumbra view
 )
 if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
     packages+=(
@@ -26,6 +27,7 @@ if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
         libembree-dev libvalijson-dev # judges of rays and of JSON Schemas
         chromium                      # opens the report's page, brings SwiftShader (swiftshader.sh)
         python3                       # scripts that compare
+        xvfb xdotool                  # a screen and a hand for penumbra view
     )
 fi
 [[ ${1:-} == --dev ]] && packages+=(ccache clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev shellcheck)

@@ -182,7 +182,7 @@ Device::Device(const DeviceOptions& options) : messages_(std::make_unique<Messag
     try {
         create_instance(options);
         pick_physical_device(options.name);
-        create_device(options.statistics);
+        create_device(options);
     } catch (...) {
         destroy();
         throw;
@@ -216,7 +216,8 @@ void Device::create_instance(const DeviceOptions& options) {
     VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
     features.enabledValidationFeatureCount = 1;
     features.pEnabledValidationFeatures = enabled;
-    const char* extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    std::vector<const char*> extensions;
+    for (const std::string& name : options.surface_extensions) extensions.push_back(name.c_str());
 
     VkInstanceCreateInfo create{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
     create.pApplicationInfo = &app;
@@ -228,9 +229,11 @@ void Device::create_instance(const DeviceOptions& options) {
         create.pNext = &features;
         create.enabledLayerCount = 1;
         create.ppEnabledLayerNames = &validation_layer;
-        create.enabledExtensionCount = 2;
-        create.ppEnabledExtensionNames = extensions;
+        extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+        extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
     }
+    create.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+    create.ppEnabledExtensionNames = extensions.data();
     // What a call that fails leaves in its result is undefined; destroy() must not see it.
     VkInstance instance = VK_NULL_HANDLE;
     check(vkCreateInstance(&create, nullptr, &instance), "vkCreateInstance", "standalone host");
@@ -261,7 +264,7 @@ void Device::pick_physical_device(const std::string& wish) {
                           : fmt::format("no usable Vulkan device is named \"{}\" among:{}", wish, seen));
 }
 
-void Device::create_device(bool statistics) {
+void Device::create_device(const DeviceOptions& options) {
     bool timestamps = false;
     queue_family_ = *find_queue_family(physical_, &timestamps);
     VkPhysicalDeviceProperties properties{};
@@ -297,12 +300,20 @@ void Device::create_device(bool statistics) {
     if (caps_.ray_query) extensions_.assign(std::begin(ray_query_extensions), std::end(ray_query_extensions));
     VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR executables{
         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR, nullptr, VK_TRUE};
-    if (statistics) {
+    if (options.statistics) {
         if (!has_extensions(physical_, {&statistics_extension, 1}))
             throw DeviceError(fmt::format("{} ({}) tells no statistics of pipelines: it lacks {}", info_.name,
                                           info_.driver, statistics_extension));
         extensions_.push_back(statistics_extension);
         (caps_.ray_query ? use.ray_query.pNext : use.v13.pNext) = &executables;
+    }
+
+    if (!options.surface_extensions.empty()) {
+        const char* swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+        if (!has_extensions(physical_, {&swapchain, 1}))
+            throw DeviceError(fmt::format("{} ({}) shows nothing in a window: it lacks {}", info_.name,
+                                          info_.driver, swapchain));
+        extensions_.push_back(swapchain);
     }
 
     const float priority = 1;

@@ -34,6 +34,9 @@ struct DeviceInfo {
 struct DeviceOptions {
     std::string name;         // substring of the device's name, any case; empty: the first usable one
     bool validation = false;  // the Khronos validation layer with synchronisation checks
+    // Of the instance, as a window system's library names those that it needs for surfaces. With any, the
+    // device brings VK_KHR_swapchain; an error where it cannot.
+    std::vector<std::string> surface_extensions;
     bool statistics = false;  // have the driver say what it made of pipelines; an error where it cannot
 };
 
@@ -81,7 +84,7 @@ class Device {
     struct Messages;
     void create_instance(const DeviceOptions& options);
     void pick_physical_device(const std::string& wish);
-    void create_device(bool statistics);
+    void create_device(const DeviceOptions& options);
     void destroy();
 
     std::unique_ptr<Messages> messages_;

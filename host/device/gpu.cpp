@@ -97,7 +97,8 @@ Owned<VkImageView> make_view(const Device& device, const GpuImage& image, VkImag
     return {device.get(), handle};
 }
 
-// Everything before, then everything after: blocking transfers need no finer scopes.
+}  // namespace
+
 void full_barrier(VkCommandBuffer commands, VkImage image, VkFormat format, VkImageLayout from,
                   VkImageLayout to) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
@@ -116,8 +117,6 @@ void full_barrier(VkCommandBuffer commands, VkImage image, VkFormat format, VkIm
     dependency.pImageMemoryBarriers = &barrier;
     vkCmdPipelineBarrier2(commands, &dependency);
 }
-
-}  // namespace
 
 bool is_depth(VkFormat format) {
     return format == VK_FORMAT_D32_SFLOAT || format == VK_FORMAT_D16_UNORM;

@@ -74,6 +74,10 @@ void upload_image(Device& device, GpuImage& image, std::span<const std::byte> te
 std::vector<std::byte> read_image(Device& device, VkImage image, VkFormat format, VkExtent2D extent,
                                   VkImageLayout layout, uint32_t layer = 0);
 
+// Everything before, then everything after: blocking transfers need no finer scopes.
+void full_barrier(VkCommandBuffer commands, VkImage image, VkFormat format, VkImageLayout from,
+                  VkImageLayout to);
+
 // Bytes per texel of the formats that the host creates and the graph hands out; throws on others.
 uint32_t texel_bytes(VkFormat format);
 bool is_depth(VkFormat format);

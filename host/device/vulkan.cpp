@@ -17,14 +17,17 @@ PENUMBRA_DESTROYER(VkDescriptorPool, vkDestroyDescriptorPool)
 PENUMBRA_DESTROYER(VkDescriptorSetLayout, vkDestroyDescriptorSetLayout)
 PENUMBRA_DESTROYER(VkDeviceMemory, vkFreeMemory)
 PENUMBRA_DESTROYER(VkFence, vkDestroyFence)
+PENUMBRA_DESTROYER(VkFramebuffer, vkDestroyFramebuffer)
 PENUMBRA_DESTROYER(VkImage, vkDestroyImage)
 PENUMBRA_DESTROYER(VkImageView, vkDestroyImageView)
 PENUMBRA_DESTROYER(VkPipeline, vkDestroyPipeline)
 PENUMBRA_DESTROYER(VkPipelineCache, vkDestroyPipelineCache)
 PENUMBRA_DESTROYER(VkPipelineLayout, vkDestroyPipelineLayout)
 PENUMBRA_DESTROYER(VkQueryPool, vkDestroyQueryPool)
+PENUMBRA_DESTROYER(VkRenderPass, vkDestroyRenderPass)
 PENUMBRA_DESTROYER(VkSampler, vkDestroySampler)
 PENUMBRA_DESTROYER(VkShaderModule, vkDestroyShaderModule)
+PENUMBRA_DESTROYER(VkSwapchainKHR, vkDestroySwapchainKHR)
 #undef PENUMBRA_DESTROYER
 
 void check(VkResult result, const char* call, std::string_view what) {

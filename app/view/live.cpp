@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+#include "app/view/live.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "app/outputs.h"
+#include "host/metrics/mask_error.h"
+
+namespace penumbra::viewer {
+namespace {
+
+constexpr uint32_t truth_side = 2;  // rays of a round: its square
+constexpr const char *mask_name = "visibility", *raw_pipeline = "raw", *published_pipeline = "fidelityfx";
+
+bool same(const Stance& a, const Stance& b) {
+    return a.camera.position == b.camera.position && a.camera.target == b.camera.target &&
+           a.camera.up == b.camera.up && a.sun.to_sun == b.sun.to_sun && a.moment == b.moment;
+}
+
+bool puts_out(const Stage& stage, const std::string& name) {
+    return std::ranges::any_of(stage.session->plan().outputs,
+                               [&](const PlanOutput& output) { return output.name == name; });
+}
+
+// Of what the last frames cost: smooth enough to be read, quick enough to follow a change.
+void blend(std::optional<double>& mean, const std::optional<double>& value) {
+    if (!value) return;
+    mean = mean ? 0.85 * *mean + 0.15 * *value : *value;
+}
+
+}  // namespace
+
+Live::Live(Device& device, Shot shot, StageWish wish)
+    : device_(device), shot_(std::move(shot)), wish_(std::move(wish)), flight_(shot_) {}
+
+std::array<uint32_t, 2> Live::size() const {
+    return {std::max(wish_.size[0] / divisor_, 1u), std::max(wish_.size[1] / divisor_, 1u)};
+}
+
+// Nothing, and error() says why.
+std::unique_ptr<Stage> Live::make(const StageWish& wish) {
+    Diagnostics diagnostics;
+    warnings_.clear();
+    StageWish scaled = wish;
+    scaled.size = size();
+    auto stage = open_stage(device_, shot_, scaled, diagnostics, warnings_);
+    error_ = diagnostics.text();
+    return stage;
+}
+
+bool Live::restage(const StageWish& wish) {
+    auto stage = make(wish);
+    if (!stage) return false;
+    main_ = std::move(stage);
+    wish_ = wish;
+    costs_.clear();
+    cpu_ms_ = 0;
+    const std::vector<std::string> lost = turn_again(*main_->session, main_->controls, turned_);
+    for (const std::string& name : lost) turned_.erase(name);
+    if (!lost.empty())
+        error_ += fmt::format("{} {} no longer there, or of another type or range: as the pipeline says\n",
+                              fmt::join(lost, ", "), lost.size() > 1 ? "are" : "is");
+    if (const auto names = resources_of(*main_);
+        !wish_.shown.empty() && std::ranges::find(names, wish_.shown) == names.end()) {
+        error_ += fmt::format("{} has no \"{}\" any more\n", main_->pipeline.name, wish_.shown);
+        wish_.shown.clear();
+    }
+    watch();
+    choose_jitter();
+    if (beside_ != Beside::nothing && !puts_out(*main_, mask_name)) {
+        error_ += fmt::format("{} puts out no \"{}\" to be compared\n", main_->pipeline.name, mask_name);
+        compare(Beside::nothing);
+    }
+    return true;
+}
+
+// The truth is of pixels' centres, and so are the frames that it judges.
+void Live::choose_jitter() {
+    main_->session->set_jitter(plan().jitter && !wants_truth());
+}
+
+bool Live::open() {
+    return restage(wish_);
+}
+
+void Live::watch() {
+    files_.watch(main_->files, {wish_.node_folders.begin(), wish_.node_folders.end()});
+}
+
+void Live::choose_pipeline(const std::string& name) {
+    if (name == wish_.pipeline) return;
+    StageWish wish = wish_;
+    wish.pipeline = name;
+    wish.settings.clear();  // they were for the other one
+    wish.shown.clear();
+    const Turned before = std::exchange(turned_, {});
+    if (!restage(wish)) turned_ = before;
+}
+
+void Live::show(const std::string& resource) {
+    const auto names = resources_of(*main_);
+    if (!resource.empty() && std::ranges::find(names, resource) == names.end()) {
+        error_ =
+            fmt::format("{} has no \"{}\"{}", main_->pipeline.name, resource, did_you_mean(resource, names));
+        return;
+    }
+    StageWish wish = wish_;
+    wish.shown = resource;
+    if (resource.empty() || is_host_image(resource) || puts_out(*main_, resource))
+        wish_ = wish;  // it is there in any case
+    else
+        restage(wish);
+    if (wish_.shown == resource) compare(Beside::nothing);
+}
+
+void Live::compare(Beside beside) {
+    if (beside == beside_) return;
+    if (beside != Beside::nothing && !puts_out(*main_, mask_name)) {
+        error_ = fmt::format("{} puts out no \"{}\" to be compared", main_->pipeline.name, mask_name);
+        return;
+    }
+    const Beside before = std::exchange(beside_, beside);
+    if (!make_beside()) {
+        beside_ = before;
+        const std::string error = error_;
+        make_beside();
+        error_ = error;
+    }
+    choose_jitter();
+}
+
+// What the right side is made of.
+bool Live::make_beside() {
+    other_.reset();
+    truth_.reset();
+    truth_session_.reset();
+    if (beside_ == Beside::nothing) return true;
+    if (!wants_truth()) {
+        StageWish wish = wish_;
+        wish.pipeline = beside_ == Beside::raw ? raw_pipeline : published_pipeline;
+        wish.settings.clear();
+        wish.node_folders.clear();
+        wish.shown.clear();
+        other_ = make(wish);
+        return other_ != nullptr;
+    }
+    if (main_->session->host().light()) {
+        error_ = "the truth that converges here is the sun's; `penumbra reference` has that of near lights";
+        return false;
+    }
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    Shot shot = shot_;
+    shot.size = size();
+    truth_session_ = open_truth(device_, shot, diagnostics, warnings);
+    if (!truth_session_) error_ = diagnostics.text();
+    return truth_session_ != nullptr;
+}
+
+void Live::reduce(uint32_t divisor) {
+    const uint32_t before = std::exchange(divisor_, std::clamp(divisor, 1u, 8u));
+    if (divisor_ == before) return;
+    if (!restage(wish_)) {
+        divisor_ = before;
+        return;
+    }
+    const std::string error = error_;
+    if (!make_beside()) beside_ = Beside::nothing;
+    if (error_.empty()) error_ = error;
+    choose_jitter();
+}
+
+void Live::turn_control(size_t index, const ParamValue& value) {
+    Control& control = main_->controls.at(index);
+    if (!turn(*main_->session, control, value)) {
+        error_ = fmt::format("{} does not take this value", control.name());
+        return;
+    }
+    if (control.changed())
+        turned_[control.name()] = value;
+    else
+        turned_.erase(control.name());
+}
+
+void Live::reload_changed() {
+    if (!files_.changed()) return;
+    if (restage(wish_)) {
+        ++reloads_;
+        return;
+    }
+    std::set<std::filesystem::path> files =
+        files_of_pipeline(main_->pipeline.file);  // it may extend others now
+    files.insert(main_->files.begin(), main_->files.end());
+    files_.watch(std::move(files), {wish_.node_folders.begin(), wish_.node_folders.end()});
+}
+
+void Live::record(bool on) {
+    if (on && !recording_) {
+        record_ = {};
+        recorded_s_ = 0;
+    }
+    recording_ = on;
+}
+
+void Live::frame(const FlightInput& input, double truth_ms) {
+    flight_.steer(input);
+    const Stance now = flight_.stance();
+    still_ = index_ > 0 && same(now, stance_);
+    stance_ = now;
+    if (recording_) {
+        if (!record_.empty()) recorded_s_ += input.seconds;
+        record_.add(now, recorded_s_);
+    }
+    for (Stage* stage : {main_.get(), other_.get()}) {
+        if (!stage) continue;
+        stage->session->steer(index_, now);
+        const FrameCost cost = stage->session->run_frame(index_, stage->fresh);
+        stage->fresh = false;
+        if (stage == main_.get()) count_costs(cost);
+    }
+    if (wants_truth()) work_on_truth(truth_ms);
+    ++index_;
+    flight_.tick();
+}
+
+void Live::work_on_truth(double milliseconds) {
+    if (!still_) {
+        truth_.reset();
+        return;
+    }
+    if (!truth_) {
+        truth_session_->steer(index_, stance_);
+        truth_session_->run_frame(index_, true);
+        truth_ = std::make_unique<TruthRounds>(*truth_session_, index_, truth_side);
+    }
+    truth_->work(milliseconds);
+}
+
+void Live::count_costs(const FrameCost& cost) {
+    std::vector<PassCost> now;
+    for (size_t p = 0; p < plan().passes.size(); ++p) {
+        const PlanPass& pass = plan().passes[p];
+        if (pass.kind == PassKind::capture) continue;
+        PassCost& entry = now.emplace_back(PassCost{pass.node, pass.type, {}, {}});
+        if (now.size() <= costs_.size()) entry = costs_[now.size() - 1];
+        blend(entry.ms, cost.passes[p].ms);
+        blend(entry.cpu_ms, cost.pass_cpu_ms[p]);
+    }
+    costs_ = std::move(now);
+    cpu_ms_ = cpu_ms_ > 0 ? 0.85 * cpu_ms_ + 0.15 * cost.cpu_ms : cost.cpu_ms;
+}
+
+std::string Live::shown() const {
+    return wish_.shown.empty() ? plan().outputs.back().name : wish_.shown;
+}
+
+Picture Live::picture() const {
+    if (beside_ == Beside::nothing) {
+        const std::string name = shown();
+        return picture_of(is_host_image(name) ? host_image(device_, *main_->session, name)
+                                              : captured_image(*main_->session, name));
+    }
+    const PlanarImage image = captured_image(*main_->session, mask_name);
+    const std::vector<float>& left = image.planes.front().values;
+    const auto [width, height] = size();
+    const Picture mine = mask_picture(width, height, left);
+    if (other_) {
+        const PlanarImage other = captured_image(*other_->session, mask_name);
+        return split(mine, mask_picture(width, height, other.planes.front().values), split_share);
+    }
+    std::vector<float> known(left.size()), truth(left.size());
+    if (truth_) {
+        truth = truth_->truth().visibility;
+        for (size_t p = 0; p < known.size(); ++p) known[p] = truth_->knows(static_cast<uint32_t>(p / width));
+    }
+    return split(mine,
+                 beside_ == Beside::truth ? mask_picture(width, height, truth, known)
+                                          : error_picture(width, height, left, truth, known),
+                 split_share);
+}
+
+std::optional<Judgement> Live::judgement() const {
+    if (main_->fresh || !truth_ || truth_->rounds() == 0) return std::nullopt;
+    const Truth truth = truth_->truth();
+    const PlanarImage image = captured_image(*main_->session, mask_name);
+    std::vector<uint8_t> counted;
+    for (const float rays : truth.rays) counted.push_back(rays > 0);
+    ComparedFrame frame{size()[0], size()[1], truth.visibility, counted, {}, truth.rays};
+    frame.seeds.emplace_back(image.planes.front().values);
+    const MaskMetrics metrics = metrics_of(measure(frame));
+    return Judgement{truth_->rounds() * truth_side * truth_side, metrics.n_eff, metrics.rmse_all};
+}
+
+}  // namespace penumbra::viewer

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#include "app/view/stage.h"
+
+#include <algorithm>
+
+#include "app/node_folders.h"
+#include "app/outputs.h"
+#include "app/shipped_files.h"
+#include "app/view/file_watch.h"
+#include "penumbra/error.h"
+
+namespace penumbra::viewer {
+
+std::unique_ptr<Stage> open_stage(Device& device, const Shot& shot, const StageWish& wish,
+                                  Diagnostics& diagnostics, std::vector<std::string>& warnings) {
+    auto nodes = read_nodes(wish.node_folders, diagnostics);
+    const auto file = shipped_file(wish.pipeline, shipped_root(), shipped_pipelines, diagnostics);
+    if (!nodes || !file) return nullptr;
+    const auto pipeline = load_pipeline(*file, wish.settings, diagnostics);
+    auto checked = pipeline ? check(*pipeline, *nodes, diagnostics) : std::nullopt;
+    if (!checked) return nullptr;
+    SessionOptions options;
+    options.size = wish.size;
+    options.captures = checked->output_names();
+    const CheckedResource* shown = checked->resource(wish.shown);
+    if (shown && !shown->input && std::ranges::find(options.captures, wish.shown) == options.captures.end())
+        options.captures.push_back(wish.shown);
+    options.seed = wish.seed;
+    options.light = wish.light;
+    options.optimum = false;
+    options.steered = true;
+    auto stage = std::make_unique<Stage>(Stage{std::move(*nodes), std::move(*checked), nullptr, {}, {}});
+    try {
+        stage->session =
+            Session::open(device, stage->nodes, stage->pipeline, shot, options, diagnostics, warnings);
+    } catch (const VulkanError& error) {
+        diagnostics.add({file->string()}, "", error.what());
+    } catch (const Failure& failure) {
+        diagnostics.add({file->string()}, "", failure.what());
+    }
+    if (!stage->session) return nullptr;
+    stage->controls = controls_of(stage->session->plan());
+    stage->files = files_of_pipeline(*file);
+    return stage;
+}
+
+std::vector<std::string> resources_of(const Stage& stage) {
+    std::vector<std::string> names;
+    for (const PlanPass& pass : stage.session->plan().passes)
+        if (pass.kind != PassKind::capture) names.insert(names.end(), pass.writes.begin(), pass.writes.end());
+    for (const char* name : {"depth", "normal", "motion", "albedo"}) names.emplace_back(name);
+    return names;
+}
+
+}  // namespace penumbra::viewer
