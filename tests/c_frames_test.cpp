@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Frames through penumbra.h: everything that a host in C says of them reaches the shader, the view or the
 // plan.
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -77,7 +80,7 @@ class CFramesGpu : public GpuTest {
         device_.allocate = allocate;
         device_.release = release;
         const std::filesystem::path folder =
-            std::filesystem::path(::testing::TempDir()) / "penumbra_c_frames";
+            std::filesystem::path(::testing::TempDir()) / fmt::format("penumbra_c_frames_{}", getpid());
         std::filesystem::create_directories(folder);
         std::ofstream(folder / "c_frame.json") << declaration;
         std::ofstream(folder / "c_frame.comp") << shader;
@@ -109,7 +112,8 @@ class CFramesGpu : public GpuTest {
     }
     ~CFramesGpu() override {
         penumbra_nodes_destroy(nodes_);
-        std::filesystem::remove_all(std::filesystem::path(::testing::TempDir()) / "penumbra_c_frames");
+        std::filesystem::remove_all(std::filesystem::path(::testing::TempDir()) /
+                                    fmt::format("penumbra_c_frames_{}", getpid()));
     }
 
     penumbra_plan* plan() {

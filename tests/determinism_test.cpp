@@ -122,14 +122,13 @@ TEST_P(Determinism, TheOrderOfTheTilesDoesNotShow) {
         std::vector<std::string> settings;
         for (const ListReader& r : list_readers(GetParam())) {
             const std::string other = "other_" + r.list;
-            settings.push_back(
-                "nodes." + other + "={ " + params +
-                (GetParam() == std::string("shadows") ? R"(, "if": "sun_disc")"
-                 : r.node == "cover"                   ? R"(, "if": "sun_disc & tree")"
-                 : has_beams(GetParam())               ? R"(, "if": "tree")"
-                                                       : "") +
-                R"(, "in": { "tile_list": ")" + r.list + R"(", "trace_args": ")" + r.args +
-                R"(" }, "out": { "permuted_list": ")" + other + R"(" } })");
+            settings.push_back("nodes." + other + "={ " + params +
+                               (GetParam() == std::string("shadows") ? R"(, "if": "sun_disc")"
+                                : r.node == "cover"                  ? R"(, "if": "sun_disc & tree")"
+                                : has_beams(GetParam())              ? R"(, "if": "tree")"
+                                                                     : "") +
+                               R"(, "in": { "tile_list": ")" + r.list + R"(", "trace_args": ")" + r.args +
+                               R"(" }, "out": { "permuted_list": ")" + other + R"(" } })");
             settings.push_back("nodes." + r.node + ".in." + r.port + "=" + other);
         }
         const ListReader last = list_readers(GetParam()).front();

@@ -130,9 +130,9 @@ TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
     }
     EXPECT_EQ(commands, 14u);
     const std::string file_name = file("completion", script.out);
-    const std::string ask =
-        "bash -c 'source " + file_name +
-        "; COMP_WORDS=(penumbra reference --lik); COMP_CWORD=2; _penumbra; test \"${COMPREPLY[*]}\" = --like'";
+    const std::string ask = "bash -c 'source " + file_name +
+                            "; COMP_WORDS=(penumbra reference --lik); COMP_CWORD=2; _penumbra; test "
+                            "\"${COMPREPLY[*]}\" = --like'";
     EXPECT_EQ(std::system(ask.c_str()), 0);
     expect(run("completion csh"), 2, "csh");
     EXPECT_EQ(run("completion fish").out.find("complete -c penumbra -n __fish_use_subcommand -a") ==

@@ -2,6 +2,9 @@
 // plan.json is enough: an executor that knows nothing else gives the program's images bit for bit.
 #include "app/plan_json.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -28,7 +31,8 @@ class PlanJsonGpu : public GpuTest, public ::testing::WithParamInterface<const c
 
 void run_plan(const char* name, std::array<uint32_t, 2> size, std::array<uint32_t, 2> largest) {
     const CheckedPipeline pipeline = shadow_pipeline_file(name);
-    const fs::path folder = fs::path(::testing::TempDir()) / (std::string("penumbra_plan_json_") + name);
+    const fs::path folder =
+        fs::path(::testing::TempDir()) / fmt::format("penumbra_plan_json_{}_{}", name, getpid());
     fs::remove_all(folder);
     constexpr uint32_t frames = 5;
     record_plaza(pipeline, size, frames, folder);

@@ -68,9 +68,9 @@ TEST_P(ShippedPlan, EveryAccessIsOrderedAfterWhatItDependsOn) {
 TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
     for (const Extent extent : sizes) {
         const MemoryReport memory = plan_of(checked(GetParam()), extent).memory;
-        // Where the search does not end or was not worth its while, the bound that no packing can be below, which
-        // the best may not reach: for reflections.json 20 million steps of search found
-        // nothing better than 7.7 % above it.
+        // Where the search does not end or was not worth its while, the bound that no packing can be below,
+        // which the best may not reach: for reflections.json 20 million steps of search found nothing better
+        // than 7.7 % above it.
         const uint64_t least = memory.optimum_bytes.value_or(memory.live_bound_bytes);
         const double most = memory.optimum_bytes || GetParam() != "reflections" ? 1.02 : 1.08;
         EXPECT_LE(memory.live_bound_bytes, least);

@@ -80,13 +80,12 @@ TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
     const auto session = Session::open(gpu(), nodes, *checked, shot(), options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
 
-
     size_t receivers = 0, shaded = 0, sunk = 0;
     double least = INFINITY;  // height of a start above the plane, over its depth
     for (uint32_t frame = 0; frame < 4; ++frame) {
         session->run_frame(frame, frame == 0);
         const StandaloneFrame standalone = session->host().frame(frame, frame == 0);
-        
+
         const RayMaker maker(*session, nodes, standalone);
         const auto depth = captured<float>(*session, "view_depth");
         const auto normal = captured<NormalTexel>(*session, "receiver_normal");
@@ -111,7 +110,9 @@ TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
 
 INSTANTIATE_TEST_SUITE_P(Planes, RayStart,
                          ::testing::Values(Plane{"room", 20, 0, 0.4, 64}, Plane{"tilted", 60, 23, 1.7, 64},
-                                           Plane{"desk", 0.5, 40, 0.2, 64}, Plane{"hall", 500, 0, 1.7, 1}, Plane{"tilted_hall", 500, 23, 1.7, 1},Plane{"tilted_desert", 20000, 13, 1.7, 1},
+                                           Plane{"desk", 0.5, 40, 0.2, 64}, Plane{"hall", 500, 0, 1.7, 1},
+                                           Plane{"tilted_hall", 500, 23, 1.7, 1},
+                                           Plane{"tilted_desert", 20000, 13, 1.7, 1},
                                            Plane{"slope", 2000, 31, 1.7, 64}),
                          [](const auto& test) { return std::string(test.param.name); });
 

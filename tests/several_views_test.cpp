@@ -163,8 +163,9 @@ TEST_F(SeveralViewsGpu, ThreadsRecordViewsAndGraphsAtOnce) {
     }
 }
 
-// Commands that are recorded and never run, the first of a view or later ones: with a reset behind them the frames
-// are those of a new view. Validation would see a table that nobody has uploaded, and images without a layout.
+// Commands that are recorded and never run, the first of a view or later ones: with a reset behind them the
+// frames are those of a new view. Validation would see a table that nobody has uploaded, and images without a
+// layout.
 TEST_F(SeveralViewsGpu, CommandsThatAreThrownAwayTakeNothingWithThem) {
     const CheckedPipeline pipeline = checked(
         R"("outputs": ["blended"], "nodes": { "table": { "type": "toy_table" },

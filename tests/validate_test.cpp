@@ -392,7 +392,9 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
 // denoise.json is for hosts that trace by themselves, reference.json for the command of that name.
 std::vector<std::string> rendered_names() {
     std::vector<std::string> names = shipped_names();
-    std::erase_if(names, [](const std::string& name) { return name == "denoise" || name == "reference" || name == "light_raw"; });  // whose shot has a light
+    std::erase_if(names, [](const std::string& name) {
+        return name == "denoise" || name == "reference" || name == "light_raw";
+    });  // whose shot has a light
     return names;
 }
 

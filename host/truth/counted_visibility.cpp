@@ -152,7 +152,8 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
         if (!(glm::dot(winding, winding) > 0)) return;
         const glm::dvec3 n = glm::normalize(winding), nearest = nearest_to_origin(v);
         if (glm::length(nearest) > margin.x) return;
-        // What shows the viewer its other side is not what the rasteriser saw, which at a silhouette may be what lies behind it.
+        // What shows the viewer its other side is not what the rasteriser saw, which at a silhouette may be
+        // what lies behind it.
         const double slope = glm::dot(n, ray.direction);
         const glm::dvec3 shown = slope > 0 ? -n : n;
         if (!(glm::dot(shown, normal) > 0)) return;
