@@ -7,15 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "host/generated/noise.h"
+#include "host/truth/concentric_disc.h"
 #include "host/truth/tree_boxes.h"
 
 namespace penumbra {
 namespace {
 
-using std::numbers::pi;
 using Corners = std::array<glm::dvec3, 3>;
 
 Corners corners_from(const Triangle& triangle, const glm::dvec3& origin) {
@@ -71,17 +70,6 @@ double height_over_origin(const Corners& v) {
 // Within what double precision makes of a plane through the origin, with room.
 bool in_plane_of_origin(const Corners& v, double height, const glm::dvec3& origin) {
     return std::abs(height) <= 0x1p-46 * taxi(v[1] - v[0]) * taxi(v[2] - v[0]) * (taxi(v[0]) + taxi(origin));
-}
-
-// The square to the unit disc, areas kept: Shirley and Chiu 1997, "A Low Distortion Map Between Disk and
-// Square".
-glm::dvec2 concentric_disc(double u, double v) {
-    const double x = 2 * u - 1, y = 2 * v - 1;
-    if (x == 0 && y == 0) return {0, 0};
-    const bool wide = std::abs(x) > std::abs(y);
-    const double angle = pi / 4 * (wide ? y / x : x / y), r = wide ? x : y;
-    return wide ? glm::dvec2(r * std::cos(angle), r * std::sin(angle))
-                : glm::dvec2(r * std::sin(angle), r * std::cos(angle));
 }
 
 glm::dmat3 frame_around(const glm::dvec3& axis) {

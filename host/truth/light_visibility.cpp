@@ -6,6 +6,7 @@
 #include <glm/gtc/constants.hpp>
 #include <vector>
 
+#include "host/truth/concentric_disc.h"
 #include "host/truth/sun_visibility.h"
 
 namespace penumbra {
@@ -41,15 +42,6 @@ double disc_part(const glm::dvec2& p, const glm::dvec2& q) {
     if (in >= 1 || out <= 0) return sector(p, q);
     const glm::dvec2 from = in > 0 ? p + in * d : p, to = out < 1 ? p + out * d : q;
     return (in > 0 ? sector(p, from) : 0) + 0.5 * cross(from, to) + (out < 1 ? sector(to, q) : 0);
-}
-
-glm::dvec2 concentric(const glm::dvec2& u) {
-    const glm::dvec2 p = 2.0 * u - 1.0;
-    if (p.x == 0 && p.y == 0) return {0, 0};
-    const bool wide = std::abs(p.x) > std::abs(p.y);
-    const double r = wide ? p.x : p.y, angle = 0.25 * pi * (wide ? p.y / p.x : p.x / p.y);
-    const double across = r * std::sin(angle), along = r * std::cos(angle);
-    return wide ? glm::dvec2(along, across) : glm::dvec2(across, along);
 }
 
 }  // namespace
@@ -105,7 +97,7 @@ glm::dvec3 NearLight::across(const glm::dvec3& receiver) const {
 
 glm::dvec3 NearLight::target(const glm::dvec3& receiver, const glm::dvec2& u) const {
     const bool square = kind_ == blocks::LIGHT_RECTANGLE || kind_ == blocks::LIGHT_TUBE;
-    const glm::dvec2 point = square ? 2.0 * u - 1.0 : concentric(u);
+    const glm::dvec2 point = square ? 2.0 * u - 1.0 : concentric_disc(u.x, u.y);
     if (kind_ != blocks::LIGHT_SPHERE) return centre_ + point.x * u_ + point.y * across(receiver);
     // Evenly over the cap that the receiver sees: 1 - cos grows with the square of the disc's radius.
     const glm::dvec3 to_centre = centre_ - receiver;
