@@ -190,7 +190,7 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
                 if ((differing >> bit & 1) == 0) continue;
                 const uint32_t x = tile_x * 8 + bit % 8, y = tile_y * 4 + bit / 8,
                                pixel = y * shot.size[0] + x;
-                EXPECT_EQ(alpha.truth(triangles, maker.ray(x, y, depth[pixel], normal[pixel]), 1e-6),
+                EXPECT_EQ(alpha.truth(triangles, maker.ray(x, y, depth[pixel], normal[pixel]), 8e-6),
                           Truth::either)
                     << "pixel " << x << ", " << y << " of frame " << frame << ", the tree's word "
                     << tree[word];

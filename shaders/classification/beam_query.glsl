@@ -40,12 +40,19 @@ const int BEHIND = 2;
 int beam_side(Walk walk, vec3 a, vec3 b, vec3 c) {
     const vec3 ab = b - a, ac = c - a;
     const vec3 n = cross(ab, ac);
-    const vec3 from = walk.starts.centre - a;
+    // From the nearest corner, over which a tilt of the plane shows least.
+    const vec3 starts = walk.starts.centre;
+    vec3 from = starts - a;
+    if (dot(starts - b, starts - b) < dot(from, from)) from = starts - b;
+    if (dot(starts - c, starts - c) < dot(from, from)) from = starts - c;
     const float extent = abs(dot(n, walk.starts.u)) + abs(dot(n, walk.starts.v)) + abs(dot(n, walk.starts.w));
-    const float size = taxicab(a) + taxicab(b) + taxicab(c);
-    const float n_error = CONE_ROUNDING * size * (taxicab(ab) + taxicab(ac));
+    // Rays start few roundings above their own surface (common/ray_offset.glsl), so that here CONE_ROUNDING's sums would see no start
+    // above anything: a corner in this frame is off by one rounding of itself in the subtraction and 3 sqrt(3) in the turn, and, as
+    // seen from the starts, by two of the apex. By twice that on either edge the normal is; by four roundings more it is multiplied.
+    const float corner = ROUNDING * (8.0 * sqrt(max(dot(a, a), max(dot(b, b), dot(c, c)))) + 2.0 * taxicab(walk.cone.apex));
+    const float n_error = 2.0 * corner * (length(ab) + length(ac)) + 4.0 * ROUNDING * length(ab) * length(ac);
     const float along = n.z < 0.0 ? -dot(n, from) : dot(n, from);
-    const float error = n_error * (taxicab(from) + walk.cone.radius) + CONE_ROUNDING * taxicab(n) * size;
+    const float error = n_error * (length(from) + walk.cone.radius) + length(n) * (corner + 4.0 * ROUNDING * length(from));
     const bool crossed = abs(n.z) > walk.cone.spread * length(n.xy) * 1.001 + n_error;
     if (!crossed) return 0;
     if (along - extent > error) return BEHIND;

@@ -9,7 +9,8 @@
 //
 // Includer has common/bvh_leaf.glsl.
 
-const float CONE_ROUNDING = 16.0 * 5.9604644775390625e-8;  // 2^-24
+const float ROUNDING = 5.9604644775390625e-8;  // 2^-24
+const float CONE_ROUNDING = 16.0 * ROUNDING;
 
 struct Cone {
     vec3 apex;
