@@ -44,9 +44,8 @@ struct DrawConstants {
 inline constexpr VkShaderStageFlags draw_constant_stages =
     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-// Reverse Z. `alpha_tested`: texels below
-// DrawConstants::least_alpha are discarded, which costs the depth test before the shader; other materials do
-// without. `materials`: all five colours.
+// Reverse Z, which the fragment shader writes: no depth is tested before it. `alpha_tested`: texels below
+// DrawConstants::least_alpha are discarded. `materials`: all five colours.
 Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, VkExtent2D area,
                                         bool alpha_tested, bool materials);
 
