@@ -45,6 +45,7 @@ FrameDescription frame_of(const penumbra_frame& f) {
     frame.index = f.index;
     frame.dt_s = f.dt_s;
     frame.flags = f.flags;
+    frame.sub_pixel_bits = f.sub_pixel_bits;
     return frame;
 }
 

@@ -304,6 +304,7 @@ int main(int argc, char** argv) {
         memcpy(&frame.index, at, 4);
         memcpy(&frame.dt_s, at + 4, 4);
         memcpy(&frame.flags, at + 8, 4);
+        memcpy(&frame.sub_pixel_bits, at + 12, 4);
         free(bytes);
 
         /* 4. The frame. Nothing is submitted, nothing is waited for. */

@@ -247,6 +247,7 @@ typedef struct penumbra_frame {
     uint32_t size[2];                   /* pixels, at most the plan's */
     float dt_s;
     uint32_t flags;
+    uint32_t sub_pixel_bits; /* of the rasteriser that drew the depth; 0: of the view's own device */
 } penumbra_frame;
 
 typedef struct penumbra_handover {

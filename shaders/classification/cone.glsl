@@ -10,7 +10,7 @@
 // Includer has common/bvh_leaf.glsl.
 
 const float ROUNDING = 5.9604644775390625e-8;  // 2^-24
-const float CONE_ROUNDING = 16.0 * ROUNDING;
+const float CONE_ROUNDING = 16.0 * 5.9604644775390625e-8;
 
 struct Cone {
     vec3 apex;
