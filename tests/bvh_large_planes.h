@@ -60,7 +60,7 @@ inline LargePlane large_plane(double half, double elevation_deg, const glm::dvec
         const glm::vec3 in_scene = relative + glm::vec3(camera);
         const glm::vec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
         const float facing = float(std::abs(glm::dot(n, glm::normalize(p - camera))));
-        const float offset = 16 * 0x1p-23f * (largest.x + largest.y + largest.z + view_depth) +
+        const float offset = 3 * 0x1p-23f * (largest.x + largest.y + largest.z + view_depth) +
                              8 * 0x1p-24f * view_depth * facing;
         const glm::vec3 o = in_scene + glm::vec3(n) * offset;
 

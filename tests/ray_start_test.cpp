@@ -7,6 +7,7 @@
 #include <bit>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/gbuffer/gbuffer_pipeline.h"
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/models/shapes.h"
@@ -85,6 +86,8 @@ TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
     for (uint32_t frame = 0; frame < 4; ++frame) {
         session->run_frame(frame, frame == 0);
         const StandaloneFrame standalone = session->host().frame(frame, frame == 0);
+        EXPECT_EQ(standalone.description.sub_pixel_bits,
+                  gpu().limits().subPixelPrecisionBits + gbuffer_further_bits);
 
         const RayMaker maker(*session, nodes, standalone);
         const auto depth = captured<float>(*session, "view_depth");

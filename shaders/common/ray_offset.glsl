@@ -13,7 +13,7 @@
 //   camera; and no slope of a depth is in it, however large the triangle or grazing the view.
 // - Rounding of reconstruction, shift to the scene's frame and the ray-triangle test. A bound of every step in turn would be some
 //   20 ulps, of which no plane was ever seen to need more than 2: each is random. 3 leave a factor of two where it was worst
-//   (tests/ray_start_test.cpp: planes of 1 m to 40 km, a millimetre to 40 km per triangle). What this is worth: a point .5 mm beside a wall
+//   (tests/ray_start_test.cpp: planes of 1 m to 40 km, in triangles of 16 mm to 40 km). What this is worth: a point .5 mm beside a wall
 //   419 m away starts on the right side of it; with 16 ulps it did not.
 // - Rounding of the depth, interpolated and stored, moves the point along the view ray, of which the normal sees a part. How
 //   exactly depth is interpolated Vulkan does not say; DEPTH_ROUNDINGS is what rasterisers were found to need, with room.

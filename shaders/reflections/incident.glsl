@@ -15,7 +15,7 @@ struct Incident {
     bool moves;      // what it hit stands elsewhere than in the previous frame
 };
 
-// Off the hit surface, where the next ray starts: 16 ulps of the numbers that the point was made of, as in common/ray_offset.glsl.
+// Off the hit surface, where the next ray starts: 16 ulps of the numbers that the point was made of: a hit along a ray is known less well than a pixel's (common/ray_offset.glsl).
 vec3 leave_hit(vec3 point, vec3 normal, float distance_m) {
     const vec3 size = abs(point);
     return point + normal * (16.0 * 1.1920929e-7 * (size.x + size.y + size.z + distance_m));
