@@ -32,14 +32,20 @@ CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
     return shot;
 }
 
+// What runs on what, for commands that take both (sort_files()).
+void add_files(CLI::App* command, std::vector<std::string>& files, ViewArguments& view) {
+    command
+        ->add_option(
+            "files", files,
+            "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
+        ->expected(0, 2);
+    add_view(command, view);
+}
+
 void add_render(CLI::App& app, RenderArguments& a) {
     CLI::App* c =
         app.add_subcommand("render", "run a pipeline on a shot or a model and write what it puts out");
-    c->add_option(
-         "files", a.files,
-         "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
-        ->expected(0, 2);
-    add_view(c, a.view);
+    add_files(c, a.files, a.view);
     c->add_option("--out", a.out, "folder to write to (default: out/NAME of the shot or model)");
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_flag("--cold", a.cold, "start at A with a reset instead of executing from frame 0");
@@ -63,11 +69,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
 
 void add_view_command(CLI::App& app, ViewCommandArguments& a) {
     CLI::App* c = app.add_subcommand("view", "fly through a shot or a model while a pipeline runs on it");
-    c->add_option(
-         "files", a.files,
-         "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
-        ->expected(0, 2);
-    add_view(c, a.view);
+    add_files(c, a.files, a.view);
     c->add_option("--size", a.size, "WxH that is rendered (default: 640x360)");
     c->add_option("--window", a.window, "WxH of the window (default: 1280x800)");
     c->add_option("--show", a.show, "begin with this resource instead of the pipeline's last output");
@@ -209,16 +211,13 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
         "explain", "draw what one pixel sees of the sun, or where the time of rendered frames went");
     c->add_option("--out", a.out, "SVG file to write")->required();
     CLI::Option* shot = add_view(c, a.view);
-    const auto of_shot = [&](CLI::Option*) {};
-    of_shot(c->add_option(
-        "--pixel", a.pixel,
-        "X,Y from the upper left corner (default: where most triangles hide a part of the sun)"));
-    of_shot(c->add_option("--size", a.size, "WxH instead of the shot's size"));
-    of_shot(c->add_option("--frame", a.frame, "which frame (default: the first)"));
-    of_shot(c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256")
-                ->check(CLI::IsMember({64, 128, 256})));
-    of_shot(c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter"));
-    of_shot(c->add_option("--device", a.device, "part of a device's name"));
+    c->add_option("--pixel", a.pixel,
+                  "X,Y from the upper left corner (default: where most triangles hide a part of the sun)");
+    c->add_option("--size", a.size, "WxH instead of the shot's size");
+    c->add_option("--frame", a.frame, "which frame (default: the first)");
+    c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256")->check(CLI::IsMember({64, 128, 256}));
+    c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
+    c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--costs", a.costs, "report.json files of render: a bar of CPU milliseconds for each")
         ->excludes(shot);
 }
