@@ -11,8 +11,8 @@
 
 namespace penumbra {
 
-// How long `plan` and `report` look for the smallest possible heap: found at once where the packing meets the
-// live bound. Who renders does not wait for it.
+// How long `plan --search` and `report` look for the smallest possible heap: found at once where the packing
+// meets the live bound. Who renders or plans does not wait for it.
 inline constexpr uint64_t report_search_nodes = 20'000'000, render_search_nodes = 100'000;
 
 enum ExitCode : int { exit_good = 0, exit_failed = 1, exit_wrong = 2 };
@@ -63,6 +63,7 @@ struct PlanArguments {
     std::string pipeline, size, facts, format = "text", device, out;
     std::vector<std::string> settings, node_folders;
     bool no_alias = false, on_device = false;
+    bool search = false;  // for the smallest possible heap, however long
 };
 
 struct StaticsArguments {
@@ -73,6 +74,7 @@ struct StaticsArguments {
 
 struct CheckArguments {
     std::vector<std::string> pipelines, node_folders;
+    bool page = false;  // about them, where all are right
 };
 
 struct NodesArguments {

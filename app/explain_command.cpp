@@ -13,6 +13,7 @@
 #include "app/coverage_figure.h"
 #include "app/outputs.h"
 #include "app/pipeline_file.h"
+#include "app/progress.h"
 #include "app/session.h"
 #include "app/shipped_files.h"
 #include "app/view_source.h"
@@ -142,7 +143,8 @@ class Explanation {
     std::optional<Pixel> richest() const {
         std::optional<Pixel> best;
         uint32_t most = 0;
-        for (uint32_t y = 0; y < size_[1]; ++y)
+        Progress progress("explain", size_[1]);
+        for (uint32_t y = 0; y < size_[1]; ++y, progress.step())
             for (uint32_t x = 0; x < size_[0]; ++x) {
                 const Pixel p{x, y};
                 if (!shows_surface(p) || !(visibility(p) > 0 && visibility(p) < 1)) continue;
@@ -203,8 +205,11 @@ int explain_pixel(const ExplainArguments& arguments) {
     options.jitter = !arguments.no_jitter;
     options.optimum = false;
     options.pass_costs = false;
+    const Doing doing;
+    options.doing = [&](const char* what) { doing(what); };
     const auto session =
         Session::open(device, nodes, job->pipeline, job->shot, options, diagnostics, warnings);
+    doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();

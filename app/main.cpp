@@ -107,6 +107,7 @@ void add_plan(CLI::App& app, PlanArguments& a) {
         ->each([&a](const std::string&) { a.on_device = true; });
     add_node_folders(c, a.node_folders);
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
+    c->add_flag("--search", a.search, "look for the smallest possible heap, where that takes long");
 }
 
 void add_statics(CLI::App& app, StaticsArguments& a) {
@@ -301,15 +302,17 @@ int run(int argc, char** argv) {
     BenchArguments bench;
     add_bench(app, bench);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
-    checking->add_option("pipelines", check.pipelines)->required();
+    checking->add_option("pipelines", check.pipelines, "files or names of shipped pipelines")->required();
+    checking->add_flag("--page", check.page, "print a page about them as well, as docs/pipeline_list.md");
     add_node_folders(checking, check.node_folders);
     CLI::App* n = app.add_subcommand("nodes", "list the node types, or describe one");
     n->add_option("type", nodes.type, "a node type");
     n->add_option("--format", nodes.format,
                   "text, json, md, schema, node-schema or plan-schema (JSON Schemas of pipelines, of "
                   "declarations and of plans), or "
-                  "vocabulary (a page of the keys of both)")
-        ->check(CLI::IsMember({"text", "json", "md", "schema", "node-schema", "plan-schema", "vocabulary"}));
+                  "vocabulary (a page of the keys of both), or page (docs/nodes.md)")
+        ->check(CLI::IsMember(
+            {"text", "json", "md", "page", "schema", "node-schema", "plan-schema", "vocabulary"}));
     add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
     std::string shell;

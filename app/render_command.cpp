@@ -88,8 +88,11 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.jitter = !arguments.no_jitter;
     options.validate = arguments.validate;
     options.facts = job.facts;
+    const Doing doing;
+    options.doing = [&](const char* what) { doing(what); };
     const auto session =
         Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
+    doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();

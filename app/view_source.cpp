@@ -50,8 +50,9 @@ std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, cons
     for (const std::string& file : files) {
         std::string& place = is_model_file(file) ? given.view.model : given.pipeline;
         if (!place.empty())
-            diagnostics.add({}, "", fmt::format("\"{}\" and \"{}\": one pipeline and one model or shot at a time",
-                                                place, file));
+            diagnostics.add(
+                {}, "",
+                fmt::format("\"{}\" and \"{}\": one pipeline and one model or shot at a time", place, file));
         place = file;
     }
     if (!diagnostics.empty()) return std::nullopt;

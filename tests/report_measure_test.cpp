@@ -128,6 +128,7 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
     ASSERT_EQ(results_.rows.size(), contender_count);
     EXPECT_NE(said_.find("14 contenders in 2 rounds, besides the truth of 2 frames"), std::string::npos)
         << said_;
+    EXPECT_TRUE(fs::is_regular_file(folder_ / results_.shots[0].motion_image));
     for (const Row& row : results_.rows) {
         EXPECT_EQ(row.after_cut.size(), 2u);
         EXPECT_EQ(row.over_time.size(), 2u);

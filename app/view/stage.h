@@ -38,8 +38,8 @@ struct Stage {
     bool fresh = true;                      // no frame has run yet
 };
 
-// Everything but the scene is read anew. What a device fails with is a diagnostic, too: the view goes on without this
-// stage.
+// Everything but the scene is read anew. What a device fails with is a diagnostic, too: the view goes on
+// without this stage.
 std::unique_ptr<Stage> open_stage(const StagePlace& place, const StageWish& wish, Diagnostics& diagnostics,
                                   std::vector<std::string>& warnings);
 
