@@ -305,7 +305,8 @@ TEST(AnimationFile, ComesBackFrameByFrame) {
     EXPECT_THROW(webp_animation(width, height, {}, 70), FileError);
     frames[1].pop_back();
     EXPECT_THROW(webp_animation(width, height, frames, 70), FileError);
-    EXPECT_THROW(webp_animation(20000, 1, std::vector{std::vector<uint8_t>(80000)}, 70), FileError);
+    const std::vector<std::vector<uint8_t>> wide(1, std::vector<uint8_t>(80000));
+    EXPECT_THROW(webp_animation(20000, 1, wide, 70), FileError);
 }
 
 }  // namespace

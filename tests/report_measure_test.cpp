@@ -245,10 +245,11 @@ TEST_F(ReportMeasure, AMaskWithoutHistoryDoesNotKnowItsPast) {
     ASSERT_TRUE(contenders && shot) << diagnostics.text();
     std::map<CostMemory, std::set<std::string>> without;
     std::set<std::string> with;
+    KeptScene scene;
     for (const Contender& contender : contenders->list) {
         SCOPED_TRACE(contender.id);
         const auto open = [&] {
-            return Runner::open(test::gpu(), nodes_, contender, *shot, {64, 36}, false, diagnostics,
+            return Runner::open(test::gpu(), nodes_, contender, *shot, {64, 36}, false, scene, diagnostics,
                                 warnings);
         };
         const auto goes_on = open(), starts = open();
