@@ -56,9 +56,9 @@ int run_plan(const PlanArguments& arguments) {
     Diagnostics diagnostics;
     CompileOptions options;
     options.alias = !arguments.no_alias;
-    options.optimum_search_nodes = arguments.search ? report_search_nodes : render_search_nodes;
+    options.optimum_search_nodes = arguments.optimum ? report_search_nodes : render_search_nodes;
     const Doing doing;
-    if (arguments.search) doing("looking for the smallest possible heap");
+    if (arguments.optimum) doing("looking for the smallest possible heap");
     const auto plan = compile(*pipeline, target, options, diagnostics);
     doing.clear();
     if (!plan) {
