@@ -27,10 +27,11 @@ set(SANITIZERS -fsanitize=address,undefined -fno-sanitize-recover=undefined)
 target_compile_options(sanitized_test PRIVATE -O0 -g1 -D_GLIBCXX_ASSERTIONS ${SANITIZERS} -fno-omit-frame-pointer)
 target_link_options(sanitized_test PRIVATE ${SANITIZERS})
 target_include_directories(sanitized_test PRIVATE ${PROJECT_BINARY_DIR}/include ${PROJECT_SOURCE_DIR}/include)
+target_include_directories(sanitized_test SYSTEM PRIVATE ${WEBP_FOLDER})
 target_compile_definitions(sanitized_test PRIVATE PENUMBRA_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 find_package(OpenEXR CONFIG REQUIRED)
 target_link_libraries(sanitized_test PRIVATE OpenEXR::OpenEXR TinyGLTF::TinyGLTF draco::draco meshoptimizer::meshoptimizer
-  PNG::PNG JPEG::JPEG nlohmann_json::nlohmann_json glm::glm fmt::fmt Vulkan::Headers GTest::gtest_main)
+  PNG::PNG JPEG::JPEG ${WEBP_DEMUX_LIBRARY} ${WEBP_MUX_LIBRARY} ${WEBP_LIBRARY} nlohmann_json::nlohmann_json glm::glm fmt::fmt Vulkan::Headers GTest::gtest_main)
 target_precompile_headers(sanitized_test PRIVATE ${PRECOMPILED} <gtest/gtest.h>)
 # One test, whose files are beside those of the same tests in other programs.
 file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/sanitized)
