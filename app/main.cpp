@@ -105,6 +105,7 @@ void add_plan(CLI::App& app, PlanArguments& a) {
         ->each([&a](const std::string&) { a.on_device = true; });
     add_node_folders(c, a.node_folders);
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
+    c->add_flag("--optimum", a.optimum, "search for the smallest possible heap, up to half a minute");
 }
 
 void add_statics(CLI::App& app, StaticsArguments& a) {

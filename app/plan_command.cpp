@@ -55,7 +55,7 @@ int run_plan(const PlanArguments& arguments) {
     Diagnostics diagnostics;
     CompileOptions options;
     options.alias = !arguments.no_alias;
-    options.optimum_search_nodes = report_search_nodes;
+    options.optimum_search_nodes = arguments.optimum ? report_search_nodes : render_search_nodes;
     const auto plan = compile(*pipeline, target, options, diagnostics);
     if (!plan) {
         std::cerr << diagnostics.text();
