@@ -8,7 +8,7 @@ set(SANITIZED_SOURCES
 foreach(LIBRARY penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models)
   get_target_property(FILES ${LIBRARY} SOURCES)
   get_target_property(FOLDER ${LIBRARY} SOURCE_DIR)
-  list(FILTER FILES INCLUDE REGEX "^[a-z_/]+\\.cpp$")
+  list(FILTER FILES INCLUDE REGEX "^[^/].*\\.cpp$")
   list(TRANSFORM FILES PREPEND ${FOLDER}/)
   list(APPEND SANITIZED_SOURCES ${FILES})
 endforeach()
