@@ -13,6 +13,7 @@
 #include <random>
 #include <set>
 
+#include "host/truth/light_visibility.h"
 #include "tests/cover_model.h"
 #include "tests/coverage_oracle.h"
 
@@ -121,6 +122,52 @@ TEST_P(LightSamples, OppositeLinesAreExactComplements) {
         ASSERT_TRUE(a == all);
         ASSERT_EQ(both.count(), 0u);
     }
+}
+
+// The square's, which rectangles and tubes are: as many samples on a side as the area has, for any line, and
+// each of the eight ways to lie.
+TEST_P(LightSamples, OfTheSquareAreEvenToo) {
+    const uint32_t count = GetParam();
+    const auto points = light_samples(count, LightShape::square);
+    std::set<LightSample> all(points.begin(), points.end());
+    ASSERT_EQ(all.size(), count);
+    for (const LightSample& p : points) EXPECT_LT(std::max(std::abs(p[0]), std::abs(p[1])), 1);
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> in(0, 1);
+    double squares = 0, box_squares = 0;
+    constexpr int lines = 4000;
+    for (int i = 0; i < lines; ++i) {
+        const double angle = 2 * pi * in(random);
+        const std::array<double, 2> n{std::cos(angle), std::sin(angle)};
+        const double c = (2 * in(random)-1) * (std::abs(n[0]) + std::abs(n[1])), x = 2 * in(random)-1,
+                     y = 2 * in(random)-1;
+        double beyond = 0, boxed = 0;
+        for (const LightSample& p : points) {
+            beyond += p[0] * n[0] + p[1] * n[1] + c >= 0;
+            boxed += p[0] < x && p[1] < y;
+        }
+        const double error = beyond / count - half_square_area(n, c),
+                     box_error = boxed / count - (x + 1) * (y + 1) / 4;
+        squares += error * error;
+        box_squares += box_error * box_error;
+    }
+    const double rms = std::sqrt(squares / lines), box = std::sqrt(box_squares / lines);
+    std::printf("%u samples: rms %.4f of lines, %.4f of corners\n", count, rms, box);
+    // Random points: sqrt(1/6 .. 1/4 / count), .036 for 128.
+    EXPECT_LT(rms, 1.2 / count);
+    EXPECT_LT(box, 1.6 / count);
+}
+
+TEST(HalfSquare, HasTheAreaOfItsPolygon) {
+    for (double angle = 0; angle < 2 * pi; angle += 0.37)
+        for (double c = -1.6; c <= 1.6; c += 0.1) {
+            const glm::dvec2 n(std::cos(angle), std::sin(angle)), along(-n.y, n.x);
+            const std::vector<glm::dvec2> beyond{-c * n - 9.0 * along, -c * n + 9.0 * along,
+                                                 (9 - c) * n + 9.0 * along, (9 - c) * n - 9.0 * along};
+            EXPECT_NEAR(half_square_area({n.x, n.y}, c), square_share(beyond), 1e-9) << angle << " " << c;
+        }
+    EXPECT_EQ(half_square_area({0, 1}, 2), 1);
+    EXPECT_EQ(half_square_area({1, 0}, -2), 0);
 }
 
 TEST(HalfDisc, HasTheAreaOfTheIntegral) {

@@ -33,7 +33,7 @@ Outputs run(const std::string& name, std::array<uint32_t, 2> of_size,
     options.optimum = options.pass_costs = false;
     options.cascade_size = 64;
     Shot shot = plaza_shot(of_size, frames);
-    if (name == "light_raw") {  // which takes a light that is near
+    if (name.starts_with("light")) {  // which takes a light that is near
         ShotLight& lamp = shot.lights["lamp"];
         lamp.kind = LightKind::disc;
         lamp.radius = 0.4;

@@ -84,6 +84,7 @@ const std::vector<Exception>& exceptions() {
     static const std::vector<Exception> list = {
         {"navi31", "beams", "VGPRs", 110},
         {"navi31", "cover", "VGPRs", 158},
+        {"navi31", "cover (lamps)", "VGPRs", 182},
         {"navi31", "gather", "VGPRs", 144},
         {"navi31", "gather", "waves per SIMD", 6},
         {"navi31", "gather", "LDS bytes per 64 lanes", 12800},
@@ -98,6 +99,8 @@ const std::vector<Exception>& exceptions() {
         {"navi21", "beams", "VGPRs", 110},
         {"navi21", "cover", "VGPRs", 158},
         {"navi21", "cover", "waves per SIMD", 6},
+        {"navi21", "cover (lamps)", "VGPRs", 182},
+        {"navi21", "cover (lamps)", "waves per SIMD", 5},
         {"navi21", "gather", "VGPRs", 144},
         {"navi21", "gather", "waves per SIMD", 6},
         {"navi21", "gather", "LDS bytes per 64 lanes", 12800},
@@ -113,6 +116,9 @@ const std::vector<Exception>& exceptions() {
         {"polaris10", "beams", "waves per SIMD", 2},
         {"polaris10", "cover", "VGPRs", 154},
         {"polaris10", "cover", "waves per SIMD", 1},
+        {"polaris10", "cover (lamps)", "spilled SGPRs", 1},
+        {"polaris10", "cover (lamps)", "VGPRs", 178},
+        {"polaris10", "cover (lamps)", "waves per SIMD", 1},
         {"polaris10", "gather", "VGPRs", 148},
         {"polaris10", "gather", "waves per SIMD", 1},
         {"polaris10", "gather", "LDS bytes per 64 lanes", 12800},
@@ -143,7 +149,10 @@ TEST_P(Statics, EveryPassOfEveryShippedPipelineMeetsItsTargets) {
             ++passes;
             for (const Figure& f : figures(family, pass)) {
                 if (f.met()) continue;
-                const auto [at, fresh] = missed.try_emplace({pass["type"], f.name}, f.value);
+                // A lamp is another light for each pixel, where the sun is one for all.
+                const bool lamp = pass["type"] == "cover" && pipeline["pipeline"] == "light";
+                const auto [at, fresh] =
+                    missed.try_emplace({lamp ? "cover (lamps)" : pass["type"], f.name}, f.value);
                 if (!fresh)
                     at->second = f.at_least ? std::min(at->second, f.value) : std::max(at->second, f.value);
             }

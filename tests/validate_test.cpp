@@ -393,7 +393,7 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
 std::vector<std::string> rendered_names() {
     std::vector<std::string> names = shipped_names();
     std::erase_if(names, [](const std::string& name) {
-        return name == "denoise" || name == "reference" || name == "light_raw";
+        return name == "denoise" || name == "reference" || name.starts_with("light");
     });  // whose shot has a light
     return names;
 }

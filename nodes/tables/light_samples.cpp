@@ -37,33 +37,34 @@ double along(const LightSample& p, const std::array<double, 2>& n) {
     return p[0] * n[0] + p[1] * n[1];
 }
 
-// The place x along any direction behind which (seen from above) `share` of the disc lies: half_disc_area(-x)
-// = share.
-double place_of(double share) {
-    double lo = -1, hi = 1;
+double half_area(LightShape shape, const std::array<double, 2>& n, double c) {
+    return shape == LightShape::disc ? half_disc_area(c) : half_square_area(n, c);
+}
+
+// The place x along a direction behind which (seen from above) `share` of the light lies: half_area(-x) =
+// share.
+double place_of(LightShape shape, const std::array<double, 2>& n, double share) {
+    double hi = shape == LightShape::disc ? 1 : std::abs(n[0]) + std::abs(n[1]), lo = -hi;
     for (int i = 0; i < 60; ++i) {
         const double x = 0.5 * (lo + hi);
-        (half_disc_area(-x) > share ? lo : hi) = x;
+        (half_area(shape, n, -x) > share ? lo : hi) = x;
     }
     return 0.5 * (lo + hi);
 }
 
 class Annealing {
   public:
-    explicit Annealing(uint32_t count) : ideal_(count) {
-        for (uint32_t k = 0; k < count; ++k) ideal_[k] = place_of(1 - (k + 0.5) / count);
+    Annealing(uint32_t count, LightShape shape) : shape_(shape) {
+        for (uint32_t i = 0; i < count; ++i) points_.push_back(on_grid(first_place(i, count)));
         for (uint32_t d = 0; d < annealed_directions; ++d) {
             const double angle = pi * (d + 0.5) / annealed_directions;
             normals_[d] = {std::cos(angle), std::sin(angle)};
-        }
-        for (uint32_t i = 0; i < count; ++i) {
-            const double angle = i * pi * (3 - std::sqrt(5.0)), radius = std::sqrt((i + 0.5) / count);
-            points_.push_back(on_grid({radius * std::cos(angle), radius * std::sin(angle)}));
-        }
-        for (uint32_t d = 0; d < annealed_directions; ++d) {
-            for (const LightSample& p : points_) sorted_[d].push_back(along(p, normals_[d]));
+            for (uint32_t k = 0; k < count; ++k) {
+                ideal_[d].push_back(place_of(shape, normals_[d], 1 - (k + 0.5) / count));
+                sorted_[d].push_back(along(points_[k], normals_[d]));
+            }
             std::sort(sorted_[d].begin(), sorted_[d].end());
-            errors_[d] = error_of(sorted_[d]);
+            errors_[d] = error_of(sorted_[d], d);
         }
     }
 
@@ -79,15 +80,31 @@ class Annealing {
             const LightSample moved =
                 on_grid({points_[i][0] + r * std::cos(angle), points_[i][1] + r * std::sin(angle)});
             const double allowed = 0.1 * cold * cold * total() / count * -std::log(1 - random_.next());
-            if (moved[0] * moved[0] + moved[1] * moved[1] < 1) try_move(i, moved, allowed);
+            if (inside(moved)) try_move(i, moved, allowed);
         }
         return points_;
     }
 
   private:
-    double error_of(const std::vector<double>& sorted) const {
+    // A spiral in the disc; in the square a Kronecker lattice by the roots of x^3 = x + 1.
+    LightSample first_place(uint32_t i, uint32_t count) const {
+        if (shape_ == LightShape::square) {
+            const double root = 1.32471795724474602596, x = i / root, y = i / (root * root);
+            return {2 * (x - std::floor(x)) - 1, 2 * (y - std::floor(y)) - 1};
+        }
+        const double angle = i * pi * (3 - std::sqrt(5.0)), radius = std::sqrt((i + 0.5) / count);
+        return {radius * std::cos(angle), radius * std::sin(angle)};
+    }
+
+    bool inside(const LightSample& p) const {
+        return shape_ == LightShape::disc ? p[0] * p[0] + p[1] * p[1] < 1
+                                          : std::max(std::abs(p[0]), std::abs(p[1])) < 1;
+    }
+
+    double error_of(const std::vector<double>& sorted, uint32_t d) const {
         double sum = 0;
-        for (size_t k = 0; k < sorted.size(); ++k) sum += (sorted[k] - ideal_[k]) * (sorted[k] - ideal_[k]);
+        for (size_t k = 0; k < sorted.size(); ++k)
+            sum += (sorted[k] - ideal_[d][k]) * (sorted[k] - ideal_[d][k]);
         return sum;
     }
 
@@ -102,7 +119,7 @@ class Annealing {
             s.erase(std::lower_bound(s.begin(), s.end(), along(points_[i], normals_[d])));
             const double place = along(moved, normals_[d]);
             s.insert(std::lower_bound(s.begin(), s.end(), place), place);
-            errors[d] = error_of(s);
+            errors[d] = error_of(s, d);
             change += errors[d] - errors_[d];
         }
         if (change > allowed) return;
@@ -111,7 +128,8 @@ class Annealing {
         errors_ = errors;
     }
 
-    std::vector<double> ideal_;  // ascending
+    LightShape shape_;
+    std::array<std::vector<double>, annealed_directions> ideal_;  // ascending
     std::array<std::array<double, 2>, annealed_directions> normals_{};
     std::vector<LightSample> points_;
     std::array<std::vector<double>, annealed_directions> sorted_;
@@ -127,13 +145,22 @@ std::array<double, 2> half_plane_normal(uint32_t bin) {
     return {p / length, y / length};
 }
 
-std::vector<LightSample> light_samples(uint32_t count) {
-    return Annealing(count).run();
+std::vector<LightSample> light_samples(uint32_t count, LightShape shape) {
+    return Annealing(count, shape).run();
 }
 
 double half_disc_area(double c) {
     c = std::clamp(c, -1.0, 1.0);
     return 0.5 + (c * std::sqrt(1 - c * c) + std::asin(c)) / pi;
+}
+
+// The sum of two uniform numbers of unequal width: a trapezium's area.
+double half_square_area(const std::array<double, 2>& n, double c) {
+    const double x = std::abs(n[0]), y = std::abs(n[1]), wide = std::max(x, y), narrow = std::min(x, y);
+    c = std::clamp(c, -(wide + narrow), wide + narrow);
+    const double beyond = std::max(std::abs(c) - (wide - narrow), 0.0),
+                 corner = narrow > 0 ? beyond * beyond / (8 * wide * narrow) : 0;
+    return 0.5 + c / (2 * wide) - std::copysign(corner, c);
 }
 
 std::vector<uint32_t> half_plane_table(const std::vector<LightSample>& samples) {

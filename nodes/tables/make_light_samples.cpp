@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Build tool: writes the tables of the node `cover` into a folder, little-endian: half_planes_N.bin for N =
-// 64, 128, 256 (nodes/tables/light_samples.h), and light_samples.bin, a row of 256 points (two floats each, 0
-// where there are fewer) for each N.
+// 64, 128, 256 (nodes/tables/light_samples.h), first the disc's directions, then the square's, and
+// light_samples.bin, a row of 256 points (two floats each, 0 where there are fewer) for each N, of the disc,
+// then of the square.
 #include <bit>
 #include <cstdio>
 #include <filesystem>
@@ -29,14 +30,20 @@ int main(int argc, char** argv) {
     }
     const std::filesystem::path folder = argv[1];
     std::vector<uint32_t> points;
-    for (const uint32_t count : penumbra::light_sample_counts) {
-        const auto samples = penumbra::light_samples(count);
-        for (uint32_t i = 0; i < 256; ++i)
-            for (const double x : i < count ? samples[i] : penumbra::LightSample{})
-                points.push_back(std::bit_cast<uint32_t>(static_cast<float>(x)));
-        if (!write(folder / ("half_planes_" + std::to_string(count) + ".bin"),
-                   penumbra::half_plane_table(samples)))
-            return 1;
+    std::array<std::vector<uint32_t>, penumbra::light_sample_counts.size()> tables;
+    for (const auto shape : {penumbra::LightShape::disc, penumbra::LightShape::square})
+        for (size_t n = 0; n < tables.size(); ++n) {
+            const uint32_t count = penumbra::light_sample_counts[n];
+            const auto samples = penumbra::light_samples(count, shape);
+            for (uint32_t i = 0; i < 256; ++i)
+                for (const double x : i < count ? samples[i] : penumbra::LightSample{})
+                    points.push_back(std::bit_cast<uint32_t>(static_cast<float>(x)));
+            const auto table = penumbra::half_plane_table(samples);
+            tables[n].insert(tables[n].end(), table.begin(), table.end());
+        }
+    for (size_t n = 0; n < tables.size(); ++n) {
+        const std::string name = "half_planes_" + std::to_string(penumbra::light_sample_counts[n]) + ".bin";
+        if (!write(folder / name, tables[n])) return 1;
     }
     return write(folder / "light_samples.bin", points) ? 0 : 1;
 }

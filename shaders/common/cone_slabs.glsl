@@ -12,6 +12,7 @@ struct ConeSlabs {
     bvec3 rising;                    // the first flank meets the low plane, the other the high one
     vec3 also_near, not_far;         // added to the other's h: 0, or out of the way
     vec3 thickness;                  // by which the flanks start apart from the apex: radius * w
+    float reach;                     // where the cone ends, along its axis
 };
 
 vec3 inverse_slope(vec3 slope) {
@@ -20,11 +21,8 @@ vec3 inverse_slope(vec3 slope) {
     return 1.0 / mix(signed_tiny, slope, greaterThanEqual(abs(slope), vec3(tiny)));
 }
 
-// Widened by what rounding does to a slope; boxes keep a distance of their own from their planes (host/bvh/bvh.cpp).
-ConeSlabs cone_slabs(vec3 axis, float spread, float radius) {
-    const vec3 tilt = sqrt(max(1.0 - axis * axis, vec3(0.0)));
-    const vec3 across = (spread * 1.0001 + 1e-6) * tilt;
-    const vec3 upper = axis + across, lower = axis - across;
+// Of whatever at a distance of 1 along its axis lies in the box from `lower` to `upper`, and at h in one h times as large.
+ConeSlabs slabs_of_slopes(vec3 lower, vec3 upper) {
     const vec3 upper_inverse = inverse_slope(upper), lower_inverse = inverse_slope(lower);
     ConeSlabs slabs;
     slabs.rising = greaterThanEqual(upper, vec3(0.0));
@@ -33,6 +31,16 @@ ConeSlabs cone_slabs(vec3 axis, float spread, float radius) {
     const bvec3 both_ways = notEqual(slabs.rising, greaterThanEqual(lower, vec3(0.0)));
     slabs.also_near = mix(vec3(-3e38), vec3(0.0), both_ways);
     slabs.not_far = mix(vec3(0.0), vec3(3e38), both_ways);
+    slabs.thickness = vec3(0.0);
+    slabs.reach = 3e38;
+    return slabs;
+}
+
+// Widened by what rounding does to a slope; boxes keep a distance of their own from their planes (host/bvh/bvh.cpp).
+ConeSlabs cone_slabs(vec3 axis, float spread, float radius) {
+    const vec3 tilt = sqrt(max(1.0 - axis * axis, vec3(0.0)));
+    const vec3 across = (spread * 1.0001 + 1e-6) * tilt;
+    ConeSlabs slabs = slabs_of_slopes(axis - across, axis + across);
     slabs.thickness = radius * (tilt + 1e-3);
     return slabs;
 }
@@ -51,7 +59,7 @@ void cone_slab(inout vec4 near, inout vec4 far, uint low_planes, uint high_plane
 uint cone_hit_children(ConeSlabs slabs, vec3 apex, uvec4 n0, uvec4 n1, uvec4 n2) {
     const vec3 grid_step = uintBitsToFloat((uvec3(n0.w, n0.w >> 8, n0.w >> 16) & 255u) << 23);
     const vec3 base = uintBitsToFloat(n0.xyz) - apex;
-    vec4 near = vec4(0.0), far = vec4(3e38);
+    vec4 near = vec4(0.0), far = vec4(slabs.reach);
     cone_slab(near, far, n1.z, n1.w, grid_step.x, base.x, slabs.thickness.x, slabs.rising.x, slabs.near_inverse.x, slabs.far_inverse.x,
               slabs.also_near.x, slabs.not_far.x);
     cone_slab(near, far, n2.x, n2.y, grid_step.y, base.y, slabs.thickness.y, slabs.rising.y, slabs.near_inverse.y, slabs.far_inverse.y,

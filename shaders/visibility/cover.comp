@@ -13,6 +13,7 @@
 #include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
 #include "visibility/sun_point.glsl"
+#include "common/light.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
@@ -20,6 +21,7 @@
 #include "common/cone_slabs.glsl"
 #include "visibility/light_mask.glsl"
 #include "visibility/leaf_cover.glsl"
+#include "visibility/seen_light.glsl"
 
 #if HAS_GIVEN_UP
 shared uint tile_rest;  // pixels left to rays
@@ -51,8 +53,8 @@ void main() {
     const TileShare share = tile_share(asked);
     const uint pixel_count = uint(bitCount(share.wanted));
     const mat3 axes = sun_frame(sun.to_sun);
-    const LightDisc disc = sun_disc(sun.angular_radius);
-    const ConeSlabs slabs = cone_slabs(axes[2], disc.radius, 0.0);
+    const LightShape sun_as_seen = sun_shape(sun.angular_radius);
+    const ConeSlabs sun_slabs = cone_slabs(axes[2], sun_as_seen.radius, 0.0);
 
     uint shadowed = 0u, partly = 0u, done = 0u, steps_taken = 0u;
     for (uint first = 0u; first < pixel_count; first += share.lanes) {
@@ -60,13 +62,17 @@ void main() {
         const uint number = wanted_number(share, own ? first + share.lane : first);
         const ivec2 p = tile * TILE + pixel_of_lane(int(number));
         const vec2 noise = noise_unit(noise_fixed(p, frame.frame_index, params.seed));
-        const float angle = 6.283185307179586 * noise.x, c = cos(angle), s = sin(angle);
-        const Receiver r = Receiver(shadow_ray_origin(p), c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2], line_dither(noise.y));
+        SeenLight seen;
+        if (HAS_LIGHT)
+            seen = seen_light(shadow_ray_origin(p), noise);
+        else
+            seen = seen_sun(shadow_ray_origin(p), axes, sun_as_seen, sun_slabs, noise);
+        const Receiver r = seen.receiver;
 
         // The receiver's own plane hides what is below it, which a start above the surface would let pass at the surface's end.
         const vec3 normal = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
-        LightMask hidden = mask_flipped(positive_side(light_line(disc, r.dither, along_axes(r, normal))), true);
-        BvhPath path = bvh_path(axes[2]);
+        LightMask hidden = mask_flipped(positive_side(light_line(seen.shape, r.dither, lit_side(seen, normal))), true);
+        BvhPath path = bvh_path(seen.span[2]);
         LightMask asked_by_ray = NO_SAMPLES;
         uint steps = 0u;
         bool ended = !own || mask_is_full(hidden), given_up = false;
@@ -74,7 +80,7 @@ void main() {
             while (!ended && !bvh_at_leaf(path)) {
                 BvhVisit visit = bvh_visit(path);
                 bvh_fetch(path, visit);
-                visit.hits = cone_hit_children(slabs, r.start, visit.n0, visit.n1, visit.n2);
+                visit.hits = cone_hit_children(seen.slabs, r.start, visit.n0, visit.n1, visit.n2);
                 bvh_go_on(path, visit);
                 ++steps;
                 if (bvh_ended(path)) ended = true;
@@ -82,7 +88,7 @@ void main() {
             uint leaf = 0u;
             const bool at_leaf = !ended;
             if (at_leaf) leaf = bvh_take_leaf(path);
-            hide_by_leaf(r, disc, leaf, at_leaf, hidden);
+            hide_by_leaf(r, seen.shape, leaf, at_leaf, hidden);
             ++steps;
             if (mask_is_full(hidden) || bvh_ended(path)) ended = true;
 #if HAS_GIVEN_UP
@@ -97,8 +103,8 @@ void main() {
         bool last_ones = finished && count != LIGHT_SAMPLES && count + LAST_SAMPLES >= LIGHT_SAMPLES;
         while (last_ones) {
             const LightMask open = mask_lowest(mask_without(mask_flipped(hidden, true), asked_by_ray));
-            const vec3 d = to_sample(disc, texelFetch(light_samples, ivec2(mask_index(open), SAMPLES_ROW), 0).xy);
-            if (occluded(r.start, d.x * r.x + d.y * r.y + d.z * r.z, 0.0, WHOLE_RAY_M)) hidden = mask_or(hidden, open);
+            const vec3 way = way_to_sample(seen, sample_point(seen.shape, mask_index(open)));
+            if (occluded(r.start, way, 0.0, HAS_LIGHT ? 1.0 : WHOLE_RAY_M)) hidden = mask_or(hidden, open);
             asked_by_ray = mask_or(asked_by_ray, open);
             if (mask_is_full(mask_or(hidden, asked_by_ray))) last_ones = false;
         }
@@ -120,6 +126,10 @@ void main() {
     count_steps(steps_taken);
     // Given up, or left undone where a driver ends loops (branch.glsl).
     const uint rest = share.wanted & ~subgroupOr(done);
+#if HAS_UNEVEN
+    const uint between = subgroupOr(partly) | rest;
+    if (subgroupElect() && between != 0u) atomicOr(uneven[tile_index(tile)], lanes_of_pixels(between));
+#endif
 #if HAS_GIVEN_UP
     if (subgroupElect() && rest != 0u) atomicOr(tile_rest, lanes_of_pixels(rest));
     barrier();
@@ -127,6 +137,9 @@ void main() {
     const uint left = tile_rest | record.y ^ asked;
     append_tile(leader && left != 0u, uvec4(record.x, left, record.zw));
     count_left(leader ? uint(bitCount(left)) : 0u);
+#if HAS_UNEVEN
+    if (leader && asked != record.y) atomicOr(uneven[tile_index(tile)], record.y);
+#endif
     if (leader && 2 * bitCount(left) > bitCount(record.y)) atomicOr(given_up[tile_word(tile)], tile_bit(tile));
 #else
     count_left(subgroupElect() ? uint(bitCount(rest)) : 0u);

@@ -10,17 +10,21 @@
 // Rounding: with u = 2^-24 and r, s the distances of an edge's corners, V is off by 4 u r, an edge V x W by 12 u r s, and the line across the light
 // by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
 //
-// Includer has common/bvh.glsl and light_mask.glsl and declares: uniform sampler2D light_samples.
+// Includer has common/bvh.glsl, common/light.glsl and light_mask.glsl and declares: block light; uniform sampler2D light_samples.
 #include "common/branch.glsl"
 
 const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
 
 // The start of a pixel's shadow rays, in the scene's frame, and the light's axes, z towards it: turned about z by another angle
-// for each pixel and frame, so that the errors of neighbours have nothing in common.
+// for each pixel and frame, so that the errors of neighbours have nothing in common. Of what is near the axes need not be
+// at right angles (seen_light.glsl).
 struct Receiver {
     vec3 start;
     vec3 x, y, z;
     float dither;
+    // Of what is near alone: whether the axes are left-handed; along z, before what every triangle hides the light, and behind what none does.
+    bool mirrored;
+    float before, behind;
 };
 
 // The corner of all its triangles is rounded once, and alike for each; fused products would break V x W = -(W x V).
@@ -57,9 +61,16 @@ Height height_for_sure(vec3 start, vec3 a, vec3 b, vec3 c) {
     return Height(abs(height) > displaced ? height : 0.0, 0.0);
 }
 
+// How far along d = (x, y, 1) the near side of a sphere is, less its housing.
+float surface_along(Receiver r, vec3 d) {
+    const float radius = light.u.x, to_centre = r.before / (1.0 - LIGHT_HOUSING) + radius, d2 = dot(d, d);
+    const float tangent2 = (to_centre - radius) * (to_centre + radius);
+    return (1.0 - LIGHT_HOUSING) * (to_centre - sqrt(max(to_centre * to_centre - d2 * tangent2, 0.0))) / d2;
+}
+
 // Without the samples that are seen through a hole of triangle `which`; those in `known` are not asked for. `opposite`: the edges' lines, whose
 // values at a sample are the weights of the corners that they lie opposite to, so that the texture coordinate is a quotient of two such lines.
-LightMask without_holes(LightDisc disc, uint leaf, uint which, vec3 opposite[3], LightMask mask, LightMask known) {
+LightMask without_holes(LightShape shape, uint leaf, uint which, vec3 opposite[3], LightMask mask, LightMask known) {
     const uint word = bvh_alpha_word(leaf, which);
     LightMask asked = mask_if(word != 0u, mask_without(mask, known));
     const AlphaRecord record = alpha_record((max(word, 16u) >> 4) - 1u);
@@ -68,30 +79,63 @@ LightMask without_holes(LightDisc disc, uint leaf, uint which, vec3 opposite[3],
     const vec3 u = w0 * record.uv0.x + w1 * record.uv1.x + w2 * record.uv2.x, v = w0 * record.uv0.y + w1 * record.uv1.y + w2 * record.uv2.y;
     while (!mask_is_empty(asked)) {
         const LightMask lowest = mask_lowest(asked);
-        const vec3 d = to_sample(disc, texelFetch(light_samples, ivec2(mask_index(lowest), SAMPLES_ROW), 0).xy);
+        const vec3 d = to_sample(shape, sample_point(shape, mask_index(lowest)));
         if (!alpha_there(record, vec2(dot(u, d), dot(v, d)) / dot(w, d))) mask = mask_without(mask, lowest);
         asked = mask_without(asked, lowest);
     }
     return mask;
 }
 
+// Of a mask what a triangle hides of it up to `end` along z, where its corners are at `ends` and `z`. `sum` of its edges' lines: along
+// d = (x, y, 1) its plane is at det / (sum . d). Corners decide where they can: a line for nothing could leave a sample.
+LightMask hidden_up_to(Receiver r, LightShape shape, float end, vec3 sum, float det, vec2 ends, float z, bool below, LightMask mask) {
+    if (max(ends.y, z) < end) return mask;
+    if (min(ends.x, z) >= end) return NO_SAMPLES;
+    return mask_and(mask, mask_flipped(positive_side(light_line(shape, r.dither, vec3(sum.xy, sum.z - det / end))), below));
+}
+
+// .. of a light that ends between `before` and `behind`. Samples of a sphere that lie between are asked for one by one.
+LightMask before_light(Receiver r, LightShape shape, vec3 sum, float det, vec2 ends, float z, bool below, LightMask mask) {
+    LightMask sure = hidden_up_to(r, shape, r.before, sum, det, ends, z, below, mask);
+    BRANCH_IF(r.before != r.behind) {
+        LightMask asked = mask_without(hidden_up_to(r, shape, r.behind, sum, det, ends, z, below, mask), sure);
+        while (!mask_is_empty(asked)) {
+            const LightMask lowest = mask_lowest(asked);
+            const vec3 d = to_sample(shape, sample_point(shape, mask_index(lowest)));
+            if (abs(det) < surface_along(r, d) * abs(dot(sum, d))) sure = mask_or(sure, lowest);
+            asked = mask_without(asked, lowest);
+        }
+    }
+    return sure;
+}
+
 // Adds to `hidden` what the leaf hides, where it is `wanted`.
-void hide_by_leaf(Receiver r, LightDisc disc, uint leaf, bool wanted, inout LightMask hidden) {
+void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout LightMask hidden) {
     const BvhLeaf corners = bvh_leaf(leaf);
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
     const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
     const vec3 bc_line = edge_line(b, c);
-    const LightLine ab = light_line(disc, r.dither, edge_line(a, b)), bc = light_line(disc, r.dither, bc_line),
-                    ca = light_line(disc, r.dither, edge_line(c, a)), bd = light_line(disc, r.dither, edge_line(b, d)),
-                    dc = light_line(disc, r.dither, edge_line(d, c));
+    const LightLine ab = light_line(shape, r.dither, edge_line(a, b)), bc = light_line(shape, r.dither, bc_line),
+                    ca = light_line(shape, r.dither, edge_line(c, a)), bd = light_line(shape, r.dither, edge_line(b, d)),
+                    dc = light_line(shape, r.dither, edge_line(d, c));
     const bvec2 none_above = bvec2(none_positive(ab) || none_positive(bc) || none_positive(ca),
                                    none_positive(bd) || none_positive(dc) || none_negative(bc));
     const bvec2 none_below = bvec2(none_negative(ab) || none_negative(bc) || none_negative(ca),
                                    none_negative(bd) || none_negative(dc) || none_positive(bc));
-    const bvec2 matters = bvec2(wanted && !(none_above.x && none_below.x), wanted && !(none_above.y && none_below.y));
+    bvec2 matters = bvec2(wanted && !(none_above.x && none_below.x), wanted && !(none_above.y && none_below.y));
+    if (HAS_LIGHT) {
+        const float nearest = min(b.z, c.z);
+        matters = bvec2(matters.x && min(a.z, nearest) < r.behind, matters.y && min(d.z, nearest) < r.behind);
+    }
 
-    const float error = 32.0 * UNIT_ROUNDING * taxi(b) * taxi(c);
+    float error = 32.0 * UNIT_ROUNDING * taxi(b) * taxi(c);
     Height first = Height(dot(a, bc_line), error * taxi(a)), second = Height(-dot(d, bc_line), error * taxi(d));
+    if (HAS_LIGHT) {  // along axes that lie low the corners have lost digits
+        const vec3 n = cross(to_b, to_c);
+        error = 32.0 * UNIT_ROUNDING * taxi(to_b) * taxi(to_c);
+        first = Height(dot(to_a, n), error * taxi(to_a));
+        second = Height(-dot(to_d, n), error * taxi(to_d));
+    }
     BRANCH_IF(matters.x && in_doubt(first) || matters.y && in_doubt(second)) {
         if (in_doubt(first)) first = height_of(to_a, corners.b - corners.a, corners.c - corners.a);
         if (in_doubt(second)) second = height_of(to_c, corners.b - corners.c, corners.d - corners.c);
@@ -101,7 +145,8 @@ void hide_by_leaf(Receiver r, LightDisc disc, uint leaf, bool wanted, inout Ligh
         if (unsure.x) first = height_for_sure(r.start, corners.a, corners.b, corners.c);
         if (unsure.y) second = height_for_sure(r.start, corners.c, corners.b, corners.d);
     }
-    const bvec2 below = bvec2(first.value < 0.0, second.value < 0.0);
+    bvec2 below = bvec2(first.value < 0.0, second.value < 0.0);
+    if (HAS_LIGHT && r.mirrored) below = not(below);
     const bvec2 hides = bvec2(matters.x && first.value != 0.0 && !(below.x ? none_below.x : none_above.x),
                               matters.y && second.value != 0.0 && !(below.y ? none_below.y : none_above.y));
     BRANCH_IF(any(hides)) {
@@ -112,9 +157,17 @@ void hide_by_leaf(Receiver r, LightDisc disc, uint leaf, bool wanted, inout Ligh
                                        mask_and(mask_flipped(positive_side(bd), below.y), mask_flipped(positive_side(dc), below.y)));
         by_first = mask_if(hides.x, by_first);
         by_second = mask_if(hides.y, by_second);
+        if (HAS_LIGHT) {
+            const float farthest = max(b.z, c.z);
+            BRANCH_IF(max(farthest, max(a.z, d.z)) > r.before) {
+                const vec2 ends = vec2(min(b.z, c.z), max(b.z, c.z));
+                by_first = before_light(r, shape, edge_line(a, b) + bc_line + edge_line(c, a), dot(a, bc_line), ends, a.z, below.x, by_first);
+                by_second = before_light(r, shape, edge_line(b, d) + edge_line(d, c) - bc_line, -dot(d, bc_line), ends, d.z, below.y, by_second);
+            }
+        }
         if (HAS_SCENE_ALPHA) {
-            by_first = without_holes(disc, leaf, 0u, vec3[3](bc_line, edge_line(c, a), edge_line(a, b)), by_first, hidden);
-            by_second = without_holes(disc, leaf, 1u, vec3[3](edge_line(b, d), edge_line(d, c), -bc_line), by_second, mask_or(hidden, by_first));
+            by_first = without_holes(shape, leaf, 0u, vec3[3](bc_line, edge_line(c, a), edge_line(a, b)), by_first, hidden);
+            by_second = without_holes(shape, leaf, 1u, vec3[3](edge_line(b, d), edge_line(d, c), -bc_line), by_second, mask_or(hidden, by_first));
         }
         hidden = mask_or(hidden, mask_or(by_first, by_second));
     }

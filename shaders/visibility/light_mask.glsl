@@ -3,12 +3,13 @@
 // direction and by how many samples it cuts off. The other side is the exact complement, so that two triangles at an edge leave no
 // crack between them, whatever rounding did to the edge.
 //
-// Includer declares: uniform usampler2D half_planes_64, half_planes_128, half_planes_256; const uint SAMPLES.
+// Includer declares: block light; uniform sampler2D light_samples; usampler2D half_planes_64, half_planes_128, half_planes_256; const uint SAMPLES.
 #include "common/rounded.glsl"
 
 const uint LIGHT_SAMPLES = SAMPLES <= 64u ? 64u : SAMPLES <= 128u ? 128u : 256u;
 const uint MASK_WORDS = LIGHT_SAMPLES / 32u;
 const int SAMPLES_ROW = LIGHT_SAMPLES == 64u ? 0 : LIGHT_SAMPLES == 128u ? 1 : 2;  // of the table light_samples
+const int SQUARE_SAMPLES = 3;                                                      // rows from the disc's to the square's
 
 // Bit i of word w is sample 32 w + i. Words that there are no samples for are 0.
 struct LightMask {
@@ -62,26 +63,54 @@ int mask_index(LightMask a) {
     return int(lo.y | lo.z | lo.w | hi.x | hi.y | hi.z | hi.w) + findLSB(bits);
 }
 
-// A round light as every receiver sees it: at distance 1 along z, with this radius.
-struct LightDisc {
+// A light as a receiver sees it: on the plane at distance 1 along z a disc of this radius, or the square [-1, 1]^2.
+struct LightShape {
     float radius, per_radius;
     float bulge;
-    float area[5];  // of its part x >= -c, in units of the whole: 1/2 + sum of area[k] c^(2k+1)
+    float area[5];  // of the disc's part x >= -c, in units of the whole: 1/2 + sum of area[k] c^(2k+1)
+    // Of what is near (seen_light.glsl) alone:
+    bool square;
+    vec2 cap;  // of a cap that can be large: 1 - cos a, sin^2 a. 0 is a disc
 };
 
 // The area within 2.2e-4, and 0 or 1 at the rim within 5e-6. The sun's samples are uniform over its
 // cap, by Lambert's map, where a line of the tangent plane is a curve: through sin(phi / 2) / sin(a / 2) in the middle, for
 // c = tan(phi) / tan(a), and through c at the rim. To third order in a, the line that cuts off as much lies at c + a^2 / 4 c (1 - c^2).
-LightDisc sun_disc(float angular_radius) {
+LightShape sun_shape(float angular_radius) {
     const float bulge = 0.25 * angular_radius * angular_radius, radius = tan(angular_radius);
-    return LightDisc(radius, 1.0 / max(radius, 1e-30), bulge,
-                     float[5](0.6345046 + 0.6659715 * bulge, -0.0742046 - 1.1252572 * bulge, -0.1463876 + 0.4592857 * bulge,
-                              0.1943180, -0.1082343));
+    return LightShape(radius, 1.0 / max(radius, 1e-30), bulge,
+                      float[5](0.6345046 + 0.6659715 * bulge, -0.0742046 - 1.1252572 * bulge, -0.1463876 + 0.4592857 * bulge,
+                               0.1943180, -0.1082343),
+                      false, vec2(0.0));
 }
 
-// The direction to a sample of the light, which is of radius 1 in the table.
-vec3 to_sample(LightDisc disc, vec2 point) {
-    return vec3(point * (disc.radius * (1.0 - disc.bulge * (1.0 - dot(point, point)))), 1.0);
+// What a cap has besides the disc's area: exactly, (asin(k w / q) / k - w) / pi for w = c sqrt(1 - c^2), k = 1 - cos a and
+// q^2 = 1 - (1 - c^2) sin^2 a, here with three terms of the arc sine: within 1e-3 to a = 75 degrees.
+float cap_area(vec2 cap, float c2, float c) {
+    const float w = c * sqrt(max(1.0 - c2, 0.0)), x = w * inversesqrt(max(1.0 - (1.0 - c2) * cap.y, 1e-6));
+    const float x2 = x * x * cap.x * cap.x;
+    return 0.31830989 * (x * (1.0 + x2 * (0.16666667 + 0.075 * x2)) - w);
+}
+
+// Of the square, where `across` is the greater of |e.x| and |e.y| and both are 1 together: a trapezium's area. To the line's left, less 1/2.
+float square_area(float across, float c) {
+    const float along = 1.0 - across, beyond = max(abs(c) - (across - along), 0.0);
+    const float corner = beyond * beyond / max(8.0 * across * along, 1e-20);
+    return 0.5 * c / across - (c < 0.0 ? -corner : corner);
+}
+
+// The direction to a sample of the light, in the units of the table.
+vec3 to_sample(LightShape shape, vec2 point) {
+    const float r2 = dot(point, point);
+    if (HAS_LIGHT) {
+        const float v = shape.cap.x * r2;  // 1 - cos of the angle to it
+        return vec3(point * (shape.cap.x > 0.0 ? sqrt(shape.cap.x * (2.0 - v)) / (1.0 - v) : shape.radius), 1.0);
+    }
+    return vec3(point * (shape.radius * (1.0 - shape.bulge * (1.0 - r2))), 1.0);
+}
+
+vec2 sample_point(LightShape shape, int index) {
+    return texelFetch(light_samples, ivec2(index, HAS_LIGHT && shape.square ? SAMPLES_ROW + SQUARE_SAMPLES : SAMPLES_ROW), 0).xy;
 }
 
 // A line across the light: where e . (x, y, 1) >= 0.
@@ -96,7 +125,7 @@ float line_dither(float u) { return 0.002 + 0.996 * u; }
 
 // Of -e the same entry. `e` may be of any length that a float holds, and zero. `dither` rounds a share of the samples up or down; it is the same for
 // all lines of a pixel.
-LightLine light_line(LightDisc disc, float dither, vec3 e) {
+LightLine light_line(LightShape shape, float dither, vec3 e) {
     LightLine line;
     line.flip = (e.y != 0.0 ? e.y : e.x) < 0.0;
     if (line.flip) e = -e;
@@ -104,11 +133,20 @@ LightLine light_line(LightDisc disc, float dither, vec3 e) {
     const float p = e.x * inverse, size = abs(p);  // the normal is (p, 1 - |p|), up to its length:
     const float m = size - size * size;            // 1 / sqrt(1 - 2 m), within 9e-5
     const float per_length = 1.0000891 + m * (0.9840561 + m * (1.9511038 + m * (m * 18.8985459 - 1.7756891)));
-    const float c = clamp(e.z * inverse * disc.per_radius * per_length, -1.0, 1.0), c2 = c * c;
-    const float area = disc.area[0] + c2 * (disc.area[1] + c2 * (disc.area[2] + c2 * (disc.area[3] + c2 * disc.area[4])));
+    const float c = clamp(e.z * inverse * shape.per_radius * per_length, -1.0, 1.0), c2 = c * c;
+    float area = c * (shape.area[0] + c2 * (shape.area[1] + c2 * (shape.area[2] + c2 * (shape.area[3] + c2 * shape.area[4]))));
+    float first_bin = 0.0;
+    if (HAS_LIGHT) {
+        area += cap_area(shape.cap, c2, c);
+        if (shape.square) {
+            area = square_area(max(size, 1.0 - size), clamp(e.z * inverse, -1.0, 1.0));
+            first_bin = float(HALF_PLANE_DIRECTIONS);
+        }
+    }
     const float samples = float(LIGHT_SAMPLES), bins = float(HALF_PLANE_DIRECTIONS);
     // Rounded down, by way of a number above 1/2, which rounded() wants.
-    line.entry = ivec2(rounded(samples * c * area + (0.5 * samples + 0.5 + dither)), rounded(0.5 * (0.9999 * bins * p + bins + 1.0))) - 1;
+    line.entry =
+        ivec2(rounded(samples * area + (0.5 * samples + 0.5 + dither)), rounded(0.5 * (0.9999 * bins * p + bins + 1.0) + first_bin)) - 1;
     return line;
 }
 
