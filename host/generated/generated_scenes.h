@@ -9,6 +9,7 @@
 #include "host/generated/heightfield.h"
 #include "host/generated/lamp.h"
 #include "host/generated/polished.h"
+#include "host/generated/street.h"
 #include "host/generated/trees.h"
 
 namespace penumbra {
@@ -18,13 +19,14 @@ struct GeneratedScene {
     Model (*make)();
 };
 
-inline constexpr std::array<GeneratedScene, 8> generated_scenes{{{"cards", make_cards},
+inline constexpr std::array<GeneratedScene, 9> generated_scenes{{{"cards", make_cards},
                                                                  {"colonnade", make_colonnade},
                                                                  {"fan", make_fan},
                                                                  {"heightfield", make_heightfield},
                                                                  {"lamp", make_lamp},
                                                                  {"chrome", make_chrome},
                                                                  {"polished", make_polished},
+                                                                 {"street", make_street},
                                                                  {"trees", make_trees}}};
 
 }  // namespace penumbra
