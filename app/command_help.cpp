@@ -53,6 +53,8 @@ const std::map<std::string, std::vector<Example>>& examples() {
          {{"penumbra bench hybrid_shadows shadows --shots lamp", "what two pipelines cost, pass by pass"}}},
         {"explain",
          {{"penumbra explain --shot colonnade --out sun.svg", "what one pixel sees of the sun"},
+          {"penumbra explain --shot colonnade --gather --out gather.svg",
+           "what the rays of the pixels around say of it"},
           {"penumbra explain --costs out/*/report.json --out costs.svg", "where the time went"}}},
         {"statics", {{"penumbra statics shadows", "what the compilers make of its shaders"}}},
         {"devices", {{"penumbra devices", "the names that --device takes a part of"}}},

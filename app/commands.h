@@ -11,8 +11,8 @@
 
 namespace penumbra {
 
-// How long `plan` and `report` look for the smallest possible heap: found at once where the packing meets the
-// live bound. Who renders does not wait for it.
+// How long `report` and `plan --optimum` look for the smallest possible heap, in steps of a microsecond: found
+// at once where the packing meets the live bound. Who renders, or asks for a plan alone, does not wait for it.
 inline constexpr uint64_t report_search_nodes = 20'000'000, render_search_nodes = 100'000;
 
 enum ExitCode : int { exit_good = 0, exit_failed = 1, exit_wrong = 2 };
@@ -62,7 +62,7 @@ struct ViewCommandArguments {
 struct PlanArguments {
     std::string pipeline, size, facts, format = "text", device, out;
     std::vector<std::string> settings, node_folders;
-    bool no_alias = false, on_device = false;
+    bool no_alias = false, optimum = false, on_device = false;
 };
 
 struct StaticsArguments {
@@ -73,6 +73,7 @@ struct StaticsArguments {
 
 struct CheckArguments {
     std::vector<std::string> pipelines, node_folders;
+    bool page = false;  // about them, where all are right
 };
 
 struct NodesArguments {
@@ -147,6 +148,7 @@ struct ExplainArguments {
     uint32_t frame = 0;
     uint32_t samples = 128;  // of the sun
     bool no_jitter = false;
+    bool gather = false;  // what the rays around say, instead of what triangles hide
     std::string device;
     std::vector<std::string> costs;  // report.json files of render, instead of a shot
 };

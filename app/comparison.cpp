@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "app/frame_range.h"
+#include "app/progress.h"
 
 namespace penumbra {
 namespace {
@@ -360,6 +361,7 @@ std::optional<Comparison> compare_folders(const CompareArguments& arguments, Dia
     const auto step = find_step(loader, *frames);
     Sums sums;
     std::optional<LoadedFrame> before;
+    Progress progress("compare", frames->size());
     for (const uint32_t number : *frames) {
         auto loaded = diagnostics.empty() ? loader.frame(number) : std::nullopt;
         if (!loaded) return std::nullopt;
@@ -369,6 +371,7 @@ std::optional<Comparison> compare_folders(const CompareArguments& arguments, Dia
         if (step && number == step->frame + sums.remainders.size())
             sums.remainders.push_back(step_remainder(*step, loaded->view()));
         before = std::move(loaded);
+        progress.step();
     }
     if (!diagnostics.empty()) return std::nullopt;
     Comparison out = conclude(sums);

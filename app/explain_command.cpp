@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// penumbra explain: draws what the node `cover` sees from one pixel, or where the time of rendered frames
-// went. The figure is written last and whole, or not at all.
+// penumbra explain: draws what the node `cover` sees from one pixel, what the node `gather` makes of the rays
+// around one, or where the time of rendered frames went. The figure is written last and whole, or not at all.
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
@@ -11,8 +12,10 @@
 #include "app/commands.h"
 #include "app/cost_figure.h"
 #include "app/coverage_figure.h"
+#include "app/gather_figure.h"
 #include "app/outputs.h"
 #include "app/pipeline_file.h"
+#include "app/progress.h"
 #include "app/session.h"
 #include "app/shipped_files.h"
 #include "app/view_source.h"
@@ -75,7 +78,8 @@ struct Job {
 
 std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
-    const auto file = shipped_file("covered", shipped_root(), shipped_pipelines, diagnostics);
+    const auto file = shipped_file(arguments.gather ? "one_ray" : "covered", shipped_root(),
+                                   shipped_pipelines, diagnostics);
     auto view = open_view(arguments.view, fs::path(arguments.out).parent_path(), diagnostics);
     if (!file || !view) std::cerr << diagnostics.text();
     if (!file || !view) return std::nullopt;
@@ -93,8 +97,9 @@ std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nod
         complain(fmt::format("{}: the sun is a point, of which nothing hides a part", shot->name));
         return std::nullopt;
     }
-    auto pipeline = open_pipeline(file->string(),
-                                  {fmt::format("nodes.cover.params.samples={}", arguments.samples)}, nodes);
+    std::vector<std::string> settings;
+    if (!arguments.gather) settings = {fmt::format("nodes.cover.params.samples={}", arguments.samples)};
+    auto pipeline = open_pipeline(file->string(), settings, nodes);
     if (!pipeline) return std::nullopt;
     return Job{std::move(*pipeline), std::move(*shot), *size, pixel};
 }
@@ -142,7 +147,8 @@ class Explanation {
     std::optional<Pixel> richest() const {
         std::optional<Pixel> best;
         uint32_t most = 0;
-        for (uint32_t y = 0; y < size_[1]; ++y)
+        Progress progress("explain", size_[1]);
+        for (uint32_t y = 0; y < size_[1]; ++y, progress.step())
             for (uint32_t x = 0; x < size_[0]; ++x) {
                 const Pixel p{x, y};
                 if (!shows_surface(p) || !(visibility(p) > 0 && visibility(p) < 1)) continue;
@@ -190,6 +196,42 @@ int draw(const ExplainArguments& arguments, const Job& job, const Explanation& e
     return exit_good;
 }
 
+// The first of the pixels whose sun most rays around test, of those that see a half of it or so.
+std::optional<Pixel> best_tested(const RayGatherer& gatherer) {
+    std::optional<Pixel> best;
+    size_t most = 0;
+    Progress progress("explain", gatherer.size()[1]);
+    for (uint32_t y = 0; y < gatherer.size()[1]; ++y, progress.step())
+        for (uint32_t x = 0; x < gatherer.size()[0]; ++x) {
+            const auto gathered = gatherer.gather({x, y});
+            if (!gathered || std::abs(gathered->visibility() - 0.5) > 0.15) continue;
+            if (const size_t counted = gathered->counted(); counted > most) {
+                most = counted;
+                best = Pixel{x, y};
+            }
+        }
+    return best;
+}
+
+int draw_gather(const ExplainArguments& arguments, const Job& job, const RayGatherer& gatherer) {
+    const std::optional<Pixel> pixel = job.pixel ? job.pixel : best_tested(gatherer);
+    if (!pixel) {
+        complain("no pixel of this frame sees about a half of the sun");
+        return exit_failed;
+    }
+    const auto gathered = gatherer.gather(*pixel);
+    const std::string name = fmt::format("{},{}", (*pixel)[0], (*pixel)[1]);
+    if (!gathered) {
+        complain(fmt::format("--pixel: {} shows no surface, or no ray around it has met anything", name));
+        return exit_wrong;
+    }
+    const CoverageCaption caption{job.shot.name, arguments.frame, gatherer.size(), *pixel};
+    if (!write_figure(arguments.out, gather_figure(*gathered, caption))) return exit_wrong;
+    fmt::print("pixel {}{}: {}\n", name, job.pixel ? "" : ", whose sun most rays test",
+               gather_summary(*gathered));
+    return exit_good;
+}
+
 int explain_pixel(const ExplainArguments& arguments) {
     const NodeSet nodes = shadow_nodes();
     const auto job = prepare(arguments, nodes);
@@ -199,18 +241,24 @@ int explain_pixel(const ExplainArguments& arguments) {
     std::vector<std::string> warnings;
     SessionOptions options;
     options.size = job->size;
-    options.captures = {"view_depth", "receiver_normal", "visibility"};
+    options.captures = arguments.gather
+                           ? RayGatherer::captures()
+                           : std::vector<std::string>{"view_depth", "receiver_normal", "visibility"};
     options.jitter = !arguments.no_jitter;
     options.optimum = false;
     options.pass_costs = false;
+    const Doing doing;
+    options.doing = [&](const char* what) { doing(what); };
     const auto session =
         Session::open(device, nodes, job->pipeline, job->shot, options, diagnostics, warnings);
+    doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
     session->run_frame(arguments.frame, true);
+    if (arguments.gather) return draw_gather(arguments, *job, {*session, arguments.frame});
     return draw(arguments, *job, {*session, nodes, arguments.frame, arguments.samples});
 }
 

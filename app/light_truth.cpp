@@ -41,7 +41,7 @@ class Frame {
     Frame(const Session& session, uint32_t frame)
         : standalone_(session.host().frame(frame, false)),
           light_(moved(standalone_)),
-          triangles_(session.host().scene().triangles(frame)),
+          triangles_(session.host().scene().triangles(session.host().moment(frame))),
           bvh_(build_bvh(triangles_)),
           alpha_(make_scene_alpha(session.host().scene())),
           leaf_words_(alpha_leaf_words(alpha_, bvh_, triangles_)),
@@ -99,11 +99,42 @@ void on_all_cores(uint32_t rows, const std::function<void(uint32_t)>& work) {
     loop();
 }
 
+class LightPixels : public PixelTruth {
+  public:
+    LightPixels(const Session& session, uint32_t index)
+        : width_(session.plan().extent.width),
+          frame_(session, index),
+          depth_(floats(session, "view_depth")),
+          normal_(floats(session, "receiver_normal")),
+          receivers_(depth_.size()) {}
+
+    Sight look(uint32_t x, uint32_t y) override {
+        const size_t p = size_t{y} * width_ + x;
+        if (!(depth_[p] > 0)) return Sight::nothing;
+        receivers_[p] = frame_.receiver(x, y, depth_[p], {normal_[2 * p], normal_[2 * p + 1]});
+        return receivers_[p].reached ? Sight::receiver : Sight::nothing;
+    }
+    double visibility(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const override {
+        const uint32_t lit = frame_.lit_rays(receivers_[size_t{y} * width_ + x], side, seed);
+        return double(lit) / (double(side) * side);
+    }
+
+  private:
+    uint32_t width_;
+    Frame frame_;
+    std::vector<float> depth_, normal_;
+    std::vector<Receiver> receivers_;
+};
+
 }  // namespace
+
+std::unique_ptr<PixelTruth> light_pixels(const Session& session, uint32_t frame) {
+    return std::make_unique<LightPixels>(session, frame);
+}
 
 std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, const std::string& light,
                                           Diagnostics& diagnostics, std::vector<std::string>& warnings,
-                                          bool jitter) {
+                                          bool jitter, KeptScene* kept) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
     const std::vector<std::string> settings{"inputs.light={}"};
     const auto pipeline = parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics);
@@ -115,6 +146,7 @@ std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, cons
     options.jitter = options.always_jitter = jitter;
     options.optimum = false;
     options.light = light;
+    options.kept = kept;
     options.facts = {{"sun_up", true}, {"casters", true}};  // so that both are made in any case
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }

@@ -10,7 +10,10 @@ namespace penumbra {
 // its sun's.
 std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, const std::string& light,
                                           Diagnostics& diagnostics, std::vector<std::string>& warnings,
-                                          bool jitter);
+                                          bool jitter, KeptScene* kept = nullptr);
+
+// Of the frame that such a session has just run.
+std::unique_ptr<PixelTruth> light_pixels(const Session& session, uint32_t frame);
 
 // Rays in double precision, stratified over the light, against the tree on the processor; pixels around which
 // 64 agree keep those, the others get rays_cast(rays). Who the light cannot reach is no receiver and has 1.

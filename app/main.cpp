@@ -32,14 +32,20 @@ CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
     return shot;
 }
 
+// What runs on what, for commands that take both (sort_files()).
+void add_files(CLI::App* command, std::vector<std::string>& files, ViewArguments& view) {
+    command
+        ->add_option(
+            "files", files,
+            "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
+        ->expected(0, 2);
+    add_view(command, view);
+}
+
 void add_render(CLI::App& app, RenderArguments& a) {
     CLI::App* c =
         app.add_subcommand("render", "run a pipeline on a shot or a model and write what it puts out");
-    c->add_option(
-         "files", a.files,
-         "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
-        ->expected(0, 2);
-    add_view(c, a.view);
+    add_files(c, a.files, a.view);
     c->add_option("--out", a.out, "folder to write to (default: out/NAME of the shot or model)");
     c->add_option("--frames", a.frames, "A..B: which frames are written (default: the shot's)");
     c->add_flag("--cold", a.cold, "start at A with a reset instead of executing from frame 0");
@@ -63,11 +69,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
 
 void add_view_command(CLI::App& app, ViewCommandArguments& a) {
     CLI::App* c = app.add_subcommand("view", "fly through a shot or a model while a pipeline runs on it");
-    c->add_option(
-         "files", a.files,
-         "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
-        ->expected(0, 2);
-    add_view(c, a.view);
+    add_files(c, a.files, a.view);
     c->add_option("--size", a.size, "WxH that is rendered (default: 640x360)");
     c->add_option("--window", a.window, "WxH of the window (default: 1280x800)");
     c->add_option("--show", a.show, "begin with this resource instead of the pipeline's last output");
@@ -105,6 +107,7 @@ void add_plan(CLI::App& app, PlanArguments& a) {
         ->each([&a](const std::string&) { a.on_device = true; });
     add_node_folders(c, a.node_folders);
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
+    c->add_flag("--optimum", a.optimum, "search for the smallest possible heap, up to half a minute");
 }
 
 void add_statics(CLI::App& app, StaticsArguments& a) {
@@ -205,20 +208,20 @@ void add_shot(CLI::App& app, ShotArguments& a) {
 }
 
 void add_explain(CLI::App& app, ExplainArguments& a) {
-    CLI::App* c = app.add_subcommand(
-        "explain", "draw what one pixel sees of the sun, or where the time of rendered frames went");
+    CLI::App* c = app.add_subcommand("explain",
+                                     "draw what one pixel sees of the sun, what rays around it say, or where "
+                                     "the time of rendered frames went");
     c->add_option("--out", a.out, "SVG file to write")->required();
     CLI::Option* shot = add_view(c, a.view);
-    const auto of_shot = [&](CLI::Option*) {};
-    of_shot(c->add_option(
-        "--pixel", a.pixel,
-        "X,Y from the upper left corner (default: where most triangles hide a part of the sun)"));
-    of_shot(c->add_option("--size", a.size, "WxH instead of the shot's size"));
-    of_shot(c->add_option("--frame", a.frame, "which frame (default: the first)"));
-    of_shot(c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256")
-                ->check(CLI::IsMember({64, 128, 256})));
-    of_shot(c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter"));
-    of_shot(c->add_option("--device", a.device, "part of a device's name"));
+    c->add_option("--pixel", a.pixel,
+                  "X,Y from the upper left corner (default: where most triangles hide a part of the sun)");
+    c->add_option("--size", a.size, "WxH instead of the shot's size");
+    c->add_option("--frame", a.frame, "which frame (default: the first)");
+    c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256")->check(CLI::IsMember({64, 128, 256}));
+    c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
+    c->add_flag("--gather", a.gather,
+                "the rays of the pixels around as tests of its sun, instead of the triangles that hide it");
+    c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--costs", a.costs, "report.json files of render: a bar of CPU milliseconds for each")
         ->excludes(shot);
 }
@@ -302,15 +305,17 @@ int run(int argc, char** argv) {
     BenchArguments bench;
     add_bench(app, bench);
     CLI::App* checking = app.add_subcommand("check", "print every error of these pipelines");
-    checking->add_option("pipelines", check.pipelines)->required();
+    checking->add_option("pipelines", check.pipelines, "files or names of shipped pipelines")->required();
+    checking->add_flag("--page", check.page, "print a page about them as well, as docs/pipeline_list.md");
     add_node_folders(checking, check.node_folders);
     CLI::App* n = app.add_subcommand("nodes", "list the node types, or describe one");
     n->add_option("type", nodes.type, "a node type");
     n->add_option("--format", nodes.format,
                   "text, json, md, schema, node-schema or plan-schema (JSON Schemas of pipelines, of "
                   "declarations and of plans), or "
-                  "vocabulary (a page of the keys of both)")
-        ->check(CLI::IsMember({"text", "json", "md", "schema", "node-schema", "plan-schema", "vocabulary"}));
+                  "vocabulary (a page of the keys of both), or page (docs/nodes.md)")
+        ->check(CLI::IsMember(
+            {"text", "json", "md", "page", "schema", "node-schema", "plan-schema", "vocabulary"}));
     add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
     std::string shell;

@@ -10,6 +10,7 @@
 #include "app/node_folders.h"
 #include "app/node_text.h"
 #include "app/plan_schema.h"
+#include "app/reference_pages.h"
 #include "app/schema.h"
 #include "app/vocabulary_page.h"
 
@@ -53,17 +54,6 @@ void print_text(const NodeType& type) {
     for (const std::string& counter : type.counters) fmt::print("  counts {}\n", counter);
 }
 
-void print_markdown(const NodeType& type) {
-    fmt::print("### {}\n\n{}\n\n| | name | what | |\n|---|---|---|---|\n", type.name, type.doc);
-    for (const Port& port : type.ports)
-        fmt::print("| {} | `{}` | {} | {} |\n", port.output ? "out" : "in", port.name, describe(port),
-                   port.doc);
-    for (const Param& param : type.params)
-        fmt::print("| {} | `{}` | {} | {} |\n", param.constant ? "constant" : "parameter", param.name,
-                   describe(param), param.doc);
-    fmt::print("\n");
-}
-
 }  // namespace
 
 int run_nodes(const NodesArguments& arguments) {
@@ -71,7 +61,8 @@ int run_nodes(const NodesArguments& arguments) {
     if (!nodes) return exit_wrong;
     std::vector<std::string> names = nodes->names();
     const bool of_all = arguments.format == "schema" || arguments.format == "node-schema" ||
-                        arguments.format == "plan-schema" || arguments.format == "vocabulary";
+                        arguments.format == "plan-schema" || arguments.format == "vocabulary" ||
+                        arguments.format == "page";
     if (of_all) {
         if (!arguments.type.empty()) {
             std::cerr << "--format " << arguments.format << " is about all types; leave \"" << arguments.type
@@ -80,6 +71,8 @@ int run_nodes(const NodesArguments& arguments) {
         }
         if (arguments.format == "vocabulary")
             std::cout << vocabulary_page(*nodes->domain());
+        else if (arguments.format == "page")
+            std::cout << nodes_page(*nodes);
         else
             std::cout << schema_text(arguments.format == "schema" ? pipeline_schema(*nodes)
                                      : arguments.format == "node-schema"
@@ -101,7 +94,7 @@ int run_nodes(const NodesArguments& arguments) {
         if (arguments.format == "json")
             list.push_back(declaration_json(type));
         else if (arguments.format == "md")
-            print_markdown(type);
+            std::cout << node_section(type);
         else if (arguments.type.empty())
             fmt::print("{:12} {}\n", name, type.doc);
         else

@@ -9,6 +9,7 @@
 #include "app/node_folders.h"
 #include "app/pipeline_file.h"
 #include "app/plan_json.h"
+#include "app/progress.h"
 #include "app/session.h"
 
 namespace penumbra {
@@ -55,8 +56,11 @@ int run_plan(const PlanArguments& arguments) {
     Diagnostics diagnostics;
     CompileOptions options;
     options.alias = !arguments.no_alias;
-    options.optimum_search_nodes = report_search_nodes;
+    options.optimum_search_nodes = arguments.optimum ? report_search_nodes : render_search_nodes;
+    const Doing doing;
+    if (arguments.optimum) doing("looking for the smallest possible heap");
     const auto plan = compile(*pipeline, target, options, diagnostics);
+    doing.clear();
     if (!plan) {
         std::cerr << diagnostics.text();
         return exit_wrong;

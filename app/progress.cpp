@@ -50,6 +50,16 @@ std::string Progress::left() const {
     return time_left(so_far.count(), done_, total_);
 }
 
+Doing::Doing() : visible_(isatty(STDERR_FILENO) == 1) {}
+
+void Doing::operator()(const std::string& what) const {
+    if (visible_) fmt::print(stderr, "\r\x1b[K{} ...", what);
+}
+
+void Doing::clear() const {
+    if (visible_) fmt::print(stderr, "\r\x1b[K");
+}
+
 void Progress::draw() const {
     constexpr uint64_t width = 40;
     const uint64_t filled = width * done_ / total_;

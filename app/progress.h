@@ -30,6 +30,21 @@ class Progress {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+// What is being done where nobody knows how long it will take: a line on a terminal, which the next one
+// replaces and which is gone in the end.
+class Doing {
+  public:
+    Doing();
+    ~Doing() { clear(); }
+    Doing(const Doing&) = delete;
+    Doing& operator=(const Doing&) = delete;
+    void operator()(const std::string& what) const;
+    void clear() const;  // before something else is printed
+
+  private:
+    bool visible_;
+};
+
 // "40 s", "12 min", "3.0 h"
 std::string duration_text(double seconds);
 

@@ -82,7 +82,10 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     Device device({arguments.device, false});
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
+    const Doing doing;
+    doing("reading the model and building its tree");
     const auto session = open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings);
+    doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();
@@ -111,10 +114,13 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto chosen = choose_light(shot, arguments.light, diagnostics);
+    const Doing doing;
+    doing("reading the model and building its tree");
     const auto session = !chosen ? nullptr
                          : chosen->light
                              ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter)
                              : open_truth(device, shot, diagnostics, warnings, job.jitter);
+    doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();
@@ -127,14 +133,18 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     OutputWriter host_images(device, folder);
     ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};
     {
-        Progress progress("reference", job.frames.size());
+        const uint32_t rows = shot.size[1];
+        Progress progress("reference", job.frames.size() * uint64_t{rows});
         for (const uint32_t frame : job.frames) {
             if (shot.analytic) {
                 session->run_frame(frame, false);  // for the images beside
                 write_truth(folder, shot, frame, analytic_truth(shot, frame));
+                progress.step(rows);
             } else {
                 Truth truth = chosen->light ? counted_light_truth(*session, frame, arguments.rays)
-                                            : counted_truth(*session, frame, arguments.rays);
+                                            : counted_truth(*session, frame, arguments.rays,
+                                                            [&](uint32_t more) { progress.step(more); });
+                if (chosen->light) progress.step(rows);
                 if (truth.lost)
                     progress.say(
                         fmt::format("warning: frame {}: {} pixels show what no triangle explains; they "
@@ -146,7 +156,6 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
                 host_images.write(*session, name, frame);
             info.frames[frame] = {sun_at(shot, frame).to_sun, session->host().jitter(frame),
                                   shot.analytic ? analytic_contact(shot, frame) : std::nullopt};
-            progress.step();
         }
     }
     if (!info.exact) info.rays = rays_cast(arguments.rays);

@@ -25,9 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What is rendered where a model is all that was given.
-constexpr const char* default_pipeline = "hybrid_shadows";
-
 struct Job {
     CheckedPipeline pipeline;
     Shot shot;
@@ -41,21 +38,15 @@ struct Job {
 
 std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
-    ViewArguments wanted = arguments.view;
-    std::string file;
-    for (const std::string& given : arguments.files) {
-        std::string& place = is_model_file(given) ? wanted.model : file;
-        if (!place.empty()) {
-            std::cerr << "render: \"" << place << "\" and \"" << given
-                      << "\": one pipeline and one model or shot at a time\n";
-            return std::nullopt;
-        }
-        place = given;
+    const auto given = sort_files(arguments.files, arguments.view, diagnostics);
+    if (!given) {
+        std::cerr << diagnostics.text();
+        return std::nullopt;
     }
-    auto pipeline = open_pipeline(file.empty() ? default_pipeline : file, arguments.settings, nodes);
+    auto pipeline = open_pipeline(given->pipeline, arguments.settings, nodes);
     const fs::path folder =
-        arguments.out.empty() ? fs::path("out") / view_name(wanted) : fs::path(arguments.out);
-    auto view = open_view(wanted, folder, diagnostics);
+        arguments.out.empty() ? fs::path("out") / view_name(given->view) : fs::path(arguments.out);
+    auto view = open_view(given->view, folder, diagnostics);
     if (!view) std::cerr << diagnostics.text();
     if (!pipeline || !view) return std::nullopt;
     const Shot& shot = view->shot;
@@ -97,8 +88,11 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.jitter = !arguments.no_jitter;
     options.validate = arguments.validate;
     options.facts = job.facts;
+    const Doing doing;
+    options.doing = [&](const char* what) { doing(what); };
     const auto session =
         Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
+    doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
         std::cerr << diagnostics.text();

@@ -222,7 +222,8 @@ std::string memory_text(const Job& job, const std::vector<PipelinePlan>& plans) 
     const Study& study = job.results.study;
     const uint64_t pixels = uint64_t{study.size[0]} * study.size[1];
     const uint64_t masks =
-        std::max<uint64_t>(study.moving_frames / study.moving_every, study.after_cut.size()) * study.seeds *
+        (study.motion_frames +
+         std::max<uint64_t>(study.moving_frames / study.moving_every, study.after_cut.size()) * study.seeds) *
         plans.size() * sizeof(float);
     uint64_t bytes = pixels * (masks + host_bytes * plans.size());
     for (const PipelinePlan& planned : plans) bytes += planned.plan.memory.heap_bytes;

@@ -150,8 +150,15 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     const auto chosen =
         choose_light(shot, options.light, diagnostics, near ? LightsFor::near : LightsFor::sun);
     if (!chosen) return nullptr;
-    auto scene = load_scene(shot, diagnostics, warnings);
+    const auto doing = [&](const char* what) {
+        if (options.doing) options.doing(what);
+    };
+    KeptScene own;
+    KeptScene& kept = options.kept ? *options.kept : own;
+    doing("reading the model");
+    auto scene = kept.scene(shot, diagnostics, warnings);
     if (!scene || !place_model_lights(shot, *scene, diagnostics)) return nullptr;
+    doing("copying it to the device");
     auto session = std::unique_ptr<Session>(new Session(device));
     session->seed_ = options.seed.value_or(shot.seed);
     session->pass_costs_ = options.pass_costs;
@@ -198,7 +205,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     }
     try {
         session->host_ =
-            std::make_unique<StandaloneHost>(device, std::move(shot), std::move(*scene), host_options);
+            std::make_unique<StandaloneHost>(device, std::move(shot), std::move(scene), host_options);
     } catch (const VulkanError& error) {  // what a call says of itself does not say that the frame is large
         throw VulkanError(error.result(),
                           fmt::format("at {}x{}: {}", options.size[0], options.size[1], error.what()));
@@ -224,6 +231,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         validating = with_validation(pipeline, nodes, diagnostics);
         if (!validating) return nullptr;
     }
+    doing("packing memory");
     auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, diagnostics);
     if (plan) {
@@ -235,6 +243,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         return too_much(all, "the G-buffer and the pipeline");
     session->host_->set_jitter(options.jitter && (plan->jitter || options.always_jitter));
 
+    doing("compiling shaders");
     const double before = wall_ms();
     auto program = std::make_shared<Program>(handles_of(device), std::make_shared<Plan>(std::move(*plan)));
     session->view_ = std::make_unique<View>(program, ViewOptions{1, options.poison});
@@ -243,9 +252,9 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     const auto needs = [&](std::string_view slot) { return reads(session->plan(), slot); };
     const bool words = table.max_texel_elements < large_texel_buffer;  // as compile() decided
     const TexelsAs as = words ? TexelsAs::words : TexelsAs::texels;
+    doing("building the tree of triangles");
     if (needs("scene.nodes") || needs("scene.nodes_words") || needs("neighbours"))
-        session->bvh_ =
-            std::make_unique<SceneBvh>(device, session->host_->scene(), 0, needs("neighbours"), as);
+        session->bvh_ = kept.tree(device, needs("neighbours"), as);
     if (needs("scene.tlas"))
         session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0, as);
     if (needs("surfaces") || needs("surface_texels")) {
@@ -332,6 +341,7 @@ void Session::update_surfaces(double moment, double previous) {
     surfaces_->update(moment, previous, bvh_ ? &bvh_->bvh() : nullptr,
                       tlas_ ? tlas_->first_triangles() : std::vector<uint32_t>{});
     surfaces_moments_ = {moment, previous};
+    surfaces_builds_ = bvh_ ? bvh_->builds() : 0;
 }
 
 void Session::draw_cascades(uint32_t index, FrameCost& cost) {
@@ -350,8 +360,8 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     const StandaloneFrame frame = host_->frame(index, reset);
     // Since the frame that was traced last, which need not be the one before: a session may start anywhere.
     const double moment = host_->moment(index);
+    if (bvh_) bvh_->update(moment);
     if (host_->scene().moved(traced_moment_, moment)) {
-        if (bvh_) bvh_->update(moment);
         if (tlas_) tlas_->update(moment);
         if (cascade_maps_) cascade_maps_->update(moment);
     }
@@ -360,7 +370,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
         const double previous = frame.description.flags & frame_reset ? moment : host_->moment(index - 1);
         const auto moved = [&](double a, double b) { return host_->scene().moved(a, b); };
         if (moved(surfaces_moments_[0], moment) || moved(surfaces_moments_[0], surfaces_moments_[1]) ||
-            moved(previous, moment))
+            moved(previous, moment) || (bvh_ && surfaces_builds_ != bvh_->builds()))
             update_surfaces(moment, previous);
     }
     write_blocks(frame);

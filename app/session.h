@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "app/kept_scene.h"
 #include "host/cascades/cascade_maps.h"
 #include "host/device/device.h"
 #include "host/device/gpu.h"
 #include "host/materials/environment.h"
 #include "host/materials/hit_surfaces.h"
-#include "host/scene/scene_bvh.h"
 #include "host/scene/scene_tlas.h"
 #include "host/standalone.h"
 #include "penumbra/graph.h"
@@ -36,6 +36,9 @@ struct SessionOptions {
     Facts facts;           // instead of what the scene says
     bool optimum = true;   // search for the smallest possible heap, for the report
     bool steered = false;  // somebody will steer(): facts promise neither a still camera nor a sun that is up
+    KeptScene* kept = nullptr;  // of the shot, where more than one session looks at it
+    // Told what is being done before the first frame, one thing after the other: a few words each.
+    std::function<void(const char*)> doing;
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
@@ -104,12 +107,13 @@ class Session {
     double program_ms_ = 0;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
-    std::unique_ptr<SceneBvh> bvh_;          // where a pass traces with it
+    std::shared_ptr<SceneBvh> bvh_;          // where a pass traces with it
     std::unique_ptr<SceneTlas> tlas_;        // where a pass traces with ray queries
     std::unique_ptr<HitSurfaces> surfaces_;  // where a pass shades what its rays hit
     GpuImage environment_;                   // where a pass looks beyond the scene
     std::unique_ptr<CascadeMaps> cascade_maps_;
-    double traced_moment_ = 0;  // the moment that all three stand at
+    double traced_moment_ = 0;  // the moment that these stand at, but for the tree, which others move, too
+    uint32_t surfaces_builds_ = 0;  // SceneBvh::builds() that `surfaces_` was made for
     std::array<double, 2>
         surfaces_moments_{};  // what `surfaces_` was made for: the frame's and its previous one's
     GpuBuffer sun_, sun_prev_, light_, scene_, cascades_;

@@ -10,6 +10,7 @@
 #include "app/node_folders.h"
 #include "app/pass_statics.h"
 #include "app/pipeline_file.h"
+#include "app/progress.h"
 #include "app/session.h"
 
 namespace penumbra {
@@ -101,7 +102,9 @@ int run_statics(const StaticsArguments& arguments) {
     OrderedJson document = {{"device", device->info().name},
                             {"driver", device->info().driver},
                             {"pipelines", OrderedJson::array()}};
+    const Doing doing;
     for (const CheckedPipeline& pipeline : pipelines) {
+        doing("compiling the shaders of " + pipeline.name);
         const Target target =
             standalone_target(pipeline, table, {1920, 1080}, *facts, {1024, 1024}, max_cascades);
         Diagnostics diagnostics;
@@ -111,6 +114,7 @@ int run_statics(const StaticsArguments& arguments) {
             return exit_wrong;
         }
         const std::vector<PassStatics> passes = pass_statics(*device, *plan);
+        doing.clear();
         if (arguments.format == "json") {
             document["pipelines"].push_back({{"pipeline", plan->pipeline}, {"passes", passes_json(passes)}});
         } else {

@@ -76,7 +76,7 @@ Truth analytic_truth(const Shot& shot, uint32_t frame) {
 }
 
 std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
-                                    std::vector<std::string>& warnings, bool jitter) {
+                                    std::vector<std::string>& warnings, bool jitter, KeptScene* kept) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
     const auto pipeline =
         parse_pipeline(reference_pipeline_text, "pipelines/reference.json", {}, diagnostics);
@@ -88,51 +88,79 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
     options.jitter = options.always_jitter = jitter;
     options.light = "sun";
     options.optimum = false;
+    options.kept = kept;
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }
 
+namespace {
+
+class SunPixels : public PixelTruth {
+  public:
+    SunPixels(const Session& session, uint32_t index)
+        : width_(session.plan().extent.width),
+          frame_(session.frame_description()),
+          counted_(session.host().scene(), session.host().moment(index)),
+          rays_(frame_, session.host().shot().origin + session.host().scene().bvh_origin()),
+          sun_(sun_at(session.host().shot(), index)),
+          points_(size_t{width_} * session.plan().extent.height),
+          depth_(captured_floats(session, "view_depth", points_.size())),
+          normal_(captured_floats(session, "receiver_normal", 2 * points_.size())) {}
+
+    Sight look(uint32_t x, uint32_t y) override {
+        const size_t p = size_t{y} * width_ + x;
+        if (!(depth_[p] > 0)) return Sight::nothing;
+        points_[p] = counted_.shown(rays_.at(x, y), depth_[p],
+                                    octahedral_normal({normal_[2 * p], normal_[2 * p + 1]}));
+        return points_[p] ? Sight::receiver : Sight::lost;
+    }
+    double visibility(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const override {
+        const SunStrata strata{sun_.to_sun, sun_.angular_radius, side, seed};
+        return counted_.visibility(*points_[size_t{y} * width_ + x], strata);
+    }
+
+  private:
+    uint32_t width_;
+    FrameDescription frame_;
+    CountedVisibility counted_;
+    ViewRays rays_;  // refers to `frame_`
+    SunState sun_;
+    std::vector<std::optional<SurfacePoint>> points_;
+    std::vector<float> depth_, normal_;
+};
+
+}  // namespace
+
+std::unique_ptr<PixelTruth> sun_pixels(const Session& session, uint32_t frame) {
+    return std::make_unique<SunPixels>(session, frame);
+}
+
 struct TruthRounds::State {
-    State(const Session& session, uint32_t index, uint32_t strata)
-        : extent(session.plan().extent),
-          pixels(size_t{extent.width} * extent.height),
-          depth(captured_floats(session, "view_depth", pixels)),
-          normal(captured_floats(session, "receiver_normal", 2 * pixels)),
-          frame(session.frame_description()),
-          counted(session.host().scene(), session.host().moment(index)),
-          rays(frame, session.host().shot().origin + session.host().scene().bvh_origin()),
-          sun(sun_at(session.host().shot(), index)),
+    State(std::unique_ptr<PixelTruth> of, Extent size, uint32_t strata, uint32_t first_seed)
+        : pixels(std::move(of)),
+          extent(size),
           side(strata),
-          seed(session.seed()),
-          points(pixels),
-          sums(pixels),
+          seed(first_seed),
+          receiver(size_t{size.width} * size.height),
+          sums(receiver.size()),
           row_rounds(extent.height) {}
 
     void trace_row(uint32_t y) {
         for (uint32_t x = 0; x < extent.width; ++x) {
             const size_t p = size_t{y} * extent.width + x;
-            if (!(depth[p] > 0)) continue;
             if (round == 0) {
-                points[p] = counted.shown(rays.at(x, y), depth[p],
-                                          octahedral_normal({normal[2 * p], normal[2 * p + 1]}));
-                if (!points[p]) ++lost;
+                const PixelTruth::Sight sight = pixels->look(x, y);
+                receiver[p] = sight == PixelTruth::Sight::receiver;
+                if (sight == PixelTruth::Sight::lost) ++lost;
             }
-            if (!points[p]) continue;
-            const SunStrata strata{sun.to_sun, sun.angular_radius, side,
-                                   pcg(uint32_t(p) + pcg(seed + round))};
-            sums[p] += counted.visibility(*points[p], strata);
+            if (receiver[p]) sums[p] += pixels->visibility(x, y, side, pcg(uint32_t(p) + pcg(seed + round)));
         }
         row_rounds[y] = round + 1;
     }
 
+    std::unique_ptr<PixelTruth> pixels;
     Extent extent;
-    size_t pixels;
-    std::vector<float> depth, normal;
-    FrameDescription frame;
-    CountedVisibility counted;
-    ViewRays rays;  // refers to `frame`
-    SunState sun;
     uint32_t side, seed;
-    std::vector<std::optional<SurfacePoint>> points;
+    std::vector<uint8_t> receiver;
     std::vector<double> sums;  // over rounds
     std::vector<uint32_t> row_rounds;
     uint32_t round = 0;
@@ -140,8 +168,8 @@ struct TruthRounds::State {
     std::atomic<size_t> lost{0};
 };
 
-TruthRounds::TruthRounds(const Session& session, uint32_t frame, uint32_t side)
-    : state_(std::make_unique<State>(session, frame, side)) {}
+TruthRounds::TruthRounds(std::unique_ptr<PixelTruth> pixels, Extent extent, uint32_t side, uint32_t seed)
+    : state_(std::make_unique<State>(std::move(pixels), extent, side, seed)) {}
 TruthRounds::~TruthRounds() = default;
 
 void TruthRounds::work(double milliseconds) {
@@ -169,16 +197,21 @@ uint32_t TruthRounds::rounds() const {
     return state_->round;
 }
 
+uint32_t TruthRounds::rows() const {
+    return state_->next_row;
+}
+
 bool TruthRounds::knows(uint32_t row) const {
     return state_->row_rounds.at(row) > 0;
 }
 
 Truth TruthRounds::truth() const {
     const State& s = *state_;
-    Truth truth{std::vector<float>(s.pixels, 1), std::vector<float>(s.pixels), std::vector<float>(s.pixels)};
-    for (size_t p = 0; p < s.pixels; ++p) {
+    const size_t pixels = s.receiver.size();
+    Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
+    for (size_t p = 0; p < pixels; ++p) {
         const uint32_t rounds = s.row_rounds[p / s.extent.width];
-        if (!s.points[p] || rounds == 0) continue;
+        if (!s.receiver[p] || rounds == 0) continue;
         truth.visibility[p] = static_cast<float>(s.sums[p] / rounds);
         truth.receiver[p] = 1;
         truth.rays[p] = static_cast<float>(s.side * s.side * rounds);
@@ -187,10 +220,17 @@ Truth TruthRounds::truth() const {
     return truth;
 }
 
-Truth counted_truth(Session& session, uint32_t frame, uint32_t rays) {
+Truth counted_truth(Session& session, uint32_t frame, uint32_t rays,
+                    const std::function<void(uint32_t)>& step) {
+    constexpr double between_steps_ms = 250;
     session.run_frame(frame, false);
-    TruthRounds rounds(session, frame, strata_per_axis(rays));
-    while (rounds.rounds() == 0) rounds.work(std::numeric_limits<double>::infinity());
+    const Extent extent = session.plan().extent;
+    TruthRounds rounds(sun_pixels(session, frame), extent, strata_per_axis(rays), session.seed());
+    for (uint32_t told = 0; rounds.rounds() == 0;) {
+        rounds.work(step ? between_steps_ms : std::numeric_limits<double>::infinity());
+        const uint32_t rows = rounds.rounds() > 0 ? extent.height : rounds.rows();
+        if (step) step(rows - std::exchange(told, rows));
+    }
     return rounds.truth();
 }
 

@@ -16,24 +16,41 @@ struct Truth {
 
 Truth analytic_truth(const Shot& shot, uint32_t frame);
 
+// What the pixels of one frozen frame see of a light. Several threads ask at once, of different pixels.
+class PixelTruth {
+  public:
+    virtual ~PixelTruth() = default;
+    enum class Sight { nothing, receiver, lost };
+    // To be asked once of each pixel, before its visibility.
+    virtual Sight look(uint32_t x, uint32_t y) = 0;
+    // Of a receiver: the mean of side x side rays.
+    virtual double visibility(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const = 0;
+};
+
 // A session of pipelines/reference.json at the shot's size, for counted_truth(). `jitter`: of pixels as
 // `render` jitters them, instead of their centres.
 std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
-                                    std::vector<std::string>& warnings, bool jitter = false);
+                                    std::vector<std::string>& warnings, bool jitter = false,
+                                    KeptScene* kept = nullptr);
 
-// Of every pixel that shows a surface, rays_cast(rays) directions to the sun
-// (host/truth/counted_visibility.h).
-Truth counted_truth(Session& session, uint32_t frame, uint32_t rays);
+// Of the frame that such a session has just run: the sun (host/truth/counted_visibility.h).
+std::unique_ptr<PixelTruth> sun_pixels(const Session& session, uint32_t frame);
 
-// The same bit by bit, of the frame that the session has just run. Each round casts side x side rays per
-// pixel in directions of its own; what is known is their mean.
+// Of every pixel that shows a surface, rays_cast(rays) directions to the sun. `step` is told of rows that are
+// done.
+Truth counted_truth(Session& session, uint32_t frame, uint32_t rays,
+                    const std::function<void(uint32_t)>& step = {});
+
+// Bit by bit. Each round casts side x side rays per pixel in directions of its own; what is known is their
+// mean.
 class TruthRounds {
   public:
-    TruthRounds(const Session& session, uint32_t frame, uint32_t side);
+    TruthRounds(std::unique_ptr<PixelTruth> pixels, Extent extent, uint32_t side, uint32_t seed);
     ~TruthRounds();
     // Goes on, on all cores, for about so many milliseconds: at least a row, at most to the round's end.
     void work(double milliseconds);
     uint32_t rounds() const;         // that every pixel has
+    uint32_t rows() const;           // of the round that has begun, that are done or under way
     Truth truth() const;             // of all rows so far; rays 0 where there are none yet
     bool knows(uint32_t row) const;  // a round of it is done
 

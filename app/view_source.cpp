@@ -44,6 +44,22 @@ bool is_model_file(const std::string& name) {
     return ending == ".glb" || ending == ".gltf";
 }
 
+std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, const ViewArguments& view,
+                                     Diagnostics& diagnostics) {
+    GivenFiles given{"", view};
+    for (const std::string& file : files) {
+        std::string& place = is_model_file(file) ? given.view.model : given.pipeline;
+        if (!place.empty())
+            diagnostics.add(
+                {}, "",
+                fmt::format("\"{}\" and \"{}\": one pipeline and one model or shot at a time", place, file));
+        place = file;
+    }
+    if (!diagnostics.empty()) return std::nullopt;
+    if (given.pipeline.empty()) given.pipeline = "hybrid_shadows";
+    return given;
+}
+
 std::string view_name(const ViewArguments& arguments) {
     std::string name = fs::path(arguments.model.empty() ? arguments.shot : arguments.model).stem().string();
     if (name.ends_with(".shot")) name.resize(name.size() - 5);

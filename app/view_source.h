@@ -20,6 +20,16 @@ struct ViewSource {
     std::string made_up;
 };
 
+// What somebody names without saying what it is: a pipeline, a model, or both, beside what --shot and --model
+// say.
+struct GivenFiles {
+    std::string pipeline;  // hybrid_shadows, where none is named
+    ViewArguments view;
+};
+// Two of a kind are an error.
+std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, const ViewArguments& view,
+                                     Diagnostics& diagnostics);
+
 // `folder`: where a made-up shot will stand. Errors go to `diagnostics`; what is to be said about a model
 // goes to stderr.
 std::optional<ViewSource> open_view(const ViewArguments& arguments, const std::filesystem::path& folder,

@@ -87,11 +87,15 @@ std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
 }
 
 StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const StandaloneOptions& options)
+    : StandaloneHost(device, std::move(shot), std::make_shared<const Scene>(std::move(scene)), options) {}
+
+StandaloneHost::StandaloneHost(Device& device, Shot shot, std::shared_ptr<const Scene> scene,
+                               const StandaloneOptions& options)
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
       sub_pixel_bits_(device.limits().subPixelPrecisionBits + gbuffer_further_bits),
-      gbuffer_(device, scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
+      gbuffer_(device, *scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
                options.materials) {
     if (options.steered) cascade_layers_ = max_cascades;
     for (uint32_t index = 0; index < shot_.frames; ++index)
@@ -121,7 +125,7 @@ CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
     const SunState sun = sun_at(shot_, index);
     request.to_sun = sun.to_sun;
     request.angular_radius = sun.angular_radius;
-    const auto [low, high] = scene_.box(moment(index));
+    const auto [low, high] = scene_->box(moment(index));
     request.low = low;
     request.high = high;
     request.size = options_.cascade_size;
@@ -153,7 +157,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     out.sun_prev = sun_block(sun_at(shot_, previous));
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
     if (light()) out.light = light_block(*light(), moment(index), camera - shot_.origin);
-    const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_.bvh_origin());
+    const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_->bvh_origin());
     for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
     return out;
@@ -162,12 +166,12 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
 void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& frame) {
     const FrameDescription& description = frame.description;
     const uint32_t previous = (description.flags & frame_reset) ? description.index : description.index - 1;
-    gbuffer_.record(commands, description, scene_.transforms(moment(description.index)),
-                    scene_.transforms(moment(previous)), shot_.origin);
+    gbuffer_.record(commands, description, scene_->transforms(moment(description.index)),
+                    scene_->transforms(moment(previous)), shot_.origin);
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {
-    return shot_facts(shot_, scene_, light());
+    return shot_facts(shot_, *scene_, light());
 }
 
 }  // namespace penumbra

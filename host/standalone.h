@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,7 +53,10 @@ std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
 class StandaloneHost {
   public:
     StandaloneHost(Device& device, Shot shot, Scene scene, const StandaloneOptions& options);
-    StandaloneHost(const StandaloneHost&) = delete;  // the G-buffer refers to the scene beside it
+    // The scene of the shot, which others may look at as well.
+    StandaloneHost(Device& device, Shot shot, std::shared_ptr<const Scene> scene,
+                   const StandaloneOptions& options);
+    StandaloneHost(const StandaloneHost&) = delete;
     StandaloneHost& operator=(const StandaloneHost&) = delete;
 
     // `reset`: the frame has no history (the first one, a cold start); its previous camera is its own.
@@ -80,19 +84,21 @@ class StandaloneHost {
     void set_jitter(bool on) { options_.jitter = on; }
 
     const GBufferImages& images() const { return gbuffer_.images(); }
-    const Scene& scene() const { return scene_; }
+    const Scene& scene() const { return *scene_; }
     const Shot& shot() const { return shot_; }
     // nullptr: the sun.
     const ShotLight* light() const {
         return options_.light == "sun" ? nullptr : &shot_.lights.at(options_.light);
     }
 
+    const std::string& light_name() const { return options_.light; }  // "sun", or of light()
+
     // What holds for the whole shot: the facts that conditions in pipelines ask for.
     std::map<std::string, bool> facts() const;
 
   private:
     Shot shot_;
-    Scene scene_;
+    std::shared_ptr<const Scene> scene_;
     StandaloneOptions options_;
     uint32_t sub_pixel_bits_;  // of the G-buffer's depth
     GBuffer gbuffer_;

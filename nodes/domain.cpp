@@ -48,6 +48,7 @@ std::shared_ptr<const Domain> shadow_domain() {
                   {"casters", "something can cast a shadow"},
                   {"alpha", "some triangle's texture has holes"},
                   {"moves", "the camera or an object moves"},
+                  {"casters_move", "something that casts a shadow moves or changes its shape"},
                   {"sun_moves", "the sun moves, or the light that is near"},
                   {"tree", "the host brings penumbra's own tree of the triangles; else ray queries alone"}},
         .features = {"ray_query", "storage8"},

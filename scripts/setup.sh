@@ -18,6 +18,7 @@ packages=(
     libglm-dev nlohmann-json3-dev libfmt-dev libcli11-dev
     libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
     libdraco-dev libmeshoptimizer-dev # compressed meshes of glTF files
+    libwebp-dev                       # the report's pictures that move
     libglfw3-dev libimgui-dev         # the window of penumbra view
 )
 if [[ ${1:-} == --test || ${1:-} == --dev ]]; then

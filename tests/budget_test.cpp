@@ -5,55 +5,14 @@
 #include <cmath>
 #include <map>
 
-#include "app/session.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
-
-Shot shot_named(const std::string& name) {
-    Diagnostics diagnostics;
-    auto shot =
-        read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (name + ".shot.json"), diagnostics);
-    if (!shot) throw std::runtime_error(diagnostics.text());
-    return std::move(*shot);
-}
-
-class Budgeted {
-  public:
-    Budgeted(Shot shot, const std::string& pipeline, std::vector<std::string> settings,
-             std::vector<std::string> captures)
-        : shot_(std::move(shot)) {
-        static const NodeSet nodes = shadow_nodes();
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        settings.emplace_back("outputs=[\"visibility\"]");
-        const auto loaded =
-            load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (pipeline + ".json"),
-                          settings, diagnostics);
-        const auto checked = loaded ? check(*loaded, nodes, diagnostics) : std::nullopt;
-        if (!checked) throw std::runtime_error(diagnostics.text());
-        SessionOptions options;
-        options.size = {192, 108};
-        options.captures = std::move(captures);
-        options.captures.emplace_back("visibility");
-        options.optimum = false;
-        options.jitter = false;
-        session_ = Session::open(gpu(), nodes, *checked, shot_, options, diagnostics, warnings);
-        if (!session_) throw std::runtime_error(diagnostics.text());
-    }
-    const View& view() const { return session_->view(); }
-    void frame(uint32_t index, bool reset) { session_->run_frame(index, reset); }
-    std::vector<uint32_t> words(const char* name) const { return captured<uint32_t>(session_->view(), name); }
-    std::vector<uint16_t> visibility() const { return captured<uint16_t>(session_->view(), "visibility"); }
-
-  private:
-    Shot shot_;
-    std::unique_ptr<Session> session_;
-};
 
 uint64_t bits_in(const std::vector<uint32_t>& words) {
     uint64_t n = 0;
@@ -73,9 +32,9 @@ class Budget : public GpuTest {};
 TEST_F(Budget, IsKeptInEveryFrame) {
     for (const double rays : {0.1, 0.5, 1.0, 2.0}) {
         SCOPED_TRACE(rays);
-        Budgeted run(shot_named("colonnade"), "shadows",
-                     {"nodes.pilots.params.rays_per_frame=" + std::to_string(rays)},
-                     {"ray_words", "ray_bits", "sunward_words"});
+        ShotRun run(shot_named("colonnade"), "shadows",
+                    {"nodes.pilots.params.rays_per_frame=" + std::to_string(rays)},
+                    {"ray_words", "ray_bits", "sunward_words"});
         for (uint32_t frame = 0; frame < 8; ++frame) {
             run.frame(frame, frame == 0 || frame == 4);  // a cut: nothing is known
             const double budget = std::floor(rays * double(bits_in(run.words("sunward_words"))));
@@ -94,7 +53,7 @@ TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
     Shot shot = shot_named("colonnade");
     shot.camera.resize(1);
     shot.objects.clear();
-    Budgeted run(shot, "shadows", {}, {"ray_words", "sunward_words", "known"});
+    ShotRun run(shot, "shadows", {}, {"ray_words", "sunward_words", "known"});
     std::map<size_t, uint32_t> cast;
     uint64_t rays = 0;
     for (uint32_t frame = 0; frame < 44; ++frame) {
@@ -123,9 +82,9 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
         motion.keys = {before, after};
     }
     const auto truth_at = [&](uint32_t frame) {
-        Budgeted raw(shot, "raw",
-                     {"nodes.trace.params.rays_per_pixel=32", "resources.visibility={\"format\": \"r16f\"}"},
-                     {});
+        ShotRun raw(shot, "raw",
+                    {"nodes.trace.params.rays_per_pixel=32", "resources.visibility={\"format\": \"r16f\"}"},
+                    {});
         raw.frame(frame, true);
         return captured_planes(raw.view(), "visibility").at(0);
     };
@@ -135,7 +94,7 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
         if (std::abs(before[i] - after[i]) == 1.0F) changed.push_back(i);
     ASSERT_GE(changed.size(), 200u);
 
-    Budgeted run(shot, "shadows", {}, {});
+    ShotRun run(shot, "shadows", {}, {});
     for (uint32_t frame = 0; frame < changes + 6; ++frame) {
         run.frame(frame, frame == 0);
         if (frame < changes) continue;
@@ -154,8 +113,8 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
 }
 
 TEST_F(Budget, OfNothingCastsNothing) {
-    Budgeted run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0"},
-                 {"ray_words", "ray_bits"});
+    ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0"},
+                {"ray_words", "ray_bits"});
     for (uint32_t frame = 0; frame < 3; ++frame) {
         run.frame(frame, frame == 0);
         EXPECT_EQ(bits_in(run.words("ray_words")), 0u);
@@ -166,8 +125,8 @@ TEST_F(Budget, OfNothingCastsNothing) {
 // In a frame of which nothing is known before: a pixel that got n rays, said to be lit by so many of them, as
 // raw.json says with n rays per pixel.
 TEST_F(Budget, FurtherRaysAreThoseOfTheWholeSet) {
-    Budgeted run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=4"},
-                 {"ray_words", "ray_bits", "hits"});
+    ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=4"},
+                {"ray_words", "ray_bits", "hits"});
     run.frame(0, true);
     const auto bits = run.words("ray_bits"), hits = run.words("hits");
     std::map<uint32_t, std::vector<size_t>> by_count;
@@ -176,10 +135,10 @@ TEST_F(Budget, FurtherRaysAreThoseOfTheWholeSet) {
     ASSERT_GE(by_count.size(), 2u);
     for (const auto& [n, pixels] : by_count) {
         SCOPED_TRACE(n);
-        Budgeted raw(shot_named("colonnade"), "raw",
-                     {"nodes.trace.params.rays_per_pixel=" + std::to_string(n),
-                      "resources.visibility={\"format\": \"r16f\"}"},
-                     {"fraction", "hits"});
+        ShotRun raw(shot_named("colonnade"), "raw",
+                    {"nodes.trace.params.rays_per_pixel=" + std::to_string(n),
+                     "resources.visibility={\"format\": \"r16f\"}"},
+                    {"fraction", "hits"});
         raw.frame(0, true);
         const auto first = raw.words("hits");
         const auto shares = captured<uint8_t>(raw.view(), "fraction");

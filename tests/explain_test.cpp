@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "app/gathered_rays.h"
 #include "app/outputs.h"
 #include "host/truth/coverage.h"
 #include "penumbra/shadow_nodes.h"
@@ -55,7 +56,7 @@ class CoverageTwin : public GpuTest {
         return *shot;
     }
 
-  private:
+  protected:
     Differences compare(const Session& session, uint32_t frame, uint32_t samples) const {
         const auto depth = captured<float>(session, "view_depth");
         const auto normal = captured<NormalTexel>(session, "receiver_normal");
@@ -213,6 +214,75 @@ TEST_F(Explain, ReportsThatSayNothingOfTimeAreTheCommandsMistake) {
         {"size", {4, 4}},
         {"passes", {{{"node", "trace"}, {"type", "trace"}, {"cpu_ms", {{"median", nullptr}}}}}}};
     expect_nothing(costs(file("gpu.json", gpu.dump())), 2, "no CPU times");
+}
+
+// Rays around, sheared by how far off blockers are, tell a pixel's visibility; the same rays as they are tell
+// a blur of it. Judged by coverage, in all pixels whose sun enough rays test.
+TEST_F(CoverageTwin, ShearedRaysTellAPixelsSunAndUnshearedOnesABlur) {
+    Shot shot = plaza_shot({160, 90}, 1);
+    shot.sun_angular_radius_deg = 10;  // penumbrae of many pixels
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto run = [&](const char* name, const std::vector<std::string>& captures) {
+        const auto pipeline = load_pipeline(
+            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (std::string(name) + ".json"), {},
+            diagnostics);
+        const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
+        EXPECT_TRUE(checked) << diagnostics.text();
+        SessionOptions options;
+        options.size = shot.size;
+        options.optimum = false;
+        options.jitter = false;
+        options.captures = captures;
+        auto session = Session::open(gpu(), nodes_, *checked, shot, options, diagnostics, warnings);
+        EXPECT_TRUE(session) << diagnostics.text();
+        session->run_frame(0, true);
+        return session;
+    };
+    const auto rays = run("one_ray", RayGatherer::captures()), exact = run("covered", {"visibility"});
+    const std::vector<float> visibility = captured_image(*exact, "visibility").planes.at(0).values;
+    const RayGatherer gatherer(*rays, 0);
+    double sheared = 0, unsheared = 0;
+    uint32_t pixels = 0;
+    for (uint32_t y = 0; y < shot.size[1]; ++y)
+        for (uint32_t x = 0; x < shot.size[0]; ++x) {
+            const double truth = static_cast<double>(visibility[size_t{y} * shot.size[0] + x]);
+            const auto gathered = gatherer.gather({x, y});
+            if (!gathered || gathered->counted() < 12 || truth < 0.05 || truth > 0.95) continue;
+            sheared += std::pow(gathered->visibility() - truth, 2);
+            unsheared += std::pow(gathered->unsheared() - truth, 2);
+            ++pixels;
+        }
+    ASSERT_GT(pixels, 100u);
+    EXPECT_LT(std::sqrt(sheared / pixels), 0.17) << pixels;
+    EXPECT_GT(unsheared, 1.5 * sheared);
+}
+
+TEST_F(Cli, ExplainDrawsWhatRaysAroundAPixelSay) {
+    const std::string svg = (folder_ / "gather.svg").string();
+    const Result drawn = run("explain --shot colonnade --size 640x360 --gather --out " + svg);
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+    std::smatch said;
+    const std::regex words(
+        "pixel (\\d+),(\\d+), whose sun most rays test: (\\d+) of 121 rays .* (\\d+) of them lit");
+    ASSERT_TRUE(std::regex_search(drawn.out, said, words)) << drawn.out;
+    const std::string text = read_file(svg);
+    const auto count = [&](const std::string& style) {
+        size_t found = 0;
+        for (size_t at = text.find(style); at != std::string::npos; at = text.find(style, at + 1)) ++found;
+        return found;
+    };
+    // Every ray that counts is a dot of the right figure, besides its dot in the left one.
+    const size_t pale = count("class=\"lit-ray outside\"") + count("class=\"dark-ray outside\"");
+    const size_t dots = count("class=\"lit-ray\"") + count("class=\"dark-ray\"");
+    EXPECT_EQ(dots - std::stoul(said[3]), count("class=\"disc\""));
+    EXPECT_GT(std::stoul(said[3]), 12u);
+    EXPECT_GT(pale, 0u);
+    const Result again = run("explain --shot colonnade --size 640x360 --gather --pixel " + said[1].str() +
+                             "," + said[2].str() + " --out " + svg);
+    EXPECT_EQ(again.code, 0);
+    EXPECT_EQ(read_file(svg), text);
+    expect(run("explain --shot lamp --size 96x54 --gather --pixel 0,0 --out " + svg), 2, "shows no surface");
 }
 
 }  // namespace

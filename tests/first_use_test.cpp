@@ -154,6 +154,29 @@ TEST_F(FirstUse, ErrorsAreColouredOnATerminalAlone) {
     EXPECT_EQ(on_terminal("NO_COLOR=1").find('\x1b'), std::string::npos) << read_file(seen);
 }
 
+// What is being done and how far it has come is said on a terminal, also before the first frame.
+TEST_F(FirstUse, ProgressIsShownOnATerminalAlone) {
+    const std::string command = "render raw --shot lamp --size 48x32 --frames 2 --out " + in("a");
+    EXPECT_EQ(run(command).err, "");
+    const auto on_terminal = [&](const std::string& arguments) {
+        const std::string line = "script -qec \"cd '" PENUMBRA_SOURCE_DIR "' && '" PENUMBRA_PROGRAM "' " +
+                                 arguments + "\" /dev/null >'" + in("seen") + "' </dev/null";
+        EXPECT_EQ(WEXITSTATUS(std::system(line.c_str())), 0);
+        return read_file(in("seen"));
+    };
+    const std::string seen = on_terminal(command);
+    size_t at = 0;
+    for (const char* what : {"reading the model ...", "packing memory ...", "compiling shaders ...",
+                             "building the tree of triangles ...", "raw [", "] 100 %"}) {
+        at = seen.find(what, at);
+        EXPECT_NE(at, std::string::npos) << what << " in " << seen;
+    }
+    EXPECT_NE(on_terminal("explain --shot lamp --size 48x32 --out " + in("sun.svg")).find("explain ["),
+              std::string::npos);
+    ASSERT_EQ(run("reference --like " + in("a") + " --rays 16 --out " + in("t")).err, "");
+    EXPECT_NE(on_terminal("compare " + in("a") + " " + in("t")).find("compare ["), std::string::npos);
+}
+
 // docs/first_steps.md from its first block to its last: files are written under their names, commands are
 // run.
 class FirstSteps : public Cli {};

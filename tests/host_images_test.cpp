@@ -59,6 +59,32 @@ TEST_F(HostImagesGpu, DebuggersAreToldTheNames) {
     for (const PlanPass& pass : view.plan().passes) EXPECT_TRUE(Spy::labels.contains(pass.node)) << pass.node;
 }
 
+// What a host does with an image of its own: fills it, which was never used before, ...
+void clear(VkCommandBuffer cmd, const GpuImage& image, VkImageLayout layout, float value) {
+    constexpr VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+    fresh.dstStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT;
+    fresh.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+    fresh.newLayout = layout;
+    fresh.image = image.get();
+    fresh.subresourceRange = all;
+    VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    dependency.imageMemoryBarrierCount = 1;
+    dependency.pImageMemoryBarriers = &fresh;
+    vkCmdPipelineBarrier2(cmd, &dependency);
+    VkClearColorValue colour{};
+    colour.float32[0] = value;
+    vkCmdClearColorImage(cmd, image.get(), layout, &colour, 1, &all);
+}
+
+// ... and copies it out.
+void copy_out(VkCommandBuffer cmd, const GpuImage& image, const GpuBuffer& to) {
+    VkBufferImageCopy region{};
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.imageExtent = {width, height, 1};
+    vkCmdCopyImageToBuffer(cmd, image.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.get(), 1, &region);
+}
+
 // The host clears an image and copies out of it, in the layouts of those commands; in between the frame reads
 // it. Nothing but the handover orders the three, and synchronisation validation listens.
 TEST_F(HostImagesGpu, AnImageComesAndGoesInTheHostsLayouts) {
@@ -81,26 +107,9 @@ TEST_F(HostImagesGpu, AnImageComesAndGoesInTheHostsLayouts) {
     float expected = 0;
     for (uint32_t f = 0; f < 3; ++f) {
         gpu().run([&](VkCommandBuffer cmd) {
-            constexpr VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-            VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-            fresh.dstStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT;
-            fresh.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-            fresh.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
-            fresh.image = given.get();
-            fresh.subresourceRange = all;
-            VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-            dependency.imageMemoryBarrierCount = 1;
-            dependency.pImageMemoryBarriers = &fresh;
-            vkCmdPipelineBarrier2(cmd, &dependency);
-            VkClearColorValue colour{};
-            colour.float32[0] = static_cast<float>(f + 1);
-            vkCmdClearColorImage(cmd, given.get(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &colour, 1, &all);
+            clear(cmd, given, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, static_cast<float>(f + 1));
             view.record(cmd, description(f), externals);
-            VkBufferImageCopy region{};
-            region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-            region.imageExtent = {width, height, 1};
-            vkCmdCopyImageToBuffer(cmd, given.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy.get(), 1,
-                                   &region);
+            copy_out(cmd, given, copy);
         });
         expected = static_cast<float>(f + 1) + expected / 2;
         EXPECT_EQ(floats(view.captured("blended")), std::vector<float>(width * height, expected)) << f;
@@ -175,19 +184,7 @@ TEST_F(HostImagesGpu, AnOutputsImageWaitsForWhatTheHostDidWithIt) {
     Externals externals(view.plan());
     externals["given"].image = given.view.get();
     gpu().run([&](VkCommandBuffer cmd) {
-        constexpr VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-        VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-        fresh.dstStageMask = VK_PIPELINE_STAGE_2_CLEAR_BIT;
-        fresh.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
-        fresh.newLayout = VK_IMAGE_LAYOUT_GENERAL;
-        fresh.image = own.get();
-        fresh.subresourceRange = all;
-        VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-        dependency.imageMemoryBarrierCount = 1;
-        dependency.pImageMemoryBarriers = &fresh;
-        vkCmdPipelineBarrier2(cmd, &dependency);
-        const VkClearColorValue colour{};
-        vkCmdClearColorImage(cmd, own.get(), VK_IMAGE_LAYOUT_GENERAL, &colour, 1, &all);
+        clear(cmd, own, VK_IMAGE_LAYOUT_GENERAL, 0);
         externals["blended"] = {.image = own.view.get(),
                                 .handover = Handover{.image = own.get(),
                                                      .stages_before = VK_PIPELINE_STAGE_2_CLEAR_BIT,
@@ -196,10 +193,7 @@ TEST_F(HostImagesGpu, AnOutputsImageWaitsForWhatTheHostDidWithIt) {
                                                      .access_after = VK_ACCESS_2_TRANSFER_READ_BIT,
                                                      .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
         view.record(cmd, description(0), externals);
-        VkBufferImageCopy region{};
-        region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-        region.imageExtent = {width, height, 1};
-        vkCmdCopyImageToBuffer(cmd, own.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy.get(), 1, &region);
+        copy_out(cmd, own, copy);
         externals["blended"].handover->stages_before = VK_PIPELINE_STAGE_2_COPY_BIT;
         externals["blended"].handover->access_before = VK_ACCESS_2_TRANSFER_READ_BIT;
         view.record(cmd, description(1), externals);

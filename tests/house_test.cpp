@@ -2,6 +2,7 @@
 // Rules of the house that a compiler does not check.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -49,6 +50,25 @@ std::set<std::string> in_groups(const fs::path& folder, const std::string& suffi
         }
     }
     return names;
+}
+
+// A table with more columns than a page is wide is read by nobody.
+TEST(House, ATableOfADocumentHasAtMostEightColumns) {
+    std::vector<fs::path> files{root / "README.md"};
+    for (const auto& entry : fs::recursive_directory_iterator(root / "docs"))
+        if (entry.path().extension() == ".md") files.push_back(entry.path());
+    size_t tables = 0;
+    for (const fs::path& file : files) {
+        std::istringstream lines(read(file));
+        bool code = false;
+        for (std::string line; std::getline(lines, line);) {
+            if (line.starts_with("```")) code = !code;
+            if (code || !line.starts_with("|--")) continue;
+            ++tables;
+            EXPECT_LE(std::ranges::count(line, '|'), 9) << file << ": " << line;
+        }
+    }
+    EXPECT_GT(tables, 100u);
 }
 
 // The framework works for any domain: what a node set is about stands with the node set.

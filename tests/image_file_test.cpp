@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <webp/demux.h>
 
 #include <algorithm>
 #include <bit>
@@ -15,8 +16,10 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <memory>
 #include <thread>
 
+#include "host/images/animation_file.h"
 #include "host/images/image_checks.h"
 
 namespace penumbra {
@@ -269,6 +272,41 @@ TEST(ImageChecks, WhatIsTakenOnTrustIsRefused) {
     EXPECT_TRUE(corpus("small.png"));
     for (const char* name : {"chunk_bomb.png", "huffman_table_too_long.jpg", "begins_late.jpg"})
         EXPECT_FALSE(corpus(name)) << name;
+}
+
+// Read by libwebp's decoder: frames in their order, for so long, for ever, and near what they were.
+TEST(AnimationFile, ComesBackFrameByFrame) {
+    constexpr uint32_t width = 40, height = 24;
+    std::vector<std::vector<uint8_t>> frames(3, std::vector<uint8_t>(4 * width * height, 255));
+    for (size_t f = 0; f < frames.size(); ++f)
+        for (size_t p = 0; p < size_t{width} * height; ++p)
+            for (size_t c = 0; c < 3; ++c)
+                frames[f][4 * p + c] = static_cast<uint8_t>(p % width < 10 * (f + 1) ? 20 : 220);
+    const std::vector<std::byte> file = webp_animation(width, height, frames, 70);
+    const WebPData data{reinterpret_cast<const uint8_t*>(file.data()), file.size()};
+    const std::unique_ptr<WebPAnimDecoder, decltype(&WebPAnimDecoderDelete)> decoder(
+        WebPAnimDecoderNew(&data, nullptr), WebPAnimDecoderDelete);
+    ASSERT_TRUE(decoder);
+    WebPAnimInfo info{};
+    ASSERT_TRUE(WebPAnimDecoderGetInfo(decoder.get(), &info));
+    EXPECT_EQ(info.canvas_width, width);
+    EXPECT_EQ(info.canvas_height, height);
+    EXPECT_EQ(info.loop_count, 0u) << "for ever";
+    ASSERT_EQ(info.frame_count, frames.size());
+    for (size_t f = 0; f < frames.size(); ++f) {
+        uint8_t* rgba = nullptr;
+        int until_ms = 0;
+        ASSERT_TRUE(WebPAnimDecoderGetNext(decoder.get(), &rgba, &until_ms));
+        EXPECT_EQ(until_ms, 70 * static_cast<int>(f + 1));
+        double sum = 0;
+        for (size_t i = 0; i < frames[f].size(); ++i) sum += std::pow(int{rgba[i]} - int{frames[f][i]}, 2);
+        EXPECT_LT(std::sqrt(sum / static_cast<double>(frames[f].size())), 12) << f;
+    }
+    EXPECT_THROW(webp_animation(width, height, {}, 70), FileError);
+    frames[1].pop_back();
+    EXPECT_THROW(webp_animation(width, height, frames, 70), FileError);
+    const std::vector<std::vector<uint8_t>> wide(1, std::vector<uint8_t>(80000));
+    EXPECT_THROW(webp_animation(20000, 1, wide, 70), FileError);
 }
 
 }  // namespace

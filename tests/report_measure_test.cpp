@@ -128,6 +128,7 @@ TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
     ASSERT_EQ(results_.rows.size(), contender_count);
     EXPECT_NE(said_.find("14 contenders in 2 rounds, besides the truth of 2 frames"), std::string::npos)
         << said_;
+    EXPECT_TRUE(fs::is_regular_file(folder_ / results_.shots[0].motion_image));
     for (const Row& row : results_.rows) {
         EXPECT_EQ(row.after_cut.size(), 2u);
         EXPECT_EQ(row.over_time.size(), 2u);
@@ -244,10 +245,11 @@ TEST_F(ReportMeasure, AMaskWithoutHistoryDoesNotKnowItsPast) {
     ASSERT_TRUE(contenders && shot) << diagnostics.text();
     std::map<CostMemory, std::set<std::string>> without;
     std::set<std::string> with;
+    KeptScene scene;
     for (const Contender& contender : contenders->list) {
         SCOPED_TRACE(contender.id);
         const auto open = [&] {
-            return Runner::open(test::gpu(), nodes_, contender, *shot, {64, 36}, false, diagnostics,
+            return Runner::open(test::gpu(), nodes_, contender, *shot, {64, 36}, false, scene, diagnostics,
                                 warnings);
         };
         const auto goes_on = open(), starts = open();

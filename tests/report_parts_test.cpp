@@ -361,6 +361,8 @@ class ReportPart : public ::testing::Test {
         write("base.json", "{}");
         results_.shots[0].reference_image = "images/reference.png";
         write("images/reference.png", "a picture");
+        results_.shots[0].motion_image = "images/hall.motion.webp";
+        write("images/hall.motion.webp", "a picture that moves");
         shot_.file = write("hall.shot.json", "{}");
         shot_.model = write("hall.gltf", R"({"buffers": [{"uri": "hall.bin"}]})");
         write("hall.bin", "triangles");

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
+#include <sstream>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -19,6 +20,7 @@
 
 #include "app/plan_json.h"
 #include "app/plan_schema.h"
+#include "app/reference_pages.h"
 #include "app/vocabulary_page.h"
 #include "graph/vocabulary.h"
 #include "host/shots/shot.h"
@@ -167,6 +169,30 @@ TEST(Schema, PlansAreWhatTheirSchemaSays) {
 TEST(Schema, CommittedPageIsTheVocabulary) {
     // penumbra nodes --format vocabulary > docs/vocabulary.md
     test::expect_golden(vocabulary_page(*shadow_domain()), root / "docs/vocabulary.md");
+}
+
+// Every node type and every shipped pipeline has its section, as they are today.
+TEST(Schema, CommittedPagesAreTheDeclarationsAndPipelines) {
+    const NodeSet nodes = shadow_nodes();
+    test::expect_golden(nodes_page(nodes), root / "docs/nodes.md");
+    std::vector<CheckedPipeline> pipelines;
+    for (const std::string& name : test::names_in("pipelines", ".json")) {
+        if (name.ends_with(".schema")) continue;
+        Diagnostics diagnostics;
+        const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics);
+        auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+        ASSERT_TRUE(checked) << diagnostics.text();
+        pipelines.push_back(std::move(*checked));
+    }
+    test::expect_golden(pipelines_page(pipelines), root / "docs/pipeline_list.md");
+    // A bar within a cell would end it.
+    std::istringstream lines(nodes_page(nodes) + pipelines_page(pipelines));
+    for (std::string line; std::getline(lines, line);) {
+        if (!line.starts_with("|")) continue;
+        size_t bars = 0;
+        for (size_t i = 0; i < line.size(); ++i) bars += line[i] == '|' && (i == 0 || line[i - 1] != '\\');
+        EXPECT_EQ(bars, 5u) << line;
+    }
 }
 
 TEST(Schema, ShippedFilesValidate) {

@@ -325,5 +325,63 @@ TEST_F(ViewLive, ACameraThatLandsHasItsCascades) {
     EXPECT_LE(cascades(), l.stage().session->cascade_maps()->maps().layers);
 }
 
+// The model is read once: another pipeline, size or comparison finds it where its file is gone, and draws
+// what a view that has just been opened draws.
+TEST_F(ViewLive, WhatChangesThePlanKeepsTheModelAndItsTree) {
+    const fs::path given = shot_.model;
+    shot_.model = folder_ / given.filename();
+    fs::copy_file(given, shot_.model);
+    Live changed = live("covered");
+    ASSERT_TRUE(changed.open()) << changed.error();
+    changed.flight().play(true);
+    run(changed, 5);  // the plaza moves, and the tree with it
+    fs::remove(shot_.model);
+    const std::string raw = (fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/raw.json").string();
+    changed.choose_pipeline(raw);
+    ASSERT_EQ(changed.stage().pipeline.name, "raw") << changed.error();
+    run(changed, 1);
+    const auto seen = changed.picture().rgba;
+    changed.compare(Beside::published);
+    changed.compare(Beside::truth);
+    changed.reduce(2);
+    EXPECT_EQ(changed.error(), "");
+    run(changed, 1);
+    EXPECT_EQ(changed.picture().width, size[0] / 2);
+
+    fs::copy_file(given, shot_.model);
+    Live fresh = live("raw");
+    ASSERT_TRUE(fresh.open()) << fresh.error();
+    fresh.flight().play(true);
+    run(fresh, 6);
+    EXPECT_EQ(fresh.picture().rgba, seen);
+}
+
+// Of a light that is near, too, the truth converges, and plain rays are those to it.
+TEST_F(ViewLive, ALampHasATruthAndPlainRays) {
+    ShotLight lamp;
+    lamp.kind = LightKind::sphere;
+    lamp.radius = 0.4;
+    lamp.range = 60;
+    lamp.keys = {{0, {2, 6, 1}, {0, -1, 0}, {1, 0, 0}, 1, 1}};
+    shot_.lights["lamp"] = lamp;
+    StageWish wish;
+    wish.pipeline = (fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/light_raw.json").string();
+    wish.size = size;
+    wish.light = "lamp";
+    Live l(test::gpu(), shot_, wish);
+    ASSERT_TRUE(l.open()) << l.error();
+    l.flight().play(false);
+    run(l, 2);
+    l.compare(Beside::raw);
+    EXPECT_EQ(l.beside(), Beside::raw) << l.error();
+    run(l, 1);
+    l.compare(Beside::error);
+    ASSERT_EQ(l.error(), "");
+    for (int i = 0; i < 40 && (!l.judgement() || l.judgement()->rays < 64); ++i) l.frame({}, 1e9);
+    ASSERT_TRUE(l.judgement());
+    ASSERT_TRUE(l.judgement()->n_eff);
+    EXPECT_NEAR(*l.judgement()->n_eff, 1, 0.35) << "one ray per pixel";
+}
+
 }  // namespace
 }  // namespace penumbra::viewer

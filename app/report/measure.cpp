@@ -11,6 +11,7 @@
 
 #include "app/progress.h"
 #include "app/report/images.h"
+#include "app/report/motion_image.h"
 #include "app/report/truth_source.h"
 #include "app/report/turns.h"
 
@@ -116,6 +117,17 @@ void write_images(const Bench& bench, ShotFacts& facts, const TruthSource::Frame
     }
 }
 
+void write_motion(const Bench& bench, const TurnsOptions& options, const Turns& turns, ShotFacts& facts) {
+    if (options.shown.empty() || options.showing.empty()) return;
+    std::vector<std::vector<std::span<const float>>> masks;
+    for (const size_t contender : options.showing) {
+        masks.emplace_back();
+        for (const uint32_t frame : options.shown) masks.back().emplace_back(turns.shown(contender, frame));
+    }
+    facts.motion_image = fmt::format("images/{}.motion.webp", facts.name);
+    write_motion_image(bench.folder / facts.motion_image, facts.size, masks);
+}
+
 // Judges the moving run frame by frame, since one frame's truth is held at a time.
 void judge_motion(const Bench& bench, const Study& study, TruthSource& source, const Turns& turns,
                   const std::vector<size_t>& originals, const std::vector<Contender>& contenders,
@@ -208,7 +220,8 @@ bool measure_stillness(const Bench& bench, const Study& study, const Shot& still
 void warm_up(const Bench& bench, const std::string& shot, const std::vector<std::unique_ptr<Runner>>& runners,
              const TurnsOptions& options) {
     double seconds = 0;
-    for (const auto& runner : runners) {
+    for (size_t contender = 0; contender < runners.size(); ++contender) {
+        const auto& runner = runners[contender];
         std::chrono::duration<double> once{};
         constexpr double short_s = 0.5;  // the second time says more, and costs little
         for (int again = 0; again < 2 && (again == 0 || once.count() < short_s); ++again) {
@@ -218,7 +231,9 @@ void warm_up(const Bench& bench, const std::string& shot, const std::vector<std:
         }
         for (uint32_t round = 0; round < options.rounds(); ++round)
             for (uint32_t frame = 0; frame < options.frames; ++frame)
-                if (takes_turn(options, *runner, true, round, frame)) seconds += once.count();
+                if (options.shows(contender, round, frame) ||
+                    takes_turn(options, *runner, true, round, frame))
+                    seconds += once.count();
     }
     bench.say(fmt::format("{}: about {} for {} contenders in {} rounds, besides the truth of {} frames", shot,
                           duration_text(seconds), runners.size(), options.rounds(), options.judged.size()));
@@ -255,10 +270,14 @@ bool measure_shot(const Bench& bench, const ReportShot& shot, Results& results, 
     options.timings = study.rounds;
     options.judged = moving_frames_judged(study);
     options.timed = moving_frames_timed(study);
+    options.showing = shown_in_motion(contenders);
+    for (uint32_t shown = 0; shown < std::min(study.motion_frames, study.moving_frames); ++shown)
+        options.shown.insert(study.moving_frames - 1 - shown);
     warm_up(bench, shot.name, runners, options);
     const Turns turns(runners, options, [&] { bench.step(study.size[0] * study.size[1]); });
     const std::vector<size_t> originals = turns.originals();
     judge_motion(bench, study, source, turns, originals, contenders, facts, rows);
+    write_motion(bench, options, turns, facts);
     for (Row& row : rows) {
         add_costs(turns.costs(row.contender), study.size, row);
         const size_t original = originals[row.contender];

@@ -3,18 +3,22 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <set>
 
 #include "app/report/assets.h"
+#include "app/report/crops.h"
 #include "app/report/dataflow_figure.h"
 #include "app/report/front_figures.h"
 #include "app/report/html.h"
 #include "app/report/images.h"
 #include "app/report/memory_figure.h"
+#include "app/report/motion_image.h"
 #include "app/report/page_tables.h"
 #include "app/report/plots.h"
+#include "host/images/image_decode.h"
 #include "host/images/image_file.h"
 
 namespace penumbra::report {
@@ -24,20 +28,41 @@ namespace fs = std::filesystem;
 
 constexpr uint32_t largest_magnification = 4;  // of the slider's images
 
-std::string data_uri(const fs::path& file) {
+std::string bytes_of(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+    std::string bytes((std::istreambuf_iterator<char>(stream)), {});
     if (!stream || bytes.empty()) throw FileError(file.string() + ": cannot be read");
-    return "data:image/png;base64," + base64(bytes);
+    return bytes;
+}
+
+std::string data_uri(const fs::path& file) {
+    return fmt::format("data:image/{};base64,{}", file.extension().string().substr(1),
+                       base64(bytes_of(file)));
+}
+
+// How large errors are, of a picture of this size that write_error_image() has written: how much colour there
+// is. What is right or does not count has none.
+std::vector<uint8_t> errors_of(const fs::path& file, const std::array<uint32_t, 2>& size) {
+    const std::string bytes = bytes_of(file);
+    const auto image = decode_image(std::as_bytes(std::span(bytes)), uint64_t{8} * size[0] * size[1]);
+    if (!image || image->width != size[0] || image->height != size[1])
+        throw FileError(file.string() + ": is not the picture that was written");
+    std::vector<uint8_t> errors(size_t{size[0]} * size[1]);
+    for (size_t i = 0; i < errors.size(); ++i) {
+        const auto [least, most] = std::minmax_element(&image->rgba[4 * i], &image->rgba[4 * i] + 3);
+        errors[i] = static_cast<uint8_t>(*most - *least);
+    }
+    return errors;
 }
 
 std::string image(const fs::path& file, const std::string& name) {
     return fmt::format("<img src=\"{}\" alt=\"{}\">", data_uri(file), escape(name));
 }
 
-std::string image_figure(const std::string& images, const std::string& caption) {
-    return fmt::format("<figure><div class=\"pair\">{}</div><figcaption>{}</figcaption></figure>\n", images,
-                       escape(caption));
+// `more`: markup.
+std::string image_figure(const std::string& images, const std::string& caption, const std::string& more) {
+    return fmt::format("<figure><div class=\"pair\">{}</div><figcaption>{}{}</figcaption></figure>\n", images,
+                       escape(caption), more);
 }
 
 std::string fact(const std::string& name, const std::string& value) {
@@ -64,7 +89,8 @@ std::string legend(const Results& results) {
 
 std::string images(const Results& results, size_t shot, const fs::path& folder) {
     const ShotFacts& facts = results.shots[shot];
-    std::string out = image_figure(image(folder / facts.reference_image, "reference"), "reference");
+    constexpr const char* truth = "reference";
+    std::string out = image_figure(image(folder / facts.reference_image, truth), truth, "");
     for (const Row& row : results.rows) {
         if (row.shot != shot || row.images.size() != 2) continue;
         const std::string name = label(results.contenders[row.contender]);
@@ -73,7 +99,11 @@ std::string images(const Results& results, size_t shot, const fs::path& folder) 
             if (judged.frame == facts.image_frame) rmse = judged.metrics.rmse_all;
         out += image_figure(
             image(folder / row.images[0], name) + image(folder / row.images[1], name + ", error"),
-            fmt::format("{}: RMSE {}", name, number_or_dash(rmse)));
+            fmt::format("{}: RMSE {}", name, number_or_dash(rmse)),
+            fmt::format(
+                ", <a href=\"#{}\">where it is farthest off</a>",
+                crop_fragment(facts.name, name, truth,
+                              worst_crop(facts.size, errors_of(folder / row.images[1], facts.size)))));
     }
     return out;
 }
@@ -97,6 +127,28 @@ std::string over_time_figure(const Results& results, size_t shot) {
     if (results.study.moving_frames < 2 * results.study.moving_every) return {};  // one frame is judged
     return "<figure class=\"over-time\">" + over_time_plot(results, shot) +
            "<figcaption>Error over the moving shot.</figcaption></figure>";
+}
+
+// The masks side by side in motion, each with its name over it.
+std::string motion_figure(const Results& results, const ShotFacts& facts, const fs::path& folder) {
+    if (facts.motion_image.empty()) return {};
+    const std::vector<size_t> shown = shown_in_motion(results.contenders);
+    const MotionGrid grid(shown.size());
+    const auto [width, height] = grid.size(facts.size);
+    std::string labels;
+    for (size_t panel = 0; panel < shown.size(); ++panel) {
+        const auto [x, y] = grid.corner(panel, facts.size);
+        labels += fmt::format("<span style=\"left:{:.3f}%;top:{:.3f}%\">{}</span>", 100.0 * x / width,
+                              100.0 * y / height, escape(label(results.contenders[shown[panel]])));
+    }
+    const uint32_t frames = std::min(results.study.motion_frames, results.study.moving_frames);
+    return fmt::format(
+        "<details class=\"motion\" open><summary>In motion</summary><figure><div class=\"panels\" "
+        "style=\"max-width:{}px\"><img src=\"{}\" alt=\"masks in motion\" width=\"{}\" height=\"{}\">{}</div>"
+        "<figcaption>Frames {} to {} of the moving shot, first seed, ten a second.</figcaption></figure>"
+        "</details>",
+        2 * width, data_uri(folder / facts.motion_image), width, height, labels,
+        results.study.moving_frames - frames, results.study.moving_frames - 1);
 }
 
 std::string shot_section(const Results& results, size_t shot, const fs::path& folder) {
@@ -123,6 +175,7 @@ std::string shot_section(const Results& results, size_t shot, const fs::path& fo
                                     {"stage_width", fmt::to_string(largest_magnification * facts.size[0])},
                                     {"aspect", fmt::format("{} / {}", facts.size[0], facts.size[1])},
                                     {"image_frame", fmt::to_string(facts.image_frame)},
+                                    {"motion", motion_figure(results, facts, folder)},
                                     {"images", images(results, shot, folder)},
                                     {"error_full", fmt::format("± {:g}", error_at_full)},
                                     {"table", shot_table(results, shot)}});

@@ -101,7 +101,9 @@ std::optional<Json> Parts::find(const Name& part) const {
     if (!json.is_object() || json.value("key", "") != part.key || !json.contains("part")) return std::nullopt;
     const Json& whole = json["part"];
     std::vector<std::string> images;
-    for (const Json& shot : whole.at("shots")) images.push_back(shot.at("reference_image"));
+    for (const Json& shot : whole.at("shots"))
+        for (const char* image : {"reference_image", "motion_image"})
+            if (!shot.at(image).is_null()) images.push_back(shot.at(image));
     for (const Json& row : whole.at("results"))
         for (const Json& image : row.at("images")) images.push_back(image);
     for (const std::string& image : images)

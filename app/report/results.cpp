@@ -110,6 +110,7 @@ OrderedJson study_json(const Study& s) {
             {"moving_frames", s.moving_frames},
             {"moving_every", s.moving_every},
             {"settling", s.settling},
+            {"motion_frames", s.motion_frames},
             {"edge_size", s.edge_size},
             {"edge_frame", s.edge_frame},
             {"edge_widths_px", s.edge_widths_px},
@@ -174,16 +175,18 @@ OrderedJson to_json(const Results& results) {
                               {"proofs", c.plain ? OrderedJson(c.plain->proofs) : OrderedJson()}});
     for (const LeftOut& l : results.left_out) left_out.push_back({{"file", l.file}, {"why", l.why}});
     for (const ShotFacts& s : results.shots)
-        shots.push_back({{"name", s.name},
-                         {"file", s.file},
-                         {"still_file", s.still_file.empty() ? OrderedJson() : OrderedJson(s.still_file)},
-                         {"size", s.size},
-                         {"exact", s.exact},
-                         {"receivers", s.receivers},
-                         {"penumbra", s.penumbra},
-                         {"image_frame", s.image_frame},
-                         {"reference_image", s.reference_image},
-                         {"measured", s.measured}});
+        shots.push_back(
+            {{"name", s.name},
+             {"file", s.file},
+             {"still_file", s.still_file.empty() ? OrderedJson() : OrderedJson(s.still_file)},
+             {"size", s.size},
+             {"exact", s.exact},
+             {"receivers", s.receivers},
+             {"penumbra", s.penumbra},
+             {"image_frame", s.image_frame},
+             {"reference_image", s.reference_image},
+             {"motion_image", s.motion_image.empty() ? OrderedJson() : OrderedJson(s.motion_image)},
+             {"measured", s.measured}});
     for (const Row& row : results.rows) rows.push_back(row_json(results, row));
     for (const EdgePoint& point : results.edge) {
         edge.push_back({{"width_px", point.width_px},

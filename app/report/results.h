@@ -60,7 +60,8 @@ struct ShotFacts {
     uint64_t receivers = 0, penumbra = 0;  // pixels of the last judged frame
     uint32_t image_frame = 0;              // which the images show
     std::string reference_image;
-    std::string measured;  // when: "2026-01-31 12:00 UTC"
+    std::string motion_image;  // the last Study::motion_frames frames, of shown_in_motion(); none: empty
+    std::string measured;      // when: "2026-01-31 12:00 UTC"
 };
 
 // N_eff behind a straight edge that moves.

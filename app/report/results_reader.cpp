@@ -77,6 +77,7 @@ ShotFacts shot(const Json& json) {
     json.at("penumbra").get_to(facts.penumbra);
     json.at("image_frame").get_to(facts.image_frame);
     json.at("reference_image").get_to(facts.reference_image);
+    facts.motion_image = json.at("motion_image").is_null() ? "" : json.at("motion_image").get<std::string>();
     json.at("measured").get_to(facts.measured);
     return facts;
 }

@@ -39,8 +39,10 @@ CostMemory cost_memory(const Session& session) {
 
 std::unique_ptr<Runner> Runner::open(Device& device, const NodeSet& nodes, const Contender& contender,
                                      const Shot& shot, std::array<uint32_t, 2> size, bool costs,
-                                     Diagnostics& diagnostics, std::vector<std::string>& warnings) {
+                                     KeptScene& scene, Diagnostics& diagnostics,
+                                     std::vector<std::string>& warnings) {
     SessionOptions options;
+    options.kept = &scene;
     options.size = size;
     options.captures = {"visibility"};
     options.jitter = false;  // the truth is that of pixel centres
@@ -86,9 +88,11 @@ std::vector<std::unique_ptr<Runner>> open_runners(Device& device, const NodeSet&
                                                   std::array<uint32_t, 2> size, bool costs,
                                                   Diagnostics& diagnostics,
                                                   std::vector<std::string>& warnings) {
+    KeptScene scene;  // one for all: they take turns
     std::vector<std::unique_ptr<Runner>> runners;
     for (const Contender& contender : list) {
-        runners.push_back(Runner::open(device, nodes, contender, shot, size, costs, diagnostics, warnings));
+        runners.push_back(
+            Runner::open(device, nodes, contender, shot, size, costs, scene, diagnostics, warnings));
         if (!runners.back()) return {};
     }
     return runners;

@@ -41,7 +41,8 @@ class Runner {
     // `costs`: whether they are wanted, pass by pass. On a CPU device each pass is then submitted by itself.
     static std::unique_ptr<Runner> open(Device& device, const NodeSet& nodes, const Contender& contender,
                                         const Shot& shot, std::array<uint32_t, 2> size, bool costs,
-                                        Diagnostics& diagnostics, std::vector<std::string>& warnings);
+                                        KeptScene& scene, Diagnostics& diagnostics,
+                                        std::vector<std::string>& warnings);
 
     void set_seed(uint32_t seed);
     Sample run(uint32_t frame, bool reset, bool judged);

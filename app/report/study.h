@@ -19,6 +19,7 @@ struct Study {
     // The shot as it is: its first frames, of which every nth is judged; the first `settling` ones are left
     // out of pooled errors, and costs are of the same frames as these.
     uint32_t moving_frames = 64, moving_every = 4, settling = 8;
+    uint32_t motion_frames = 24;  // so many last ones of these are shown as a picture that moves; 0: none
     // A straight edge that moves: all speeds (pixels per frame across the edge, positive where the shadow
     // grows), at the frame at which the penumbra's middle passes the image's. No widths: no edges.
     std::array<uint32_t, 2> edge_size{192, 96};
@@ -38,6 +39,7 @@ inline Study quick_study() {
     study.rays = 256;
     study.moving_frames = 40;
     study.moving_every = 8;
+    study.motion_frames = 16;
     study.edge_size = {160, 96};
     study.edge_frame = 31;
     study.edge_widths_px = {16};
@@ -51,6 +53,7 @@ inline Study front_study() {
     study.size = {640, 360};
     study.seeds = 1;
     study.moving_frames = study.moving_every = 16;
+    study.motion_frames = 0;
     study.after_cut.clear();
     study.edge_widths_px.clear();
     study.edge_speeds_px.clear();

@@ -71,9 +71,10 @@ Turns::Turns(const std::vector<std::unique_ptr<Runner>>& runners, const TurnsOpt
                 const size_t contender = (turn + frame + round) % runners.size();
                 Runner& runner = *runners[contender];
                 const bool original = originals_[contender] == contender;
-                if (!takes_turn(options, runner, original, round, frame)) continue;
+                const bool shown = options.shows(contender, round, frame);
+                if (!shown && !takes_turn(options, runner, original, round, frame)) continue;
                 const bool judged = original && round < options.seeds && options.judged.contains(frame);
-                keep(contender, runner.run(frame, frame == 0, judged), runner, round, frame);
+                keep(contender, runner.run(frame, frame == 0, judged || shown), runner, round, frame);
             }
             step();
         }

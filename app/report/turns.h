@@ -21,11 +21,17 @@ struct TurnsOptions {
     uint32_t frames = 1, seeds = 1;
     uint32_t timings = 0;  // of each pass in each of `timed`: so many rounds at least
     std::set<uint32_t> judged, timed;
+    // The masks of these contenders in these frames are kept under the first seed, to be shown.
+    std::vector<size_t> showing;
+    std::set<uint32_t> shown;
     // Nothing moves: frames of a pipeline without history are alike but for their noise, and the last two are
     // enough of them.
     bool still = false;
 
     uint32_t rounds() const { return std::max(seeds, timings); }
+    bool shows(size_t contender, uint32_t round, uint32_t frame) const {
+        return round == 0 && shown.contains(frame) && std::ranges::count(showing, contender) > 0;
+    }
 };
 
 // Whether a contender runs in a frame of a round, from 0; `original`: whether its masks are judged.
@@ -58,6 +64,10 @@ class Turns {
     Turns(const std::vector<std::unique_ptr<Runner>>& runners, const TurnsOptions& options,
           const std::function<void()>& step);
 
+    // Of a frame and a contender that are shown.
+    const std::vector<float>& shown(size_t contender, uint32_t frame) const {
+        return masks_.at({contender, frame}).front();
+    }
     // Of a judged frame; or of the last one, where they are alike.
     const Masks& masks(size_t contender, uint32_t frame) const;
     // Per contender: the one that stands for it, mostly itself.

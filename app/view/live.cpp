@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "app/light_truth.h"
 #include "app/outputs.h"
 #include "host/metrics/mask_error.h"
 
@@ -13,7 +14,13 @@ namespace penumbra::viewer {
 namespace {
 
 constexpr uint32_t truth_side = 2;  // rays of a round: its square
-constexpr const char *mask_name = "visibility", *raw_pipeline = "raw", *published_pipeline = "fidelityfx";
+constexpr const char* mask_name = "visibility";
+
+// What stands for plain rays and for the published denoiser, which knows the sun alone.
+const char* pipeline_beside(Beside beside, bool near_light) {
+    if (beside == Beside::published) return "fidelityfx";
+    return near_light ? "light_raw" : "raw";
+}
 
 bool same(const Stance& a, const Stance& b) {
     return a.camera.position == b.camera.position && a.camera.target == b.camera.target &&
@@ -46,7 +53,7 @@ std::unique_ptr<Stage> Live::make(const StageWish& wish) {
     warnings_.clear();
     StageWish scaled = wish;
     scaled.size = size();
-    auto stage = open_stage(device_, shot_, scaled, diagnostics, warnings_);
+    auto stage = open_stage({device_, shot_, scene_}, scaled, diagnostics, warnings_);
     error_ = diagnostics.text();
     return stage;
 }
@@ -140,22 +147,21 @@ bool Live::make_beside() {
     if (beside_ == Beside::nothing) return true;
     if (!wants_truth()) {
         StageWish wish = wish_;
-        wish.pipeline = beside_ == Beside::raw ? raw_pipeline : published_pipeline;
+        wish.pipeline = pipeline_beside(beside_, main_->session->host().light() != nullptr);
         wish.settings.clear();
         wish.node_folders.clear();
         wish.shown.clear();
         other_ = make(wish);
         return other_ != nullptr;
     }
-    if (main_->session->host().light()) {
-        error_ = "the truth that converges here is the sun's; `penumbra reference` has that of near lights";
-        return false;
-    }
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     Shot shot = shot_;
     shot.size = size();
-    truth_session_ = open_truth(device_, shot, diagnostics, warnings);
+    truth_session_ = main_->session->host().light()
+                         ? open_light_truth(device_, shot, main_->session->host().light_name(), diagnostics,
+                                            warnings, false, &scene_)
+                         : open_truth(device_, shot, diagnostics, warnings, false, &scene_);
     if (!truth_session_) error_ = diagnostics.text();
     return truth_session_ != nullptr;
 }
@@ -234,7 +240,10 @@ void Live::work_on_truth(double milliseconds) {
     if (!truth_) {
         truth_session_->steer(index_, stance_);
         truth_session_->run_frame(index_, true);
-        truth_ = std::make_unique<TruthRounds>(*truth_session_, index_, truth_side);
+        const Session& session = *truth_session_;
+        truth_ = std::make_unique<TruthRounds>(
+            session.host().light() ? light_pixels(session, index_) : sun_pixels(session, index_),
+            session.plan().extent, truth_side, session.seed());
     }
     truth_->work(milliseconds);
 }

@@ -96,6 +96,7 @@ class Live {
     Shot shot_;
     StageWish wish_;
     Flight flight_;
+    KeptScene scene_;
     std::unique_ptr<Stage> main_, other_;
     std::unique_ptr<Session> truth_session_;
     std::unique_ptr<TruthRounds> truth_;

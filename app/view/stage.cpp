@@ -11,8 +11,8 @@
 
 namespace penumbra::viewer {
 
-std::unique_ptr<Stage> open_stage(Device& device, const Shot& shot, const StageWish& wish,
-                                  Diagnostics& diagnostics, std::vector<std::string>& warnings) {
+std::unique_ptr<Stage> open_stage(const StagePlace& place, const StageWish& wish, Diagnostics& diagnostics,
+                                  std::vector<std::string>& warnings) {
     auto nodes = read_nodes(wish.node_folders, diagnostics);
     const auto file = shipped_file(wish.pipeline, shipped_root(), shipped_pipelines, diagnostics);
     if (!nodes || !file) return nullptr;
@@ -29,10 +29,11 @@ std::unique_ptr<Stage> open_stage(Device& device, const Shot& shot, const StageW
     options.light = wish.light;
     options.optimum = false;
     options.steered = true;
+    options.kept = &place.scene;
     auto stage = std::make_unique<Stage>(Stage{std::move(*nodes), std::move(*checked), nullptr, {}, {}});
     try {
-        stage->session =
-            Session::open(device, stage->nodes, stage->pipeline, shot, options, diagnostics, warnings);
+        stage->session = Session::open(place.device, stage->nodes, stage->pipeline, place.shot, options,
+                                       diagnostics, warnings);
     } catch (const VulkanError& error) {
         diagnostics.add({file->string()}, "", error.what());
     } catch (const Failure& failure) {

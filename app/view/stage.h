@@ -13,6 +13,13 @@
 
 namespace penumbra::viewer {
 
+// What one shot's stages are made on.
+struct StagePlace {
+    Device& device;
+    const Shot& shot;
+    KeptScene& scene;
+};
+
 struct StageWish {
     std::string pipeline;  // a file, or the name of a shipped one
     std::vector<std::string> settings, node_folders;
@@ -31,10 +38,10 @@ struct Stage {
     bool fresh = true;                      // no frame has run yet
 };
 
-// Everything is read anew. What a device fails with is a diagnostic, too: the view goes on without this
-// stage.
-std::unique_ptr<Stage> open_stage(Device& device, const Shot& shot, const StageWish& wish,
-                                  Diagnostics& diagnostics, std::vector<std::string>& warnings);
+// Everything but the scene is read anew. What a device fails with is a diagnostic, too: the view goes on
+// without this stage.
+std::unique_ptr<Stage> open_stage(const StagePlace& place, const StageWish& wish, Diagnostics& diagnostics,
+                                  std::vector<std::string>& warnings);
 
 // Names that a frame of the stage can be asked for: what its passes write, and the G-buffer.
 std::vector<std::string> resources_of(const Stage& stage);

@@ -62,21 +62,12 @@ std::optional<std::string> text_of(const fs::path& file) {
 
 std::optional<Job> prepare(const ViewCommandArguments& a) {
     Diagnostics diagnostics;
-    ViewArguments wanted = a.view;
-    std::string pipeline;
-    for (const std::string& given : a.files) {
-        std::string& place = is_model_file(given) ? wanted.model : pipeline;
-        if (!place.empty()) {
-            std::cerr << "view: \"" << place << "\" and \"" << given
-                      << "\": one pipeline and one model or shot at a time\n";
-            return std::nullopt;
-        }
-        place = given;
-    }
+    const auto given = sort_files(a.files, a.view, diagnostics);
     const auto size = parse_size(a.size);
     const auto window = parse_size(a.window);
-    const fs::path folder = a.out.empty() ? fs::path("out") / view_name(wanted) : fs::path(a.out);
-    auto source = open_view(wanted, folder, diagnostics);
+    const fs::path folder =
+        !a.out.empty() || !given ? fs::path(a.out) : fs::path("out") / view_name(given->view);
+    auto source = given ? open_view(given->view, folder, diagnostics) : std::nullopt;
     if (!source) std::cerr << diagnostics.text();
     if (!source || !size || !window) return std::nullopt;
     if (source->shot.analytic) {
@@ -87,7 +78,7 @@ std::optional<Job> prepare(const ViewCommandArguments& a) {
     }
     Job job{std::move(*source), "", {}, {}, Beside::nothing, {(*window)[0], (*window)[1]}, folder};
     job.base = !job.source.made_up.empty() ? job.source.made_up : text_of(job.source.shot.file).value_or("");
-    job.wish.pipeline = pipeline.empty() ? "hybrid_shadows" : pipeline;
+    job.wish.pipeline = given->pipeline;
     job.wish.settings = a.settings;
     job.wish.node_folders = a.node_folders;
     job.wish.size = *size;
@@ -133,7 +124,10 @@ std::string keep(const fs::path& folder, const char* name, const char* suffix,
 
 // The wishes of the command line; false, and it has been said why, where one cannot be had.
 bool first_wishes(Live& live, const ViewCommandArguments& a, Beside beside) {
+    const Doing doing;
+    doing("reading the model, compiling shaders");
     bool good = live.open();
+    doing.clear();
     for (const std::string& warning : live.warnings()) std::cerr << "warning: " << warning << "\n";
     if (good && !a.show.empty()) {
         live.show(a.show);

@@ -172,7 +172,7 @@ struct RaySetup {
     }
 };
 
-constexpr float hit_roundings = 4 * 0x1p-24f, vertex_roundings = 2 * 0x1p-24f;
+constexpr float hit_roundings = 8 * 0x1p-24f, vertex_roundings = 2 * 0x1p-24f;
 
 struct Sheared {
     float x, y, z;

@@ -8,7 +8,7 @@
 namespace penumbra {
 
 SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours, TexelsAs as)
-    : device_(device), scene_(scene), with_neighbours_(neighbours), as_(as) {
+    : device_(device), scene_(scene), frame_(frame), with_neighbours_(neighbours), as_(as) {
     if (has_alpha(scene)) {
         alpha_ = make_scene_alpha(scene);
         alpha_map_ = upload_texels_as(as_, device, std::as_bytes(std::span(alpha_->map)), VK_FORMAT_R32_UINT,
@@ -19,6 +19,8 @@ SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighb
 }
 
 void SceneBvh::update(double frame) {
+    if (!scene_.moved(frame_, frame)) return;
+    frame_ = frame;
     const std::vector<Triangle> triangles = scene_.triangles(frame);
     if (!follow(triangles)) build(triangles);
     upload_tree();
@@ -26,6 +28,7 @@ void SceneBvh::update(double frame) {
 
 void SceneBvh::build(const std::vector<Triangle>& triangles) {
     bvh_ = build_bvh(triangles, scene_.triangle_objects());
+    ++builds_;
     if (!alpha_) return;
     const std::vector<Texel> texels = alpha_uv_texels(*alpha_, alpha_leaf_words(*alpha_, bvh_, triangles));
     alpha_uv_ = upload_texels_as(as_, device_, std::as_bytes(std::span(texels)), VK_FORMAT_R32G32B32A32_UINT,

@@ -19,7 +19,8 @@ class SceneBvh {
     SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours,
              TexelsAs as = TexelsAs::texels);
 
-    // Moves to another frame; nothing on the device may be reading the buffers.
+    // Moves to another frame, where anything moves between the two; nothing on the device may be reading the
+    // buffers.
     void update(double frame);
 
     // Without views where they are words; no alpha where nothing is alpha-tested.
@@ -29,6 +30,7 @@ class SceneBvh {
     const GpuTexels& alpha_map() const { return alpha_map_; }
     const GpuTexels& neighbours() const { return neighbours_; }  // none where they were not asked for
     const Bvh& bvh() const { return bvh_; }
+    uint32_t builds() const { return builds_; }  // so far: each has leaves of its own
 
   private:
     void build(const std::vector<Triangle>& triangles);
@@ -37,6 +39,8 @@ class SceneBvh {
 
     Device& device_;
     const Scene& scene_;
+    double frame_;
+    uint32_t builds_ = 0;
     Bvh bvh_;
     bool with_neighbours_;
     TexelsAs as_;

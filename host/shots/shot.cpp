@@ -104,11 +104,12 @@ ObjectKey object_at(const ObjectMotion& motion, double frame) {
 }
 
 bool moves(const Shot& shot) {
-    if (any_differs(shot.camera, [](const CameraKey& a, const CameraKey& b) {
-            return a.position == b.position && a.target == b.target && a.up == b.up;
-        })) {
-        return true;
-    }
+    return objects_move(shot) || any_differs(shot.camera, [](const CameraKey& a, const CameraKey& b) {
+               return a.position == b.position && a.target == b.target && a.up == b.up;
+           });
+}
+
+bool objects_move(const Shot& shot) {
     return std::ranges::any_of(shot.objects, [](const auto& object) {
         return any_differs(object.second.keys, [](const ObjectKey& a, const ObjectKey& b) {
             return a.translation == b.translation && a.rotation_deg == b.rotation_deg;

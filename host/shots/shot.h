@@ -136,6 +136,7 @@ ObjectKey object_at(const ObjectMotion& motion, double frame);
 
 // Whether anything that a motion vector sees ever changes (the fact `moves`).
 bool moves(const Shot& shot);
+bool objects_move(const Shot& shot);  // without the camera
 
 // Halton(2, 3), 16 phases, centred, one pixel wide: the sub-pixel offset of a frame's raster in uv units.
 std::array<double, 2> halton_jitter(uint32_t frame, std::array<uint32_t, 2> size);

@@ -35,6 +35,7 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene, con
             {"casters", !scene.instances().empty()},
             {"alpha", has_alpha(scene)},
             {"moves", moves(shot) || scene.animated()},
+            {"casters_move", objects_move(shot) || scene.animated()},
             {"sun_moves", (light ? light_moves(*light) : sun_moves(shot)) || scene.animated()},
             {"tree", true}};  // the program builds it for whoever walks it
 }

@@ -27,13 +27,6 @@ double taxi(const glm::dvec3& v) {
     return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
 }
 
-// sun_frame() of sun_sample.glsl.
-glm::dmat3 sun_frame(const glm::dvec3& s) {
-    const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;
-    return {glm::dvec3(1 + sign * s.x * s.x * a, sign * b, -sign * s.x),
-            glm::dvec3(b, sign + s.y * s.y * a, -s.y), s};
-}
-
 // noise_unit(noise_fixed()) of blue_noise.glsl.
 std::array<double, 2> noise(std::span<const uint32_t> tile, const std::array<uint32_t, 2>& pixel,
                             uint32_t frame, uint32_t seed) {
@@ -108,6 +101,12 @@ bool plane_in_doubt(double height, const glm::dvec3& a, const glm::dvec3& b, con
 }
 
 }  // namespace
+
+glm::dmat3 sun_frame(const glm::dvec3& s) {
+    const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;
+    return {glm::dvec3(1 + sign * s.x * s.x * a, sign * b, -sign * s.x),
+            glm::dvec3(b, sign + s.y * s.y * a, -s.y), s};
+}
 
 CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
                                    std::span<const uint32_t> blue_noise, const CoveragePixel& pixel) {

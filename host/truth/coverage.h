@@ -23,6 +23,9 @@ namespace penumbra {
 
 using SampleMask = std::bitset<256>;
 
+// sun_frame() of sun_sample.glsl: two axes across the light, and the unit vector `to_sun` itself.
+glm::dmat3 sun_frame(const glm::dvec3& to_sun);
+
 // What a pixel's coverage is asked from: where its shadow rays start, in the tree's frame, and the sun.
 struct CoverageReceiver {
     glm::dvec3 start{0}, normal{0, 1, 0};

@@ -126,6 +126,10 @@ void main() {
     count_steps(steps_taken);
     // Given up, or left undone where a driver ends loops (branch.glsl).
     const uint rest = share.wanted & ~subgroupOr(done);
+#if HAS_UNEVEN
+    const uint between = subgroupOr(partly) | rest;
+    if (subgroupElect() && between != 0u) atomicOr(uneven[tile_index(tile)], lanes_of_pixels(between));
+#endif
 #if HAS_GIVEN_UP
     if (subgroupElect() && rest != 0u) atomicOr(tile_rest, lanes_of_pixels(rest));
     barrier();
@@ -133,6 +137,9 @@ void main() {
     const uint left = tile_rest | record.y ^ asked;
     append_tile(leader && left != 0u, uvec4(record.x, left, record.zw));
     count_left(leader ? uint(bitCount(left)) : 0u);
+#if HAS_UNEVEN
+    if (leader && asked != record.y) atomicOr(uneven[tile_index(tile)], record.y);
+#endif
     if (leader && 2 * bitCount(left) > bitCount(record.y)) atomicOr(given_up[tile_word(tile)], tile_bit(tile));
 #else
     count_left(subgroupElect() ? uint(bitCount(rest)) : 0u);

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "app/reference_pages.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/node_text.h"
+
+namespace penumbra {
+namespace {
+
+// For a cell of a table: a bar would end it.
+std::string cell(const std::string& text) {
+    std::string out;
+    for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+    return out;
+}
+
+std::string settings_of(const BoundNode& node) {
+    std::vector<std::string> settings;
+    for (size_t i = 0; i < node.params.size(); ++i) {
+        const Param& param = node.type().params[i];
+        if (!node.set[i] || node.params[i] == param.default_value) continue;
+        settings.push_back(fmt::format("{} = {}", param.name, json_of(node.params[i]).dump()));
+    }
+    return joined(settings, ", ");
+}
+
+}  // namespace
+
+std::string node_section(const NodeType& type) {
+    std::string out = fmt::format("### {}\n\n{}\n\n", type.name, type.doc);
+    if (!type.needs.empty())
+        out += fmt::format("Runs where the device has {}.\n\n", joined(type.needs, ", "));
+    out += "| | name | what | |\n|---|---|---|---|\n";
+    for (const Port& port : type.ports)
+        out += fmt::format("| {} | `{}` | {} | {} |\n", port.output ? "out" : "in", port.name,
+                           cell(describe(port)), cell(port.doc));
+    for (const Param& param : type.params)
+        out += fmt::format("| {} | `{}` | {} | {} |\n", param.constant ? "constant" : "parameter", param.name,
+                           cell(describe(param)), cell(param.doc));
+    for (const std::string& counter : type.counters) out += fmt::format("| counts | `{}` | | |\n", counter);
+    return out + "\n";
+}
+
+std::string pipeline_section(const CheckedPipeline& pipeline) {
+    std::vector<std::string> inputs, outputs;
+    for (const HostInput& input : pipeline.inputs)
+        inputs.push_back(fmt::format("`{}`{}", input.name, input.optional ? " (optional)" : ""));
+    for (const std::string& name : pipeline.output_names()) outputs.push_back("`" + name + "`");
+    std::string out = fmt::format(
+        "### {}\n\n{}\n\nTakes {}. Gives {}.\n\n| node | type | runs if | sets |\n"
+        "|---|---|---|---|\n",
+        pipeline.name, pipeline.doc, joined(inputs, ", "), joined(outputs, ", "));
+    for (const BoundNode& node : pipeline.nodes)
+        if (!node.added)
+            out += fmt::format("| {} | [{}](nodes.md#{}) | {} | {} |\n", node.id, node.type().name,
+                               node.type().name, cell(node.condition), cell(settings_of(node)));
+    return out + "\n";
+}
+
+std::string nodes_page(const NodeSet& nodes) {
+    std::string out =
+        "# Node types\nWhat a pipeline can be made of: ports, parameters and counters as their declarations "
+        "say. Written\n"
+        "by `penumbra nodes --format page >docs/nodes.md`; `penumbra nodes TYPE` shows one.\n\n";
+    for (const std::string& name : nodes.names()) out += node_section(nodes.find(name)->type);
+    return out;
+}
+
+std::string pipelines_page(const std::vector<CheckedPipeline>& pipelines) {
+    std::string out =
+        "# Shipped pipelines, node by node\nEach as it is after what it extends. Written by\n"
+        "`penumbra check --page pipelines/*.json >docs/pipeline_list.md`; `penumbra plan NAME --size WxH` "
+        "shows what\n"
+        "becomes of one. Which to take: [choosing.md](choosing.md).\n\n";
+    for (const CheckedPipeline& pipeline : pipelines) out += pipeline_section(pipeline);
+    return out;
+}
+
+}  // namespace penumbra
