@@ -11,8 +11,9 @@
 
 namespace penumbra {
 
-// How long `report` and `plan --optimum` look for the smallest possible heap, in steps of a microsecond: found
-// at once where the packing meets the live bound. Who renders, or asks for a plan alone, does not wait for it.
+// How long `report` and `plan --optimum` look for the smallest possible heap, in steps of a microsecond:
+// found at once where the packing meets the live bound. Who renders, or asks for a plan alone, does not wait
+// for it.
 inline constexpr uint64_t report_search_nodes = 20'000'000, render_search_nodes = 100'000;
 
 enum ExitCode : int { exit_good = 0, exit_failed = 1, exit_wrong = 2 };

@@ -10,6 +10,7 @@
 #include "host/generated/interior.h"
 #include "host/generated/lamp.h"
 #include "host/generated/polished.h"
+#include "host/generated/street.h"
 #include "host/generated/trees.h"
 
 namespace penumbra {
@@ -27,6 +28,7 @@ inline constexpr std::array<GeneratedScene, 9> generated_scenes{{{"cards", make_
                                                                  {"lamp", make_lamp},
                                                                  {"chrome", make_chrome},
                                                                  {"polished", make_polished},
+                                                                 {"street", make_street},
                                                                  {"trees", make_trees}}};
 
 }  // namespace penumbra

@@ -102,10 +102,19 @@ class Loader {
         } catch (const GltfError& error) {
             throw GltfError(fmt::format("image {}: {}", image, error.what()));
         }
-        std::optional<RgbaImage> decoded = decode_image(bytes, image_bytes_left_);
-        if (!decoded) return;
-        image_bytes_left_ -= decoded->rgba.size();
-        texture = {decoded->width, decoded->height, std::move(decoded->rgba)};
+        std::string& problem = image_problems_.emplace_back();
+        try {
+            RgbaImage decoded = decode_image(bytes, image_bytes_left_);
+            image_bytes_left_ -= decoded.rgba.size();
+            texture = {decoded.width, decoded.height, std::move(decoded.rgba)};
+        } catch (const ImageError& error) {
+            problem = error.what();
+        }
+    }
+
+    std::string unread(int image, const char* kind) const {
+        return fmt::format("image {} cannot be read ({}): the {} factor is used", image,
+                           image_problems_[static_cast<size_t>(image)], kind);
     }
 
     void add_material(const tinygltf::Material& material) {
@@ -129,7 +138,7 @@ class Loader {
         }
         element(file_.images, texture.source, "image");
         if (model_.textures[static_cast<size_t>(texture.source)].width == 0) {
-            warn(fmt::format("image {} cannot be read: the colour factor is used", texture.source));
+            warn(unread(texture.source, "colour"));
             return;
         }
         out.texture = texture.source;
@@ -185,7 +194,7 @@ class Loader {
         }
         element(file_.images, texture.source, "image");
         if (model_.textures[static_cast<size_t>(texture.source)].width > 0) return texture.source;
-        warn(fmt::format("image {} cannot be read: the {} factor is used", texture.source, kind));
+        warn(unread(texture.source, kind));
         return -1;
     }
 
@@ -391,8 +400,9 @@ class Loader {
     Model& model_;
     std::set<std::string> warned_;
     std::set<int> visited_;
-    std::vector<int> model_node_;           // of the file's nodes; -1: not shown
-    std::vector<TextureUse> texture_uses_;  // of materials
+    std::vector<int> model_node_;              // of the file's nodes; -1: not shown
+    std::vector<TextureUse> texture_uses_;     // of materials
+    std::vector<std::string> image_problems_;  // of images; empty: none
     const GltfTell tell_ = [this](const std::string& text) { warn(text); };
 };
 

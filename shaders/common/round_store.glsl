@@ -15,4 +15,7 @@ float round_to(float value, uint mantissa_bits) {
     return uintBitsToFloat(bits + (unit >> 1) - 1u + (bits >> dropped & 1u) & ~(unit - 1u));
 }
 
+vec3 round_to(vec3 v, uint mantissa_bits) {
+    return vec3(round_to(v.x, mantissa_bits), round_to(v.y, mantissa_bits), round_to(v.z, mantissa_bits));
+}
 vec2 round_to(vec2 v, uint mantissa_bits) { return vec2(round_to(v.x, mantissa_bits), round_to(v.y, mantissa_bits)); }

@@ -7,21 +7,21 @@
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/round_store.glsl"
 #include "reflections/past_places.glsl"
 #include "reflections/same_surface.glsl"
 
 const float MOST_FRAMES = 63.0, SIGMAS = 3.0, TERM_SIGMAS = 4.0;
-const float DRIFT_SHARE = 0.4, VARIANCE_SHARE = 0.6;  // of the new value in either running mean
+const float DRIFT_SHARE = 0.4;  // of the new value in the running mean
+// The same of the variance. Brightness that comes rarely is noise that its own frame alone shows: forgotten soon, what it left in a
+// past looks like a bias and is cast out, and the image is too dark (docs/reflections.md#bias).
+const float VARIANCE_SHARE = 0.3;
+const int FAR_STEP = 5;  // px between taps of far_drift(): a gather's window, so that no two share a ray
 const float KERNEL[3] = float[](6.0, 4.0, 1.0);
 
 // Means over similar pixels.
 struct Around {
     float variance, samples, spread;
-};
-
-struct Tap {
-    float weight;
-    ivec2 at;
 };
 
 // Weights of the 25 pixels around, 0 where another surface is.
@@ -62,7 +62,43 @@ vec4 carried_drift(vec2 uv) { return drift_between(uv * vec2(frame.prev_size), i
 
 vec4 past(bool image_past, ivec2 q) { return image_past ? texelFetch(past_image, q, 0) : texelFetch(past_surface, q, 0); }
 
-Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around around, bool moving) {
+ivec2 far_tap(int i) { return FAR_STEP * (ivec2(i % 5, i / 5) - 2); }
+
+// Which of 25 pixels over 25x25 have a like lobe, as bits.
+uint far_pixels(ivec2 p, Shown here) {
+    uint kept = 0u;
+    for (int i = 0; i < 25; ++i) {
+        const Shown there = shown(p + far_tap(i));
+        if (there.z > 0.0 && dot(here.n, there.n) > 0.9 && alike(here.roughness, there.roughness)) kept |= 1u << uint(i);
+    }
+    return kept;
+}
+
+// What light that changes everywhere, a lamp that goes off, leaves below the noise of 5x5 pixels stands out of that of these.
+// The square of the drift's mean over these, less what noise shows.
+float far_drift(bool image_past, ivec2 p, vec2 uv, uint kept, float sigma2, float frames) {
+    vec3 sum = vec3(0.0);
+    float sums = 0.0, variance = 0.0;
+    const ivec2 then = previous_texel(uv);
+    for (int i = 0; i < 25; ++i) {
+        if ((kept >> uint(i) & 1u) == 0u) continue;
+        const ivec2 q = p + far_tap(i);
+        const vec4 its = past(image_past, q);
+        if (!(its.w > 0.0)) continue;
+        const vec4 carried = imageLoad(drift_prev, clamp(then + far_tap(i), ivec2(0), ivec2(frame.prev_size) - 1));
+        const float deviation = max(texelFetch(moments, q, 0).x, carried.w);
+        const vec3 term = texelFetch(gathered, q, 0).rgb - its.rgb;
+        const float size = length(term), limit = TERM_SIGMAS * deviation;
+        sum += mix(carried.rgb, term * (size > limit ? limit / size : 1.0), DRIFT_SHARE);
+        variance += deviation * deviation;
+        sums += 1.0;
+    }
+    if (sums < 5.0) return 0.0;
+    const float noise2 = SIGMAS * SIGMAS * max(variance / sums, sigma2) * (DRIFT_SHARE / (2.0 - DRIFT_SHARE) + 1.0 / frames) / sums;
+    return dot(sum, sum) / (sums * sums) - noise2;
+}
+
+Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around around, uint far, bool moving) {
     const vec4 own = past(image_past, p);
     Candidate c = Candidate(own.rgb, vec3(0.0), own.w, 0.0, around.variance);
     if (!(own.w > 0.0)) return c;
@@ -89,7 +125,8 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around aro
     const float independent = around.samples < 3.0 ? 6.0 : 25.0;
     const float correlated = min(1.0, 1.3 * around.samples / (around.samples + independent) + 1.0 / independent);
     const float noise2 = SIGMAS * SIGMAS * correlated * sigma2 * (share / (2.0 - share) + 1.0 / own.w);
-    const float bias2 = max(dot(c.drift, c.drift) - noise2, 0.0);
+    float bias2 = max(dot(c.drift, c.drift) - noise2, 0.0);
+    if (!few) bias2 = max(bias2, far_drift(image_past, p, uv, far, sigma2, own.w));
     // V = 1 / N + b^2 / sigma^2, its inverse without a quotient by a sigma of 0.
     c.worth = min(sigma2 * own.w / max(sigma2 + bias2 * own.w, 1e-30), MOST_FRAMES);
     if (sigma2 == 0.0) c.worth = bias2 == 0.0 ? min(own.w, MOST_FRAMES) : 0.0;
@@ -108,18 +145,20 @@ void for_pixel(ivec2 p) {
     float weights[25];
     window(p, here, weights);
     const Around around = look_around(p, weights);
+    const uint far = far_pixels(p, here);
     const vec2 of_surface = past_of_surface(p), still = pixel_uv(p);
     const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
-    Candidate best = judge(false, p, of_surface, weights, around, moving);
+    Candidate best = judge(false, p, of_surface, weights, around, far, moving);
     if (LOBE == LOBE_SPECULAR) {
-        const Candidate other = judge(true, p, past_of_image(p, here.z, abs(g.w)), weights, around, moving);
+        const Candidate other = judge(true, p, past_of_image(p, here.z, abs(g.w)), weights, around, far, moving);
         if (other.worth > best.worth) best = other;
     }
     // What moves is elsewhere in the mirror than any past expects.
     if (g.w < 0.0) best.worth = min(best.worth, MOVING_HIT_FRAMES);
     const float n = best.worth + 1.0;
     const float deviation = sqrt(around.variance / n * max(1.0, 4.0 / n));
-    imageStore(accumulated, p, vec4((best.worth * best.history + g.rgb) / n, min(deviation, 65504.0)));
+    const vec3 mean = (best.worth * best.history + g.rgb) / n;
+    imageStore(accumulated, p, vec4(round_to(mean, HALF_BITS), min(deviation, 65504.0)));
     imageStore(frames, p, vec4(n));
     imageStore(drift, p, vec4(best.worth > 0.0 ? best.drift : vec3(0.0), min(sqrt(best.variance_mean), 65504.0)));
 }

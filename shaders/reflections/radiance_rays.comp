@@ -6,6 +6,7 @@
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
+#include "common/round_store.glsl"
 #include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
 #include "common/finite.glsl"
@@ -20,7 +21,7 @@
 #include "reflections/ray_numbers.glsl"
 
 void store(ivec2 p, vec4 ray, uint direction) {
-    imageStore(radiance, p, ray);
+    imageStore(radiance, p, vec4(round_to(ray.rgb, HALF_BITS), ray.w));
 #if HAS_RAY_DIRECTION
     imageStore(ray_direction, p, uvec4(direction));
 #endif

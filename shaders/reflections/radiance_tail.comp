@@ -2,44 +2,60 @@
 // One level of an edge-aware filter over 3x3 pixels a step apart (Dammertz et al. 2010, "Edge-Avoiding A-Trous Wavelet
 // Transform"), guided by the deviation that the signal carries (Schied et al. 2017): what is sure is left alone. Of the output
 // alone; the past stays unfiltered.
+//
+// Every pair of pixels has one weight, which both use, and what one of them gives the other loses: the image's mean stays what it
+// was. Weights of each pixel's own, divided by their sum, prefer what is frequent, which is what is dark: 2 to 3 % of the light.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/round_store.glsl"
 #include "reflections/same_surface.glsl"
 
 const float KERNEL[2] = float[](0.5, 0.25);
 
 // A lobe turns twice as far as the normal, and is as wide as its alpha.
-float lobe_weight(Shown here, Shown there) {
-    const vec3 across = cross(here.n, there.n);
-    const float width = LOBE == LOBE_DIFFUSE ? 0.25 : 0.01 + 0.25 * here.roughness * here.roughness;
-    return exp(-0.5 * dot(across, across) / (width * width));
+float lobe_weight(float turned2, float roughness) {
+    const float width = LOBE == LOBE_DIFFUSE ? 0.25 : 0.01 + 0.25 * roughness * roughness;
+    return exp(-0.5 * turned2 / (width * width));
+}
+
+// How many deviations a difference may have.
+float tolerance(float roughness) {
+    return LOBE == LOBE_DIFFUSE ? 6.0 : 1.0 + 5.0 * clamp(5.0 * (roughness - 0.2), 0.0, 1.0);
+}
+
+// The same whichever of the two asks.
+float pair_weight(Shown a, Shown b, vec4 of_a, vec4 of_b) {
+    if (!same_surface(a, b) || !same_surface(b, a)) return 0.0;
+    const vec3 across = cross(a.n, b.n);
+    const float wide_a = tolerance(a.roughness) * of_a.w, wide_b = tolerance(b.roughness) * of_b.w;
+    const float width = sqrt(0.5 * (wide_a * wide_a + wide_b * wide_b));
+    return lobe_weight(dot(across, across), min(a.roughness, b.roughness)) * exp(-length(of_a.rgb - of_b.rgb) / max(width, 1e-20));
 }
 
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
     const vec4 own = texelFetch(signal, p, 0);
-    if (!(here.z > 0.0) || own.w == 0.0) {
+    if (!(here.z > 0.0)) {
         imageStore(filtered, p, own);
         return;
     }
-    const float phi = LOBE == LOBE_DIFFUSE ? 6.0 : 1.0 + 5.0 * clamp(5.0 * (here.roughness - 0.2), 0.0, 1.0);
-    vec3 sum = KERNEL[0] * KERNEL[0] * own.rgb;
-    float weights = KERNEL[0] * KERNEL[0], variance = weights * weights * own.w * own.w;
+    vec3 gained = vec3(0.0);
+    float kept = 1.0, variance = 0.0;
     for (int i = 0; i < 9; ++i) {
         if (i == 4) continue;
         const ivec2 o = ivec2(i % 3, i / 3) - 1, q = p + o * int(STEP);
         const Shown there = shown(q);
-        if (!same_surface(here, there)) continue;
+        if (!(there.z > 0.0)) continue;
         const vec4 other = texelFetch(signal, q, 0);
-        const float difference = length(other.rgb - own.rgb);
-        const float weight = KERNEL[abs(o.x)] * KERNEL[abs(o.y)] * lobe_weight(here, there) * exp(-difference / (phi * own.w));
-        sum += weight * other.rgb;
+        const float weight = KERNEL[abs(o.x)] * KERNEL[abs(o.y)] * pair_weight(here, there, own, other);
+        gained += weight * (other.rgb - own.rgb);
         variance += weight * weight * other.w * other.w;
-        weights += weight;
+        kept -= weight;
     }
-    imageStore(filtered, p, vec4(sum / weights, sqrt(variance) / weights));
+    variance += kept * kept * own.w * own.w;
+    imageStore(filtered, p, vec4(round_to(own.rgb + gained, HALF_BITS), min(sqrt(variance), 65504.0)));
 }
 
 void main() { for_each_pixel(); }

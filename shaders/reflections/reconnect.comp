@@ -8,6 +8,7 @@
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
+#include "common/round_store.glsl"
 #include "common/sun_sample.glsl"
 #include "reflections/lobe.glsl"
 #include "reflections/pixel_lobe.glsl"
@@ -56,7 +57,7 @@ void add(inout Sums s, float w, vec4 ray) {
 }
 
 void store(ivec2 p, vec3 g, float distance_m, bool moving, float deviation, float samples) {
-    imageStore(gathered, p, vec4(g, moving ? -distance_m : distance_m));
+    imageStore(gathered, p, vec4(round_to(g, HALF_BITS), moving ? -distance_m : distance_m));
     imageStore(moments, p, vec4(min(deviation, 65504.0), samples, 0.0, 0.0));
 }
 

@@ -5,6 +5,7 @@
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/round_store.glsl"
 #include "reflections/past_places.glsl"
 #include "reflections/same_surface.glsl"
 
@@ -89,9 +90,9 @@ void for_pixel(ivec2 p) {
         of_image = past_at(here, past_of_image(p, here.z, abs(texelFetch(gathered, p, 0).w)), here.z, 1e30);
 #endif
     }
-    imageStore(past_surface, p, of_surface);
+    imageStore(past_surface, p, vec4(round_to(of_surface.rgb, HALF_BITS), of_surface.w));
 #if HAS_PAST_IMAGE
-    imageStore(past_image, p, of_image);
+    imageStore(past_image, p, vec4(round_to(of_image.rgb, HALF_BITS), of_image.w));
 #endif
 }
 

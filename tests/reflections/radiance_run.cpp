@@ -74,7 +74,8 @@ Model striped_floor(const std::vector<float>& roughness) {
 }
 
 std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
-                                      const std::vector<std::string>& settings) {
+                                      const std::vector<std::string>& settings,
+                                      const std::vector<std::string>& also) {
     static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
@@ -85,6 +86,7 @@ std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
     options.size = shot.size;
     options.optimum = false;
     if (checked) options.captures = checked->output_names();
+    options.captures.insert(options.captures.end(), also.begin(), also.end());
     auto session =
         checked ? Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings) : nullptr;
     if (!session) throw std::runtime_error(diagnostics.text());

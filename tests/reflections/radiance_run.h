@@ -28,8 +28,10 @@ Model striped_floor(const std::vector<float>& roughness);
 // Material of a surface that shines and reflects nothing.
 Material shining(std::array<float, 3> radiance);
 
+// `also`: resources that are captured besides the outputs.
 std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& shot,
-                                      const std::vector<std::string>& settings = {});
+                                      const std::vector<std::string>& settings = {},
+                                      const std::vector<std::string>& also = {});
 
 // The colour planes of the pipeline's only output.
 std::array<std::vector<float>, 3> colors(const Session& session);
