@@ -379,7 +379,7 @@ TEST(GltfFeatures, AShotTakesTheFilesLamps) {
     auto unknown = parse_shot(other, "spot.shot.json", diagnostics);
     ASSERT_TRUE(unknown);
     EXPECT_FALSE(place_model_lights(*unknown, Scene(model, *unknown), diagnostics));
-    EXPECT_NE(diagnostics.text().find("no light named \"dask\", did you mean \"desk\"?"), std::string::npos)
+    EXPECT_NE(diagnostics.text().find("no light named \"dask\"; did you mean \"desk\"?"), std::string::npos)
         << diagnostics.text();
 }
 
