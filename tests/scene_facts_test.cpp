@@ -179,8 +179,8 @@ std::vector<Row> table() {
     row("an analytic edge that moves", {}, edge(0.5), Shadow::soft, true);
     row("a point for a sun", yard(), still(noon, 0), Shadow::hard, false);
     row("a point for a sun, the camera flies", yard(), flying(still(noon, 0)), Shadow::hard, true);
-    gate_moves("a point for a sun, the gate slides",
-               with_gate(still(noon, 0), {50, {1, 0, 0}, {0, 0, 0}}), Shadow::hard);
+    gate_moves("a point for a sun, the gate slides", with_gate(still(noon, 0), {50, {1, 0, 0}, {0, 0, 0}}),
+               Shadow::hard);
     row("nothing there", {}, still(noon), Shadow::none, false);
     row("nothing there, the camera flies", {}, flying(still(noon)), Shadow::none, true);
     row("nothing there, a point for a sun", {}, still(noon, 0), Shadow::none, false);
@@ -259,7 +259,8 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
              "half_planes_64 half_planes_128 half_planes_256 light_samples");
     const bool recalls = covers && main && !row.casters_move && !sun_moves;
     if (recalls)
-        also("beams_first recall", "unproved unproved_args uneven", "facing_hits receiver_words uneven", "", "");
+        also("beams_first recall", "unproved unproved_args uneven", "facing_hits receiver_words uneven", "",
+             "");
     else if (covers)
         also("beams", "", "", "", "");
     else if (traced && (main || pipeline == "covered"))

@@ -389,11 +389,11 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
     return result;
 }
 
-// denoise.json is for hosts that trace by themselves, reference.json for the command of that name.
+// denoise*.json are for hosts that trace by themselves, reference.json for the command of that name.
 std::vector<std::string> rendered_names() {
     std::vector<std::string> names = shipped_names();
     std::erase_if(names, [](const std::string& name) {
-        return name == "denoise" || name == "reference" || name.starts_with("light");
+        return name.starts_with("denoise") || name == "reference" || name.starts_with("light");
     });  // whose shot has a light
     return names;
 }

@@ -299,17 +299,47 @@ class Loader {
         model_.cameras.push_back({self, fov, near});
     }
 
-    // The sun is all the light there is.
+    // A directional light is the sun's.
     void add_light(const tinygltf::Node& node, int self) {
         constexpr const char* name = "KHR_lights_punctual";
         const auto found = node.extensions.find(name);
         if (found == node.extensions.end()) return;
-        const tinygltf::Light& light =
-            element(file_.lights, extension_integer(found->second, "light", name), "light");
-        if (light.type == "directional")
+        const int index = extension_integer(found->second, "light", name);
+        const tinygltf::Light& light = element(file_.lights, index, "light");
+        if (light.type == "directional") {
             model_.suns.push_back(self);
-        else
-            warn(fmt::format("{}: {} lights are not drawn", name, light.type));
+            return;
+        }
+        ModelLight out;
+        out.node = self;
+        out.name = !light.name.empty()  ? light.name
+                   : !node.name.empty() ? node.name
+                                        : fmt::format("light_{}", index);
+        const auto wrong = [&](const std::string& what) {
+            throw GltfError(fmt::format("{}: light \"{}\": {}", name, out.name, what));
+        };
+        if (light.type != "point" && light.type != "spot")
+            wrong(fmt::format("no type is named \"{}\"", light.type));
+        out.spot = light.type == "spot";
+        out.intensity = light.intensity;
+        out.range = light.range;
+        if (light.color.size() == 3) out.color = {light.color[0], light.color[1], light.color[2]};
+        if (light.extras.IsObject() && light.extras.Has("radius")) {
+            const tinygltf::Value& radius = light.extras.Get("radius");
+            if (!radius.IsNumber()) wrong("the radius of its extras is not a number");
+            out.radius = radius.GetNumberAsDouble();
+        }
+        const double least =
+            std::min({out.intensity, out.range, out.radius, out.color.x, out.color.y, out.color.z});
+        if (!(least >= 0) || !(std::max({out.intensity, out.range, out.radius}) <= 1e12))
+            wrong("intensity, range, radius and colour are 0 at least, and finite");
+        if (out.spot) {
+            out.inner_deg = glm::degrees(light.spot.innerConeAngle);
+            out.outer_deg = glm::degrees(light.spot.outerConeAngle);
+            if (!(out.inner_deg >= 0 && out.inner_deg < out.outer_deg && out.outer_deg < 90.01))
+                wrong(fmt::format("a cone from {} to {} degrees", out.inner_deg, out.outer_deg));
+        }
+        model_.lights.push_back(std::move(out));
     }
 
     // A child of the node for each instance, which then has no mesh of its own.
