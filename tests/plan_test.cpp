@@ -36,7 +36,7 @@ Plan plan_of(const CheckedPipeline& pipeline, Extent extent, bool alias = true, 
     target.device = reference_device();
     CompileOptions options;
     options.alias = alias;
-    options.optimum_search_nodes = 20'000'000;
+    options.optimum_search_nodes = 1'000'000;
     Diagnostics diagnostics;
     auto plan = compile(pipeline, target, options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
