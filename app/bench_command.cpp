@@ -15,6 +15,7 @@
 #include "app/node_folders.h"
 #include "app/progress.h"
 #include "app/report/contenders.h"
+#include "app/view_source.h"
 
 namespace penumbra {
 namespace {
@@ -58,7 +59,7 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
     make_unique(job.bench.contenders);
     for (const std::string& name : arguments.shots)
         if (const auto file = shipped_file(name, root, shipped_shots, diagnostics))
-            if (auto shot = read_shot(*file, diagnostics)) {
+            if (auto shot = read_completed_shot(*file, diagnostics)) {
                 if (!arguments.still && job.bench.options.frames[1] >= shot->frames)
                     diagnostics.add({file->string()}, "--frames",
                                     fmt::format("the shot has {} frames", shot->frames));

@@ -48,7 +48,7 @@ std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostic
     }
     const auto rendered = read_rendered_frames(arguments.like, diagnostics);
     const auto present = rendered ? visibility_frames(arguments.like, diagnostics) : std::nullopt;
-    auto shot = present ? read_shot(rendered->shot, diagnostics) : std::nullopt;
+    auto shot = present ? read_completed_shot(rendered->shot, diagnostics) : std::nullopt;
     if (!shot) return std::nullopt;
     Job job{std::move(*shot), "", *present};
     job.shot.size = rendered->size;

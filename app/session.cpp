@@ -12,6 +12,7 @@
 
 #include "app/commands.h"
 #include "app/validate.h"
+#include "host/shots/model_lights.h"
 
 namespace penumbra {
 namespace {
@@ -88,7 +89,7 @@ void check_light(const Plan& plan, const CheckedPipeline& pipeline, const Chosen
         diagnostics.add(
             place, "inputs",
             fmt::format("\"{}\" knows the sun alone, and the shot's light is {}; a variant for lights that "
-                        "are near has \"inputs\": {{ \"light\": {{}} }}, as light_raw.json",
+                        "are near has \"inputs\": {{ \"light\": {{}} }}, as light.json",
                         pipeline.name, light));
     for (const PlanPass& pass : plan.passes) {
         if (!near || !takes(plan, pass, "sun")) continue;
@@ -145,7 +146,9 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                        Shot shot, const SessionOptions& options, Diagnostics& diagnostics,
                                        std::vector<std::string>& warnings) {
     shot.size = options.size;  // analytic scenes measure their camera in pixels
-    const auto chosen = choose_light(shot, options.light, diagnostics);
+    const bool near = std::ranges::find(pipeline.inputs, "light", &HostInput::name) != pipeline.inputs.end();
+    const auto chosen =
+        choose_light(shot, options.light, diagnostics, near ? LightsFor::near : LightsFor::sun);
     if (!chosen) return nullptr;
     const auto doing = [&](const char* what) {
         if (options.doing) options.doing(what);
@@ -154,7 +157,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     KeptScene& kept = options.kept ? *options.kept : own;
     doing("reading the model");
     auto scene = kept.scene(shot, diagnostics, warnings);
-    if (!scene) return nullptr;
+    if (!scene || !place_model_lights(shot, *scene, diagnostics)) return nullptr;
     doing("copying it to the device");
     auto session = std::unique_ptr<Session>(new Session(device));
     session->seed_ = options.seed.value_or(shot.seed);

@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "app/shipped_files.h"
 #include "host/models/gltf.h"
@@ -32,10 +35,38 @@ std::optional<ViewSource> open_model(const std::string& file, bool ground, const
     const auto& [low, high] = made.bounds;
     fmt::print(stderr, "{}: {} triangles, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n",
                file, model->triangle_count(), low.x, high.x, low.y, high.y, low.z, high.z);
-    return ViewSource{std::move(*shot), made.text};
+    return ViewSource{std::move(*shot), made.text, made.text};
+}
+
+std::string text_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace
+
+// What is made up goes behind the first brace, on its line: errors of all that is written keep their lines.
+std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagnostics, std::string* parsed) {
+    std::string text = text_of(file);
+    if (parsed) *parsed = text;
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    const bool of_model = json.is_object() && json.contains("scene") && json["scene"].is_string();
+    const bool camera = of_model && json.contains("camera"),
+               sun = of_model && (json.contains("sun") || json.contains("lights"));
+    const fs::path model_file = of_model ? file.parent_path() / json["scene"].get<std::string>() : fs::path();
+    if (!of_model || (camera && sun) || !fs::is_regular_file(model_file)) return read_shot(file, diagnostics);
+    const auto model = load_gltf(model_file, diagnostics);
+    if (!model) return std::nullopt;
+    if (model->triangle_count() == 0) return read_shot(file, diagnostics);
+    const ModelShot made = make_model_shot(*model, model_file, file.parent_path(), false);
+    const auto made_up = nlohmann::ordered_json::parse(made.text);
+    std::string missing;
+    if (!camera) missing += "\"camera\": " + made_up["camera"].dump() + ", ";
+    if (!sun) missing += "\"sun\": " + made_up["sun"].dump() + ", ";
+    text.insert(text.find('{') + 1, missing);
+    if (parsed) *parsed = text;
+    return parse_shot(text, file, diagnostics);
+}
 
 bool is_model_file(const std::string& name) {
     std::string ending = fs::path(name).extension().string();
@@ -80,9 +111,10 @@ std::optional<ViewSource> open_view(const ViewArguments& arguments, const fs::pa
         return std::nullopt;
     }
     const auto file = shipped_file(arguments.shot, shipped_root(), shipped_shots, diagnostics);
-    auto shot = file ? read_shot(*file, diagnostics) : std::nullopt;
+    std::string text;
+    auto shot = file ? read_completed_shot(*file, diagnostics, &text) : std::nullopt;
     if (!shot) return std::nullopt;
-    return ViewSource{std::move(*shot), ""};
+    return ViewSource{std::move(*shot), "", std::move(text)};
 }
 
 }  // namespace penumbra

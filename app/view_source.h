@@ -18,6 +18,7 @@ struct ViewSource {
     // Of a shot that was made up: its text, to be written as shot.file. It stands in the folder that was
     // given.
     std::string made_up;
+    std::string text;  // of any shot, with what of it was made up
 };
 
 // What somebody names without saying what it is: a pipeline, a model, or both, beside what --shot and --model
@@ -34,6 +35,11 @@ std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, cons
 // goes to stderr.
 std::optional<ViewSource> open_view(const ViewArguments& arguments, const std::filesystem::path& folder,
                                     Diagnostics& diagnostics);
+
+// read_shot(), where a shot of a model that leaves out its camera, or sun and lights, gets those that a shot
+// would have that is made up for the model. `text`: what was parsed, with these.
+std::optional<Shot> read_completed_shot(const std::filesystem::path& file, Diagnostics& diagnostics,
+                                        std::string* text = nullptr);
 
 // NAME of MODEL.glb or NAME.shot.json.
 std::string view_name(const ViewArguments& arguments);

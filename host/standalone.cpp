@@ -2,18 +2,11 @@
 // Frames of a shot, and the facts about it.
 #include "host/standalone.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/gbuffer/gbuffer_pipeline.h"
-#include "host/images/input_limit.h"
-#include "host/models/gltf.h"
-#include "host/models/shapes.h"
 #include "host/shots/shot_facts.h"
-#include "host/truth/analytic.h"
 
 namespace penumbra {
 namespace {
@@ -25,66 +18,7 @@ blocks::Sun sun_block(const SunState& sun) {
     return block;
 }
 
-void add_ground(Model& model, const Ground& ground) {
-    Shape shape = penumbra::ground(ground.half_extent, ground.half_extent, 32, 32);
-    const int material = static_cast<int>(model.materials.size());
-    model.materials.push_back({.base_color = {0.3f, 0.3f, 0.3f, 1}});
-    model.meshes.emplace_back().parts.push_back(to_part(std::move(shape), material));
-    Node& node = model.nodes.emplace_back();
-    node.name = ground_name;
-    node.mesh = static_cast<int>(model.meshes.size()) - 1;
-    node.translation = {ground.center[0], ground.height, ground.center[1]};
-}
-
-// A triangle of the tree: its corners, its leaf, its share of the nodes above.
-constexpr uint64_t bytes_per_triangle = 128;
-
-// A mesh is there once per node that shows it: a file of a thousand nodes and one mesh is a thousand meshes.
-uint64_t instance_bytes(const Model& model) {
-    std::vector<uint64_t> triangles;
-    for (const Mesh& mesh : model.meshes) {
-        uint64_t& count = triangles.emplace_back();
-        for (const Part& part : mesh.parts) count += part.indices.size() / 3;
-    }
-    uint64_t bytes = 0;
-    for (const Node& node : model.nodes)
-        if (node.mesh >= 0) bytes += triangles[static_cast<size_t>(node.mesh)] * bytes_per_triangle;
-    return bytes;
-}
-
 }  // namespace
-
-std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
-                                std::vector<std::string>& warnings) {
-    std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_gltf(shot.model, diagnostics);
-    if (!model) return std::nullopt;
-    if (!shot.analytic && model->triangle_count() == 0) {
-        diagnostics.add({shot.model.string(), 0, 0}, "", fmt::format("{}", fmt::join(model->warnings, "; ")));
-        return std::nullopt;
-    }
-    if (!check_objects(shot, *model, diagnostics)) return std::nullopt;
-    if (const uint64_t bytes = instance_bytes(*model); bytes > input_limit()) {
-        diagnostics.add({shot.model.string()}, "",
-                        fmt::format("its nodes show {} triangles, which take {}", bytes / bytes_per_triangle,
-                                    over_input_limit()));
-        return std::nullopt;
-    }
-    try {
-        find_animation(*model, shot.animation);
-    } catch (const std::runtime_error& error) {
-        diagnostics.add({shot.file.string(), 0, 0}, "animation", error.what());
-        return std::nullopt;
-    }
-    for (const std::string& warning : model->warnings)
-        warnings.push_back(shot.model.string() + ": " + warning);
-    if (shot.ground) add_ground(*model, *shot.ground);
-    Scene scene(std::move(*model), shot);
-    if (scene.dropped_instances()) {
-        warnings.push_back(fmt::format("{}: {} nodes with singular or non-finite transforms are not shown",
-                                       shot.model.string(), scene.dropped_instances()));
-    }
-    return scene;
-}
 
 StandaloneHost::StandaloneHost(Device& device, Shot shot, Scene scene, const StandaloneOptions& options)
     : StandaloneHost(device, std::move(shot), std::make_shared<const Scene>(std::move(scene)), options) {}

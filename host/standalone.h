@@ -12,6 +12,7 @@
 #include "host/cascades/cascade_fit.h"
 #include "host/gbuffer/gbuffer.h"
 #include "host/scene/scene.h"
+#include "host/scene/scene_file.h"
 #include "host/shots/light_choice.h"
 #include "host/shots/shot.h"
 #include "penumbra/frame_block.h"
@@ -45,10 +46,6 @@ struct StandaloneFrame {
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };
-
-// Reads the shot's scene; warnings about it go to `warnings`.
-std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
-                                std::vector<std::string>& warnings);
 
 class StandaloneHost {
   public:

@@ -16,7 +16,7 @@ packages=(
     glslang-dev glslang-tools # the library's CMake package insists on the tools
     spirv-tools               # libraries, CMake package and spirv-val in one
     libglm-dev nlohmann-json3-dev libfmt-dev libcli11-dev
-    libopenexr-dev libtinygltf-dev libstb-dev assimp-testmodels
+    libopenexr-dev libpng-dev libjpeg-dev libtinygltf-dev libstb-dev assimp-testmodels
     libdraco-dev libmeshoptimizer-dev # compressed meshes of glTF files
     libwebp-dev                       # the report's pictures that move
     libglfw3-dev libimgui-dev         # the window of penumbra view

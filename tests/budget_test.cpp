@@ -112,6 +112,29 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
     }
 }
 
+// After a cut no past knows anything of a pixel: one without a ray has no part in what its cell is sure of.
+TEST_F(Budget, WhoeverHasNoRayAfterACutIsNotTested) {
+    Budgeted run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0.1"},
+                 {"ray_words", "idle_cells"});
+    constexpr uint32_t not_idle = 0x00030001;  // common/shadow_state.glsl
+    for (uint32_t frame = 0; frame < 5; ++frame) {
+        run.frame(frame, frame == 0 || frame == 4);
+        if (frame != 4) continue;
+        const auto cells = run.words("idle_cells"), rays = run.words("ray_words");
+        size_t tested = 0, without = 0;
+        for (size_t cell = 0; cell < size_t{48} * 27; ++cell) {
+            for (size_t i = 0; i < 16 && cells[cell] != not_idle; ++i) {
+                if (!(cells[cell] >> (16 + i) & 1)) continue;
+                const size_t x = cell % 48 * 4 + i % 4, y = cell / 48 * 4 + i / 4;
+                ++tested;
+                without += !(rays[y / 4 * 24 + x / 8] >> (y % 4 * 8 + x % 8) & 1);
+            }
+        }
+        EXPECT_GT(tested, 100u);
+        EXPECT_EQ(without, 0u) << "of " << tested;
+    }
+}
+
 TEST_F(Budget, OfNothingCastsNothing) {
     ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0"},
                 {"ray_words", "ray_bits"});

@@ -295,6 +295,52 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
     }
 }
 
+// Without the validation layer, which takes memory in the same way and may not be without.
+TEST_F(CApiGpu, EachAllocationOfAViewMayFail) {
+    Device own({});
+    penumbra_device device = host_device();
+    device.queue_family = own.queue_family();
+    device.instance = own.instance();
+    device.physical = own.physical();
+    device.device = own.get();
+    penumbra_plan_request request{};
+    request.struct_size = sizeof request;
+    request.width = 64;
+    request.height = 36;
+    request.file = PENUMBRA_SOURCE_DIR "/pipelines/shadows.json";
+    request.device = &device;
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_program* program = nullptr;
+    ASSERT_EQ(penumbra_program_create(&device, plan_, nullptr, &program, &error_), PENUMBRA_OK)
+        << error_.text;
+    const auto view_made = [&] {
+        penumbra_view* view = nullptr;
+        const penumbra_code code = penumbra_view_create(program, nullptr, &view, &error_);
+        EXPECT_EQ(code == PENUMBRA_OK, view != nullptr);
+        penumbra_view_destroy(view);
+        return code;
+    };
+    ASSERT_EQ(view_made(), PENUMBRA_OK) << error_.text;
+    const long live = live_allocations;
+    const size_t before = allocations;
+    ASSERT_EQ(view_made(), PENUMBRA_OK) << error_.text;
+    const size_t needed = allocations - before;
+    EXPECT_EQ(live_allocations, live);
+    size_t said = 0;
+    for (size_t n = 1; n <= needed; ++n) {
+        failing_allocation = allocations + n;
+        const penumbra_code code = view_made();
+        failing_allocation = ~size_t{0};
+        EXPECT_TRUE(code == PENUMBRA_OK || code == PENUMBRA_OUT_OF_MEMORY) << n << ": " << error_.text;
+        said += code == PENUMBRA_OUT_OF_MEMORY;
+        ASSERT_EQ(live_allocations, live) << n << " of " << needed;
+    }
+    std::printf("%zu allocations of a view, %zu of them needed\n", needed, said);
+    EXPECT_GT(said, 100u);
+    EXPECT_EQ(view_made(), PENUMBRA_OK) << error_.text;
+    penumbra_program_destroy(program);
+}
+
 VkCommandPool c_pool = VK_NULL_HANDLE;
 VkCommandBuffer c_commands = VK_NULL_HANDLE;
 

@@ -9,6 +9,7 @@
 
 #include "app/session.h"
 #include "penumbra/graph.h"
+#include "tests/allocations.h"
 #include "tests/faulty_vulkan.h"
 #include "tests/gpu_test.h"
 #include "tests/plan_mutants.h"

@@ -91,6 +91,34 @@ TEST_F(FirstUse, AModelIsEnough) {
     expect(run("render raw --out " + in("e")), 2, "give a model, or a shot");
 }
 
+// A shot may leave its camera and its sun to the model, and mistakes in what it does say keep their places.
+TEST_F(FirstUse, AShotWithoutACameraOrASunGetsTheModels) {
+    const std::string scene = "\"scene\": \"" PENUMBRA_SOURCE_DIR "/scenes/lamp.glb\"";
+    const std::string shot =
+        file("bare.shot.json", "{ \"penumbra_shot\": 1, " + scene + ",\n  \"frames\": 16 }");
+    ASSERT_EQ(run("render scenes/lamp.glb raw --size 96x54 --out " + in("a")).code, 0);
+    const Result bare = run("render raw --shot " + shot + " --size 96x54 --frames 15 --out " + in("b"));
+    ASSERT_EQ(bare.code, 0) << bare.err;
+    EXPECT_EQ(read_file(folder_ / "a/visibility.0015.exr"), read_file(folder_ / "b/visibility.0015.exr"));
+    ASSERT_EQ(run("reference --like " + in("b") + " --rays 16 --out " + in("t")).code, 0);
+
+    const std::string own =
+        file("own.shot.json",
+             "{ \"penumbra_shot\": 1, " + scene +
+                 ",\n  \"camera\": { \"keys\": [{ \"frame\": 0, \"position\": [0, 9, 1], \"target\": "
+                 "[0, 0, 0] }] } }");
+    ASSERT_EQ(run("render raw --shot " + own + " --size 96x54 --out " + in("c")).code, 0);
+    EXPECT_NE(read_file(folder_ / "c/visibility.0000.exr"), read_file(folder_ / "b/visibility.0015.exr"));
+    expect(run("render raw --shot " +
+               file("wrong.shot.json", "{ \"penumbra_shot\": 1, " + scene + ",\n  \"frames\": -1 }") +
+               " --out " + in("d")),
+           2, "wrong.shot.json:2:13: frames");
+    expect(run("render raw --shot " +
+               file("gone.shot.json", R"({ "penumbra_shot": 1, "scene": "nowhere.glb" })") + " --out " +
+               in("d")),
+           2, "\"camera\" is missing");
+}
+
 // All of the model is in the picture: nothing of it at the border, and not a speck in the middle.
 TEST_F(FirstUse, AModelIsFramed) {
     for (const char* name : {"lamp", "2CylinderEngine", "trees"}) {

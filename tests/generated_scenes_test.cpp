@@ -26,9 +26,10 @@ const std::filesystem::path scenes_folder = std::filesystem::path(PENUMBRA_SOURC
 Shot shipped_shot(const std::string& name) {
     Diagnostics diagnostics;
     const std::string file = name + ".shot.json";
-    const bool radiance = std::filesystem::exists(scenes_folder / "radiance" / file);
-    const std::optional<Shot> shot =
-        read_shot(scenes_folder / (radiance ? "radiance" : "") / file, diagnostics);
+    std::string folder;
+    for (const char* of : {"lights", "radiance"})
+        if (std::filesystem::exists(scenes_folder / of / file)) folder = of;
+    const std::optional<Shot> shot = read_shot(scenes_folder / folder / file, diagnostics);
     EXPECT_TRUE(shot) << diagnostics.text();
     return shot.value_or(Shot{});
 }

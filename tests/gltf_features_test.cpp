@@ -16,6 +16,7 @@
 
 #include "host/models/gltf.h"
 #include "host/scene/scene.h"
+#include "host/shots/model_lights.h"
 #include "host/shots/model_shot.h"
 
 namespace penumbra {
@@ -324,6 +325,80 @@ TEST(GltfFeatures, InstancesAreNodes) {
     EXPECT_EQ(scene.bounds()[1].x, 10);
 }
 
+// A square, and a node 3 m up that looks down with this light.
+Glb lamp_file(const Json& light) {
+    Glb glb = square_file();
+    const double h = std::sqrt(0.5);
+    glb.json["extensionsUsed"] = {"KHR_lights_punctual"};
+    glb.json["extensions"] = {{"KHR_lights_punctual", {{"lights", Json::array({light})}}}};
+    glb.json["nodes"].push_back({{"name", "holder"},
+                                 {"translation", {1, 3, 2}},
+                                 {"rotation", {-h, 0, 0, h}},
+                                 {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    glb.json["scenes"] = {{{"nodes", {0, 1}}}};
+    return glb;
+}
+
+// A shot made from the model names the light, and so may any other, with a size of its own.
+TEST(GltfFeatures, AShotTakesTheFilesLamps) {
+    const Json spot = {{"type", "spot"},
+                       {"name", "desk"},
+                       {"intensity", 40},
+                       {"range", 7},
+                       {"color", {1, 0.5, 0.25}},
+                       {"spot", {{"innerConeAngle", 0.1}, {"outerConeAngle", 0.5}}},
+                       {"extras", {{"radius", 0.03}}}};
+    Glb file = lamp_file(spot);
+    const Model model = loaded(file, "spot.glb");
+    const std::string made = make_model_shot(model, "spot.glb", "", false).text;
+    Diagnostics diagnostics;
+    auto shot = parse_shot(made, "spot.shot.json", diagnostics);
+    ASSERT_TRUE(shot) << diagnostics.text();
+    ASSERT_TRUE(shot->lights.contains("desk"));
+    ASSERT_TRUE(place_model_lights(*shot, Scene(model, *shot), diagnostics)) << diagnostics.text();
+    const ShotLight& light = shot->lights.at("desk");
+    EXPECT_EQ(light.kind, LightKind::spot);
+    EXPECT_EQ(light.radius, 0.03);
+    EXPECT_EQ(light.strength, 40);
+    EXPECT_EQ(light.range, 7);
+    EXPECT_EQ(light.color, glm::dvec3(1, 0.5, 0.25));
+    EXPECT_NEAR(light.inner_deg, glm::degrees(0.1), 1e-9);
+    EXPECT_NEAR(light.outer_deg, glm::degrees(0.5), 1e-9);
+    ASSERT_EQ(light.keys.size(), 1u);
+    EXPECT_EQ(light.keys[0].position, glm::dvec3(1, 3, 2));
+    EXPECT_NEAR(glm::length(light.keys[0].direction - glm::dvec3(0, -1, 0)), 0, 1e-9);
+
+    std::string other = made;
+    const std::string name = "\"light\": \"desk\"";
+    other.replace(other.find(name), name.size(), name + ", \"radius\": 0.2");
+    auto sized = parse_shot(other, "spot.shot.json", diagnostics);
+    ASSERT_TRUE(sized && place_model_lights(*sized, Scene(model, *sized), diagnostics)) << diagnostics.text();
+    EXPECT_EQ(sized->lights.at("desk").radius, 0.2);
+
+    other.replace(other.find(name), name.size(), "\"light\": \"dask\"");
+    auto unknown = parse_shot(other, "spot.shot.json", diagnostics);
+    ASSERT_TRUE(unknown);
+    EXPECT_FALSE(place_model_lights(*unknown, Scene(model, *unknown), diagnostics));
+    EXPECT_NE(diagnostics.text().find("no light named \"dask\", did you mean \"desk\"?"), std::string::npos)
+        << diagnostics.text();
+}
+
+TEST(GltfFeatures, LampsWithoutANameHaveTheirNodesAndWrongOnesAreErrors) {
+    Glb unnamed = lamp_file({{"type", "point"}});
+    EXPECT_EQ(loaded(unnamed, "point.glb").lights.at(0).name, "holder");
+    const auto refused = [&](const Json& light, const std::string& why) {
+        Diagnostics diagnostics;
+        const fs::path file = lamp_file(light).save("wrong.glb");
+        EXPECT_FALSE(load_gltf(file, diagnostics));
+        fs::remove(file);
+        EXPECT_NE(diagnostics.text().find(why), std::string::npos) << diagnostics.text();
+    };
+    refused({{"type", "area"}}, "light \"holder\": no type is named \"area\"");
+    refused({{"type", "point"}, {"intensity", -1}}, "light \"holder\": intensity, range, radius and colour");
+    refused({{"type", "point"}, {"extras", {{"radius", "big"}}}}, "the radius of its extras is not a number");
+    refused({{"type", "spot"}, {"spot", {{"innerConeAngle", 1.0}, {"outerConeAngle", 0.5}}}}, "a cone from");
+}
+
 TEST(GltfFeatures, AShotTakesTheFilesCameraAndSun) {
     Glb glb = square_file();
     glb.json["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.25}}}}};
@@ -337,7 +412,7 @@ TEST(GltfFeatures, AShotTakesTheFilesCameraAndSun) {
     glb.json["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", 1}}}}}});
     glb.json["scenes"] = {{{"nodes", {0, 1, 2, 3}}}};
     const Model model = loaded(glb, "camera.glb");
-    EXPECT_EQ(model.warnings, std::vector<std::string>{"KHR_lights_punctual: point lights are not drawn"});
+    EXPECT_EQ(model.warnings, std::vector<std::string>{});
     Diagnostics diagnostics;
     const auto shot =
         parse_shot(make_model_shot(model, "camera.glb", "", false).text, "camera.shot.json", diagnostics);

@@ -175,6 +175,9 @@ TEST(ShotLights, AMaskIsOfOneOfThem) {
     EXPECT_NE(diagnostics.text().find("sun, bulb"), std::string::npos);
     EXPECT_EQ(choose_light(shot, "sun", diagnostics)->light, nullptr);
     EXPECT_NE(choose_light(shot, "bulb", diagnostics)->light, nullptr);
+    // A pipeline knows which it means, where there is one such only.
+    EXPECT_EQ(choose_light(shot, "", diagnostics, LightsFor::sun)->name, "sun");
+    EXPECT_EQ(choose_light(shot, "", diagnostics, LightsFor::near)->name, "bulb");
     EXPECT_FALSE(choose_light(shot, "bulp", diagnostics));
     EXPECT_NE(diagnostics.text().find("did you mean \"bulb\"?"), std::string::npos);
     shot.has_sun = false;

@@ -4,7 +4,6 @@
 
 #include <unistd.h>
 
-#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -17,10 +16,6 @@ inline long resident_kib() {
     status >> pages >> pages;
     return pages * (sysconf(_SC_PAGESIZE) / 1024);
 }
-
-// What operator new has given out and not got back, by any thread, in the program that replaces it
-// (steady_state_test.cpp).
-extern std::atomic<long> live_allocations;
 
 // Open files, which shared memory and sockets are as well.
 inline long open_files() {

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <new>
 
 #include "app/session.h"
 #include "graph/functions.h"
@@ -16,50 +15,6 @@
 #include "tests/process_size.h"
 #include "tests/toy_set.h"
 #include "tests/view_run.h"
-
-namespace penumbra::test {
-thread_local size_t allocations = 0, failing_allocation = ~size_t{0};
-}
-
-namespace {
-void* counted(size_t bytes) {
-    using namespace penumbra::test;
-    if (++allocations == failing_allocation) throw std::bad_alloc();
-    if (void* memory = std::malloc(bytes ? bytes : 1)) return memory;
-    throw std::bad_alloc();
-}
-}  // namespace
-
-std::atomic<long> penumbra::test::live_allocations{0};
-
-static void* taken(size_t bytes) {
-    void* memory = counted(bytes);
-    ++penumbra::test::live_allocations;
-    return memory;
-}
-static void given_back(void* memory) {
-    if (memory) --penumbra::test::live_allocations;
-    std::free(memory);
-}
-
-void* operator new(size_t bytes) {
-    return taken(bytes);
-}
-void* operator new[](size_t bytes) {
-    return taken(bytes);
-}
-void operator delete(void* memory) noexcept {
-    given_back(memory);
-}
-void operator delete[](void* memory) noexcept {
-    given_back(memory);
-}
-void operator delete(void* memory, size_t) noexcept {
-    given_back(memory);
-}
-void operator delete[](void* memory, size_t) noexcept {
-    given_back(memory);
-}
 
 namespace penumbra::test {
 namespace {

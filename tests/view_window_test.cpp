@@ -107,7 +107,7 @@ class ViewWindow : public Cli {
         pass_frame();
         const std::string name = pass_frame();
         const std::string png = read_file(name + ".png");
-        picture_ = decode_image(std::as_bytes(std::span(png)), 1u << 30).value();
+        picture_ = decode_image(std::as_bytes(std::span(png)), 1u << 30);
         seen_ = Json::parse(read_file(name + ".json"));
     }
     void click(const std::string& place, int button = 1) {

@@ -7,11 +7,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <span>
-#include <sstream>
 
 #include "app/commands.h"
 #include "app/progress.h"
@@ -53,13 +51,6 @@ struct Job {
     fs::path folder;
 };
 
-std::optional<std::string> text_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return stream ? std::optional(text.str()) : std::nullopt;
-}
-
 std::optional<Job> prepare(const ViewCommandArguments& a) {
     Diagnostics diagnostics;
     const auto given = sort_files(a.files, a.view, diagnostics);
@@ -77,7 +68,7 @@ std::optional<Job> prepare(const ViewCommandArguments& a) {
         return std::nullopt;
     }
     Job job{std::move(*source), "", {}, {}, Beside::nothing, {(*window)[0], (*window)[1]}, folder};
-    job.base = !job.source.made_up.empty() ? job.source.made_up : text_of(job.source.shot.file).value_or("");
+    job.base = job.source.text;
     job.wish.pipeline = given->pipeline;
     job.wish.settings = a.settings;
     job.wish.node_folders = a.node_folders;

@@ -7,6 +7,7 @@
 #include "host/generated/colonnade.h"
 #include "host/generated/fan.h"
 #include "host/generated/heightfield.h"
+#include "host/generated/interior.h"
 #include "host/generated/lamp.h"
 #include "host/generated/polished.h"
 #include "host/generated/street.h"
@@ -23,6 +24,7 @@ inline constexpr std::array<GeneratedScene, 9> generated_scenes{{{"cards", make_
                                                                  {"colonnade", make_colonnade},
                                                                  {"fan", make_fan},
                                                                  {"heightfield", make_heightfield},
+                                                                 {"interior", make_interior},
                                                                  {"lamp", make_lamp},
                                                                  {"chrome", make_chrome},
                                                                  {"polished", make_polished},

@@ -102,10 +102,19 @@ class Loader {
         } catch (const GltfError& error) {
             throw GltfError(fmt::format("image {}: {}", image, error.what()));
         }
-        std::optional<RgbaImage> decoded = decode_image(bytes, image_bytes_left_);
-        if (!decoded) return;
-        image_bytes_left_ -= decoded->rgba.size();
-        texture = {decoded->width, decoded->height, std::move(decoded->rgba)};
+        std::string& problem = image_problems_.emplace_back();
+        try {
+            RgbaImage decoded = decode_image(bytes, image_bytes_left_);
+            image_bytes_left_ -= decoded.rgba.size();
+            texture = {decoded.width, decoded.height, std::move(decoded.rgba)};
+        } catch (const ImageError& error) {
+            problem = error.what();
+        }
+    }
+
+    std::string unread(int image, const char* kind) const {
+        return fmt::format("image {} cannot be read ({}): the {} factor is used", image,
+                           image_problems_[static_cast<size_t>(image)], kind);
     }
 
     void add_material(const tinygltf::Material& material) {
@@ -129,7 +138,7 @@ class Loader {
         }
         element(file_.images, texture.source, "image");
         if (model_.textures[static_cast<size_t>(texture.source)].width == 0) {
-            warn(fmt::format("image {} cannot be read: the colour factor is used", texture.source));
+            warn(unread(texture.source, "colour"));
             return;
         }
         out.texture = texture.source;
@@ -185,7 +194,7 @@ class Loader {
         }
         element(file_.images, texture.source, "image");
         if (model_.textures[static_cast<size_t>(texture.source)].width > 0) return texture.source;
-        warn(fmt::format("image {} cannot be read: the {} factor is used", texture.source, kind));
+        warn(unread(texture.source, kind));
         return -1;
     }
 
@@ -290,17 +299,47 @@ class Loader {
         model_.cameras.push_back({self, fov, near});
     }
 
-    // The sun is all the light there is.
+    // A directional light is the sun's.
     void add_light(const tinygltf::Node& node, int self) {
         constexpr const char* name = "KHR_lights_punctual";
         const auto found = node.extensions.find(name);
         if (found == node.extensions.end()) return;
-        const tinygltf::Light& light =
-            element(file_.lights, extension_integer(found->second, "light", name), "light");
-        if (light.type == "directional")
+        const int index = extension_integer(found->second, "light", name);
+        const tinygltf::Light& light = element(file_.lights, index, "light");
+        if (light.type == "directional") {
             model_.suns.push_back(self);
-        else
-            warn(fmt::format("{}: {} lights are not drawn", name, light.type));
+            return;
+        }
+        ModelLight out;
+        out.node = self;
+        out.name = !light.name.empty()  ? light.name
+                   : !node.name.empty() ? node.name
+                                        : fmt::format("light_{}", index);
+        const auto wrong = [&](const std::string& what) {
+            throw GltfError(fmt::format("{}: light \"{}\": {}", name, out.name, what));
+        };
+        if (light.type != "point" && light.type != "spot")
+            wrong(fmt::format("no type is named \"{}\"", light.type));
+        out.spot = light.type == "spot";
+        out.intensity = light.intensity;
+        out.range = light.range;
+        if (light.color.size() == 3) out.color = {light.color[0], light.color[1], light.color[2]};
+        if (light.extras.IsObject() && light.extras.Has("radius")) {
+            const tinygltf::Value& radius = light.extras.Get("radius");
+            if (!radius.IsNumber()) wrong("the radius of its extras is not a number");
+            out.radius = radius.GetNumberAsDouble();
+        }
+        const double least =
+            std::min({out.intensity, out.range, out.radius, out.color.x, out.color.y, out.color.z});
+        if (!(least >= 0) || !(std::max({out.intensity, out.range, out.radius}) <= 1e12))
+            wrong("intensity, range, radius and colour are 0 at least, and finite");
+        if (out.spot) {
+            out.inner_deg = glm::degrees(light.spot.innerConeAngle);
+            out.outer_deg = glm::degrees(light.spot.outerConeAngle);
+            if (!(out.inner_deg >= 0 && out.inner_deg < out.outer_deg && out.outer_deg < 90.01))
+                wrong(fmt::format("a cone from {} to {} degrees", out.inner_deg, out.outer_deg));
+        }
+        model_.lights.push_back(std::move(out));
     }
 
     // A child of the node for each instance, which then has no mesh of its own.
@@ -361,8 +400,9 @@ class Loader {
     Model& model_;
     std::set<std::string> warned_;
     std::set<int> visited_;
-    std::vector<int> model_node_;           // of the file's nodes; -1: not shown
-    std::vector<TextureUse> texture_uses_;  // of materials
+    std::vector<int> model_node_;              // of the file's nodes; -1: not shown
+    std::vector<TextureUse> texture_uses_;     // of materials
+    std::vector<std::string> image_problems_;  // of images; empty: none
     const GltfTell tell_ = [this](const std::string& text) { warn(text); };
 };
 

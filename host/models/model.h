@@ -102,6 +102,18 @@ struct ModelCamera {
     double vertical_fov_deg = 60, near = 0.05;
 };
 
+// A point or a spot of KHR_lights_punctual, which shines along -z of its node.
+struct ModelLight {
+    int node = -1;
+    std::string name;  // its own, or its node's
+    bool spot = false;
+    double radius = 0;                     // metres; of "extras": { "radius": .. }
+    double intensity = 1;                  // candelas
+    glm::dvec3 color{1};                   // linear
+    double range = 0;                      // metres; 0: no end
+    double inner_deg = 0, outer_deg = 45;  // of a spot's cone, from its axis
+};
+
 struct Model {
     std::vector<Node> nodes;  // those of the file's scene, parents first
     std::vector<Mesh> meshes;
@@ -111,6 +123,7 @@ struct Model {
     std::vector<Animation> animations = {};
     std::vector<ModelCamera> cameras = {};
     std::vector<int> suns = {};  // nodes of directional lights, which shine along their -z
+    std::vector<ModelLight> lights = {};
     std::vector<std::string> warnings = {};
     uint32_t dropped_degenerate = 0;  // triangles of zero area or with a repeated vertex
     uint32_t dropped_nonfinite = 0;   // triangles with NaN, infinite or huge (over 1e18) coordinates

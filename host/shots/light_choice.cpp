@@ -30,15 +30,21 @@ uint32_t block_kind(LightKind kind) {
 
 }  // namespace
 
-std::optional<ChosenLight> choose_light(const Shot& shot, const std::string& name, Diagnostics& diagnostics) {
-    std::vector<std::string> names;
+std::optional<ChosenLight> choose_light(const Shot& shot, const std::string& name, Diagnostics& diagnostics,
+                                        LightsFor lights) {
+    std::vector<std::string> names, fitting;
     if (shot.has_sun) names.emplace_back("sun");
-    for (const auto& [key, light] : shot.lights) names.push_back(key);
-    const std::string wanted = name.empty() && names.size() == 1 ? names.front() : name;
+    if (shot.has_sun && lights != LightsFor::near) fitting.emplace_back("sun");
+    for (const auto& [key, light] : shot.lights) {
+        names.push_back(key);
+        if (lights != LightsFor::sun) fitting.push_back(key);
+    }
+    if (fitting.empty()) fitting = names;  // whoever asks for such a light is told which there are
+    const std::string wanted = name.empty() && fitting.size() == 1 ? fitting.front() : name;
     if (wanted.empty()) {
         diagnostics.add(
             {shot.file.string(), 0, 0}, "--light",
-            fmt::format("the shot has several lights, and a mask is of one: {}", fmt::join(names, ", ")));
+            fmt::format("the shot has several lights, and a mask is of one: {}", fmt::join(fitting, ", ")));
         return std::nullopt;
     }
     if (std::ranges::find(names, wanted) == names.end()) {

@@ -9,13 +9,17 @@
 
 namespace penumbra {
 
-// The light that a name means, or without one the shot's only light; nullptr is the sun. An unknown name, and
-// none where the shot has several, are errors.
+// Of which lights masks may be.
+enum class LightsFor { any, sun, near };
+
+// The light that a name means, or without one the shot's only light of those that masks may be of; nullptr is
+// the sun. An unknown name, and none where the shot has several, are errors.
 struct ChosenLight {
     std::string name = "sun";
     const ShotLight* light = nullptr;
 };
-std::optional<ChosenLight> choose_light(const Shot& shot, const std::string& name, Diagnostics& diagnostics);
+std::optional<ChosenLight> choose_light(const Shot& shot, const std::string& name, Diagnostics& diagnostics,
+                                        LightsFor wanted = LightsFor::any);
 
 // Where it is as seen from `camera`, both in the world without the shot's origin.
 blocks::Light light_block(const ShotLight& light, double frame, const glm::dvec3& camera);

@@ -14,9 +14,9 @@ struct Kind {
     LightKind kind;
     const char* name;
     std::vector<const char*>
-        sizes;  // metres; the first one or two are required, a point's and a spot's radius is not
-    const char* strength;
-    bool faces, lies;  // whether keys have a direction; whether they say how it is laid
+        sizes;             // metres; the first one or two are required, a point's and a spot's radius is not
+    const char* strength;  // of the model's: nullptr
+    bool faces, lies;      // whether keys have a direction; whether they say how it is laid
 };
 
 const std::vector<Kind>& kinds() {
@@ -26,7 +26,8 @@ const std::vector<Kind>& kinds() {
         {LightKind::disc, "disc", {"radius"}, "luminance", true, false},
         {LightKind::rectangle, "rectangle", {"width", "height"}, "luminance", true, true},
         {LightKind::tube, "tube", {"length", "radius"}, "luminance", false, true},
-        {LightKind::spot, "spot", {"radius", "inner_deg", "outer_deg"}, "intensity", true, false}};
+        {LightKind::spot, "spot", {"radius", "inner_deg", "outer_deg"}, "intensity", true, false},
+        {LightKind::model, "model", {"radius"}, nullptr, false, false}};
     return list;
 }
 
@@ -55,7 +56,7 @@ double* value_of(ShotLight& light, std::string_view key) {
 
 void read_sizes(Reader& reader, const Json& json, const std::string& path, const Kind& kind,
                 ShotLight& light) {
-    const bool may_be_a_point = kind.strength == std::string_view("intensity");
+    const bool may_be_a_point = !kind.strength || kind.strength == std::string_view("intensity");
     for (const char* key : kind.sizes) {
         const Json* value = may_be_a_point ? json.find(key) : reader.required(json, path, key);
         if (!value) continue;
@@ -66,6 +67,15 @@ void read_sizes(Reader& reader, const Json& json, const std::string& path, const
     if (light.kind == LightKind::spot && !(light.inner_deg < light.outer_deg))
         reader.error(json.place, Reader::join(path, "inner_deg"),
                      fmt::format("{} is not below outer_deg, {}", light.inner_deg, light.outer_deg));
+}
+
+void read_name(Reader& reader, const Json& json, const std::string& path, std::string& name) {
+    const Json* value = reader.required(json, path, "light");
+    if (!value) return;
+    if (value->kind == Json::Kind::string && !value->string.empty())
+        name = value->string;
+    else
+        reader.error(value->place, path + ".light", "expected the name of a light of the model");
 }
 
 void read_color(Reader& reader, const Json& json, const std::string& path, glm::dvec3& color) {
@@ -141,13 +151,23 @@ void read_lights(Reader& reader, const Json& root, Shot& shot) {
         if (member.key == "sun") reader.error(member.key_place, path, "the sun has a key of its own");
         const Json* name = json.kind == Json::Kind::object ? reader.required(json, path, "kind") : nullptr;
         const Kind* kind = name ? kind_of(reader, *name, path + ".kind") : nullptr;
-        std::vector<const char*> known{"kind", "color", "range", "keys"};
-        if (kind) known.push_back(kind->strength);
+        std::vector<const char*> known{"kind"};
+        const bool in_model = kind && kind->kind == LightKind::model;
+        if (in_model)
+            known.push_back("light");
+        else
+            known.insert(known.end(), {"color", "range", "keys"});
+        if (kind && kind->strength) known.push_back(kind->strength);
         if (kind) known.insert(known.end(), kind->sizes.begin(), kind->sizes.end());
         if (json.kind != Json::Kind::object) reader.object(json, path, known);
         if (!kind || !reader.object(json, path, known)) continue;
         light.kind = kind->kind;
+        if (in_model) light.radius = -1;  // the model's own, if the shot has none
         read_sizes(reader, json, path, *kind, light);
+        if (in_model) {
+            read_name(reader, json, path, light.in_model);
+            continue;
+        }
         if (const Json* v = reader.required(json, path, kind->strength))
             reader.number(*v, path + "." + kind->strength, 0, 1e12, light.strength);
         if (const Json* v = json.find("color")) read_color(reader, *v, path + ".color", light.color);

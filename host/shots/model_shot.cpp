@@ -134,6 +134,8 @@ ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
         to_sun = glm::normalize(glm::dvec3(scene.transforms(0)[static_cast<size_t>(model.suns[0])][2]));
     json["sun"] = {{"angular_radius_deg", 0.2665},
                    {"keys", OrderedJson::array({{{"frame", 0}, {"to_sun", rounded(to_sun, 1)}}})}};
+    for (const ModelLight& light : model.lights)  // of two of a name the first
+        if (light.name != "sun") json["lights"][light.name] = {{"kind", "model"}, {"light", light.name}};
     if (!shot.animation.empty()) json["animation"] = 0;
     if (ground) {
         const glm::dvec3 center = 0.5 * (low + high);

@@ -42,7 +42,8 @@ struct ObjectMotion {
 };
 
 // A light that is near, with what it is called in the shot.
-enum class LightKind { point, sphere, disc, rectangle, tube, spot };
+// One of the model's is a point or a spot once place_model_lights() has found it.
+enum class LightKind { point, sphere, disc, rectangle, tube, spot, model };
 const char* name_of(LightKind kind);
 
 // Directions are of any length but zero; `along` is a rectangle's width or a tube's axis.
@@ -55,6 +56,7 @@ struct LightKey {
 struct ShotLight {
     Place place;  // of its name in the shot
     LightKind kind = LightKind::point;
+    std::string in_model;                  // the name of a light of the model, which says the rest
     double radius = 0, length = 0;         // metres; of a rectangle the length is its width
     double height = 0;                     // of a rectangle
     double strength = 100;                 // candelas of points and spots, else candelas per square metre

@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -21,7 +22,29 @@
 namespace penumbra PENUMBRA_API {
 
 struct Param;
-using ParamValue = std::variant<bool, int32_t, uint32_t, float, std::vector<float>, std::string>;
+
+using ParamVariant = std::variant<bool, int32_t, uint32_t, float, std::vector<float>, std::string>;
+// That variant. A copy for which there is no memory throws std::bad_alloc: with libstdc++ 12 a variant's own
+// copy of these alternatives, which it takes for never without a value, then destroys one that was never
+// made.
+struct ParamValue : ParamVariant {
+    using ParamVariant::ParamVariant;
+    ParamValue() = default;
+    ParamValue(const ParamValue& other) : ParamVariant() {
+        std::visit(
+            [this]<class T>(const T& value) {
+                T copy = value;
+                emplace<T>(std::move(copy));
+            },
+            static_cast<const ParamVariant&>(other));
+    }
+    ParamValue(ParamValue&&) = default;
+    ParamValue& operator=(ParamValue other) noexcept {
+        swap(other);
+        return *this;
+    }
+    ~ParamValue() = default;
+};
 
 enum class Relation : uint8_t { is_true, equal, not_equal, less, at_most, greater, at_least };
 

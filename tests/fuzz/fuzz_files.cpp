@@ -99,9 +99,12 @@ void fuzz_exr(Bytes bytes) {
 }
 
 void fuzz_image(Bytes bytes) {
-    const auto image = decode_image(bytes, uint64_t{16} << 20);
-    if (image)
-        promise(image->rgba.size() == size_t{4} * image->width * image->height, "not four values per texel");
+    try {
+        const RgbaImage image = decode_image(bytes, uint64_t{16} << 20);
+        promise(image.rgba.size() == size_t{4} * image.width * image.height, "not four values per texel");
+    } catch (const ImageError& error) {
+        promise(*error.what() != 0, "an image is refused without a word");
+    }
 }
 
 }  // namespace penumbra::test
