@@ -44,12 +44,12 @@ std::string data_uri(const fs::path& file) {
 // is. What is right or does not count has none.
 std::vector<uint8_t> errors_of(const fs::path& file, const std::array<uint32_t, 2>& size) {
     const std::string bytes = bytes_of(file);
-    const auto image = decode_image(std::as_bytes(std::span(bytes)), uint64_t{8} * size[0] * size[1]);
-    if (!image || image->width != size[0] || image->height != size[1])
+    const RgbaImage image = decode_image(std::as_bytes(std::span(bytes)), uint64_t{8} * size[0] * size[1]);
+    if (image.width != size[0] || image.height != size[1])
         throw FileError(file.string() + ": is not the picture that was written");
     std::vector<uint8_t> errors(size_t{size[0]} * size[1]);
     for (size_t i = 0; i < errors.size(); ++i) {
-        const auto [least, most] = std::minmax_element(&image->rgba[4 * i], &image->rgba[4 * i] + 3);
+        const auto [least, most] = std::minmax_element(&image.rgba[4 * i], &image.rgba[4 * i] + 3);
         errors[i] = static_cast<uint8_t>(*most - *least);
     }
     return errors;
