@@ -203,8 +203,9 @@ TEST_F(GBufferTest, MatchesDoublePrecision) {
             };
             const glm::dvec3 point = at(triangle.corner), before = at(triangle.before);
             ASSERT_GT(image.depth[i], 0) << x << ", " << y;
-            // What shadow rays start off a surface for (ray_offset.glsl): half a step of the grid that the host claims,
-            // along both axes. Interpolated by the rasteriser, depth is off by half a step of the device's.
+            // What shadow rays start off a surface for (ray_offset.glsl): half a step of the grid that the
+            // host claims, along both axes. Interpolated by the rasteriser, depth is off by half a step of
+            // the device's.
             const double slope = 0.5 * (std::abs(hits[i + 1].t - hits[i - 1].t) +
                                         std::abs(hits[i + width].t - hits[i - width].t));
             const uint32_t bits = device_->limits().subPixelPrecisionBits + gbuffer_further_bits;

@@ -20,15 +20,15 @@ struct GeneratedScene {
     Model (*make)();
 };
 
-inline constexpr std::array<GeneratedScene, 9> generated_scenes{{{"cards", make_cards},
-                                                                 {"colonnade", make_colonnade},
-                                                                 {"fan", make_fan},
-                                                                 {"heightfield", make_heightfield},
-                                                                 {"interior", make_interior},
-                                                                 {"lamp", make_lamp},
-                                                                 {"chrome", make_chrome},
-                                                                 {"polished", make_polished},
-                                                                 {"street", make_street},
-                                                                 {"trees", make_trees}}};
+inline constexpr std::array<GeneratedScene, 10> generated_scenes{{{"cards", make_cards},
+                                                                  {"colonnade", make_colonnade},
+                                                                  {"fan", make_fan},
+                                                                  {"heightfield", make_heightfield},
+                                                                  {"interior", make_interior},
+                                                                  {"lamp", make_lamp},
+                                                                  {"chrome", make_chrome},
+                                                                  {"polished", make_polished},
+                                                                  {"street", make_street},
+                                                                  {"trees", make_trees}}};
 
 }  // namespace penumbra
