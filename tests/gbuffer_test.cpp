@@ -12,6 +12,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <memory>
 
+#include "host/gbuffer/gbuffer_pipeline.h"
 #include "host/models/shapes.h"
 #include "host/standalone.h"
 
