@@ -12,7 +12,7 @@ foreach(LIBRARY penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models
   list(TRANSFORM FILES PREPEND ${FOLDER}/)
   list(APPEND SANITIZED_SOURCES ${FILES})
 endforeach()
-foreach(FILE scene/geometry scene/pose scene/scene scene/scene_alpha scene/scene_file shots/light_choice shots/light_file shots/model_shot shots/shot shots/shot_facts shots/shot_file
+foreach(FILE scene/geometry scene/pose scene/scene scene/scene_alpha scene/scene_file shots/light_choice shots/light_file shots/model_lights shots/model_shot shots/shot shots/shot_facts shots/shot_file
         truth/analytic truth/analytic_model truth/sun_visibility)
   list(APPEND SANITIZED_SOURCES ${PROJECT_SOURCE_DIR}/host/${FILE}.cpp)
 endforeach()
