@@ -115,7 +115,7 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
 // After a cut no past knows anything of a pixel: one without a ray has no part in what its cell is sure of.
 TEST_F(Budget, WhoeverHasNoRayAfterACutIsNotTested) {
     ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0.1"},
-                 {"ray_words", "idle_cells"});
+                {"ray_words", "idle_cells"});
     constexpr uint32_t not_idle = 0x00030001;  // common/shadow_state.glsl
     for (uint32_t frame = 0; frame < 5; ++frame) {
         run.frame(frame, frame == 0 || frame == 4);

@@ -177,6 +177,7 @@ std::vector<Row> table() {
     row("a sun of a millionth of a degree", yard(), still(noon, 1e-6), Shadow::soft, false);
     row("an analytic edge", {}, edge(0), Shadow::soft, false);
     row("an analytic edge that moves", {}, edge(0.5), Shadow::soft, true);
+    rows.back().casters_move = true;
     row("a point for a sun", yard(), still(noon, 0), Shadow::hard, false);
     row("a point for a sun, the camera flies", yard(), flying(still(noon, 0)), Shadow::hard, true);
     gate_moves("a point for a sun, the gate slides", with_gate(still(noon, 0), {50, {1, 0, 0}, {0, 0, 0}}),
