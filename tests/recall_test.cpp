@@ -55,8 +55,8 @@ TEST_F(Recall, ChangesWhoIsAskedAndNotTheImage) {
                                                   {"stepping aside", stepping_aside()}};
     for (const auto& [name, shot] : shots) {
         SCOPED_TRACE(name);
-        ShotRun some(shot, "hybrid_shadows", {}, lists);
-        ShotRun all(shot, "hybrid_shadows", {"nodes.recall.params.turn=1"}, lists);
+        ShotRun some(shot, "hybrid_shadows_fast", {}, lists);
+        ShotRun all(shot, "hybrid_shadows_fast", {"nodes.recall.params.turn=1"}, lists);
         size_t differ = 0, spared = 0, listed = 0;
         for (uint32_t frame = 0; frame < 12; ++frame) {
             const bool cut = frame == 0 || frame == 8;
@@ -84,7 +84,7 @@ TEST_F(Recall, ChangesWhoIsAskedAndNotTheImage) {
 TEST_F(Recall, EverybodyHasATurn) {
     Shot shot = shot_named("trees");
     shot.camera.resize(1);
-    ShotRun run(shot, "hybrid_shadows", {"nodes.recall.params.turn=4"}, lists);
+    ShotRun run(shot, "hybrid_shadows_fast", {"nodes.recall.params.turn=4"}, lists);
     std::map<uint32_t, uint32_t> listed, met;
     for (uint32_t frame = 0; frame < 8; ++frame) {
         run.frame(frame, frame == 0);

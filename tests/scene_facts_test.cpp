@@ -235,7 +235,8 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
         needed.tables += std::string(" ") + tables;
     };
     const bool traced = shadow == Shadow::soft || shadow == Shadow::hard;
-    const bool many = pipeline == "many_rays", main = pipeline == "hybrid_shadows";
+    const bool many = pipeline == "many_rays", fast = pipeline == "hybrid_shadows_fast";
+    const bool main = fast || pipeline == "hybrid_shadows";
     const bool covers = shadow == Shadow::soft && (main || pipeline == "covered");
     if (traced) also("classify", "receiver_normal receiver_words", "", "scene scene.nodes scene.leaves", "");
     const bool budget = pipeline == "shadows";
@@ -258,7 +259,7 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     if (covers)
         also("cover", "candidates candidate_args coverage", "", "",
              "half_planes_64 half_planes_128 half_planes_256 light_samples");
-    const bool recalls = covers && main && !row.casters_move && !sun_moves;
+    const bool recalls = covers && fast && !row.casters_move && !sun_moves;
     if (recalls)
         also("beams_first recall", "unproved unproved_args uneven", "facing_hits receiver_words uneven", "",
              "");
@@ -368,7 +369,8 @@ TEST(SceneFacts, WhatRunsIsWhatTheSceneNeeds) {
     const std::vector<Row> rows = table();
     EXPECT_GE(rows.size(), 24u);
     for (const Row& row : rows)
-        for (const char* pipeline : {"raw", "one_ray", "shadows", "many_rays", "covered", "hybrid_shadows"}) {
+        for (const char* pipeline :
+             {"raw", "one_ray", "shadows", "many_rays", "covered", "hybrid_shadows", "hybrid_shadows_fast"}) {
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
             const Needed needed = needed_by(pipeline, row);
             const Needed used = used_by(plan_of(pipeline, facts_of(row)));
@@ -399,7 +401,7 @@ TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
     std::set<std::pair<std::string, Facts>> seen;
     for (const Row& row : table())
         for (const std::string pipeline :
-             {"raw", "one_ray", "shadows", "many_rays", "covered", "hybrid_shadows"}) {
+             {"raw", "one_ray", "shadows", "many_rays", "covered", "hybrid_shadows", "hybrid_shadows_fast"}) {
             const Facts facts = facts_of(row);
             if (!seen.insert({pipeline, facts}).second) continue;
             SCOPED_TRACE(testing::Message() << row.scene << ", " << pipeline);
