@@ -63,4 +63,13 @@ Shot plaza_shot(std::array<uint32_t, 2> size, uint32_t frames) {
     return shot;
 }
 
+std::string add_lamp(Shot& shot) {
+    ShotLight& lamp = shot.lights["lamp"];
+    lamp.kind = LightKind::disc;
+    lamp.radius = 0.4;
+    lamp.range = 20;
+    lamp.keys = {{0, {0.2, 3, 0.1}, {0.1, -1, 0.1}, {1, 0.1, 0.3}, 1, 1}};
+    return "lamp";
+}
+
 }  // namespace penumbra::test

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "host/shots/shot.h"
 
@@ -11,5 +12,8 @@ namespace penumbra::test {
 
 // The model is written once per process, into a temporary folder.
 Shot plaza_shot(std::array<uint32_t, 2> size, uint32_t frames);
+
+// A lamp that is near, for pipelines that take one; its name.
+std::string add_lamp(Shot& shot);
 
 }  // namespace penumbra::test
