@@ -200,8 +200,8 @@ TEST_F(Explain, ABudgetIsDrawnPixelByPixel) {
     const std::string bytes = read_file(png);
     const RgbaImage image = decode_png(std::as_bytes(std::span(bytes)), 1 << 20);
     std::map<std::array<uint8_t, 3>, double> colors;
-    for (size_t i = 0; i < image.texels.size(); i += 4)
-        ++colors[{image.texels[i], image.texels[i + 1], image.texels[i + 2]}];
+    for (size_t i = 0; i < image.rgba.size(); i += 4)
+        ++colors[{image.rgba[i], image.rgba[i + 1], image.rgba[i + 2]}];
     EXPECT_EQ(colors.at({20, 20, 24}), 96 * 54 - receivers);
     EXPECT_NEAR(100 * colors.at({92, 92, 96}) / receivers, std::stod(said[3]), 0.051);
     EXPECT_NEAR(100 * colors.at({38, 84, 156}) / receivers, std::stod(said[4]), 0.051);
