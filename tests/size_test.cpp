@@ -32,15 +32,7 @@ Outputs run(const std::string& name, std::array<uint32_t, 2> of_size,
     options.poison = 0;  // what lies outside of the frame is no number
     options.optimum = options.pass_costs = false;
     options.cascade_size = 64;
-    Shot shot = plaza_shot(of_size, frames);
-    if (name.starts_with("light")) {  // which takes a light that is near
-        ShotLight& lamp = shot.lights["lamp"];
-        lamp.kind = LightKind::disc;
-        lamp.radius = 0.4;
-        lamp.range = 20;
-        lamp.keys = {{0, {0.2, 3, 0.1}, {0.1, -1, 0.1}, {1, 0.1, 0.3}, 1, 1}};
-        options.light = "lamp";
-    }
+    const Shot shot = plaza_shot(of_size, frames);
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session = Session::open(gpu(), test_nodes(), pipeline, shot, options, diagnostics, warnings);

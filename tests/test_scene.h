@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A small scene for tests of whole pipelines: a floor that faces the sun and fills the view, a bar and a
-// block above it, one of which moves; camera and sun move too.
+// block above it, one of which moves; camera and sun move too. A lamp for pipelines that take a light that is
+// near.
 #pragma once
 
 #include <array>
