@@ -99,6 +99,7 @@ struct CompareArguments {
     std::string image, reference;   // folders
     std::vector<std::string> also;  // folders of the same images under other seeds
     std::string frames, mask;
+    std::string light;                  // of a pipeline that takes several: whose mask is compared
     std::string signal = "visibility";  // or specular, diffuse
     uint32_t border = 0;                // pixels along the image's border that are left out
     bool json = false;

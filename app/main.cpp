@@ -56,7 +56,9 @@ void add_render(CLI::App& app, RenderArguments& a) {
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--seed", a.seed, "instead of the shot's seed");
-    c->add_option("--light", a.light, "of which of the shot's lights the mask is, where it has several");
+    c->add_option("--light", a.light,
+                  "of which of the shot's lights the mask is, where it has several; of a pipeline that takes "
+                  "several, the only one");
     c->add_option("--cascade-size", a.cascade_size, "texels along a side of the sun's shadow maps")
         ->check(CLI::Range(16u, 16384u));
     c->add_option("--facts", a.facts, "a,!b: take these as true or false, whatever the scene says");
@@ -149,6 +151,7 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
     c->add_option("--signal", a.signal, "what to compare: visibility, specular or diffuse radiance")
         ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
+    c->add_option("--light", a.light, "of an image with a mask for each of several lights: whose");
     c->add_option("--mask", a.mask, "EXR; only pixels where its first channel is above 0 are measured");
     c->add_option("--border", a.border, "leave out this many pixels along the image's border");
     c->add_flag("--json", a.json, "print JSON");

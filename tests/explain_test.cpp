@@ -205,7 +205,7 @@ TEST_F(Explain, ABudgetIsDrawnPixelByPixel) {
     EXPECT_EQ(colors.at({20, 20, 24}), 96 * 54 - receivers);
     EXPECT_NEAR(100 * colors.at({92, 92, 96}) / receivers, std::stod(said[3]), 0.051);
     EXPECT_NEAR(100 * colors.at({38, 84, 156}) / receivers, std::stod(said[4]), 0.051);
-    EXPECT_GT(colors.size(), 4u) << "some got more than one";
+    EXPECT_GE(colors.size(), 4u) << "some got more than one";
 
     fs::remove(png);
     expect(run("explain --shot colonnade --size 96x54 --budget --gather --out " + png), 2, "--gather");
