@@ -99,6 +99,7 @@ struct CompareArguments {
     std::string image, reference;   // folders
     std::vector<std::string> also;  // folders of the same images under other seeds
     std::string frames, mask;
+    std::string light;                  // of a pipeline that takes several: whose mask is compared
     std::string signal = "visibility";  // or specular, diffuse
     uint32_t border = 0;                // pixels along the image's border that are left out
     bool json = false;
@@ -150,6 +151,7 @@ struct ExplainArguments {
     uint32_t samples = 128;  // of the sun
     bool no_jitter = false;
     bool gather = false;  // what the rays around say, instead of what triangles hide
+    bool budget = false;  // how many rays each pixel got
     std::string device;
     std::vector<std::string> costs;  // report.json files of render, instead of a shot
 };

@@ -29,7 +29,7 @@ std::optional<std::vector<uint32_t>> choose_frames(const CompareArguments& argum
     }
     auto frames = visibility_frames(arguments.reference, diagnostics);
     for (const fs::path& folder : images) {
-        const auto present = visibility_frames(folder, diagnostics);
+        const auto present = visibility_frames(folder, diagnostics, arguments.light);
         if (!frames || !present) return std::nullopt;
         std::erase_if(*frames, [&](uint32_t frame) {
             return !std::binary_search(present->begin(), present->end(), frame);
@@ -151,7 +151,7 @@ class Loader {
         auto loaded = truth(number);
         if (!loaded) return std::nullopt;
         for (const fs::path& folder : folders_) {
-            const fs::path file = visibility_file(folder, number);
+            const fs::path file = visibility_file(folder, number, arguments_.light);
             auto image = read_exr(file, diagnostics_);
             if (!plane_of(image, file, "Y", diagnostics_)) continue;
             check_size(*image, loaded->truth, file, diagnostics_);

@@ -112,11 +112,21 @@ std::optional<RenderedFolder> read_rendered_frames(const fs::path& folder, Diagn
     return std::nullopt;
 }
 
-fs::path visibility_file(const fs::path& folder, uint32_t frame) {
-    return folder / fmt::format("visibility.{:04}.exr", frame);
+namespace {
+
+std::string name_of_mask(const std::string& light) {
+    return light.empty() ? "visibility" : "masks." + light;
 }
 
-std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, Diagnostics& diagnostics) {
+}  // namespace
+
+fs::path visibility_file(const fs::path& folder, uint32_t frame, const std::string& light) {
+    return folder / fmt::format("{}.{:04}.exr", name_of_mask(light), frame);
+}
+
+std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, Diagnostics& diagnostics,
+                                                       const std::string& light) {
+    const std::string mask = name_of_mask(light);
     std::error_code failure;
     std::vector<uint32_t> frames;
     for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
@@ -124,8 +134,9 @@ std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, D
         unsigned frame = 0;
         int length = 0;
         const std::string name = entry->path().filename().string();
-        if (std::sscanf(name.c_str(), "visibility.%u.exr%n", &frame, &length) == 1 &&
-            size_t(length) == name.size())
+        if (name.starts_with(mask) &&
+            std::sscanf(name.c_str() + mask.size(), ".%u.exr%n", &frame, &length) == 1 &&
+            mask.size() + size_t(length) == name.size())
             frames.push_back(frame);
     }
     if (failure) {
@@ -133,7 +144,7 @@ std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, D
         return std::nullopt;
     }
     if (frames.empty()) {
-        diagnostics.add({folder.string(), 0, 0}, "", "no visibility.NNNN.exr in here");
+        diagnostics.add({folder.string(), 0, 0}, "", fmt::format("no {}.NNNN.exr in here", mask));
         return std::nullopt;
     }
     std::sort(frames.begin(), frames.end());

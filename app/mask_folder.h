@@ -45,10 +45,13 @@ struct RenderedFolder {
 std::optional<RenderedFolder> read_rendered_frames(const std::filesystem::path& folder,
                                                    Diagnostics& diagnostics);
 
-std::filesystem::path visibility_file(const std::filesystem::path& folder, uint32_t frame);
+// `light`: of a pipeline that takes several, whose mask is meant.
+std::filesystem::path visibility_file(const std::filesystem::path& folder, uint32_t frame,
+                                      const std::string& light = {});
 
 // Numbers of the visibility images in a folder, rising; an error where there is no such folder.
 std::optional<std::vector<uint32_t>> visibility_frames(const std::filesystem::path& folder,
-                                                       Diagnostics& diagnostics);
+                                                       Diagnostics& diagnostics,
+                                                       const std::string& light = {});
 
 }  // namespace penumbra

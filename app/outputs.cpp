@@ -12,12 +12,15 @@
 #include "host/images/texels.h"
 
 namespace penumbra {
-namespace {
 
-struct Texels {
+struct OutputWriter::Texels {
     PlanarImage image;
     uint64_t hash = 0;
 };
+
+namespace {
+
+using Texels = OutputWriter::Texels;
 
 uint64_t fnv1a(std::span<const std::byte> bytes) {
     uint64_t hash = 0xcbf29ce484222325;
@@ -59,20 +62,33 @@ Format buffer_format(const PlanResource& r) {
     return Format::r32ui;
 }
 
-Texels captured_texels(const Session& session, const std::string& name) {
+// One for each layer.
+std::vector<Texels> captured_texels(const Session& session, const std::string& name) {
     const Plan& plan = session.plan();
     for (const PlanPass& pass : plan.passes) {
         if (pass.kind != PassKind::capture || pass.node != name) continue;
         const PlanResource& r = plan.resources[pass.bindings.front().index];
         const bool image = r.kind == PortKind::image;
-        Extent extent = image ? r.extent : buffer_extent(plan, r);
-        extent.height *= r.layers;  // one below the other
+        const Extent extent = image ? r.extent : buffer_extent(plan, r);
         const Format format = image ? r.format : buffer_format(r);
-        const std::span<const std::byte> bytes = session.view().captured(name);
-        return {decode_texels(format, extent.width, extent.height, bytes, channel_names(name, format)),
-                fnv1a(bytes)};
+        const std::span<const std::byte> all = session.view().captured(name);
+        std::vector<Texels> layers;
+        for (uint32_t layer = 0; layer < r.layers; ++layer) {
+            const auto bytes = all.subspan(layer * (all.size() / r.layers), all.size() / r.layers);
+            layers.push_back(
+                {decode_texels(format, extent.width, extent.height, bytes, channel_names(name, format)),
+                 fnv1a(bytes)});
+        }
+        return layers;
     }
     throw FileError(fmt::format("\"{}\" was not captured", name));
+}
+
+// What the files of a layer are called, after their resource: by its light where each is of one.
+std::string name_of_layer(const Session& session, size_t layer, size_t layers) {
+    const std::vector<std::string>& lights = session.host().light_names();
+    if (lights.size() == layers) return "." + lights[layer];
+    return layers == 1 ? "" : fmt::format(".{}", layer);
 }
 
 // Reverse-Z depth to metres along the view axis, 0 = sky. The last element of a projection tells the two
@@ -158,7 +174,7 @@ bool is_host_image(const std::string& name) {
 }
 
 PlanarImage captured_image(const Session& session, const std::string& resource) {
-    return captured_texels(session, resource).image;
+    return captured_texels(session, resource).front().image;
 }
 
 PlanarImage host_image(Device& device, const Session& session, const std::string& name) {
@@ -166,14 +182,21 @@ PlanarImage host_image(Device& device, const Session& session, const std::string
 }
 
 void OutputWriter::write(const Session& session, const std::string& resource, uint32_t frame) {
-    const Texels texels = is_host_image(resource) ? host_texels(device_, session, resource)
-                                                  : captured_texels(session, resource);
+    if (is_host_image(resource))
+        return write(host_texels(device_, session, resource), resource, resource, frame);
+    const std::vector<Texels> layers = captured_texels(session, resource);
+    for (size_t i = 0; i < layers.size(); ++i)
+        write(layers[i], resource, resource + name_of_layer(session, i, layers.size()), frame);
+}
+
+void OutputWriter::write(const Texels& texels, const std::string& resource, const std::string& name,
+                         uint32_t frame) {
     WrittenOutput out;
     out.resource = resource;
     out.frame = frame;
     out.hash = texels.hash;
     summarise(texels.image, out);
-    const std::string base = fmt::format("{}.{:04}", resource, frame);
+    const std::string base = fmt::format("{}.{:04}", name, frame);
     out.file = base + ".exr";
     write_exr(folder_ / out.file, texels.image);
     write_png(folder_ / (base + ".png"), texels.image);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Resources of a finished frame to files: DIR/<resource>.<frame>.exr in full precision and .png for the eye.
+// Resources of a finished frame to files: DIR/<resource>.<frame>.exr in full precision and .png for the eye;
+// of what has a layer for each of a shot's lights DIR/<resource>.<light>.<frame>.exr.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +26,7 @@ struct WrittenOutput {
 // Host inputs that can be captured beside the graph's own resources.
 bool is_host_image(const std::string& name);
 
-// A captured resource of the frame that has just completed.
+// A captured resource of the frame that has just completed, of one with layers the first.
 PlanarImage captured_image(const Session& session, const std::string& resource);
 // A host image (see is_host_image) of that frame.
 PlanarImage host_image(Device& device, const Session& session, const std::string& name);
@@ -35,12 +36,16 @@ class OutputWriter {
     OutputWriter(Device& device, std::filesystem::path folder)
         : device_(device), folder_(std::move(folder)) {}
 
-    // Writes one resource of the frame that has just completed.
+    // Writes one resource of the frame that has just completed, of one with layers a file for each.
     void write(const Session& session, const std::string& resource, uint32_t frame);
 
     const std::vector<WrittenOutput>& written() const { return written_; }
 
+    struct Texels;
+
   private:
+    void write(const Texels& texels, const std::string& resource, const std::string& name, uint32_t frame);
+
     Device& device_;
     std::filesystem::path folder_;
     std::vector<WrittenOutput> written_;

@@ -395,7 +395,9 @@ class DeclarationMaker {
                       {{"format", use("storables")}, {"filter", false}, {"levels", {{"const", false}}}}}}));
             if (!output) return whole;
             if (scope.kinds == bit(PortKind::image))
-                whole.update(only_if(is("layers", {{"const", true}}), {{"required", {"extent"}}}));
+                whole.update(only_if(
+                    is("layers", {{"const", true}}),
+                    {{"anyOf", Schema::array({{{"required", {"extent"}}}, {{"required", {"layers_of"}}}})}}));
             scope.updating = true;
             Schema either = only_if({{"required", {"updates"}}}, branch(vocabulary::port, scope));
             either["else"] = whole;

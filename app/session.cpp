@@ -46,6 +46,7 @@ const std::vector<std::string> known_slots = {"depth",
                                               "scene.alpha_uv",
                                               "scene.alpha_map",
                                               "light",
+                                              "lights",
                                               "material",
                                               "emissive",
                                               "environment",
@@ -146,9 +147,17 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                        Shot shot, const SessionOptions& options, Diagnostics& diagnostics,
                                        std::vector<std::string>& warnings) {
     shot.size = options.size;  // analytic scenes measure their camera in pixels
-    const bool near = std::ranges::find(pipeline.inputs, "light", &HostInput::name) != pipeline.inputs.end();
-    const auto chosen =
-        choose_light(shot, options.light, diagnostics, near ? LightsFor::near : LightsFor::sun);
+    const auto takes_input = [&](const char* name) {
+        return std::ranges::find(pipeline.inputs, name, &HostInput::name) != pipeline.inputs.end();
+    };
+    const bool several = takes_input("lights"), near = takes_input("light");
+    std::vector<std::string> lights;
+    if (several) lights = choose_lights(shot, near ? "" : options.light, diagnostics);
+    if (several && lights.empty()) return nullptr;
+    const auto chosen = several && !near && !takes_input("sun")
+                            ? ChosenLight{}
+                            : choose_light(shot, several && !near ? "" : options.light, diagnostics,
+                                           near ? LightsFor::near : LightsFor::sun);
     if (!chosen) return nullptr;
     const auto doing = [&](const char* what) {
         if (options.doing) options.doing(what);
@@ -192,12 +201,10 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (options.optimum) compile_options.optimum_search_nodes = render_search_nodes;
     host_options.jitter = options.jitter;
     host_options.light = chosen->name;
+    host_options.lights = lights;
     host_options.steered = options.steered;
-    host_options.materials = std::ranges::any_of(pipeline.inputs, [](const HostInput& input) {
-        return input.name == "material" || input.name == "emissive";
-    });
-    const bool looks_beyond =
-        std::ranges::find(pipeline.inputs, "environment", &HostInput::name) != pipeline.inputs.end();
+    host_options.materials = takes_input("material") || takes_input("emissive");
+    const bool looks_beyond = takes_input("environment");
     std::optional<EnvironmentMap> environment;
     if (looks_beyond) {
         environment = make_environment(shot, diagnostics);
@@ -217,6 +224,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     Target target =
         standalone_target(pipeline, table, options.largest.value_or(options.size), facts,
                           {options.cascade_size, options.cascade_size}, session->host_->cascade_layers());
+    if (several) target.inputs["lights"] = {Format::rgba32ui, {5, static_cast<uint32_t>(lights.size())}};
     if (environment) {
         target.inputs["environment"] = {Format::rgba32f, {environment->width, environment->height}};
         if (std::max(environment->width, environment->height) > table.max_image_extent) {
@@ -272,6 +280,9 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                           "the previous frame's sun");
     session->light_ =
         make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the light");
+    if (several)
+        session->lights_ = make_host_texels(device, lights.size() * sizeof(blocks::Light),
+                                            VK_FORMAT_R32G32B32A32_UINT, "the lights");
     session->scene_ = make_host_buffer(device, sizeof(blocks::Scene), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                        "the scene block");
     session->cascades_ = make_host_buffer(device, sizeof(blocks::Cascades),
@@ -283,6 +294,8 @@ void Session::write_blocks(const StandaloneFrame& frame) {
     std::memcpy(sun_.mapped, &frame.sun, sizeof frame.sun);
     std::memcpy(sun_prev_.mapped, &frame.sun_prev, sizeof frame.sun_prev);
     std::memcpy(light_.mapped, &frame.light, sizeof frame.light);
+    if (!frame.lights.empty())
+        std::memcpy(lights_.buffer.mapped, frame.lights.data(), frame.lights.size() * sizeof(blocks::Light));
     std::memcpy(scene_.mapped, &frame.scene, sizeof frame.scene);
     std::memcpy(cascades_.mapped, &frame.cascades, sizeof frame.cascades);
 }
@@ -304,6 +317,7 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "sun") b.buffer = sun_.get();
         if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
         if (slot.name == "light") b.buffer = light_.get();
+        if (slot.name == "lights") b.texels = lights_.view.get();
         if (slot.name == "scene") b.buffer = scene_.get();
         const auto bind = [&](std::string_view name, const GpuTexels& texels) {
             if (slot.name == name) b.texels = texels.view.get();

@@ -27,7 +27,8 @@ struct SessionOptions {
     uint32_t cascade_size = 1024;                    // texels along a side of the sun's shadow maps
     std::vector<std::string> captures;
     std::optional<uint32_t> seed;
-    std::string light;  // of the shot, that masks are of; empty: the only one
+    std::string
+        light;  // of the shot, that masks are of; empty: the only one, or all where a pipeline takes several
     bool alias = true;
     bool jitter = true;          // where a node of the plan needs it
     bool always_jitter = false;  // whether one does or not
@@ -118,6 +119,7 @@ class Session {
     std::array<double, 2>
         surfaces_moments_{};  // what `surfaces_` was made for: the frame's and its previous one's
     GpuBuffer sun_, sun_prev_, light_, scene_, cascades_;
+    GpuTexels lights_;
     std::unique_ptr<View> view_;
 };
 

@@ -292,6 +292,15 @@ class Checker {
         });
         for (BoundNode& node : result_.nodes)
             for (BoundPort& bound : node.ports) bound.cases &= node.cases;
+        each_port(false, [&](size_t node, const BoundPort& bound, const Wire*) {
+            if (bound.resource != no_resource) return;
+            for (const uint32_t other : bound.port->with)
+                if (const BoundPort& beside = result_.nodes[node].ports[other];
+                    beside.resource != no_resource)
+                    error(use_of(node, bound),
+                          fmt::format("unbound, and beside \"{}\" the port is not optional",
+                                      beside.port->name));
+        });
     }
 
     // Whether somebody else than this node provides the name.

@@ -115,22 +115,40 @@ class DataflowChecker {
         return facts.empty() ? "with these parameters" : "where " + facts;
     }
 
+    // In which cases its name must be there: an optional one's beside the inputs that want it.
+    FactCases needed(const PortUse& reader) const {
+        if (!reader.bound->port->optional) return reader.bound->cases;
+        FactCases beside;
+        for (const uint32_t other : reader.bound->port->with)
+            if (const BoundPort& bound = nodes_[reader.node].ports[other]; bound.resource != no_resource)
+                beside |= bound.cases;
+        return reader.bound->cases & beside;
+    }
+
+    std::string beside(const PortUse& reader) const {
+        for (const uint32_t other : reader.bound->port->with)
+            if (const BoundPort& bound = nodes_[reader.node].ports[other]; bound.resource != no_resource)
+                return fmt::format(" beside \"{}\"", bound.port->name);
+        return {};
+    }
+
     void check_presence(const std::string& name, const ResourceUse& use) {
         for (const PortUse& reader : use.readers) {
-            if (reader.bound->port->optional) continue;
+            const FactCases cases = needed(reader);
+            if (reader.bound->port->optional && cases.none()) continue;
             if (use.host) {
                 if (use.host->optional)
                     error(
                         reader,
                         fmt::format("the host may leave out \"{}\" (\"optional\": true), but the port is not "
-                                    "optional",
-                                    name));
+                                    "optional{}",
+                                    name, beside(reader)));
                 continue;
             }
             if (use.writers.empty()) continue;  // reported where the name was looked up
-            if (const auto when = missing_writer(use, reader.bound->cases))
-                error(reader,
-                      fmt::format("nobody writes \"{}\" {}, and the port is not optional", name, *when));
+            if (const auto when = missing_writer(use, cases))
+                error(reader, fmt::format("nobody writes \"{}\" {}, and the port is not optional{}", name,
+                                          *when, beside(reader)));
         }
     }
 
@@ -232,13 +250,15 @@ class DataflowChecker {
         for (size_t id = 0; id < dataflow_.resources.size(); ++id)
             for (const PortUse& writer : dataflow_.resources[id].writers) {
                 const Port& port = *writer.bound->port;
-                const std::optional<uint32_t> of =
-                    (port.kind == PortKind::buffer ? port.count.of : port.extent.of).port;
-                if (port.updated_input || !of) continue;
-                const BoundPort& source = nodes_[writer.node].ports[*of];
-                const FactCases both = writer.bound->cases & source.cases;
-                if (source.resource != no_resource && both.any())
-                    waits.push_back({first_of_chain(source.resource), id, both, &writer});
+                if (port.updated_input) continue;
+                for (const SizeOf* size :
+                     {port.kind == PortKind::buffer ? &port.count.of : &port.extent.of, &port.layers_of}) {
+                    if (!size->port) continue;
+                    const BoundPort& source = nodes_[writer.node].ports[*size->port];
+                    const FactCases both = writer.bound->cases & source.cases;
+                    if (source.resource != no_resource && both.any())
+                        waits.push_back({first_of_chain(source.resource), id, both, &writer});
+                }
             }
         return waits;
     }

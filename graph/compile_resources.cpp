@@ -99,7 +99,10 @@ Compiler::Size Compiler::size_of(uint32_t id) {
     if (!made.size) {
         const Port& port = *made.by->node->ports[made.port].port;
         const Size base = size_of(*made.by, port.extent.of);
-        made.size = Size{apply(port.extent, base.extent), port.layers ? base.layers : 1, base.follows};
+        const uint32_t layers = port.layers_of.port ? size_of(*made.by, port.layers_of).extent.height
+                                : port.layers       ? base.layers
+                                                    : 1;
+        made.size = Size{apply(port.extent, base.extent), layers, base.follows};
         if (made.size->follows) append(*made.size->follows, {port.extent.div, port.extent.mul});
     }
     return *made.size;

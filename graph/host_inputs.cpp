@@ -75,8 +75,10 @@ std::vector<HostResource> resolve_inputs(const CheckedPipeline& pipeline, const 
         };
         const std::vector<Reader> readers = readers_of(pipeline, selection, i);
         if (readers.empty() || (input.kind != PortKind::image && input.kind != PortKind::texels)) continue;
-        const Extent wanted =
-            input.extent == HostInput::Extent::fixed ? Extent{input.size[0], input.size[1]} : target.extent;
+        const bool list = input.kind == PortKind::texels && input.extent == HostInput::Extent::any;
+        const Extent wanted = input.extent == HostInput::Extent::fixed ? Extent{input.size[0], input.size[1]}
+                              : list                                   ? Extent{1, 1}
+                                                                       : target.extent;
         const auto brought = target.inputs.find(input.name);
         HostResource& r = resources[i];
         if (brought != target.inputs.end())

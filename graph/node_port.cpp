@@ -108,6 +108,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     if (port.kind == PortKind::bundle)
         port.bundle = &type.domain->bundles[kind - static_cast<size_t>(PortKind::bundle)];
     port.layers = reader.flag("layers");
+    port.layers_of.name = reader.text("layers_of");
     port.levels = reader.flag("levels");
     read_access(reader, port);
     read_formats(reader, port);
@@ -123,6 +124,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     port.memo = reader.flag("memo");
     port.first = static_cast<First>(reader.word("first").value_or(0));
     read_ranges(reader, port, diagnostics);
+    reader.list("with");  // linked once all ports are known
     port.updates = reader.text("updates");
     if (const Json* condition = reader.find("if"))
         port.condition = read_condition(*condition, reader.path("if"), type, diagnostics);
@@ -152,7 +154,10 @@ class Linker {
                 link_size(port, "count", port.count.of);
             else
                 link_size(port, "extent", port.extent.of);
+            if (!port.layers_of.name.empty()) link_layers(port);
         }
+        for (Port& port : type_.ports)
+            if (!port.output) link_with(port);
         for (const Port& port : type_.ports)
             if (!port.ranges.empty()) check_ranges(port);
         check_variants();
@@ -204,11 +209,39 @@ class Linker {
         type_.ports[*port.updated_input].updater = type_.index(port);
     }
 
+    void link_layers(Port& port) {
+        const Port* source = type_.port(port.layers_of.name);
+        if (source && source->kind != PortKind::texels)
+            error(port, "layers_of",
+                  fmt::format("\"{}\" is no texels, whose rows could be counted", source->name));
+        else
+            link_size(port, "layers_of", port.layers_of);
+    }
+
+    void link_with(Port& port) {
+        const Json* names = declaration_.find("inputs")->find(port.name)->find("with");
+        if (!names || names->kind != Json::Kind::array) return;
+        for (size_t i = 0; i < names->items.size(); ++i) {
+            const Json& name = names->items[i];
+            const Port* other = type_.port(name.string);
+            const std::string path = fmt::format("inputs.{}.with[{}]", port.name, i);
+            if (!other || other->output)
+                diagnostics_.add(name.place, path,
+                                 fmt::format("no input \"{}\"{}", name.string,
+                                             did_you_mean(name.string, names_of(type_, false))));
+            else if (!other->optional || other == &port)
+                diagnostics_.add(name.place, path, "an optional input other than this one is meant");
+            else
+                port.with.push_back(type_.index(*other));
+        }
+    }
+
     // `of` names "frame" or an image or texels port that is there whenever this one is.
     void link_size(const Port& port, const char* key, SizeOf& size) {
         const std::string& of = size.name;
+        const bool layers = port.layers && port.layers_of.name.empty();  // which `of` tells
         if (of == "frame" || of.empty()) {
-            if (port.layers)
+            if (layers)
                 error(port, "layers", "the extent must be that of a port with layers, which tells how many");
             return;
         }
@@ -226,7 +259,7 @@ class Linker {
         if (source->optional) error(port, key, fmt::format("\"{}\" is optional and may have no extent", of));
         if (!implies(port.condition, source->condition))
             error(port, key, fmt::format("\"{}\" exists only where {}", of, to_string(source->condition)));
-        if (port.layers && !source->layers)
+        if (layers && !source->layers)
             error(port, "layers", fmt::format("\"{}\", whose extent it takes, has no layers", of));
         if (sized_by_itself(port)) error(port, key, "the extent depends on itself");
         size.port = type_.index(*source);

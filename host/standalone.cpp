@@ -91,6 +91,8 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     out.sun_prev = sun_block(sun_at(shot_, previous));
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
     if (light()) out.light = light_block(*light(), moment(index), camera - shot_.origin);
+    for (const std::string& name : options_.lights)
+        out.lights.push_back(light_block(shot_.lights.at(name), moment(index), camera - shot_.origin));
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_->bvh_origin());
     for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);

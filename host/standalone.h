@@ -23,11 +23,12 @@ namespace penumbra {
 struct StandaloneOptions {
     std::array<uint32_t, 2> size{1280, 720};
     uint32_t frames_in_flight = 2;
-    bool jitter = true;            // whether frames are jittered where the pipeline wants it
-    uint32_t cascade_size = 1024;  // texels along a side of a shadow map
-    std::string light = "sun";     // a name of the shot's: which one masks are of
-    bool materials = false;        // whether the G-buffer has `material` and `emissive`
-    bool steered = false;          // somebody will steer(): maps are made for any camera and sun
+    bool jitter = true;               // whether frames are jittered where the pipeline wants it
+    uint32_t cascade_size = 1024;     // texels along a side of a shadow map
+    std::string light = "sun";        // a name of the shot's: which one masks are of
+    std::vector<std::string> lights;  // names of the shot's: those that a pipeline takes together
+    bool materials = false;           // whether the G-buffer has `material` and `emissive`
+    bool steered = false;             // somebody will steer(): maps are made for any camera and sun
 };
 
 // Where somebody stands who looks around, and the moment of the shot that is seen, in frames of it: an
@@ -41,8 +42,9 @@ struct Stance {
 // One frame's data, a pure function of its index.
 struct StandaloneFrame {
     FrameDescription description;
-    blocks::Sun sun{}, sun_prev{};  // of the previous frame; of this one where there is none
-    blocks::Light light{};          // of the one that masks are of, where it is not the sun
+    blocks::Sun sun{}, sun_prev{};      // of the previous frame; of this one where there is none
+    blocks::Light light{};              // of the one that masks are of, where it is not the sun
+    std::vector<blocks::Light> lights;  // in the options' order
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };
@@ -89,6 +91,8 @@ class StandaloneHost {
     }
 
     const std::string& light_name() const { return options_.light; }  // "sun", or of light()
+
+    const std::vector<std::string>& light_names() const { return options_.lights; }
 
     // What holds for the whole shot: the facts that conditions in pipelines ask for.
     std::map<std::string, bool> facts() const;

@@ -62,7 +62,7 @@ class Check : public ::testing::Test {
         return bound.resource == no_resource ? "" : checked.resources[bound.resource].name;
     }
 
-    const NodeSet nodes_ = test::toy_nodes();
+    NodeSet nodes_ = test::toy_nodes();
     Diagnostics diagnostics_;
 };
 
@@ -300,6 +300,34 @@ TEST_F(Check, AnOptionalHostInputNeedsOptionalPorts) {
               "");
     expect_valid(pipeline(R"("albedo": {}, "visibility": {"optional": true})", R"("lit")",
                           R"("s": {"type": "shade"})"));
+}
+
+TEST_F(Check, BesideAnotherInputAPortIsNotOptional) {
+    nodes_.add({.type = test::parse_toy(R"({ "node": "lit_by", "doc": "d", "shader": "s.comp",
+      "inputs": { "place": { "kind": "image", "format": "r16f", "optional": true, "with": ["lamp"] },
+                  "lamp": { "kind": "image", "format": "r8", "optional": true } },
+      "outputs": { "shown": { "kind": "image", "format": "r8" } },
+      "dispatch": { "over": "frame" } })",
+                                        "lit_by")});
+    const auto with = [](const std::string& inputs, const std::string& in, const std::string& nodes = "") {
+        return pipeline(inputs, R"("shown")", nodes + R"("n": {"type": "lit_by", "in": {)" + in + "}}");
+    };
+    expect_valid(with("", ""));
+    expect_valid(with(R"("place": {})", ""));
+    expect_valid(with(R"("place": {}, "lamp": {})", ""));
+    expect_valid(with(R"("lamp": {})", R"("lamp": null)"));
+    EXPECT_EQ(error(with(R"("lamp": {})", "")),
+              "nodes.n.in.place: unbound, and beside \"lamp\" the port is not optional");
+    EXPECT_EQ(error(with(R"("place": {}, "lamp": {})", R"("place": null)")),
+              "nodes.n.in.place: unbound, and beside \"lamp\" the port is not optional");
+    EXPECT_EQ(error(with(R"("place": {"optional": true}, "lamp": {})", "")),
+              "nodes.n.in.place: the host may leave out \"place\" (\"optional\": true), but the port is not "
+              "optional beside \"lamp\"");
+    const std::string sometimes = R"("f": {"type": "fill", "if": "sun_up", "out": {"value": "v"}}, )";
+    expect_valid(with("", R"("place": "v")", sometimes));
+    EXPECT_EQ(
+        error(with(R"("lamp": {})", R"("place": "v")", sometimes)),
+        "nodes.n.in.place: nobody writes \"v\" where !sun_up, and the port is not optional beside \"lamp\"");
 }
 
 TEST_F(Check, APortThatItsNodesParametersRuleOutNeedsNoResource) {

@@ -586,6 +586,27 @@ TEST(CompileLayers, AnArrayTakesItsLayersFromThePortThatGivesItsExtent) {
     EXPECT_EQ(plan.resources[0].bytes, 4u * 256 * 256 * 4);
 }
 
+TEST(CompileLayers, AnArrayHasALayerForEachRowOfTexels) {
+    NodeSet set;
+    set.add({.type = parse_toy(R"({ "node": "slices", "doc": "d", "shader": "s.comp",
+      "inputs": { "list": { "kind": "texels", "format": "r32ui" } },
+      "outputs": { "slice": { "kind": "image", "format": "r32f", "layers": true, "layers_of": "list" } },
+      "dispatch": { "over": "frame" } })",
+                               "slices")});
+    Target target = target_of({64, 32});
+    target.inputs["list"] = {Format::r32ui, {5, 7}};
+    const Plan plan = *compile_text(set, R"("inputs": { "list": { "extent": "any" } }, "outputs": ["slice"],
+        "nodes": { "slices": { "type": "slices" } })",
+                                    target)
+                           .plan;
+    EXPECT_EQ(plan.resources[0].layers, 7u);
+    EXPECT_TRUE(plan.resources[0].layered);
+    EXPECT_EQ(plan.resources[0].extent, (Extent{64, 32}));
+    EXPECT_EQ(plan.resources[0].bytes, 7u * 64 * 32 * 4);
+    EXPECT_EQ(plan.passes[0].groups,
+              (std::array<uint32_t, 3>{8, 4, 1}));  // over the frame, not over the layers
+}
+
 TEST(CompileIndirect, ArgumentsMustFitAndBeOfThisFrame) {
     NodeSet set;
     set.add({.type = parse_toy(R"({ "node": "list", "doc": "d", "shader": "s.comp",

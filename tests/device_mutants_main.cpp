@@ -44,14 +44,13 @@ class Runs {
     Runs(const std::string& pipeline, bool poisoned)
         : device_({"", !poisoned}), poison_(poisoned ? std::optional(1u) : std::nullopt) {
         const CheckedPipeline checked = shadow_pipeline_file(pipeline);
-        Shot shot = plaza_shot(size, frames);
+        const Shot shot = plaza_shot(size, frames);
         SessionOptions options;
         options.size = size;
         options.captures = checked.output_names();
         options.optimum = options.pass_costs = false;
         options.poison = poison_;
         options.cascade_size = 64;
-        if (pipeline.starts_with("light")) options.light = add_lamp(shot);
         // One for each frame, so that what the host brings to each is there for all mutants.
         for (uint32_t last = 0; last < frames; ++last) {
             Diagnostics diagnostics;

@@ -32,8 +32,7 @@ Outputs run(const std::string& name, std::array<uint32_t, 2> of_size,
     options.poison = 0;  // what lies outside of the frame is no number
     options.optimum = options.pass_costs = false;
     options.cascade_size = 64;
-    Shot shot = plaza_shot(of_size, frames);
-    if (name.starts_with("light")) options.light = add_lamp(shot);
+    const Shot shot = plaza_shot(of_size, frames);
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session = Session::open(gpu(), test_nodes(), pipeline, shot, options, diagnostics, warnings);

@@ -59,17 +59,13 @@ Shot plaza_shot(std::array<uint32_t, 2> size, uint32_t frames) {
     shot.camera = {{0, {0.5, 4, 4}, {0, 0, 0}, {0, 1, 0}}, {16, {0.8, 4, 4.2}, {0, 0, 0}, {0, 1, 0}}};
     shot.sun_angular_radius_deg = 1.5;
     shot.sun = {{0, {0.4, 0.8, 0.2}}, {16, {0.45, 0.8, 0.2}}};
-    shot.objects["block"].keys = {{0, {0, 0, 0}, {0, 0, 0}}, {16, {0.3, 0.2, 0}, {0, 20, 0}}};
-    return shot;
-}
-
-std::string add_lamp(Shot& shot) {
     ShotLight& lamp = shot.lights["lamp"];
     lamp.kind = LightKind::disc;
     lamp.radius = 0.4;
     lamp.range = 20;
     lamp.keys = {{0, {0.2, 3, 0.1}, {0.1, -1, 0.1}, {1, 0.1, 0.3}, 1, 1}};
-    return "lamp";
+    shot.objects["block"].keys = {{0, {0, 0, 0}, {0, 0, 0}}, {16, {0.3, 0.2, 0}, {0, 20, 0}}};
+    return shot;
 }
 
 }  // namespace penumbra::test

@@ -392,9 +392,8 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
 // denoise*.json are for hosts that trace by themselves, reference.json for the command of that name.
 std::vector<std::string> rendered_names() {
     std::vector<std::string> names = shipped_names();
-    std::erase_if(names, [](const std::string& name) {
-        return name.starts_with("denoise") || name == "reference" || name.starts_with("light");
-    });  // whose shot has a light
+    std::erase_if(names,
+                  [](const std::string& name) { return name.starts_with("denoise") || name == "reference"; });
     return names;
 }
 

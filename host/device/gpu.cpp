@@ -199,22 +199,36 @@ GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBuffe
     return result;
 }
 
+namespace {
+
+GpuTexels with_view(const Device& device, GpuBuffer buffer, VkFormat format, VkDeviceSize bytes,
+                    std::string_view what) {
+    GpuTexels out{std::move(buffer), {}};
+    VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
+    create.buffer = out.buffer.get();
+    create.format = format;
+    create.range = bytes;
+    VkBufferView view = VK_NULL_HANDLE;
+    check(vkCreateBufferView(device.get(), &create, nullptr, &view), "vkCreateBufferView", std::string(what));
+    out.view = {device.get(), view};
+    return out;
+}
+
+}  // namespace
+
 GpuTexels upload_texels(Device& device, std::span<const std::byte> data, VkFormat format,
                         std::string_view what) {
     const size_t texels = data.size() / texel_bytes(format);
     if (texels > device.limits().maxTexelBufferElements)
         throw DeviceError(fmt::format("{} need {} texels, the device's texel buffers hold {}", what, texels,
                                       device.limits().maxTexelBufferElements));
-    GpuTexels out;
-    out.buffer = upload_buffer(device, data, VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what);
-    VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
-    create.buffer = out.buffer.get();
-    create.format = format;
-    create.range = data.size();
-    VkBufferView view = VK_NULL_HANDLE;
-    check(vkCreateBufferView(device.get(), &create, nullptr, &view), "vkCreateBufferView", std::string(what));
-    out.view = {device.get(), view};
-    return out;
+    return with_view(device, upload_buffer(device, data, VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what),
+                     format, data.size(), what);
+}
+
+GpuTexels make_host_texels(const Device& device, VkDeviceSize bytes, VkFormat format, std::string_view what) {
+    return with_view(device, make_host_buffer(device, bytes, VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what),
+                     format, bytes, what);
 }
 
 GpuTexels upload_texels_as(TexelsAs as, Device& device, std::span<const std::byte> data, VkFormat format,

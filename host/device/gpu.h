@@ -61,6 +61,8 @@ GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBuffe
 // At least one texel; throws DeviceError, which names `what`, where the device's texel buffers hold fewer.
 GpuTexels upload_texels(Device& device, std::span<const std::byte> data, VkFormat format,
                         std::string_view what);
+// Host-visible, coherent, mapped.
+GpuTexels make_host_texels(const Device& device, VkDeviceSize bytes, VkFormat format, std::string_view what);
 // What a plan asks for as texels, or, for a device whose texel buffers are small, as a storage buffer of the
 // same words (then without a view); throws DeviceError where neither holds as much.
 enum class TexelsAs : uint8_t { texels, words };

@@ -57,6 +57,22 @@ std::optional<ChosenLight> choose_light(const Shot& shot, const std::string& nam
     return ChosenLight{wanted, &shot.lights.at(wanted)};
 }
 
+std::vector<std::string> choose_lights(const Shot& shot, const std::string& name, Diagnostics& diagnostics) {
+    std::vector<std::string> names;
+    for (const auto& [key, light] : shot.lights) names.push_back(key);
+    if (names.empty()) {
+        diagnostics.add({shot.file.string(), 0, 0}, "lights",
+                        "the pipeline takes lights that are near, and the shot has none");
+        return {};
+    }
+    if (name.empty()) return names;
+    if (std::ranges::find(names, name) != names.end()) return {name};
+    diagnostics.add({shot.file.string(), 0, 0}, "--light",
+                    fmt::format("the shot has no light named \"{}\"{} that is near; it has {}", name,
+                                did_you_mean(name, names), fmt::join(names, ", ")));
+    return {};
+}
+
 blocks::Light light_block(const ShotLight& light, double frame, const glm::dvec3& camera) {
     const LightKey key = light_at(light, frame);
     const bool round =

@@ -21,6 +21,10 @@ struct ChosenLight {
 std::optional<ChosenLight> choose_light(const Shot& shot, const std::string& name, Diagnostics& diagnostics,
                                         LightsFor wanted = LightsFor::any);
 
+// For a pipeline that takes several: the one of a name, or without one all, in their names' order; the sun is
+// none of them. Empty after an error.
+std::vector<std::string> choose_lights(const Shot& shot, const std::string& name, Diagnostics& diagnostics);
+
 // Where it is as seen from `camera`, both in the world without the shot's origin.
 blocks::Light light_block(const ShotLight& light, double frame, const glm::dvec3& camera);
 

@@ -55,6 +55,7 @@ struct Port {
     bool levels = false;          // mip chain
     std::string element;          // buffer: u32 uvec2 uvec4 f32 vec4 or a struct; block: the struct's name
     ExtentRule extent;            // outputs of kind image and texels
+    SizeOf layers_of{.name = ""};  // outputs with layers: a texels port with a row for each; nothing: as `extent`
     CountRule count;              // outputs of kind buffer
     Writes writes = Writes::all;
     // Output: what frames before left in it spares work and changes nothing that is put out.
@@ -66,6 +67,7 @@ struct Port {
     bool previous = false;  // must be bound to NAME@-1
     bool indirect = false;  // holds dispatch arguments
     bool optional = false;
+    std::vector<uint32_t> with;  // indices of inputs beside which it is not optional
     Condition condition;  // "if": the port exists only where this holds
     // Output of numbers: what each channel may hold, inclusive, infinite where an end is open. Fewer than the
     // format's channels: the others may hold anything finite. A promise, which `validate` checks

@@ -73,8 +73,8 @@ using Facts = std::map<std::string, bool>;
 
 struct Target {
     Extent extent;
-    // Images and texels; absent: the declared extent and format, or the frame's and the first that all
-    // readers accept.
+    // Images and texels; absent: the declared extent and format, or the frame's (of texels of any extent: one
+    // texel) and the first that all readers accept.
     std::map<std::string, HostResource> inputs;
     std::set<std::string> left_out;  // optional inputs that the host does not bring at all
     Facts facts;

@@ -12,6 +12,7 @@
 #include "common/branch.glsl"
 
 const float FOR_THE_UNSURE = 0.8;  // of a budget that does not reach for all
+const float LEAST_SHARE = 0.03125;   // a pixel of a tile
 
 // The i-th pixel of a tile to be asked: neighbours' turns lie far apart. Bits of i from the lowest on: x 2, y 1, x 1, y 0, x 0.
 uint bit_in_turn(uint i) {
@@ -32,7 +33,15 @@ void main() {
     const float budget = params.rays_per_frame * (unsure + others + idle);
     const bool enough = budget >= unsure + others + params.trickle * idle;
     const float of_unsure = enough ? 1.0 : min(FOR_THE_UNSURE * budget / max(unsure, 1.0), 1.0);
-    const float of_others = enough ? 1.0 : min((budget - of_unsure * unsure) / max(others + params.trickle * idle, 1.0), 1.0);
+    const float left = budget - of_unsure * unsure;
+    float of_others = enough ? 1.0 : min(left / max(others + params.trickle * idle, 1.0), 1.0);
+    float of_idle = params.trickle * of_others;
+    // Less than a pixel of a tile would be none: then one comes first, if there are as many rays as tiles.
+    const float tiles = float(candidate_args[3]);
+    if (params.trickle > 0.0 && of_idle < LEAST_SHARE && left >= tiles) {
+        of_idle = LEAST_SHARE;
+        of_others = min((left - tiles) / max(others, 1.0), 1.0);
+    }
 
     uvec4 record = uvec4(0u);
     const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
@@ -40,7 +49,7 @@ void main() {
     uint pixels = 0u;
     BRANCH_IF (record.y != 0u) {
         const uvec4 tile_known = known[tile_index(tile_of(record))];
-        pixels = record.y & (tile_known.x & turn(in_32nds(of_unsure)) | tile_known.y & turn(in_32nds(of_others * params.trickle)) |
+        pixels = record.y & (tile_known.x & turn(in_32nds(of_unsure)) | tile_known.y & turn(in_32nds(of_idle)) |
                              ~(tile_known.x | tile_known.y) & turn(in_32nds(of_others)));
         ray_words[tile_index(tile_of(record))] = pixels;
     }

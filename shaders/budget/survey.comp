@@ -20,15 +20,15 @@ const bool MANY_RAYS = true;
 const float NEVER_ELSE = 0.003;  // of 0 or of 1: less than one ray among those that a past stands for
 const float SETTLED = 24.0;  // frames after which, where nothing can move, a pixel that was never in penumbra needs no more than its turn
 
-// Pixels that are new or were in penumbra; those that have long been lit or shadowed; those that were lit.
-uvec3 by_their_past(ivec2 tile, uint pixels) {
-    if ((frame.flags & FRAME_RESET) != 0u) return uvec3(pixels, 0u, 0u);
-    uvec3 masks = uvec3(0u);
+// Pixels that are new or were in penumbra; none; those that were lit; those that have long been lit or shadowed and cannot change.
+uvec4 by_their_past(ivec2 tile, uint pixels) {
+    if ((frame.flags & FRAME_RESET) != 0u) return uvec4(pixels, 0u, 0u, 0u);
+    uvec4 masks = uvec4(0u);
     for (int i = 0; i < 32; ++i) {
         const PixelPast past = nearest_past(tile * TILE + ivec2(i & 7, i >> 3));
         const float between = min(past.visibility, 1.0 - past.visibility);
         if (!past.known || between >= SURE_BELOW) masks.x |= 1u << i;
-        if (!HAS_MOTION && !HAS_SUN_PREV && past.known && past.count >= SETTLED && between < NEVER_ELSE) masks.y |= 1u << i;
+        if (!HAS_MOTION && !HAS_SUN_PREV && past.known && past.count >= SETTLED && between < NEVER_ELSE) masks.w |= 1u << i;
         if (past.visibility > 0.5) masks.z |= 1u << i;
     }
     return masks & pixels;
@@ -49,13 +49,13 @@ void main() {
     const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
     uvec4 record = uvec4(0u);
     if (index < candidate_args[3]) record = candidates[index];
-    uvec3 masks = uvec3(0u);
+    uvec4 masks = uvec4(0u);
     BRANCH_IF (record.y != 0u) {
         const ivec2 tile = tile_of(record), cell = ivec2(2 * tile.x, tile.y);
         masks = by_their_past(tile, record.y);
         const uint idle = (was_idle(cell) ? 0x0f0f0f0fu : 0u) | (was_idle(cell + ivec2(1, 0)) ? 0xf0f0f0f0u : 0u);
-        masks.y |= record.y & idle & ~masks.x;
-        known[tile_index(tile)] = uvec4(masks, 0u);
+        masks.y = record.y & idle & ~masks.x | masks.w;
+        known[tile_index(tile)] = masks;
     }
     const uvec3 counts = uvec3(bitCount(masks.x), bitCount(record.y & ~masks.x & ~masks.y), bitCount(masks.y));
     for (int i = 0; i < 3; ++i) {

@@ -15,6 +15,12 @@
 
 ivec2 pixel_of_bit(ivec2 tile, uint bit) { return tile * TILE + ivec2(bit & 7u, bit >> 3); }
 
+// Whether the surface at a pixel itself blocks none of the rays; what else does is the scene's to say.
+bool surface_lets_rays_out(ivec2 p) {
+    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+    return cap_leaves_surface(n, sun.to_sun, sun.angular_radius);
+}
+
 // The beam of the pixels in `mask`, and where in it their rays start.
 // `open`: no surface blocks its own rays.
 void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts, out bool open) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Where the shadow ray of a pixel starts (common/ray_offset.glsl), and whether its own surface stands in its way.
+// Where the shadow ray of a pixel starts (common/ray_offset.glsl).
 //
 // Includer has common/camera.glsl and common/receiver_normal.glsl and declares: image view_depth,
-// receiver_normal; block scene, sun.
+// receiver_normal; block scene.
 #include "common/ray_offset.glsl"
 
 // In the scene's frame, for a pixel that shows a surface with this normal.
@@ -14,9 +14,3 @@ vec3 shadow_ray_origin(ivec2 p, vec3 n) {
 }
 
 vec3 shadow_ray_origin(ivec2 p) { return shadow_ray_origin(p, decode_receiver_normal(imageLoad(receiver_normal, p).xy)); }
-
-// Whether the surface at a pixel itself blocks none of the rays; what else does is the scene's to say.
-bool surface_lets_rays_out(ivec2 p) {
-    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
-    return cap_leaves_surface(n, sun.to_sun, sun.angular_radius);
-}

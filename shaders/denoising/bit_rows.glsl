@@ -3,7 +3,7 @@
 // index is known when this is compiled, where it can be: software devices store to one that is not lane by lane.
 //
 // Includer has tiles.glsl and shadow_state.glsl, defines the constant R and declares the buffers visibility_words, sunward_words and,
-// where not every pixel that looks at the sun has a ray, ray_words.
+// where not every pixel that looks at the sun has a ray, ray_words, and known, where the past is as good as a ray.
 
 #include "common/tile_rows.glsl"
 
@@ -11,14 +11,29 @@ const int ROWS = CELL + 2 * R;
 const uint ROW_COLUMNS = (1u << uint(ROWS)) - 1u;  // a row is as long as there are rows
 const int TILES_ABOVE = (R + TILE.y - 1) / TILE.y;
 
-// Which pixels' bits tell something.
-uint tests_of_tile(uint tile) {
-    uint pixels = sunward_words[tile];
-    if (HAS_RAY_WORDS) pixels &= ray_words[tile];
-    return pixels;
+// Which pixels' bits tell their neighbours something, and which of them are lit. What has long said one thing and cannot change says it
+// without a ray: a neighbourhood that is whole in every frame is worth more than one with gaps that come and go (docs/budget.md).
+uvec2 said_by_tile(uint tile) {
+    uint tested = sunward_words[tile], lit = visibility_words[tile];
+    if (HAS_RAY_WORDS) {
+        uvec4 past = uvec4(0u);
+        if (HAS_KNOWN) past = known[tile];
+        const uint rays = ray_words[tile];
+        tested &= rays | past.w;
+        lit = lit & rays | past.z & ~rays;
+    }
+    return uvec2(tested, lit & tested);
 }
 
-// Lit pixels in the lower 16 bits, and in the upper ones those that have a ray or a proof. Bit 0 is R pixels left of the cell, the
+// Of the pixels themselves: who has a ray or a proof in this frame.
+bool has_ray(ivec2 p) {
+    const uint tile = tile_index(p / TILE);
+    uint rays = sunward_words[tile];
+    if (HAS_RAY_WORDS) rays &= ray_words[tile];
+    return (rays & pixel_bit(p)) != 0u;
+}
+
+// Lit pixels in the lower 16 bits, and in the upper ones those of which that is known. Bit 0 is R pixels left of the cell, the
 // first row R above it.
 uint rows[ROWS];
 
@@ -29,8 +44,9 @@ void load_tiles(ivec2 cell, const int first) {
         uvec3 lit, tested;
         [[unroll]] for (int tx = 0; tx < 3; ++tx) {
             const ivec2 at = tile + ivec2(tx - 1, ty), inside = clamp(at, ivec2(0), grid - 1);
-            tested[tx] = at == inside ? tests_of_tile(tile_index(inside)) : 0u;
-            lit[tx] = visibility_words[tile_index(inside)] & tested[tx];
+            const uvec2 said = at == inside ? said_by_tile(tile_index(inside)) : uvec2(0u);
+            tested[tx] = said.x;
+            lit[tx] = said.y;
         }
         [[unroll]] for (int y = max(0, -R - TILE.y * ty); y < min(TILE.y, ROWS - R - TILE.y * ty); ++y)
             rows[TILE.y * ty + y + R] = row_of(lit, y) >> column & ROW_COLUMNS |

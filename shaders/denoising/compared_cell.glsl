@@ -37,7 +37,7 @@ void compare_cell(uint at, ivec2 cell) {
         Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false, NO_RAYS);
         float worth = 1.0;  // of this frame, in frames of one ray
         if ((sunward & pixel_bit(p)) != 0u) {
-            const bool tested = is_tested(offset + R);
+            const bool tested = has_ray(p);
             const uint further = tested ? further_at(p) : 0u;
             const float z = imageLoad(view_depth, p).x;
             const vec3 n = normal_at(p), n_light = light * n;

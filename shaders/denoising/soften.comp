@@ -77,7 +77,7 @@ void work_on(ivec2 cell) {
         for (int k = 0; k < (softens ? 1 : 0); ++k) v = softened(p, steps, own, rays);
         for (int k = 0; k < (bias > 0.0 ? 1 : 0); ++k)
             v += trust(own.count) * bias / (bias + mean_variance(own.own) + 1e-9) * (own.own.visibility - own.visibility);
-        const bool tested = is_tested(offset + R);
+        const bool tested = has_ray(p);
         const uint further = tested && fade > 0.0 ? further_at(p) : 0u;
         const float said = further == 0u ? s.rays : s.rays * even_worth(further);  // by this frame
         const bool asks = own.count > 0.0 && (!HAS_RAY_WORDS || tested);

@@ -68,7 +68,7 @@ Estimate agreement(Receiver r, ivec2 box) {
         flat_box = flat_box && shows(r.surface, vec2(q - r.p), imageLoad(view_depth, q).x);
     }
     const float n = flat_box ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
-    const bool told = is_tested(r.in_rows) || flat_box && tests != 0;
+    const bool told = has_ray(r.p) || flat_box && tests != 0;
     return Estimate(lit != 0u ? 1.0 : 0.0, told ? n : 0.0, max(0.4, min(1.0, 3.0 / n)), 1.0);
 }
 
@@ -115,15 +115,25 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
     const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     float further_asked = 0.0;
+    bool own_ray = false;
+    if (HAS_KNOWN) own_ray = has_ray(r.p);
     for (int dy = -reach.box.y; dy <= reach.box.y; ++dy) {  // a disc of pixels, cut off at the box
         const uint row = rows[r.in_rows.y + dy] >> uint(r.in_rows.x - R);
         const int half_width = min(int(rounded(floor(sqrt(float(R * R - dy * dy)) + 1e-3))), reach.box.x);
         const ViewRays of_row = moved(around, vec2(0.0, float(dy)));
         for (int dx = -half_width; dx <= half_width; ++dx) {
             const vec3 at = seen_at(of_row, vec2(float(dx), 0.0), imageLoad(view_depth, r.p + ivec2(dx, dy)).x);
-            const bool usable = (row >> uint(dx + R + 16) & 1u) != 0u && abs(dot(r.n, at)) <= tolerance;
+            bool usable = (row >> uint(dx + R + 16) & 1u) != 0u && abs(dot(r.n, at)) <= tolerance;
             vec2 point = vec2(0.0);
-            if (HAS_RAY_POINTS) point = unpack_point(ray_points[clamp(at_p + dy * int(frame.size.x) + dx, 0, last)]);
+            if (HAS_RAY_POINTS) {
+                int of = clamp(at_p + dy * int(frame.size.x) + dx, 0, last);
+                // What is known without a ray is so of every point of the sun, among them that of the receiver's own ray.
+                if (HAS_KNOWN && usable && !has_ray(r.p + ivec2(dx, dy))) {
+                    of = at_p;
+                    usable = own_ray;
+                }
+                point = unpack_point(ray_points[of]);
+            }
             add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, at, point, window, horizon);
             if (HAS_RAY_BITS && HAS_RAY_POINTS) {
                 const uint word = usable ? further_at(r.p + ivec2(dx, dy)) : 0u;
@@ -158,7 +168,7 @@ Estimate this_frame(Receiver r, Penumbra penumbra) {
         said |= said_by(rows[r.in_rows.y + dy]) & (columns | columns << 16);
     const bool mixed = has_both(said);
     Estimate e = Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, 1.0, 1.0, 1.0);
-    if (HAS_RAY_WORDS && !is_tested(r.in_rows)) e = next_to(r);
+    if (HAS_RAY_WORDS && !has_ray(r.p)) e = next_to(r);
     for (int i = 0; i < (mixed ? 0 : 1); ++i) e = agreement(r, reach.box);
     // Own ray only: a penumbra so narrow that no neighbour's can help.
     const bool asks = mixed && min(reach.b1, reach.b2) > 0.0 && max(reach.b1, reach.b2) >= OWN_RAY_PX;

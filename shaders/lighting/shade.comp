@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The simplest shading that shows a shadow: a Lambert surface under one sun, or one light that is near, with a constant
+// The simplest shading that shows a shadow: a Lambert surface under one sun, one light that is near, or several, with a constant
 // ambient term, in linear HDR, before a plain gradient of sky. An engine uses its own lighting here.
 #include "node.glsl"
 #include "common/camera.glsl"
@@ -8,21 +8,25 @@
 #include "common/pixels.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light.glsl"
-#include "lighting/illuminance.glsl"
+#include "common/illuminance.glsl"
 
 const vec3 HORIZON = vec3(0.80, 0.87, 0.95), ZENITH = vec3(0.22, 0.42, 0.75);  // times the ambient light
 
 vec3 sky(ivec2 p) { return params.ambient * mix(HORIZON, ZENITH, sqrt(max(view_rise(p), 0.0))) * 4.0; }
 
+vec3 of_lux(vec3 lux) { return params.exposure * 0.31830989 * lux; }
+
 vec3 direct_light(ivec2 p, vec3 n) {
-    if (!HAS_LIGHT) return params.sun_color * max(dot(n, sun.to_sun), 0.0);
-    return params.exposure * 0.31830989 * illuminance(n, light.centre - position(p, imageLoad(view_depth, p).x));
+    if (!HAS_LIGHT) return HAS_SUN ? params.sun_color * max(dot(n, sun.to_sun), 0.0) : vec3(0.0);
+    return of_lux(unshadowed_lux(n, light.centre - position(p, imageLoad(view_depth, p).x)));
 }
 
 void for_pixel(ivec2 p) {
     const vec4 guide = imageLoad(guide_normal, p);
     const vec3 n = unit_or_zero(decode_normal(guide));
-    const vec3 direct = direct_light(p, n) * texelFetch(visibility, p, 0).x;
+    vec3 direct = vec3(0.0);
+    if (HAS_VISIBILITY) direct = direct_light(p, n) * texelFetch(visibility, p, 0).x;
+    if (HAS_ILLUMINANCE) direct += of_lux(texelFetch(illuminance, p, 0).xyz);
     const vec3 surface = texelFetch(albedo, p, 0).xyz * (direct + params.ambient);
     const bool receiver = guide.w > 0.0;
     imageStore(lit, p, vec4(storable(receiver ? surface : sky(p)), 1.0));

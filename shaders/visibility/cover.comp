@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Exact coverage: instead of rays, each pixel that nothing proves lit or shadowed walks the tree once with the cone to its light and
 // unites what the triangles hide of it, as a mask of samples: none hidden is lit, all is shadowed, and between lies the visibility. No
-// noise, so no denoiser and no past. One workgroup per listed tile, whose lanes each walk by themselves: towards
-// leaves until all of a subgroup have one, since looking at a leaf is the dearest step. docs/coverage.md.
+// noise, so no denoiser and no past. One workgroup per listed tile, whose lanes each walk by themselves. docs/coverage.md.
 #include "node.glsl"
 #if HAS_GIVEN_UP
 #define APPENDS_TILES
@@ -22,6 +21,10 @@
 #include "visibility/light_mask.glsl"
 #include "visibility/leaf_cover.glsl"
 #include "visibility/seen_light.glsl"
+#if HAS_GIVEN_UP
+#define WALK_BUDGET BUDGET
+#endif
+#include "visibility/light_walk.glsl"
 
 #if HAS_GIVEN_UP
 shared uint tile_rest;  // pixels left to rays
@@ -36,9 +39,6 @@ bool hopeless(ivec2 tile) {
            (given_up_before[tile_word(before, frame.prev_size)] & tile_bit(before)) != 0u;
 }
 #endif
-
-// The samples that are left to rays where no more of them are: enough for the corners that closed surfaces have.
-const uint LAST_SAMPLES = LIGHT_SAMPLES / 64u + 1u;
 
 void main() {
     uvec4 record;
@@ -67,49 +67,12 @@ void main() {
             seen = seen_light(shadow_ray_origin(p), noise);
         else
             seen = seen_sun(shadow_ray_origin(p), axes, sun_as_seen, sun_slabs, noise);
-        const Receiver r = seen.receiver;
-
-        // The receiver's own plane hides what is below it, which a start above the surface would let pass at the surface's end.
-        const vec3 normal = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
-        LightMask hidden = mask_flipped(positive_side(light_line(seen.shape, r.dither, lit_side(seen, normal))), true);
-        BvhPath path = bvh_path(seen.span[2]);
-        LightMask asked_by_ray = NO_SAMPLES;
-        uint steps = 0u;
-        bool ended = !own || mask_is_full(hidden), given_up = false;
-        while (!ended) {
-            while (!ended && !bvh_at_leaf(path)) {
-                BvhVisit visit = bvh_visit(path);
-                bvh_fetch(path, visit);
-                visit.hits = cone_hit_children(seen.slabs, r.start, visit.n0, visit.n1, visit.n2);
-                bvh_go_on(path, visit);
-                ++steps;
-                if (bvh_ended(path)) ended = true;
-            }
-            uint leaf = 0u;
-            const bool at_leaf = !ended;
-            if (at_leaf) leaf = bvh_take_leaf(path);
-            hide_by_leaf(r, seen.shape, leaf, at_leaf, hidden);
-            ++steps;
-            if (mask_is_full(hidden) || bvh_ended(path)) ended = true;
-#if HAS_GIVEN_UP
-            if (!ended && steps >= BUDGET) given_up = true;
-            if (given_up) ended = true;
-#endif
-        }
-        // Of the walk itself, not of the loop (branch.glsl).
-        const bool finished = own && (mask_is_full(hidden) || bvh_ended(path));
-        // Rounded lines through a corner need not meet in a point, and a closed surface could leave a sample there: the last ones are rays.
-        uint count = mask_count(hidden);
-        bool last_ones = finished && count != LIGHT_SAMPLES && count + LAST_SAMPLES >= LIGHT_SAMPLES;
-        while (last_ones) {
-            const LightMask open = mask_lowest(mask_without(mask_flipped(hidden, true), asked_by_ray));
-            const vec3 way = way_to_sample(seen, sample_point(seen.shape, mask_index(open)));
-            if (occluded(r.start, way, 0.0, HAS_LIGHT ? 1.0 : WHOLE_RAY_M)) hidden = mask_or(hidden, open);
-            asked_by_ray = mask_or(asked_by_ray, open);
-            if (mask_is_full(mask_or(hidden, asked_by_ray))) last_ones = false;
-        }
-        count = mask_count(hidden);
-        steps_taken += own ? steps : 0u;
+        LightMask hidden = below_horizon(seen, decode_receiver_normal(imageLoad(receiver_normal, p).xy));
+        const Walk walk = walk_to_light(seen, own, hidden);
+        const bool finished = walk.ended;
+        hidden = with_samples_by_ray(seen, HAS_LIGHT ? 1.0 : WHOLE_RAY_M, finished && last_samples(hidden), hidden);
+        const uint count = mask_count(hidden);
+        steps_taken += own ? walk.steps : 0u;
         if (finished) done |= 1u << number;
         const bool told = HAS_GIVEN_UP != 0 ? finished : own;
         if (told && count == LIGHT_SAMPLES) shadowed |= 1u << number;

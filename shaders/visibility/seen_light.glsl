@@ -19,8 +19,9 @@ Receiver sun_receiver(vec3 start, mat3 axes, vec2 noise) {
     return Receiver(start, c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2], line_dither(noise.y), false, UNBOUNDED_M, UNBOUNDED_M);
 }
 
+// A point is a disc of a millionth of a radian.
 SeenLight seen_sphere(vec3 start, vec3 to_centre, vec2 noise) {
-    const float distance_m = length(to_centre), sine = min(light.u.x / distance_m, 0.9999), cosine = sqrt(1.0 - sine * sine);
+    const float distance_m = length(to_centre), sine = clamp(light.u.x / distance_m, 1e-6, 0.9999), cosine = sqrt(1.0 - sine * sine);
     SeenLight seen;
     seen.receiver = sun_receiver(start, sun_frame(to_centre / distance_m), noise);
     seen.receiver.before = (1.0 - LIGHT_HOUSING) * (1.0 - sine) * distance_m;

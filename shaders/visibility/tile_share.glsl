@@ -15,7 +15,7 @@ struct TileShare {
 TileShare tile_share(uint pixels) {
     const uint count = 32u / gl_NumSubgroups, first = gl_SubgroupID * count;
     const uint own = count == 32u ? ~0u : (1u << count) - 1u << first;
-    return TileShare(gl_WorkGroupSize.x / gl_NumSubgroups, gl_SubgroupInvocationID, first, first + count, lanes_of_pixels(pixels) & own);
+    return TileShare(gl_WorkGroupSize.x * gl_WorkGroupSize.y / gl_NumSubgroups, gl_SubgroupInvocationID, first, first + count, lanes_of_pixels(pixels) & own);
 }
 
 // The pixel of the k-th one that is wanted.

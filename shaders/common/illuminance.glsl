@@ -17,7 +17,7 @@ float within_cone(vec3 from_centre) {
 }
 
 // A sphere's is that of its middle, where all of it is above the horizon; other shapes are sixteen points.
-vec3 illuminance(vec3 n, vec3 to_centre) {
+vec3 unshadowed_lux(vec3 n, vec3 to_centre) {
     if (!light_reaches(-to_centre)) return vec3(0.0);
     const float distance_m = length(to_centre);
     if (light.kind == LIGHT_SPHERE)  // whose colour is an intensity

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// Exact coverage of several lights that are near. A workgroup has a tile: it reads its pixels once and goes from light to light, and those of
+// its pixels that a light can reach walk the tree with their cone to it, as in cover.comp. A light that is off, out of range, behind or below
+// all of them costs a test per pixel. docs/lights.md.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/ray_origin.glsl"
+#include "visibility/sun_point.glsl"
+// The lights, one after the other, stand in the place of the one that other nodes have.
+const bool HAS_LIGHT = true;
+Light light;
+#include "common/light.glsl"
+#include "common/illuminance.glsl"
+#include "common/finite.glsl"
+#include "common/tiles.glsl"
+#include "visibility/tile_share.glsl"
+#if BACKEND == BACKEND_RAY_QUERY
+#include "common/ray_query.glsl"
+#else
+#include "common/bvh.glsl"
+#include "common/cone_slabs.glsl"
+#include "visibility/light_mask.glsl"
+#include "visibility/leaf_cover.glsl"
+#include "visibility/seen_light.glsl"
+#define WALK_BUDGET BUDGET
+#include "visibility/light_walk.glsl"
+#endif
+
+int light_count() { return textureSize(lights) / 5; }
+
+Light light_at(int i) {
+    const uvec4 a = texelFetch(lights, 5 * i), b = texelFetch(lights, 5 * i + 1), c = texelFetch(lights, 5 * i + 2),
+                d = texelFetch(lights, 5 * i + 3), e = texelFetch(lights, 5 * i + 4);
+    const vec4 u = uintBitsToFloat(b), v = uintBitsToFloat(c), facing = uintBitsToFloat(d);
+    return Light(uintBitsToFloat(a.xyz), a.w, u.xyz, u.w, v.xyz, v.w, facing.xyz, facing.w, uintBitsToFloat(e.xyz), e.w);
+}
+
+// Whether it may reach a point of a box, which is empty if `lower` is above `upper`. A hundred-thousandth is left to rounding.
+bool light_may_reach(vec3 lower, vec3 upper) {
+    const vec3 centre = light.centre + scene.camera_from_origin, middle = 0.5 * (lower + upper) - centre, half_size = 0.5 * (upper - lower);
+    const float margin = 1e-5 * (length(middle) + length(half_size));
+    if (light.on == 0u || !(lower.x <= upper.x) || length(max(abs(middle) - half_size, 0.0)) > light.range + margin) return false;
+    const float height = dot(middle, light.facing);
+    if (light_is_flat()) return height + dot(half_size, abs(light.facing)) + margin > 0.0;
+    if (light.kind != LIGHT_SPHERE || light.cos_outer <= -1.0) return true;
+    // How far the ball around the box is beside the cone.
+    const float across = sqrt(max(dot(middle, middle) - height * height, 0.0));
+    const float beside = light.cos_outer * across - sqrt(max(1.0 - light.cos_outer * light.cos_outer, 0.0)) * height;
+    return beside <= length(half_size) + margin;
+}
+
+// Of the 32 lights from the first one on, a bit for each that may.
+uint lights_that_reach(int first, vec3 lower, vec3 upper) {
+    uint found = 0u;
+    for (uint k = gl_SubgroupInvocationID; k < 32u; k += gl_SubgroupSize) {
+        const int i = first + int(k);
+        light = light_at(min(i, light_count() - 1));
+        if (i < light_count() && light_may_reach(lower, upper)) found |= 1u << k;
+    }
+    return subgroupOr(found);
+}
+
+// Of a tile's pixels, by their numbers.
+shared vec3 starts[32], normals[32], lux[32];
+
+#if HAS_MASKS
+void keep(ivec2 tile, uint number, int layer, float share) {
+    imageStore(masks, ivec3(tile * TILE + pixel_of_lane(int(number)), layer), vec4(share));
+}
+#endif
+
+struct Seen {
+    float share;  // of the light
+    bool left;    // not known to the end
+    uint steps;
+};
+
+#if BACKEND == BACKEND_RAY_QUERY
+Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
+    uint lit = 0u;
+    for (uint k = 0u; own && k < RAYS; ++k) {
+        const vec2 point = light_point(noise_unit(noise_fixed(p, frame.frame_index, params.seed) + noise_step(k, RAYS)));
+        const LightRay ray = light_ray(to_light, point);
+        if (!points_into_surface(normal, ray.direction) && !occluded(start, ray.direction, 0.0, ray.t_max)) ++lit;
+    }
+    return Seen(float(lit) / float(RAYS), false, 0u);
+}
+#else
+// A walk that was given up leaves samples that nothing hides yet: rays say what the rest of it would have.
+Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
+    const SeenLight seen = seen_light(start, noise_unit(noise_fixed(p, frame.frame_index, params.seed)));
+    LightMask hidden = below_horizon(seen, normal);
+    const Walk walk = walk_to_light(seen, own, hidden);
+    const bool given_up = own && !walk.ended;
+    hidden = with_samples_by_ray(seen, 1.0, given_up || (own && last_samples(hidden)), hidden);
+    return Seen(float(LIGHT_SAMPLES - mask_count(hidden)) / float(LIGHT_SAMPLES), given_up, walk.steps);
+}
+#endif
+
+void main() {
+    const ivec2 tile = ivec2(gl_WorkGroupID.xy);
+    const uint inside = lanes_of_pixels(inside_mask(tile));
+    TileShare share = tile_share(~0u);
+    uint surfaces = 0u;
+    vec3 lower = vec3(3e38), upper = vec3(-3e38);
+    for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
+        const ivec2 p = tile * TILE + pixel_of_lane(int(number));
+        const bool surface = (inside >> number & 1u) != 0u && imageLoad(view_depth, p).x > 0.0;
+        if (surface) {
+            const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+            normals[number] = n;
+            const vec3 start = shadow_ray_origin(p, n);
+            starts[number] = start;
+            lower = min(lower, start);
+            upper = max(upper, start);
+            surfaces |= 1u << number;
+        }
+        lux[number] = vec3(0.0);
+    }
+    subgroupMemoryBarrierShared();
+    subgroupBarrier();
+
+    lower = subgroupMin(lower);
+    upper = subgroupMax(upper);
+
+    uint receivers = 0u, walked = 0u, shadowed = 0u, penumbra = 0u, left = 0u, steps = 0u;
+    uint rest = 0u;   // of the share's pixels, those that have not walked to the light yet
+    uint candidates = 0u;  // of the last 32 lights that were tested, those that may reach one of them
+    int index = 0, tested = 0;
+    // A turn of this loop is a walk: a software device does all that is in it, whoever wants it.
+    while (true) {
+        while (rest == 0u && (candidates != 0u || tested < light_count())) {
+            if (candidates == 0u) {
+                candidates = lights_that_reach(tested, lower, upper);
+#if HAS_MASKS
+                for (int i = tested; i < min(tested + 32, light_count()); ++i)
+                    for (uint number = share.first + share.lane; number < share.end; number += share.lanes)
+                        if ((inside >> number & 1u) != 0u && (candidates >> (i - tested) & 1u) == 0u) keep(tile, number, i, 1.0);
+#endif
+                tested += 32;
+            }
+            if (candidates == 0u) continue;
+            index = tested - 32 + findLSB(candidates);
+            candidates &= candidates - 1u;
+            light = light_at(index);
+            const vec3 centre = light.centre + scene.camera_from_origin;
+            uint open = 0u;
+            for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
+                const vec3 to_light = centre - starts[number];
+                const bool here = (surfaces >> number & 1u) != 0u && light_reaches(-to_light);
+                const bool below = here && light_is_below(normals[number], to_light, 1e-6);
+                if (here) ++receivers;
+                if (here && !below) open |= 1u << number;
+#if HAS_MASKS
+                if ((inside >> number & 1u) != 0u && (!here || below)) keep(tile, number, index, below ? 0.0 : 1.0);
+#endif
+            }
+            rest = subgroupOr(open);
+        }
+        if (rest == 0u) break;
+        const uint count = uint(bitCount(rest));
+        const bool own = share.lane < count;
+        const uint number = bit_number(rest, own ? share.lane : 0u);
+        const ivec2 p = tile * TILE + pixel_of_lane(int(number));
+        const vec3 start = starts[number], normal = normals[number], to_light = light.centre + scene.camera_from_origin - start;
+        const Seen seen = look(p, start, normal, to_light, own);
+        if (own) {
+            ++walked;
+#if HAS_ILLUMINANCE
+            if (seen.share > 0.0) lux[number] += seen.share * unshadowed_lux(normal, to_light);
+#endif
+#if HAS_MASKS
+            keep(tile, number, index, seen.share);
+#endif
+            if (seen.share == 0.0) ++shadowed;
+            if (seen.share > 0.0 && seen.share < 1.0) ++penumbra;
+            if (seen.left) ++left;
+            steps += seen.steps;
+        }
+        rest &= ~subgroupOr(own ? 1u << number : 0u);
+        subgroupMemoryBarrierShared();
+        subgroupBarrier();
+    }
+    count_receivers(receivers);
+    count_walked(walked);
+    count_shadowed(shadowed);
+    count_penumbra(penumbra);
+    count_left(left);
+    count_steps(steps);
+#if HAS_ILLUMINANCE
+    subgroupMemoryBarrierShared();
+    subgroupBarrier();
+    for (uint number = share.first + share.lane; number < share.end; number += share.lanes)
+        if ((inside >> number & 1u) != 0u)
+            imageStore(illuminance, tile * TILE + pixel_of_lane(int(number)), vec4(storable(lux[number]), 0.0));
+#endif
+}

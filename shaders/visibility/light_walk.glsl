@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+// The walk of one pixel through the tree, with the cone to its light: what triangles hide of the light is united. Each lane walks by
+// itself, towards leaves until all of a subgroup have one, since looking at a leaf is the dearest step.
+//
+// Includer has common/bvh.glsl, common/cone_slabs.glsl, light_mask.glsl, leaf_cover.glsl and seen_light.glsl; WALK_BUDGET, where a walk
+// may be given up: nodes and leaves that it may look at.
+
+// The receiver's own plane hides what is below it, which a start above the surface would let pass at the surface's end.
+LightMask below_horizon(SeenLight seen, vec3 normal) {
+    return mask_flipped(positive_side(light_line(seen.shape, seen.receiver.dither, lit_side(seen, normal))), true);
+}
+
+struct Walk {
+    bool ended;  // nothing is left to look at; false: given up, left undone where a driver ends loops (branch.glsl), or not `own`
+    uint steps;
+};
+
+Walk walk_to_light(SeenLight seen, bool own, inout LightMask hidden) {
+    BvhPath path = bvh_path(seen.span[2]);
+    uint steps = 0u;
+    bool ended = !own || mask_is_full(hidden);
+    while (!ended) {
+        while (!ended && !bvh_at_leaf(path)) {
+            BvhVisit visit = bvh_visit(path);
+            bvh_fetch(path, visit);
+            visit.hits = cone_hit_children(seen.slabs, seen.receiver.start, visit.n0, visit.n1, visit.n2);
+            bvh_go_on(path, visit);
+            ++steps;
+            if (bvh_ended(path)) ended = true;
+        }
+        uint leaf = 0u;
+        const bool at_leaf = !ended;
+        if (at_leaf) leaf = bvh_take_leaf(path);
+        hide_by_leaf(seen.receiver, seen.shape, leaf, at_leaf, hidden);
+        ++steps;
+        if (mask_is_full(hidden) || bvh_ended(path)) ended = true;
+#ifdef WALK_BUDGET
+        if (steps >= WALK_BUDGET) ended = true;
+#endif
+    }
+    // Of the walk itself, not of the loop (branch.glsl).
+    return Walk(own && (mask_is_full(hidden) || bvh_ended(path)), steps);
+}
+
+// With those of the open samples hidden that a ray finds hidden, of a length of `t_max` ways to the sample.
+LightMask with_samples_by_ray(SeenLight seen, float t_max, bool wanted, LightMask hidden) {
+    LightMask asked_by_ray = NO_SAMPLES;
+    bool asking = wanted && !mask_is_full(hidden);
+    while (asking) {
+        const LightMask open = mask_lowest(mask_without(mask_flipped(hidden, true), asked_by_ray));
+        const vec3 way = way_to_sample(seen, sample_point(seen.shape, mask_index(open)));
+        if (occluded(seen.receiver.start, way, 0.0, t_max)) hidden = mask_or(hidden, open);
+        asked_by_ray = mask_or(asked_by_ray, open);
+        if (mask_is_full(mask_or(hidden, asked_by_ray))) asking = false;
+    }
+    return hidden;
+}
+
+// Rounded lines through a corner need not meet in a point, and a closed surface could leave a sample there: where no more are left than the
+// corners that closed surfaces have make, they are rays.
+const uint LAST_SAMPLES = LIGHT_SAMPLES / 64u + 1u;
+
+bool last_samples(LightMask hidden) { return mask_count(hidden) + LAST_SAMPLES >= LIGHT_SAMPLES; }
