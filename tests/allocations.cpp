@@ -31,6 +31,17 @@ void* operator new(size_t bytes) {
 void* operator new[](size_t bytes) {
     return taken(bytes);
 }
+// The library's own would come here, but a sanitiser's do not.
+void* operator new(size_t bytes, const std::nothrow_t&) noexcept {
+    try {
+        return taken(bytes);
+    } catch (const std::bad_alloc&) {
+        return nullptr;
+    }
+}
+void* operator new[](size_t bytes, const std::nothrow_t& nothrow) noexcept {
+    return operator new(bytes, nothrow);
+}
 void operator delete(void* memory) noexcept {
     given_back(memory);
 }

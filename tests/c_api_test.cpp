@@ -225,7 +225,9 @@ TEST_F(CApiGpu, NothingThrowsWhereverMemoryEnds) {
             EXPECT_STREQ(error_.text, "no memory");
             EXPECT_EQ(plan_, nullptr);
         }
+        penumbra_plan_destroy(std::exchange(plan_, nullptr));
         EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), whole) << "afterwards all is as before";
+        penumbra_plan_destroy(std::exchange(plan_, nullptr));
     }
 }
 

@@ -38,12 +38,11 @@ TEST_F(HostMemoryGpu, WhatIsAllocatedIsWhatIsSaid) {
     const auto [of_program, program] = asked_for(
         [&] { return std::make_shared<Program>(handles, plan_of(pipeline, capturing(pipeline, true))); });
     EXPECT_EQ(of_program, program->bytes());
-    const auto [shared, transients] = asked_for([&] { return program->make_transients(); });
+    const auto [shared, transients] = asked_for([&, p = program] { return p->make_transients(); });
     EXPECT_EQ(shared, bytes_of(*transients));
     for (const uint32_t n : {1u, 3u}) {
-        const auto [own, view] = asked_for([&, shared_memory = transients] {
-            return std::make_shared<View>(program,
-                                          ViewOptions{.frames_in_flight = n, .transients = shared_memory});
+        const auto [own, view] = asked_for([&, p = program, shared_memory = transients] {
+            return std::make_shared<View>(p, ViewOptions{.frames_in_flight = n, .transients = shared_memory});
         });
         EXPECT_EQ(own, view->bytes()) << n;
     }

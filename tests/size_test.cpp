@@ -144,8 +144,8 @@ TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
                     own = record(pipeline, shipped_shot(name, after, still), frames, facts, false);
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto truth_of = [&](std::array<uint32_t, 2> of_size, uint32_t frame) {
-        const auto truths = open_truth(gpu(), shipped_shot(name, of_size, still), diagnostics, warnings);
+    const auto truth_of = [&, shot = name, fixed = still](std::array<uint32_t, 2> of_size, uint32_t frame) {
+        const auto truths = open_truth(gpu(), shipped_shot(shot, of_size, fixed), diagnostics, warnings);
         if (!truths) throw std::runtime_error(diagnostics.text());
         return counted_truth(*truths, frame, 144);
     };
