@@ -55,6 +55,8 @@ const std::map<std::string, std::vector<Example>>& examples() {
          {{"penumbra explain --shot colonnade --out sun.svg", "what one pixel sees of the sun"},
           {"penumbra explain --shot colonnade --gather --out gather.svg",
            "what the rays of the pixels around say of it"},
+          {"penumbra explain --shot colonnade --frame 15 --budget --out budget.png",
+           "which pixels got rays, and how many"},
           {"penumbra explain --costs out/*/report.json --out costs.svg", "where the time went"}}},
         {"statics", {{"penumbra statics shadows", "what the compilers make of its shaders"}}},
         {"devices", {{"penumbra devices", "the names that --device takes a part of"}}},

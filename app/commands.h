@@ -151,6 +151,7 @@ struct ExplainArguments {
     uint32_t samples = 128;  // of the sun
     bool no_jitter = false;
     bool gather = false;  // what the rays around say, instead of what triangles hide
+    bool budget = false;  // how many rays each pixel got
     std::string device;
     std::vector<std::string> costs;  // report.json files of render, instead of a shot
 };

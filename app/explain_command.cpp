@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // penumbra explain: draws what the node `cover` sees from one pixel, what the node `gather` makes of the rays
-// around one, or where the time of rendered frames went. The figure is written last and whole, or not at all.
+// around one, where a budget of rays went, or where the time of rendered frames went. The figure is written
+// last and whole, or not at all.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <iostream>
 
+#include "app/budget_picture.h"
 #include "app/commands.h"
 #include "app/cost_figure.h"
 #include "app/coverage_figure.h"
@@ -78,8 +80,10 @@ struct Job {
 
 std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
-    const auto file = shipped_file(arguments.gather ? "one_ray" : "covered", shipped_root(),
-                                   shipped_pipelines, diagnostics);
+    const auto file = shipped_file(arguments.budget   ? "shadows"
+                                   : arguments.gather ? "one_ray"
+                                                      : "covered",
+                                   shipped_root(), shipped_pipelines, diagnostics);
     auto view = open_view(arguments.view, fs::path(arguments.out).parent_path(), diagnostics);
     if (!file || !view) std::cerr << diagnostics.text();
     if (!file || !view) return std::nullopt;
@@ -98,7 +102,8 @@ std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nod
         return std::nullopt;
     }
     std::vector<std::string> settings;
-    if (!arguments.gather) settings = {fmt::format("nodes.cover.params.samples={}", arguments.samples)};
+    if (!arguments.gather && !arguments.budget)
+        settings = {fmt::format("nodes.cover.params.samples={}", arguments.samples)};
     auto pipeline = open_pipeline(file->string(), settings, nodes);
     if (!pipeline) return std::nullopt;
     return Job{std::move(*pipeline), std::move(*shot), *size, pixel};
@@ -232,6 +237,21 @@ int draw_gather(const ExplainArguments& arguments, const Job& job, const RayGath
     return exit_good;
 }
 
+int draw_budget(const ExplainArguments& arguments, Session& session) {
+    Progress progress("explain", arguments.frame + 1);
+    for (uint32_t frame = 0; frame <= arguments.frame; ++frame, progress.step())
+        session.run_frame(frame, frame == 0);
+    const BudgetPicture picture = budget_picture(session);
+    try {
+        write_file(arguments.out, png_of_rgba(picture.size[0], picture.size[1], picture.rgba));
+    } catch (const FileError& e) {
+        complain(fmt::format("--out: {}", e.what()));
+        return exit_wrong;
+    }
+    fmt::print("frame {}: {}\n", arguments.frame, picture.summary());
+    return exit_good;
+}
+
 int explain_pixel(const ExplainArguments& arguments) {
     const NodeSet nodes = shadow_nodes();
     const auto job = prepare(arguments, nodes);
@@ -241,7 +261,8 @@ int explain_pixel(const ExplainArguments& arguments) {
     std::vector<std::string> warnings;
     SessionOptions options;
     options.size = job->size;
-    options.captures = arguments.gather
+    options.captures = arguments.budget ? budget_captures()
+                       : arguments.gather
                            ? RayGatherer::captures()
                            : std::vector<std::string>{"view_depth", "receiver_normal", "visibility"};
     options.jitter = !arguments.no_jitter;
@@ -257,6 +278,7 @@ int explain_pixel(const ExplainArguments& arguments) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
+    if (arguments.budget) return draw_budget(arguments, *session);
     session->run_frame(arguments.frame, true);
     if (arguments.gather) return draw_gather(arguments, *job, {*session, arguments.frame});
     return draw(arguments, *job, {*session, nodes, arguments.frame, arguments.samples});

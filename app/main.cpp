@@ -212,9 +212,9 @@ void add_shot(CLI::App& app, ShotArguments& a) {
 
 void add_explain(CLI::App& app, ExplainArguments& a) {
     CLI::App* c = app.add_subcommand("explain",
-                                     "draw what one pixel sees of the sun, what rays around it say, or where "
-                                     "the time of rendered frames went");
-    c->add_option("--out", a.out, "SVG file to write")->required();
+                                     "draw what one pixel sees of the sun, what rays around it say, where a "
+                                     "budget of rays went, or where the time of rendered frames went");
+    c->add_option("--out", a.out, "SVG file to write; of --budget a PNG")->required();
     CLI::Option* shot = add_view(c, a.view);
     c->add_option("--pixel", a.pixel,
                   "X,Y from the upper left corner (default: where most triangles hide a part of the sun)");
@@ -222,8 +222,13 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
     c->add_option("--frame", a.frame, "which frame (default: the first)");
     c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256")->check(CLI::IsMember({64, 128, 256}));
     c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
-    c->add_flag("--gather", a.gather,
-                "the rays of the pixels around as tests of its sun, instead of the triangles that hide it");
+    CLI::Option* gather = c->add_flag(
+        "--gather", a.gather,
+        "the rays of the pixels around as tests of its sun, instead of the triangles that hide it");
+    c->add_flag("--budget", a.budget,
+                "how many rays shadows.json gives each pixel, after all frames before: none grey, 1 to 32 "
+                "from blue to white")
+        ->excludes(gather);
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--costs", a.costs, "report.json files of render: a bar of CPU milliseconds for each")
         ->excludes(shot);

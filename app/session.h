@@ -90,10 +90,11 @@ class Session {
     const SceneBvh* bvh() const { return bvh_.get(); }  // null: nobody traces with it
     const FrameDescription& frame_description() const { return last_; }      // of the last frame
     const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
+    // What the host brings to the plan's slots, as it stands since the last frame.
+    std::vector<SlotBinding> bind_slots() const;
 
   private:
     explicit Session(Device& device) : device_(device) {}
-    std::vector<SlotBinding> bind_slots() const;
     void write_blocks(const StandaloneFrame& frame);
     // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is
     // none.

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The tests under address and undefined-behaviour sanitisers, in the fuzzers' build, so that one serves both:
+# The tests under address and undefined-behaviour sanitisers, by clang:
 #
 #   scripts/sanitize.sh [PROGRAM...]     all that are below, or those named
 #
@@ -29,10 +29,10 @@ declare -A left_out=(
 programs=("$@")
 [[ ${#programs[@]} -gt 0 ]] ||
     programs=(graph_test robustness_test host_test app_test graph_gpu_test rays_test denoiser_test reflections_test app_gpu_test hard_cases_test)
-cmake --preset fuzz
-cmake --build --preset fuzz --target "${programs[@]}"
+cmake --preset sanitize
+cmake --build --preset sanitize --target "${programs[@]}"
 failed=0
 for program in "${programs[@]}"; do
-    build/fuzz/tests/"$program" --gtest_brief=1 --gtest_filter="-${left_out[$program]}" || failed=1
+    build/sanitize/tests/"$program" --gtest_brief=1 --gtest_filter="-${left_out[$program]}" || failed=1
 done
 exit $failed

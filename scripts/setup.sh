@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what building and running penumbra takes, on Debian 12 or a relative: `scripts/setup.sh`; with --test also what the
-# tests and the scripts that measure take; with --dev also ccache, clang, clang-format, clang-tidy and shellcheck. Does nothing,
+# tests and the scripts that measure take; with --dev also ccache, clang-format, clang-tidy and shellcheck. Does nothing,
 # quickly, where all is there.
 # The software Vulkan driver comes from bookworm-backports (Mesa 25) where that can be had, else from the release
 # (Mesa 22.3.6); both are tested. PENUMBRA_STOCK_MESA=1 leaves the system's Mesa alone; PENUMBRA_SKIP_SETUP=1 installs
@@ -29,9 +29,10 @@ if [[ ${1:-} == --test || ${1:-} == --dev ]]; then
         chromium                      # opens the report's page, brings SwiftShader (swiftshader.sh)
         python3                       # scripts that compare
         xvfb xdotool                  # a screen and a hand for penumbra view
+        clang-14 libclang-rt-14-dev   # what is fuzzed (tests/sanitized.cmake)
     )
 fi
-[[ ${1:-} == --dev ]] && packages+=(ccache clang-14 clang-format-14 clang-tidy-14 libclang-rt-14-dev shellcheck)
+[[ ${1:-} == --dev ]] && packages+=(ccache clang-format-14 clang-tidy-14 shellcheck)
 driver="mesa-vulkan-drivers" # lavapipe, and RADV for penumbra statics on null hardware
 
 if [[ ${PENUMBRA_SKIP_SETUP:-} == 1 ]]; then

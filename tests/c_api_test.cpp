@@ -80,6 +80,40 @@ TEST_F(CApiGpu, PlansAndWhatTheyNeedAreData) {
     EXPECT_GT(memory.heap_bytes, 0u);
 }
 
+// A driver whose devices say that they have no core feature at all.
+VKAPI_ATTR void VKAPI_CALL no_features(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {
+    vkGetPhysicalDeviceFeatures2(device, features);
+    features->features = {};
+}
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL of_a_lesser_driver(VkInstance instance, const char* name) {
+    if (!std::strcmp(name, "vkGetPhysicalDeviceFeatures2"))
+        return reinterpret_cast<PFN_vkVoidFunction>(no_features);
+    return vkGetInstanceProcAddr(instance, name);
+}
+
+TEST_F(CApiGpu, WhatADeviceLacksIsListedWhereThereIsRoom) {
+    const penumbra_plan_request request = request_of(text);
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_device device = host_device();
+    device.get_instance_proc_addr = of_a_lesser_driver;
+    uint32_t count = 0;
+    ASSERT_EQ(penumbra_plan_unmet(plan_, &device, &count, nullptr, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_GT(count, 0u);
+    const uint32_t all = count;
+    std::vector<penumbra_requirement> list(all + 1);
+    for (penumbra_requirement& requirement : list) requirement.struct_size = sizeof requirement;
+    ASSERT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_EQ(count, all);
+    for (uint32_t i = 0; i < all; ++i) EXPECT_STREQ(list[i].kind, "feature") << list[i].name;
+    EXPECT_EQ(list[all].name, nullptr) << "written behind the end";
+    count = all - 1;  // no room for one of them: nothing is written
+    list.assign(all, {});
+    for (penumbra_requirement& requirement : list) requirement.struct_size = sizeof requirement;
+    EXPECT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(std::string(error_.text), std::to_string(all) + " requirements are not met");
+    for (const penumbra_requirement& requirement : list) EXPECT_EQ(requirement.name, nullptr);
+}
+
 TEST_F(CApiGpu, APipelinesMistakesHaveTheirPlace) {
     const penumbra_plan_request request = request_of(
         "{ \"penumbra\": 1,\n  \"name\": \"c\", \"nodes\": { \"g\": { \"type\": \"gides\" } }, \"outputs\": "

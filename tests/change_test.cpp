@@ -54,22 +54,29 @@ TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
                           second =
                               checked(R"("outputs": ["blended"], "nodes": { "fill": { "type": "toy_fill" },
         "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })");
-    NodeSet set;  // with a "blended" of another format, as large in memory
-    NodeEntry other;
-    other.type = parse_toy(R"({ "node": "other", "doc": "d", "host": true,
-      "inputs": { "history": { "kind": "image", "format": "rg16f", "previous": true } },
-      "outputs": { "blended": { "kind": "image", "format": "rg16f" } } })",
-                           "other");
-    other.callback = [](const HostPassContext&) {};
-    set.add(std::move(other));
+    // A "blended" of another format, as large in memory; and one that is kept in place, which is no history.
+    NodeSet set;
+    const auto add = [&](const std::string& name, const std::string& ports) {
+        NodeEntry other;
+        other.type =
+            parse_toy("{ \"node\": \"" + name + "\", \"doc\": \"d\", \"host\": true, " + ports + " }", name);
+        other.callback = [](const HostPassContext&) {};
+        set.add(std::move(other));
+    };
+    add("other", R"("inputs": { "history": { "kind": "image", "format": "rg16f", "previous": true } },
+      "outputs": { "blended": { "kind": "image", "format": "rg16f" } })");
+    add("keeper", R"("inputs": {},
+      "outputs": { "blended": { "kind": "image", "format": "r32f", "writes": "kept" } })");
     const CheckedPipeline third = checked(
         R"("outputs": ["blended"], "nodes": { "other": { "type": "other", "in": { "history": "blended@-1" } } })",
         set);
+    const CheckedPipeline fourth =
+        checked(R"("outputs": ["blended"], "nodes": { "keeper": { "type": "keeper" } })", set);
     const std::shared_ptr<const Program> heirs = program_with(second, {});
     const std::shared_ptr<const Program> before_them[] = {
-        program_with(third, {}), program_with(first, {}),     // has none
-        program_with(second, {}, true, {width + 1, height}),  // has another size
-        program_with(second, {}, false)};                     // does not hand it on
+        program_with(third, {}), program_with(fourth, {}), program_with(first, {}),  // the last has none
+        program_with(second, {}, true, {width + 1, height}),                         // has another size
+        program_with(second, {}, false)};                                            // does not hand it on
     for (const auto& program : before_them) {
         View before(program, {});
         FrameDescription frame = description(0);

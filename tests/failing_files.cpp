@@ -2,7 +2,7 @@
 // Preloaded: of the calls that put a file on the disk, the one whose number PENUMBRA_FAIL_FILE_AT says goes
 // wrong as PENUMBRA_FAIL_FILE_HOW says: "short" writes a part, "kill" ends the process there, a number is the
 // errno that it fails with. Says on the standard error stream which call it was; streams themselves are left
-// alone.
+// alone. Only calls below the folder PENUMBRA_FAIL_FILE_UNDER count, where it is set: a driver has a cache.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/file.h>
@@ -31,7 +31,21 @@ const char* how() {
     return text ? text : "";
 }
 
-bool is_next(const char* name) {
+bool is_under(const char* path) {
+    static const char* folder = std::getenv("PENUMBRA_FAIL_FILE_UNDER");
+    return !folder || !std::strncmp(path, folder, std::strlen(folder));
+}
+bool is_under(int file) {
+    char link[32], path[4096];
+    std::snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    const ssize_t length = ::readlink(link, path, sizeof path - 1);
+    path[length < 0 ? 0 : length] = 0;
+    return is_under(path);
+}
+
+template <class Where>
+bool is_next(const char* name, Where where) {
+    if (!is_under(where)) return false;
     static const char* text = std::getenv("PENUMBRA_FAIL_FILE_AT");
     static const long wanted = text ? std::atol(text) : -1;
     if (++calls != wanted) return false;
@@ -43,8 +57,9 @@ bool is_next(const char* name) {
 }
 
 // Whether the call fails, with errno set.
-bool fails(const char* name) {
-    if (!is_next(name)) return false;
+template <class Where>
+bool fails(const char* name, Where where) {
+    if (!is_next(name, where)) return false;
     const int error = std::atoi(how());
     if (error) errno = error;
     return error != 0;
@@ -59,7 +74,7 @@ int open(const char* path, int flags, ...) {
     va_start(more, flags);
     const mode_t mode = flags & O_CREAT ? va_arg(more, mode_t) : 0;
     va_end(more);
-    if ((flags & O_CREAT) && fails("open")) return -1;
+    if ((flags & O_CREAT) && fails("open", path)) return -1;
     return real(static_cast<int (*)(const char*, int, ...)>(&::open), "open")(path, flags, mode);
 }
 int open64(const char* path, int flags, ...) {
@@ -70,7 +85,7 @@ int open64(const char* path, int flags, ...) {
     return open(path, flags, mode);
 }
 ssize_t write(int file, const void* bytes, size_t count) {
-    if (file > 2 && is_next("write")) {
+    if (file > 2 && is_next("write", file)) {
         if (!std::strcmp(how(), "short")) {
             count = (count + 1) / 2;
         } else if ((errno = std::atoi(how()))) {
@@ -80,16 +95,16 @@ ssize_t write(int file, const void* bytes, size_t count) {
     return real(&::write, "write")(file, bytes, count);
 }
 int fsync(int file) {
-    return fails("fsync") ? -1 : real(&::fsync, "fsync")(file);
+    return fails("fsync", file) ? -1 : real(&::fsync, "fsync")(file);
 }
 int ftruncate(int file, off_t length) noexcept {
-    return fails("ftruncate") ? -1 : real(&::ftruncate, "ftruncate")(file, length);
+    return fails("ftruncate", file) ? -1 : real(&::ftruncate, "ftruncate")(file, length);
 }
 int flock(int file, int operation) noexcept {
-    return fails("flock") ? -1 : real(&::flock, "flock")(file, operation);
+    return fails("flock", file) ? -1 : real(&::flock, "flock")(file, operation);
 }
 int rename(const char* from, const char* to) noexcept {
-    return fails("rename") ? -1 : real(&::rename, "rename")(from, to);
+    return fails("rename", to) ? -1 : real(&::rename, "rename")(from, to);
 }
 
 }  // extern "C"

@@ -197,6 +197,53 @@ TEST_F(ImageFile, HeadersMayNotClaimMoreThanTheFileHolds) {
     ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
 }
 
+// Of an attribute's size, too, and of each part: OpenEXR takes so much memory before it reads.
+TEST_F(ImageFile, AttributesMayNotClaimMoreThanTheFileHas) {
+    const auto read = [](const fs::path& path) {
+        std::ifstream stream(path, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(stream), {});
+    };
+    const auto refused = [&](std::string bytes, std::string_view attribute, size_t at, uint32_t value) {
+        const size_t where = bytes.rfind(attribute);
+        EXPECT_NE(where, std::string::npos);
+        std::memcpy(bytes.data() + where + attribute.size() + at, &value, 4);
+        std::ofstream(folder_ / "b.exr", std::ios::binary) << bytes;
+        Diagnostics diagnostics;
+        EXPECT_FALSE(read_exr(folder_ / "b.exr", diagnostics));
+        return diagnostics.text();
+    };
+    using namespace std::string_view_literals;
+    write_exr(folder_ / "a.exr", sample(40, 40));
+    const std::string one = read(folder_ / "a.exr");
+    EXPECT_NE(refused(one, "screenWindowWidth\0float\0"sv, 0, 0x70000000)
+                  .find("attribute \"screenWindowWidth\" claims 1879048192 bytes, more than the file has"),
+              std::string::npos);
+    EXPECT_NE(refused(one, "screenWindowWidth\0float\0"sv, 0, 0xffffffff).find("claims 4294967295 bytes"),
+              std::string::npos);
+    // Values that do not end where their attributes do.
+    const auto corpus_says = [](const char* name) {
+        Diagnostics diagnostics;
+        EXPECT_FALSE(read_exr(fs::path(PENUMBRA_SOURCE_DIR) / "tests/fuzz/corpus/exr" / name, diagnostics));
+        return diagnostics.text();
+    };
+    EXPECT_NE(corpus_says("channels_beyond_their_attribute.exr").find("54 bytes are no chlist"),
+              std::string::npos);
+    EXPECT_NE(corpus_says("channels_without_an_end.exr").find("\"channels\": 56 bytes are no chlist"),
+              std::string::npos);
+    EXPECT_NE(refused(one, "pixelAspectRatio\0float\0"sv, 0, 5).find("5 bytes are no float"),
+              std::string::npos);
+    // The last part's.
+    const std::string parts = read(fs::path(PENUMBRA_SOURCE_DIR) / "tests/fuzz/corpus/exr/parts.exr");
+    EXPECT_NE(refused(parts, "screenWindowWidth\0float\0"sv, 0, 0x70000000).find("claims 1879048192 bytes"),
+              std::string::npos);
+    EXPECT_NE(refused(parts, "dataWindow\0box2i\0\x10\0\0\0"sv, 12, 0x10000000)
+                  .find("11 x 268435457 texels is not supported"),
+              std::string::npos);
+    Diagnostics diagnostics;
+    EXPECT_TRUE(read_exr(fs::path(PENUMBRA_SOURCE_DIR) / "tests/fuzz/corpus/exr/parts.exr", diagnostics))
+        << diagnostics.text();
+}
+
 // A flat image is the smallest file of its size; it is read.
 TEST_F(ImageFile, FlatImagesAreRead) {
     const PlanarImage flat{4096, 2048, {{"Y", PlaneType::real, std::vector<float>(size_t(4096) * 2048), {}}}};

@@ -1,10 +1,11 @@
-# What reads bytes from outside, checks, compiles and packs, built once more with address and undefined-behaviour sanitisers
-# as one program, from the shaders and tables of the ordinary build: a second configuration would compile those again. Not
-# optimised, so that nothing undefined is optimised away, and it is the quickest to build. The whole suite: scripts/sanitize.sh.
-set(SANITIZED_SOURCES
-  fuzz/corpus_test.cpp fuzz/fuzz_c_api.cpp fuzz/fuzz_files.cpp fuzz/fuzz_json.cpp plan_checks.cpp plan_mutants.cpp toy_nodes.cpp
+# What reads bytes from outside, checks, compiles and packs, built once more with address and undefined-behaviour sanitisers,
+# from the shaders and tables of the ordinary build: a second configuration would make those again. It goes into two programs:
+# its tests, and the fuzzers. clang compiles it, whatever compiles the rest, since libFuzzer is clang's. The whole suite:
+# scripts/sanitize.sh.
+set(SANITIZED_TESTS
   broken_input_test.cpp check_test.cpp compile_test.cpp gltf_features_test.cpp gltf_test.cpp image_decode_test.cpp image_file_test.cpp json_text_test.cpp
   node_type_test.cpp pipeline_test.cpp shot_test.cpp)
+set(SANITIZED_SOURCES fuzz/fuzz_c_api.cpp fuzz/fuzz_files.cpp fuzz/fuzz_json.cpp plan_checks.cpp)
 foreach(LIBRARY penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models)
   get_target_property(FILES ${LIBRARY} SOURCES)
   get_target_property(FOLDER ${LIBRARY} SOURCE_DIR)
@@ -22,18 +23,46 @@ list(FILTER SANITIZED_SOURCES EXCLUDE REGEX "/tuning/")
 if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
   return()
 endif()
-add_executable(sanitized_test ${SANITIZED_SOURCES} $<TARGET_OBJECTS:penumbra_nodes>)
+find_program(CLANG NAMES clang++-14 clang++ REQUIRED)
 set(SANITIZERS -fsanitize=address,undefined -fno-sanitize-recover=undefined)
-target_compile_options(sanitized_test PRIVATE -O0 -g1 -D_GLIBCXX_ASSERTIONS ${SANITIZERS} -fno-omit-frame-pointer)
-target_link_options(sanitized_test PRIVATE ${SANITIZERS})
-target_include_directories(sanitized_test PRIVATE ${PROJECT_BINARY_DIR}/include ${PROJECT_SOURCE_DIR}/include)
-target_include_directories(sanitized_test SYSTEM PRIVATE ${WEBP_FOLDER})
-target_compile_definitions(sanitized_test PRIVATE PENUMBRA_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+
+# penumbra_sanitized(TARGET OPTIONS...): made by clang, with the sanitisers.
+function(penumbra_sanitized TARGET)
+  if(CCACHE)
+    set(WITH_CLANG ${CMAKE_CURRENT_SOURCE_DIR}/with_clang.sh ${CCACHE} ${CLANG})
+  else()
+    set(WITH_CLANG ${CMAKE_CURRENT_SOURCE_DIR}/with_clang.sh env ${CLANG})
+  endif()
+  set_target_properties(${TARGET} PROPERTIES CXX_COMPILER_LAUNCHER "${WITH_CLANG}" CXX_LINKER_LAUNCHER "${WITH_CLANG}")
+  # Without warnings: the ordinary build gives them.
+  target_compile_options(${TARGET} PRIVATE -w -gline-tables-only -D_GLIBCXX_ASSERTIONS ${SANITIZERS} -fno-omit-frame-pointer ${ARGN})
+  target_link_options(${TARGET} PRIVATE ${SANITIZERS})
+  target_include_directories(${TARGET} PRIVATE ${PROJECT_BINARY_DIR}/include ${PROJECT_SOURCE_DIR}/include)
+  target_include_directories(${TARGET} SYSTEM PRIVATE ${WEBP_FOLDER})
+  target_compile_definitions(${TARGET} PRIVATE PENUMBRA_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  target_link_libraries(${TARGET} PRIVATE OpenEXR::OpenEXR TinyGLTF::TinyGLTF draco::draco meshoptimizer::meshoptimizer
+    PNG::PNG ZLIB::ZLIB JPEG::JPEG ${WEBP_DEMUX_LIBRARY} ${WEBP_MUX_LIBRARY} ${WEBP_LIBRARY} nlohmann_json::nlohmann_json glm::glm fmt::fmt Vulkan::Headers)
+endfunction()
 find_package(OpenEXR CONFIG REQUIRED)
-target_link_libraries(sanitized_test PRIVATE OpenEXR::OpenEXR TinyGLTF::TinyGLTF draco::draco meshoptimizer::meshoptimizer
-  PNG::PNG JPEG::JPEG ${WEBP_DEMUX_LIBRARY} ${WEBP_MUX_LIBRARY} ${WEBP_LIBRARY} nlohmann_json::nlohmann_json glm::glm fmt::fmt Vulkan::Headers GTest::gtest_main)
+add_library(sanitized OBJECT ${SANITIZED_SOURCES})
+penumbra_sanitized(sanitized -O1 -fsanitize=fuzzer-no-link)
+target_precompile_headers(sanitized PRIVATE ${PRECOMPILED})
+
+add_executable(sanitized_test ${SANITIZED_TESTS} fuzz/corpus_test.cpp plan_mutants.cpp toy_nodes.cpp $<TARGET_OBJECTS:sanitized> $<TARGET_OBJECTS:penumbra_nodes>)
+penumbra_sanitized(sanitized_test -O0)  # the quickest to build
+target_link_libraries(sanitized_test PRIVATE GTest::gtest_main)
 target_precompile_headers(sanitized_test PRIVATE ${PRECOMPILED} <gtest/gtest.h>)
 # One test, whose files are beside those of the same tests in other programs.
 file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/sanitized)
 add_test(NAME sanitized COMMAND sanitized_test --gtest_brief=1)
 set_tests_properties(sanitized PROPERTIES LABELS unit TIMEOUT 900 ENVIRONMENT "TEST_TMPDIR=${CMAKE_CURRENT_BINARY_DIR}/sanitized")
+
+add_executable(fuzz fuzz/fuzz_main.cpp $<TARGET_OBJECTS:sanitized> $<TARGET_OBJECTS:penumbra_nodes>)
+penumbra_sanitized(fuzz -O1 -fsanitize=fuzzer-no-link)
+target_link_options(fuzz PRIVATE -fsanitize=fuzzer)
+# Each target for some seconds, on inputs that differ from run to run; scripts/fuzz.sh has longer ones.
+foreach(TARGET pipeline declaration shot gltf exr image c_api mutant)
+  add_test(NAME fuzz_${TARGET} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz.sh 20 ${TARGET})
+  set_tests_properties(fuzz_${TARGET} PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT
+    "PENUMBRA_FUZZER=$<TARGET_FILE:fuzz>;PENUMBRA_FUZZ_OUT=${CMAKE_CURRENT_BINARY_DIR}/fuzzed")
+endforeach()

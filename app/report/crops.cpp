@@ -24,7 +24,7 @@ std::string percent(const std::string& text) {
 }  // namespace
 
 std::array<double, 2> worst_crop(std::array<uint32_t, 2> size, std::span<const uint8_t> errors) {
-    const auto [width, height] = size;
+    const uint32_t width = size[0], height = size[1];
     const uint32_t crop_w = std::max(width / crop_zoom, 1u), crop_h = std::max(height / crop_zoom, 1u);
     // Sums over all that is above and to the left.
     std::vector<uint64_t> sums((width + 1) * size_t{height + 1});

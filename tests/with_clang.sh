@@ -1,0 +1,7 @@
+#!/bin/sh
+# with_clang.sh RUNNER CLANG COMPILER ARGUMENTS...: CLANG in the configured compiler's place, started by RUNNER (a compiler's
+# cache, or env). The launcher of targets that take what g++ lacks (sanitized.cmake).
+set -eu
+runner=$1 clang=$2
+shift 3
+exec "$runner" "$clang" "$@"
