@@ -72,7 +72,7 @@ void keep(ivec2 tile, uint number, int layer, float share) {
 
 struct Seen {
     float share;  // of the light
-    bool left;    // not known to the end
+    bool asked;   // of rays
     uint steps;
 };
 
@@ -124,7 +124,7 @@ void main() {
     lower = subgroupMin(lower);
     upper = subgroupMax(upper);
 
-    uint receivers = 0u, walked = 0u, shadowed = 0u, penumbra = 0u, left = 0u, steps = 0u;
+    uint reached = 0u, walked = 0u, shadowed = 0u, penumbra = 0u, asked = 0u, steps = 0u;
     uint rest = 0u;   // of the share's pixels, those that have not walked to the light yet
     uint candidates = 0u;  // of the last 32 lights that were tested, those that may reach one of them
     int index = 0, tested = 0;
@@ -150,7 +150,7 @@ void main() {
                 const vec3 to_light = centre - starts[number];
                 const bool here = (surfaces >> number & 1u) != 0u && light_reaches(-to_light);
                 const bool below = here && light_is_below(normals[number], to_light, 1e-6);
-                if (here) ++receivers;
+                if (here) ++reached;
                 if (here && !below) open |= 1u << number;
 #if HAS_MASKS
                 if ((inside >> number & 1u) != 0u && (!here || below)) keep(tile, number, index, below ? 0.0 : 1.0);
@@ -175,18 +175,21 @@ void main() {
 #endif
             if (seen.share == 0.0) ++shadowed;
             if (seen.share > 0.0 && seen.share < 1.0) ++penumbra;
-            if (seen.left) ++left;
+            if (seen.asked) ++asked;
             steps += seen.steps;
         }
         rest &= ~subgroupOr(own ? 1u << number : 0u);
         subgroupMemoryBarrierShared();
         subgroupBarrier();
     }
-    count_receivers(receivers);
+    count_reached(reached);
     count_walked(walked);
     count_shadowed(shadowed);
     count_penumbra(penumbra);
-    count_left(left);
+    count_asked(asked);
+    // A driver that ends loops (branch.glsl) leaves lights undone.
+    const bool undone = rest != 0u || candidates != 0u || tested < light_count();
+    count_left(undone ? uint(bitCount(surfaces)) : 0u);
     count_steps(steps);
 #if HAS_ILLUMINANCE
     subgroupMemoryBarrierShared();
