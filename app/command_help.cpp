@@ -8,6 +8,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "app/view_source.h"
+#include "penumbra/diagnostic.h"
+
 namespace penumbra {
 namespace {
 
@@ -29,7 +32,9 @@ const std::map<std::string, std::vector<Example>>& examples() {
           {"penumbra view mine.json --nodes nodes --shot engine",
            "nodes of your own: saved shaders and JSON are taken over at once"},
           {"penumbra view --shot engine --headless view.png", "what the window would show, without one"}}},
-        {"shot", {{"penumbra shot model.glb --ground --out my.shot.json", "a shot to begin with"}}},
+        {"shot",
+         {{"penumbra shot model.glb --ground --out my.shot.json", "a shot to begin with"},
+          {"penumbra shot room.glb chair.glb --out both.shot.json", "of two models"}}},
         {"reference",
          {{"penumbra reference --like out/a --out out/truth",
            "the truth of just the points that a rendered folder shows"},
@@ -55,6 +60,8 @@ const std::map<std::string, std::vector<Example>>& examples() {
          {{"penumbra explain --shot colonnade --out sun.svg", "what one pixel sees of the sun"},
           {"penumbra explain --shot colonnade --gather --out gather.svg",
            "what the rays of the pixels around say of it"},
+          {"penumbra explain --shot colonnade --beams --out beams.svg",
+           "why whole tiles are lit or dark without a ray, and others are not"},
           {"penumbra explain --shot colonnade --frame 15 --budget --out budget.png",
            "which pixels got rays, and how many"},
           {"penumbra explain --costs out/*/report.json --out costs.svg", "where the time went"}}},
@@ -118,6 +125,26 @@ std::string fish_script(const CLI::App& app) {
 }
 
 }  // namespace
+
+std::string wrong_words(const CLI::App& app, const CLI::ParseError& error,
+                        const std::vector<std::string>& words) {
+    const auto chosen = app.get_subcommands();
+    if (chosen.empty()) {
+        std::vector<std::string> names = option_names(app);
+        for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+        const std::string guess =
+            is_model_file(words[0])
+                ? fmt::format("; a picture of it is made by `penumbra render {}`", words[0])
+                : did_you_mean(words[0], names);
+        return fmt::format("{}: no such command{}\nRun `penumbra --help` for a list of them.\n", words[0],
+                           guess);
+    }
+    std::string text = error.what();
+    if (const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error); extras && !chosen.empty())
+        for (const std::string& word : app.remaining(true))
+            text += did_you_mean(word.substr(0, word.find('=')), option_names(*chosen[0]));
+    return fmt::format("{}\nRun `penumbra {} --help` for more information.\n", text, chosen[0]->get_name());
+}
 
 void add_examples(CLI::App& app) {
     size_t given = 0;

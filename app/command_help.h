@@ -5,8 +5,14 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace penumbra {
+
+// What is wrong with the words behind `penumbra`, one at least, which `error` has stopped at, in a line or
+// two: with the command or the option that a misspelt one may have been.
+std::string wrong_words(const CLI::App& app, const CLI::ParseError& error,
+                        const std::vector<std::string>& words);
 
 // Gives every command its examples. Throws std::logic_error where a command has none, or where there are
 // examples of one that does not exist.

@@ -20,12 +20,13 @@ enum ExitCode : int { exit_good = 0, exit_failed = 1, exit_wrong = 2 };
 
 // What to look at: a shot, or a model that one is made up for.
 struct ViewArguments {
-    std::string shot, model;
-    bool ground = false;  // below the model
+    std::string shot;
+    std::vector<std::string> models;  // files, instead of a shot
+    bool ground = false;              // below the model
 };
 
 struct RenderArguments {
-    std::vector<std::string> files;  // a pipeline, a model, or both
+    std::vector<std::string> files;  // a pipeline, models, or both
     std::string out;                 // empty: out/<the shot's name>
     ViewArguments view;
     std::string frames;  // "A..B", inclusive; empty: all of the shot's
@@ -46,7 +47,7 @@ struct RenderArguments {
 };
 
 struct ViewCommandArguments {
-    std::vector<std::string> files;  // a pipeline, a model, or both
+    std::vector<std::string> files;  // a pipeline, models, or both
     ViewArguments view;
     std::string out;  // for screenshots and flights; empty: out/<the shot's name>
     std::string size = "640x360", window = "1280x800";
@@ -150,6 +151,7 @@ struct ExplainArguments {
     uint32_t frame = 0;
     uint32_t samples = 128;  // of the sun
     bool no_jitter = false;
+    bool beams = false;   // what is proved of whole tiles
     bool gather = false;  // what the rays around say, instead of what triangles hide
     bool budget = false;  // how many rays each pixel got
     std::string device;

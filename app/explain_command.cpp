@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // penumbra explain: draws what the node `cover` sees from one pixel, what the node `gather` makes of the rays
-// around one, where a budget of rays went, or where the time of rendered frames went. The figure is written
-// last and whole, or not at all.
+// around one, what the node `beams` proves of whole tiles, where a budget of rays went, or where the time of
+// rendered frames went. The figure is written last and whole, or not at all.
 #include <fmt/format.h>
 
 #include <charconv>
@@ -9,7 +9,9 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <limits>
 
+#include "app/beam_figure.h"
 #include "app/budget_picture.h"
 #include "app/commands.h"
 #include "app/cost_figure.h"
@@ -81,6 +83,7 @@ struct Job {
 std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
     const auto file = shipped_file(arguments.budget   ? "shadows"
+                                   : arguments.beams  ? "many_rays"
                                    : arguments.gather ? "one_ray"
                                                       : "covered",
                                    shipped_root(), shipped_pipelines, diagnostics);
@@ -102,7 +105,9 @@ std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nod
         return std::nullopt;
     }
     std::vector<std::string> settings;
-    if (!arguments.gather && !arguments.budget)
+    if (arguments.beams)
+        settings = TileBeams::settings();
+    else if (!arguments.gather && !arguments.budget)
         settings = {fmt::format("nodes.cover.params.samples={}", arguments.samples)};
     auto pipeline = open_pipeline(file->string(), settings, nodes);
     if (!pipeline) return std::nullopt;
@@ -237,6 +242,59 @@ int draw_gather(const ExplainArguments& arguments, const Job& job, const RayGath
     return exit_good;
 }
 
+// Of a few hundred tiles, those that show best why, one of each verdict: what is lit passes close by
+// something, what is dark takes several triangles to close, what is open has a border in its middle; and
+// there are few triangles beside.
+std::vector<TileBeam> telling_beams(const TileBeams& tiles) {
+    constexpr uint32_t whole = 32;  // pixels
+    const auto score_of = [](const TileBeam& beam) {
+        const double crowd = 0.02 * static_cast<double>(beam.triangles.size());
+        if (beam.verdict == TileVerdict::dark) return static_cast<double>(beam.patch()) - crowd;
+        return -crowd - 3 * (beam.verdict == TileVerdict::lit ? beam.nearest() : beam.nearest_border());
+    };
+    std::array<std::optional<TileBeam>, 3> best;
+    std::array<double, 3> scores;
+    scores.fill(-std::numeric_limits<double>::infinity());
+    const auto [columns, rows] = tiles.tiles();
+    const uint32_t stride = 1 + columns * rows / 800;
+    Progress progress("explain", rows);
+    for (uint32_t y = 0; y < rows; ++y, progress.step())
+        for (uint32_t x = 0; x < columns; ++x) {
+            if ((y * columns + x) % stride != 0) continue;
+            const auto verdict = tiles.verdict({x, y});
+            if (!verdict) continue;
+            TileBeam beam = tiles.beam({x, y});
+            const size_t kind = static_cast<size_t>(*verdict);
+            if (const double score = score_of(beam); beam.pixels == whole && score > scores[kind]) {
+                scores[kind] = score;
+                best[kind] = std::move(beam);
+            }
+        }
+    std::vector<TileBeam> beams;
+    for (std::optional<TileBeam>& beam : best)
+        if (beam) beams.push_back(std::move(*beam));
+    return beams;
+}
+
+int draw_beams(const ExplainArguments& arguments, const Job& job, const TileBeams& tiles) {
+    std::vector<TileBeam> beams;
+    if (job.pixel) {
+        const Pixel tile{(*job.pixel)[0] / 8, (*job.pixel)[1] / 4};
+        if (tiles.verdict(tile)) beams.push_back(tiles.beam(tile));
+    } else {
+        beams = telling_beams(tiles);
+    }
+    if (beams.empty()) {
+        complain(job.pixel ? "--pixel: no surface in its tile looks at the sun"
+                           : "no whole tile of this frame looks at the sun");
+        return job.pixel ? exit_wrong : exit_failed;
+    }
+    const CoverageCaption caption{job.shot.name, arguments.frame, job.size, {}};
+    if (!write_figure(arguments.out, beam_figure(beams, caption))) return exit_wrong;
+    for (const TileBeam& beam : beams) fmt::print("{}\n", beam_summary(beam));
+    return exit_good;
+}
+
 int draw_budget(const ExplainArguments& arguments, Session& session) {
     Progress progress("explain", arguments.frame + 1);
     for (uint32_t frame = 0; frame <= arguments.frame; ++frame, progress.step())
@@ -261,15 +319,16 @@ int explain_pixel(const ExplainArguments& arguments) {
     std::vector<std::string> warnings;
     SessionOptions options;
     options.size = job->size;
-    options.captures = arguments.budget ? budget_captures()
+    options.captures = arguments.budget  ? budget_captures()
+                       : arguments.beams ? TileBeams::captures()
                        : arguments.gather
                            ? RayGatherer::captures()
                            : std::vector<std::string>{"view_depth", "receiver_normal", "visibility"};
     options.jitter = !arguments.no_jitter;
     options.optimum = false;
     options.pass_costs = false;
-    const Doing doing;
-    options.doing = [&](const char* what) { doing(what); };
+    Doing doing;
+    options.doing = [&](const char* what, double share) { doing(what, share); };
     const auto session =
         Session::open(device, nodes, job->pipeline, job->shot, options, diagnostics, warnings);
     doing.clear();
@@ -280,6 +339,7 @@ int explain_pixel(const ExplainArguments& arguments) {
     }
     if (arguments.budget) return draw_budget(arguments, *session);
     session->run_frame(arguments.frame, true);
+    if (arguments.beams) return draw_beams(arguments, *job, {*session, arguments.frame});
     if (arguments.gather) return draw_gather(arguments, *job, {*session, arguments.frame});
     return draw(arguments, *job, {*session, nodes, arguments.frame, arguments.samples});
 }
@@ -299,7 +359,7 @@ int explain_costs(const ExplainArguments& arguments) {
 }  // namespace
 
 int run_explain(const ExplainArguments& arguments) {
-    const bool looks = !arguments.view.shot.empty() || !arguments.view.model.empty();
+    const bool looks = !arguments.view.shot.empty() || !arguments.view.models.empty();
     if (looks == !arguments.costs.empty()) {
         complain("explain: give --shot or --model, or reports by --costs");
         return exit_wrong;

@@ -3,6 +3,7 @@
 // after the other or side by side: the model is read once, and a tree is built once.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,7 +21,9 @@ class KeptScene {
     std::shared_ptr<const Scene> scene(const Shot& shot, Diagnostics& diagnostics,
                                        std::vector<std::string>& warnings);
     // Of scene(), at whatever moment somebody has moved it to: whoever uses it moves it before each frame.
-    std::shared_ptr<SceneBvh> tree(Device& device, bool neighbours, TexelsAs as);
+    // `progress` as build_bvh()'s.
+    std::shared_ptr<SceneBvh> tree(Device& device, bool neighbours, TexelsAs as,
+                                   const std::function<void(double)>& progress = {});
 
   private:
     struct Tree {

@@ -26,19 +26,17 @@ void add_node_folders(CLI::App* command, std::vector<std::string>& folders) {
 // What to look at; the first is for commands whose help says more.
 CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
     CLI::Option* shot = command->add_option("--shot", a.shot, "shot: a file, or the name of a shipped one");
-    command->add_option("--model", a.model,
-                        "glTF 2.0 file (.glb, .gltf) instead, seen as `penumbra shot` says");
+    command->add_option("--model", a.models,
+                        "glTF 2.0 files (.glb, .gltf) instead, seen as `penumbra shot` says");
     command->add_flag("--ground", a.ground, "put a ground below the model");
     return shot;
 }
 
 // What runs on what, for commands that take both (sort_files()).
 void add_files(CLI::App* command, std::vector<std::string>& files, ViewArguments& view) {
-    command
-        ->add_option(
-            "files", files,
-            "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), a model, or both")
-        ->expected(0, 2);
+    command->add_option(
+        "files", files,
+        "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), models, or both");
     add_view(command, view);
 }
 
@@ -205,15 +203,16 @@ void add_gates(CLI::App& app, GatesArguments& a) {
 void add_shot(CLI::App& app, ShotArguments& a) {
     CLI::App* c =
         app.add_subcommand("shot", "write the shot that `render MODEL` makes up, as a start for your own");
-    c->add_option("model", a.view.model, "glTF 2.0 file (.glb, .gltf)")->required();
+    c->add_option("models", a.view.models, "glTF 2.0 files (.glb, .gltf), each where it says")->required();
     c->add_option("--out", a.out, "file to write (default: NAME.shot.json here)");
     c->add_flag("--ground", a.view.ground, "put a ground below the model");
 }
 
 void add_explain(CLI::App& app, ExplainArguments& a) {
-    CLI::App* c = app.add_subcommand("explain",
-                                     "draw what one pixel sees of the sun, what rays around it say, where a "
-                                     "budget of rays went, or where the time of rendered frames went");
+    CLI::App* c = app.add_subcommand(
+        "explain",
+        "draw what one pixel sees of the sun, what rays around it say, what is "
+        "proved of whole tiles, where a budget of rays went, or where the time of rendered frames went");
     c->add_option("--out", a.out, "SVG file to write; of --budget a PNG")->required();
     CLI::Option* shot = add_view(c, a.view);
     c->add_option("--pixel", a.pixel,
@@ -229,6 +228,12 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
                 "how many rays shadows.json gives each pixel, after all frames before: none grey, 1 to 32 "
                 "from blue to white")
         ->excludes(gather);
+    c->add_flag(
+         "--beams", a.beams,
+         "why the node beams decides a tile as lit or as dark, or leaves it to its pixels: a picture of "
+         "each, or of the tile of --pixel")
+        ->excludes(gather)
+        ->excludes("--budget");
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--costs", a.costs, "report.json files of render: a bar of CPU milliseconds for each")
         ->excludes(shot);
@@ -285,7 +290,7 @@ std::string empty_option(const CLI::App& app) {
 }
 
 int run(int argc, char** argv) {
-    CLI::App app("penumbra: a render graph for hybrid ray-traced shadows");
+    CLI::App app("penumbra: a render graph for hybrid ray-traced shadows", "penumbra");
     app.require_subcommand(1);
     app.set_version_flag("--version", PENUMBRA_VERSION);
     RenderArguments render;
@@ -333,12 +338,16 @@ int run(int argc, char** argv) {
         ->required()
         ->check(CLI::IsMember({"bash", "zsh", "fish"}));
     add_examples(app);
+    if (argc == 1) {  // no mistake, so not in its colour
+        std::fputs(app.help().c_str(), stderr);
+        return exit_wrong;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& e) {
         return app.exit(e);
     } catch (const CLI::ParseError& e) {
-        app.exit(e);
+        std::cerr << wrong_words(app, e, {argv + 1, argv + argc});
         return exit_wrong;
     }
     if (const std::string option = empty_option(app); !option.empty()) {

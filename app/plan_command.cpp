@@ -57,8 +57,8 @@ int run_plan(const PlanArguments& arguments) {
     CompileOptions options;
     options.alias = !arguments.no_alias;
     options.optimum_search_nodes = arguments.optimum ? report_search_nodes : render_search_nodes;
-    const Doing doing;
-    if (arguments.optimum) doing("looking for the smallest possible heap");
+    Doing doing;
+    if (arguments.optimum) doing("looking for the smallest possible heap, half a minute at most");
     const auto plan = compile(*pipeline, target, options, diagnostics);
     doing.clear();
     if (!plan) {

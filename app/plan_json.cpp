@@ -326,6 +326,7 @@ OrderedJson frame_block_json() {
     PENUMBRA_MEMBER(frame_index, "uint")
     PENUMBRA_MEMBER(flags, "uint")
     PENUMBRA_MEMBER(snap_px, "float")
+    PENUMBRA_MEMBER(grid_px, "float")
 #undef PENUMBRA_MEMBER
     return {{"bytes", sizeof(FrameBlock)}, {"members", members}};
 }

@@ -52,8 +52,16 @@ std::string Progress::left() const {
 
 Doing::Doing() : visible_(isatty(STDERR_FILENO) == 1) {}
 
-void Doing::operator()(const std::string& what) const {
-    if (visible_) fmt::print(stderr, "\r\x1b[K{} ...", what);
+void Doing::operator()(const std::string& what, double share) {
+    if (!visible_) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (what != what_) start_ = now;
+    what_ = what;
+    constexpr uint64_t parts = 1000;
+    const std::chrono::duration<double> so_far = now - start_;
+    const std::string left = time_left(so_far.count(), static_cast<uint64_t>(share * parts), parts);
+    const std::string part = share > 0 ? fmt::format(" {:.0f} %", 100 * share) : "";
+    fmt::print(stderr, "\r\x1b[K{} ...{}{}{}", what, part, left.empty() ? "" : ", ", left);
 }
 
 void Doing::clear() const {

@@ -30,19 +30,22 @@ class Progress {
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// What is being done where nobody knows how long it will take: a line on a terminal, which the next one
-// replaces and which is gone in the end.
+// What is being done before the amount of work is known: a line on a terminal, which the next one replaces
+// and which is gone in the end.
 class Doing {
   public:
     Doing();
     ~Doing() { clear(); }
     Doing(const Doing&) = delete;
     Doing& operator=(const Doing&) = delete;
-    void operator()(const std::string& what) const;
+    // `share` of it is done, 0 to 1: with the time that is left, where that can be told.
+    void operator()(const std::string& what, double share = 0);
     void clear() const;  // before something else is printed
 
   private:
     bool visible_;
+    std::string what_;
+    std::chrono::steady_clock::time_point start_;
 };
 
 // "40 s", "12 min", "3.0 h"

@@ -42,7 +42,7 @@ struct Job {
 // What a rendered folder shows: its shot and size, the frames that it has, and where in their pixels they
 // look.
 std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostics& diagnostics) {
-    if (!arguments.view.shot.empty() || !arguments.view.model.empty() || !arguments.size.empty()) {
+    if (!arguments.view.shot.empty() || !arguments.view.models.empty() || !arguments.size.empty()) {
         diagnostics.add({}, "--like", "says which shot and size; give neither beside it");
         return std::nullopt;
     }
@@ -82,7 +82,7 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     Device device({arguments.device, false});
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const Doing doing;
+    Doing doing;
     doing("reading the model and building its tree");
     const auto session = open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings);
     doing.clear();
@@ -114,7 +114,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto chosen = choose_light(shot, arguments.light, diagnostics);
-    const Doing doing;
+    Doing doing;
     doing("reading the model and building its tree");
     const auto session = !chosen ? nullptr
                          : chosen->light
@@ -131,6 +131,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     fs::remove(folder / "reference.json");  // comes last: a folder that has it is a complete one
     if (!job.made_up.empty()) write_file(shot.file, std::as_bytes(std::span(job.made_up)));
     OutputWriter host_images(device, folder);
+    size_t lost = 0, frames_of_lost = 0;  // pixels; frames with any
     ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};
     {
         const uint32_t rows = shot.size[1];
@@ -145,11 +146,8 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
                                             : counted_truth(*session, frame, arguments.rays,
                                                             [&](uint32_t more) { progress.step(more); });
                 if (chosen->light) progress.step(rows);
-                if (truth.lost)
-                    progress.say(
-                        fmt::format("warning: frame {}: {} pixels show what no triangle explains; they "
-                                    "are no receivers",
-                                    frame, truth.lost));
+                lost += truth.lost;
+                frames_of_lost += truth.lost > 0;
                 write_truth(folder, shot, frame, std::move(truth));
             }
             for (const char* name : {"depth", "motion", "normal", "albedo"})
@@ -158,6 +156,11 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
                                   shot.analytic ? analytic_contact(shot, frame) : std::nullopt};
         }
     }
+    if (lost > 0)
+        std::cerr << fmt::format(
+            "warning: pixels that show what no triangle explains: {} in all, in {} of {} frames; they are no "
+            "receivers\n",
+            lost, frames_of_lost, job.frames.size());
     if (!info.exact) info.rays = rays_cast(arguments.rays);
     write_reference_info(folder, info);
     return exit_good;

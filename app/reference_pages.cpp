@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "app/node_text.h"
 
@@ -14,6 +15,24 @@ namespace {
 std::string cell(const std::string& text) {
     std::string out;
     for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+    return out;
+}
+
+// A paragraph in lines of at most 120 columns.
+std::string paragraph(const std::string& text) {
+    constexpr size_t columns = 120;
+    std::istringstream words(text);
+    std::string out;
+    size_t column = 0;
+    for (std::string word; words >> word; out += word, column += word.size()) {
+        if (column + 1 + word.size() > columns) {
+            out += '\n';
+            column = 0;
+        } else if (column > 0) {
+            out += ' ';
+            ++column;
+        }
+    }
     return out;
 }
 
@@ -30,7 +49,7 @@ std::string settings_of(const BoundNode& node) {
 }  // namespace
 
 std::string node_section(const NodeType& type) {
-    std::string out = fmt::format("### {}\n\n{}\n\n", type.name, type.doc);
+    std::string out = fmt::format("### {}\n\n{}\n\n", type.name, paragraph(type.doc));
     if (!type.needs.empty())
         out += fmt::format("Runs where the device has {}.\n\n", joined(type.needs, ", "));
     out += "| | name | what | |\n|---|---|---|---|\n";
@@ -50,9 +69,10 @@ std::string pipeline_section(const CheckedPipeline& pipeline) {
         inputs.push_back(fmt::format("`{}`{}", input.name, input.optional ? " (optional)" : ""));
     for (const std::string& name : pipeline.output_names()) outputs.push_back("`" + name + "`");
     std::string out = fmt::format(
-        "### {}\n\n{}\n\nTakes {}. Gives {}.\n\n| node | type | runs if | sets |\n"
+        "### {}\n\n{}\n\n{}\n\n| node | type | runs if | sets |\n"
         "|---|---|---|---|\n",
-        pipeline.name, pipeline.doc, joined(inputs, ", "), joined(outputs, ", "));
+        pipeline.name, paragraph(pipeline.doc),
+        paragraph(fmt::format("Takes {}. Gives {}.", joined(inputs, ", "), joined(outputs, ", "))));
     for (const BoundNode& node : pipeline.nodes)
         if (!node.added)
             out += fmt::format("| {} | [{}](nodes.md#{}) | {} | {} |\n", node.id, node.type().name,

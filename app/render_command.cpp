@@ -88,8 +88,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.jitter = !arguments.no_jitter;
     options.validate = arguments.validate;
     options.facts = job.facts;
-    const Doing doing;
-    options.doing = [&](const char* what) { doing(what); };
+    Doing doing;
+    options.doing = [&](const char* what, double share) { doing(what, share); };
     const auto session =
         Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
     doing.clear();

@@ -46,6 +46,7 @@ const std::vector<std::string> known_slots = {"depth",
                                               "scene.alpha_uv",
                                               "scene.alpha_map",
                                               "light",
+                                              "light_prev",
                                               "lights",
                                               "material",
                                               "emissive",
@@ -159,8 +160,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                             : choose_light(shot, several && !near ? "" : options.light, diagnostics,
                                            near ? LightsFor::near : LightsFor::sun);
     if (!chosen) return nullptr;
-    const auto doing = [&](const char* what) {
-        if (options.doing) options.doing(what);
+    const auto doing = [&](const char* what, double share = 0) {
+        if (options.doing) options.doing(what, share);
     };
     KeptScene own;
     KeptScene& kept = options.kept ? *options.kept : own;
@@ -260,9 +261,11 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     const auto needs = [&](std::string_view slot) { return reads(session->plan(), slot); };
     const bool words = table.max_texel_elements < large_texel_buffer;  // as compile() decided
     const TexelsAs as = words ? TexelsAs::words : TexelsAs::texels;
-    doing("building the tree of triangles");
+    const char* const building = "building the tree of triangles";
+    doing(building);
     if (needs("scene.nodes") || needs("scene.nodes_words") || needs("neighbours"))
-        session->bvh_ = kept.tree(device, needs("neighbours"), as);
+        session->bvh_ =
+            kept.tree(device, needs("neighbours"), as, [&](double share) { doing(building, share); });
     if (needs("scene.tlas"))
         session->tlas_ = std::make_unique<SceneTlas>(device, session->host_->scene(), 0, as);
     if (needs("surfaces") || needs("surface_texels")) {
@@ -280,6 +283,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                           "the previous frame's sun");
     session->light_ =
         make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the light");
+    session->light_prev_ = make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                                            "the previous frame's light");
     if (several)
         session->lights_ = make_host_texels(device, lights.size() * sizeof(blocks::Light),
                                             VK_FORMAT_R32G32B32A32_UINT, "the lights");
@@ -294,6 +299,7 @@ void Session::write_blocks(const StandaloneFrame& frame) {
     std::memcpy(sun_.mapped, &frame.sun, sizeof frame.sun);
     std::memcpy(sun_prev_.mapped, &frame.sun_prev, sizeof frame.sun_prev);
     std::memcpy(light_.mapped, &frame.light, sizeof frame.light);
+    std::memcpy(light_prev_.mapped, &frame.light_prev, sizeof frame.light_prev);
     if (!frame.lights.empty())
         std::memcpy(lights_.buffer.mapped, frame.lights.data(), frame.lights.size() * sizeof(blocks::Light));
     std::memcpy(scene_.mapped, &frame.scene, sizeof frame.scene);
@@ -317,6 +323,7 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "sun") b.buffer = sun_.get();
         if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
         if (slot.name == "light") b.buffer = light_.get();
+        if (slot.name == "light_prev") b.buffer = light_prev_.get();
         if (slot.name == "lights") b.texels = lights_.view.get();
         if (slot.name == "scene") b.buffer = scene_.get();
         const auto bind = [&](std::string_view name, const GpuTexels& texels) {

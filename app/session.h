@@ -21,6 +21,10 @@
 
 namespace penumbra {
 
+// Called with what is being done, one thing after the other, a few words each; and for a thing that takes
+// long again and again, with the share of it that is done, 0 to 1.
+using Told = std::function<void(const char* what, double share)>;
+
 struct SessionOptions {
     std::array<uint32_t, 2> size{1280, 720};
     std::optional<std::array<uint32_t, 2>> largest;  // what the plan is made for, where frames are smaller
@@ -38,8 +42,7 @@ struct SessionOptions {
     bool optimum = true;   // search for the smallest possible heap, for the report
     bool steered = false;  // somebody will steer(): facts promise neither a still camera nor a sun that is up
     KeptScene* kept = nullptr;  // of the shot, where more than one session looks at it
-    // Told what is being done before the first frame, one thing after the other: a few words each.
-    std::function<void(const char*)> doing;
+    Told doing;                 // of what comes before the first frame
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
@@ -118,7 +121,7 @@ class Session {
     uint32_t surfaces_builds_ = 0;  // SceneBvh::builds() that `surfaces_` was made for
     std::array<double, 2>
         surfaces_moments_{};  // what `surfaces_` was made for: the frame's and its previous one's
-    GpuBuffer sun_, sun_prev_, light_, scene_, cascades_;
+    GpuBuffer sun_, sun_prev_, light_, light_prev_, scene_, cascades_;
     GpuTexels lights_;
     std::unique_ptr<View> view_;
 };

@@ -102,7 +102,7 @@ int run_statics(const StaticsArguments& arguments) {
     OrderedJson document = {{"device", device->info().name},
                             {"driver", device->info().driver},
                             {"pipelines", OrderedJson::array()}};
-    const Doing doing;
+    Doing doing;
     for (const CheckedPipeline& pipeline : pipelines) {
         doing("compiling the shaders of " + pipeline.name);
         const Target target =

@@ -8,11 +8,13 @@
 #include <cctype>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/shipped_files.h"
-#include "host/models/gltf.h"
+#include "host/models/joined_models.h"
 #include "host/shots/model_shot.h"
+#include "host/shots/shot_text.h"
 
 namespace penumbra {
 
@@ -20,21 +22,58 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::optional<ViewSource> open_model(const std::string& file, bool ground, const fs::path& folder,
-                                     Diagnostics& diagnostics) {
-    const auto model = load_gltf(file, diagnostics);
-    if (!model) return std::nullopt;
-    if (model->triangle_count() == 0) {
-        diagnostics.add({file, 0, 0}, "", fmt::format("{}", fmt::join(model->warnings, "; ")));
-        return std::nullopt;
+// The shot of a "scene" and nothing else, to be completed from what its models hold.
+std::optional<Shot> models_alone(const nlohmann::json& scene, const fs::path& file,
+                                 Diagnostics& diagnostics) {
+    const auto nowhere = nlohmann::json::parse(
+        R"({ "keys": [{ "frame": 0, "position": [0, 0, 1], "target": [0, 0, 0], "to_sun": [0, 1, 0] }] })");
+    nlohmann::json camera = nowhere, sun = nowhere;
+    camera["keys"][0].erase("to_sun");
+    sun["keys"][0].erase("position");
+    sun["keys"][0].erase("target");
+    return parse_shot(
+        nlohmann::json{{"penumbra_shot", 1}, {"scene", scene}, {"camera", camera}, {"sun", sun}}.dump(), file,
+        diagnostics);
+}
+
+// Of several models each is where its file puts it, known by the file's name, and a number where two have it.
+nlohmann::ordered_json scene_of(const std::vector<std::string>& files, const fs::path& folder) {
+    const auto from_folder = [&](const std::string& file) {
+        std::error_code none;
+        const fs::path relative = fs::proximate(file, folder, none);
+        return (relative.empty() ? fs::absolute(file) : relative).generic_string();
+    };
+    if (files.size() == 1) return from_folder(files[0]);
+    auto list = nlohmann::ordered_json::array();
+    std::map<std::string, int> used;
+    for (const std::string& file : files) {
+        const std::string stem = fs::path(file).stem().string();
+        const int nth = ++used[stem];
+        list.push_back(
+            {{"file", from_folder(file)}, {"name", nth > 1 ? fmt::format("{} {}", stem, nth) : stem}});
     }
-    const ModelShot made = make_model_shot(*model, file, folder, ground);
-    const fs::path shot_file = folder / (fs::path(file).stem().string() + ".shot.json");
+    return list;
+}
+
+std::optional<ViewSource> open_models(const std::vector<std::string>& files, bool ground,
+                                      const fs::path& folder, Diagnostics& diagnostics) {
+    const fs::path shot_file = folder / (fs::path(files[0]).stem().string() + ".shot.json");
+    const auto scene = scene_of(files, folder);
+    for (const std::string& file : files)
+        if (!fs::exists(file)) diagnostics.add({file, 0, 0}, "", "no such file");
+    if (!diagnostics.empty()) return std::nullopt;
+    const std::optional<Shot> models = models_alone(scene, shot_file, diagnostics);
+    const auto model = models ? load_models(*models, diagnostics) : std::nullopt;
+    if (!model) return std::nullopt;
+    ModelShot made = make_model_shot(*model, files[0], folder, ground);
+    auto json = nlohmann::ordered_json::parse(made.text);
+    json["scene"] = scene;
+    made.text = shot_text(json);
     auto shot = parse_shot(made.text, shot_file, diagnostics);
     if (!shot) return std::nullopt;
     const auto& [low, high] = made.bounds;
     fmt::print(stderr, "{}: {} triangles, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n",
-               file, model->triangle_count(), low.x, high.x, low.y, high.y, low.z, high.z);
+               fmt::join(files, ", "), model->triangle_count(), low.x, high.x, low.y, high.y, low.z, high.z);
     return ViewSource{std::move(*shot), made.text, made.text};
 }
 
@@ -50,15 +89,21 @@ std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagn
     std::string text = text_of(file);
     if (parsed) *parsed = text;
     const auto json = nlohmann::json::parse(text, nullptr, false);
-    const bool of_model = json.is_object() && json.contains("scene") && json["scene"].is_string();
+    const bool of_model =
+        json.is_object() && json.contains("scene") && (json["scene"].is_string() || json["scene"].is_array());
     const bool camera = of_model && json.contains("camera"),
                sun = of_model && (json.contains("sun") || json.contains("lights"));
-    const fs::path model_file = of_model ? file.parent_path() / json["scene"].get<std::string>() : fs::path();
-    if (!of_model || (camera && sun) || !fs::is_regular_file(model_file)) return read_shot(file, diagnostics);
-    const auto model = load_gltf(model_file, diagnostics);
+    if (!of_model || (camera && sun)) return read_shot(file, diagnostics);
+    // Mistakes of the scene's are told with all others, by their places in the file.
+    Diagnostics of_scene;
+    const std::optional<Shot> models = models_alone(json["scene"], file, of_scene);
+    const auto there = [](const PlacedModel& placed) { return fs::is_regular_file(placed.file); };
+    if (!models || !(models->models.empty() ? fs::is_regular_file(models->model)
+                                            : std::ranges::all_of(models->models, there)))
+        return read_shot(file, diagnostics);
+    const auto model = load_models(*models, diagnostics);
     if (!model) return std::nullopt;
-    if (model->triangle_count() == 0) return read_shot(file, diagnostics);
-    const ModelShot made = make_model_shot(*model, model_file, file.parent_path(), false);
+    const ModelShot made = make_model_shot(*model, file, file.parent_path(), false);
     const auto made_up = nlohmann::ordered_json::parse(made.text);
     std::string missing;
     if (!camera) missing += "\"camera\": " + made_up["camera"].dump() + ", ";
@@ -79,12 +124,15 @@ std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, cons
                                      Diagnostics& diagnostics) {
     GivenFiles given{"", view};
     for (const std::string& file : files) {
-        std::string& place = is_model_file(file) ? given.view.model : given.pipeline;
-        if (!place.empty())
+        if (is_model_file(file)) {
+            given.view.models.push_back(file);
+            continue;
+        }
+        if (!given.pipeline.empty())
             diagnostics.add(
                 {}, "",
-                fmt::format("\"{}\" and \"{}\": one pipeline and one model or shot at a time", place, file));
-        place = file;
+                fmt::format("\"{}\" and \"{}\": one pipeline and one shot at a time", given.pipeline, file));
+        given.pipeline = file;
     }
     if (!diagnostics.empty()) return std::nullopt;
     if (given.pipeline.empty()) given.pipeline = "hybrid_shadows";
@@ -92,20 +140,22 @@ std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, cons
 }
 
 std::string view_name(const ViewArguments& arguments) {
-    std::string name = fs::path(arguments.model.empty() ? arguments.shot : arguments.model).stem().string();
+    std::string name =
+        fs::path(arguments.models.empty() ? arguments.shot : arguments.models[0]).stem().string();
     if (name.ends_with(".shot")) name.resize(name.size() - 5);
     return name;
 }
 
 std::optional<ViewSource> open_view(const ViewArguments& arguments, const fs::path& folder,
                                     Diagnostics& diagnostics) {
-    if (arguments.shot.empty() == arguments.model.empty()) {
+    if (arguments.shot.empty() == arguments.models.empty()) {
         diagnostics.add({}, "", "give a model, or a shot by --shot: one of the two");
         return std::nullopt;
     }
-    if (!arguments.model.empty()) return open_model(arguments.model, arguments.ground, folder, diagnostics);
+    if (!arguments.models.empty())
+        return open_models(arguments.models, arguments.ground, folder, diagnostics);
     if (is_model_file(arguments.shot))
-        return open_model(arguments.shot, arguments.ground, folder, diagnostics);
+        return open_models({arguments.shot}, arguments.ground, folder, diagnostics);
     if (arguments.ground) {
         diagnostics.add({}, "--ground", "goes with a model; a shot has a \"ground\" of its own");
         return std::nullopt;

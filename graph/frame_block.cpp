@@ -65,7 +65,8 @@ FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_p
     block.flags = frame.flags;
     // Half a step of the grid that vertices are rounded to (shaders/common/ray_offset.glsl).
     const uint32_t bits = frame.sub_pixel_bits ? frame.sub_pixel_bits : device_sub_pixel_bits;
-    block.snap_px = static_cast<float>(std::ldexp(0.5, -static_cast<int>(bits)));
+    block.grid_px = static_cast<float>(std::ldexp(0.5, -static_cast<int>(bits)));
+    block.snap_px = (frame.flags & frame_depth_at_centres) != 0 ? 0 : block.grid_px;
     return block;
 }
 

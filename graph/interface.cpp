@@ -362,6 +362,7 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         text += fmt::format("#include \"{}\"\n", type.domain->structs_file);
     text += fmt::format(
         "const uint FRAME_RESET = 1u;\nconst uint FRAME_ORTHOGRAPHIC = 2u;\n"
+        "const uint FRAME_DEPTH_AT_CENTRES = 4u;\n"
         "layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;\n"
         "#define GROUP_X gl_WorkGroupSize.x\n#define GROUP_Y gl_WorkGroupSize.y\n"
         "layout(constant_id = 3) const uint PER_THREAD_X = 1u;\nlayout(constant_id = 4) const uint "

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/gbuffer/gbuffer_pipeline.h"
 #include "host/shots/shot_facts.h"
 
 namespace penumbra {
@@ -28,7 +27,7 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, std::shared_ptr<const 
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
       options_(options),
-      sub_pixel_bits_(device.limits().subPixelPrecisionBits + gbuffer_further_bits),
+      sub_pixel_bits_(shot_.analytic ? 24 : device.limits().subPixelPrecisionBits),
       gbuffer_(device, *scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
                options.materials) {
     if (options.steered) cascade_layers_ = max_cascades;
@@ -83,14 +82,17 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     description.size = description.prev_size = options_.size;
     description.index = index;
     description.dt_s = static_cast<float>(1 / shot_.fps);
-    description.flags = has_previous ? 0u : uint32_t(frame_reset);
+    description.flags = frame_depth_at_centres | (has_previous ? 0u : uint32_t(frame_reset));
     if (shot_.analytic) description.flags |= frame_orthographic;
     description.sub_pixel_bits = sub_pixel_bits_;
 
     out.sun = sun_block(sun_at(shot_, index));
     out.sun_prev = sun_block(sun_at(shot_, previous));
     const glm::dvec3 camera = glm::make_vec3(description.camera.position.data());
-    if (light()) out.light = light_block(*light(), moment(index), camera - shot_.origin);
+    if (light()) {
+        out.light = light_block(*light(), moment(index), camera - shot_.origin);
+        out.light_prev = light_block(*light(), moment(previous), camera - shot_.origin);
+    }
     for (const std::string& name : options_.lights)
         out.lights.push_back(light_block(shot_.lights.at(name), moment(index), camera - shot_.origin));
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_->bvh_origin());

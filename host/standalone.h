@@ -42,9 +42,9 @@ struct Stance {
 // One frame's data, a pure function of its index.
 struct StandaloneFrame {
     FrameDescription description;
-    blocks::Sun sun{}, sun_prev{};      // of the previous frame; of this one where there is none
-    blocks::Light light{};              // of the one that masks are of, where it is not the sun
-    std::vector<blocks::Light> lights;  // in the options' order
+    blocks::Sun sun{}, sun_prev{};        // of the previous frame; of this one where there is none
+    blocks::Light light{}, light_prev{};  // of the one that masks are of, where it is not the sun
+    std::vector<blocks::Light> lights;    // in the options' order
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };
@@ -101,7 +101,7 @@ class StandaloneHost {
     Shot shot_;
     std::shared_ptr<const Scene> scene_;
     StandaloneOptions options_;
-    uint32_t sub_pixel_bits_;  // of the G-buffer's depth
+    uint32_t sub_pixel_bits_;  // of what drew the G-buffer; many where nothing was rasterised
     GBuffer gbuffer_;
     uint32_t cascade_layers_ = 1;
     std::vector<Stance> stances_;  // as steered: of the last two frames, by CameraKey::frame

@@ -5,7 +5,8 @@
 #
 # Starts from tests/fuzz/corpus and what ships, with tests/fuzz/TARGET.dict where there is one; what it finds interesting is
 # kept in build/fuzz/corpus, what breaks something in build/fuzz/broken (it belongs into tests/fuzz/corpus, which every test
-# run replays). Fails where anything broke. Set PENUMBRA_FUZZER to a fuzzer that is built already, PENUMBRA_FUZZ_OUT to
+# run replays). Fails where anything broke. Set PENUMBRA_FUZZER to a fuzzer that is built already, PENUMBRA_FUZZ_SEED to repeat
+# a run from the same corpus, PENUMBRA_FUZZ_OUT to
 # another folder than build/fuzz.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -35,7 +36,7 @@ for target in "${targets[@]}"; do
     [[ ! -f tests/fuzz/$target.dict ]] || dictionary=(-dict="tests/fuzz/$target.dict")
     # 20 seconds for an input are a hang; 256 MiB at once are a bomb, and 2 GiB in all (sanitisers take a part of it).
     if PENUMBRA_FUZZ_TARGET=$target "$fuzzer" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=256 -max_len=65536 \
-        -print_final_stats=1 "${dictionary[@]}" -artifact_prefix="$out/broken/$target-" "$own" "${seeds[@]}" >"$out/$target.log" 2>&1; then
+        -seed="${PENUMBRA_FUZZ_SEED:-0}" -print_final_stats=1 "${dictionary[@]}" -artifact_prefix="$out/broken/$target-" "$own" "${seeds[@]}" >"$out/$target.log" 2>&1; then
         echo "fuzz: $target: $(sed -n 's/^stat::number_of_executed_units: *//p' "$out/$target.log") inputs"
     else
         echo "fuzz: $target BROKE:" >&2

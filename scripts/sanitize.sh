@@ -12,18 +12,20 @@ scripts/setup.sh --test
 scripts/setup.sh --dev
 export ASAN_OPTIONS=detect_leaks=1 LSAN_OPTIONS=suppressions=$PWD/tests/leaks.supp:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1
-# Left out: what takes minutes under them (searches for packings, oracles of many rays), what preloads an operator new,
-# which is the sanitiser's here, or asks what is resident, which counts what it keeps of freed memory.
+# Left out: what takes minutes under them (searches for packings, every change of every schema's documents), what preloads an
+# operator new or Vulkan's functions, where the sanitiser's own come first, what limits the address space, and what asks how much
+# is resident, which counts what it keeps of freed memory. The validation layer and RADV without
+# hardware keep memory that nobody can name any more where the program has unloaded them.
 declare -A left_out=(
     [graph_test]='Pack.*:Optimum.*:*HeapIsWithin*:House*:*PlanMutation*:*reflections*:*indirect*'
-    [robustness_test]='CliRobustness.AnAllocation*:CliRobustness.AFileThat*'
+    [robustness_test]='CliRobustness.AnAllocation*:CliRobustness.AFileThat*:CliRobustness.APlanTakes*'
     [host_test]=''
-    [app_test]=''
+    [app_test]='SchemaAndLoader.AgreeOnWrongTypes*:*Statics*'
     [graph_gpu_test]='FaultsGpu.ManyGraphs*'
     [rays_test]=''
     [denoiser_test]=''
     [reflections_test]=''
-    [app_gpu_test]='RenderFaults*'
+    [app_gpu_test]='RenderFaults*:CliRender.Validate*'
     [hard_cases_test]=''
 )
 programs=("$@")

@@ -49,6 +49,8 @@ def main():
     for program in sorted({m[3] for m in chosen}):
         if not build(program):
             sys.exit(f"{program} does not build without a mutant")
+    if not build("penumbra_make_scenes") or run("scripts/scenes.sh", "release").returncode:
+        sys.exit("the copy has no scenes")
     # Before the first mutant: afterwards the programs hold the last one.
     for program, tests in sorted({(m[3], m[4]) for m in chosen}):
         if not passes(program, tests):

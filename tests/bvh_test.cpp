@@ -120,6 +120,18 @@ TEST(Bvh, ReachesEveryLeafOnceWithinTheDepthLimit) {
     EXPECT_LE(depth_of(build_bvh(nested)), max_bvh_depth);
 }
 
+TEST(Bvh, TellsHowFarItHasCome) {
+    std::vector<double> shares;
+    const std::vector<Triangle> triangles = soup(60000, 3);
+    const Bvh told = build_bvh(triangles, {}, [&](double share) { shares.push_back(share); });
+    EXPECT_EQ(told.nodes, build_bvh(triangles).nodes);
+    EXPECT_GT(shares.size(), 30u);
+    EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+    EXPECT_GT(shares.front(), 0);
+    EXPECT_GT(shares.back(), 0.95);
+    EXPECT_LE(shares.back(), 1);
+}
+
 TEST(Bvh, IsDeterministic) {
     const std::vector<Triangle> triangles = soup(5000, 3);
     const Bvh a = build_bvh(triangles), b = build_bvh(triangles);

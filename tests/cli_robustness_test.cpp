@@ -57,6 +57,36 @@ TEST_F(CliRobustness, AClosedStreamIsNotWrittenIntoAFile) {
         EXPECT_NE(entry.path().extension(), ".part") << "nothing half done is left";
 }
 
+// Of 20 000 nodes in the shapes whose plans once took memory and time with their square, which would be 2 GB
+// and minutes: a program that does so again ends at a limit far above what it takes.
+TEST_F(CliRobustness, APlanTakesMemoryAndTimeInProportion) {
+    fs::create_directories(folder_ / "types");
+    file("types/pass_on.comp",
+         "#include \"node.glsl\"\n"
+         "void main() { imageStore(passed, ivec2(gl_GlobalInvocationID.xy), vec4(0.0)); }\n");
+    file("types/pass_on.json", R"({"node": "pass_on", "doc": "d", "shader": "pass_on.comp",
+        "inputs": {"given": {"kind": "image", "format": "r16f", "optional": true}},
+        "outputs": {"passed": {"kind": "image", "format": "r16f"}},
+        "dispatch": {"over": "passed", "group": [8, 8]}})");
+    for (const std::string shape : {"chain", "outputs", "pasts"}) {
+        std::string nodes, outputs;
+        for (int i = 0; i < 20'000; ++i) {
+            const std::string id = std::to_string(i), before = std::to_string(i - 1), comma = i ? "," : "";
+            nodes += comma + "\n\"n" + id + R"(": {"type": "pass_on", "out": {"passed": "v)" + id + "\"}";
+            if (shape == "chain" && i) nodes += R"(, "in": {"given": "v)" + before + "\"}";
+            if (shape == "pasts" && i % 2) nodes += R"(, "in": {"given": "v)" + before + "@-1\"}";
+            nodes += "}";
+            if (shape != "chain" || i == 19'999) outputs += (outputs.empty() ? "\"v" : ",\"v") + id + "\"";
+        }
+        const std::string name = file(shape + ".json", R"({"penumbra": 1, "name": "p", "outputs": [)" +
+                                                           outputs + "], \"nodes\": {" + nodes + "}}");
+        const Result result =
+            raw("ulimit -v 1000000; ulimit -t 30;",
+                "plan " + name + " --size 64x64 --nodes " + (folder_ / "types").string(), ">/dev/null");
+        EXPECT_EQ(result.code, 0) << shape << ": " << result.err;
+    }
+}
+
 TEST_F(CliRobustness, ValuesThatAreNearlyRightAreRefused) {
     for (const char* size :
          {"'16 x16'", "+5x5", "16x16x16", "16x", "x16", "0x16", "16x-1", "16x16 ", "99999999999x1"})

@@ -10,6 +10,7 @@
 
 #include "app/gathered_rays.h"
 #include "app/outputs.h"
+#include "app/tile_beams.h"
 #include "host/images/image_decode.h"
 #include "host/truth/coverage.h"
 #include "penumbra/shadow_nodes.h"
@@ -246,6 +247,78 @@ TEST_F(Explain, ReportsThatSayNothingOfTimeAreTheCommandsMistake) {
         {"size", {4, 4}},
         {"passes", {{{"node", "trace"}, {"type", "trace"}, {"cpu_ms", {{"median", nullptr}}}}}}};
     expect_nothing(costs(file("gpu.json", gpu.dump())), 2, "no CPU times");
+}
+
+// What the processor sees of a tile's beam agrees with what the node made of it: nothing is in what is lit,
+// what is dark is closed off, and what is closed off was not called lit. The node errs towards "open".
+TEST_F(CoverageTwin, BeamsSeeWhatTheNodeDecidedBy) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto pipeline =
+        load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/many_rays.json",
+                      TileBeams::settings(), diagnostics);
+    const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
+    ASSERT_TRUE(checked) << diagnostics.text();
+    Shot shot = shipped("colonnade");
+    shot.size = {320, 180};
+    SessionOptions options;
+    options.size = shot.size;
+    options.optimum = false;
+    options.captures = TileBeams::captures();
+    const auto session = Session::open(gpu(), nodes_, *checked, shot, options, diagnostics, warnings);
+    ASSERT_TRUE(session) << diagnostics.text();
+    session->run_frame(0, true);
+    const TileBeams tiles(*session, 0);
+    std::map<TileVerdict, uint32_t> counts;
+    uint32_t closed = 0, bordered = 0;
+    for (uint32_t i = 0; i < tiles.tiles()[0] * tiles.tiles()[1]; i += 5) {
+        const std::array<uint32_t, 2> tile{i % tiles.tiles()[0], i / tiles.tiles()[0]};
+        const auto verdict = tiles.verdict(tile);
+        if (!verdict) continue;
+        ++counts[*verdict];
+        const TileBeam beam = tiles.beam(tile);
+        EXPECT_GT(beam.pixels, 0u);
+        if (*verdict == TileVerdict::lit) {
+            EXPECT_GT(beam.nearest(), 0.9999) << tile[0] << "," << tile[1];
+            EXPECT_FALSE(beam.closed);
+        }
+        closed += *verdict == TileVerdict::dark && beam.closed;
+        bordered += *verdict == TileVerdict::open && beam.nearest_border() < 1.0001;
+    }
+    EXPECT_GT(counts[TileVerdict::lit], 10u);
+    EXPECT_GT(counts[TileVerdict::dark], 10u);
+    EXPECT_GT(counts[TileVerdict::open], 10u);
+    EXPECT_GE(closed, 0.97 * counts[TileVerdict::dark]) << counts[TileVerdict::dark];
+    EXPECT_GT(bordered, 0.8 * counts[TileVerdict::open]) << counts[TileVerdict::open];
+}
+
+TEST_F(Cli, ExplainDrawsWhyTilesAreDecided) {
+    const std::string svg = (folder_ / "beams.svg").string();
+    const Result drawn = run("explain --shot colonnade --size 320x180 --beams --out " + svg);
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+    std::smatch said;
+    const std::regex words("tile (\\d+),(\\d+) \\(32 pixels\\): dark, closed off by (\\d+) triangle");
+    ASSERT_TRUE(std::regex_search(drawn.out, said, words)) << drawn.out;
+    EXPECT_NE(drawn.out.find(": lit, nothing in it"), std::string::npos) << drawn.out;
+    EXPECT_NE(drawn.out.find(": open, a border in it"), std::string::npos) << drawn.out;
+    const auto patches = [&](const std::string& text) {
+        size_t found = 0;
+        for (size_t at = text.find("class=\"patch\""); at != std::string::npos;
+             at = text.find("class=\"patch\"", at + 1))
+            ++found;
+        return found;
+    };
+    EXPECT_EQ(patches(read_file(svg)), std::stoul(said[3]));
+    const std::string pixel =
+        std::to_string(std::stoul(said[1]) * 8 + 3) + "," + std::to_string(std::stoul(said[2]) * 4 + 2);
+    const Result one =
+        run("explain --shot colonnade --size 320x180 --beams --pixel " + pixel + " --out " + svg);
+    EXPECT_EQ(one.out, said[0].str() + (said[3] == "1" ? "" : "s") + "\n");
+    EXPECT_EQ(patches(read_file(svg)), std::stoul(said[3]));
+    fs::remove(svg);
+    expect(run("explain --shot lamp --size 96x54 --beams --pixel 0,0 --out " + svg), 2, "no surface");
+    expect(run("explain --shot lamp --beams --gather --out " + svg), 2, "--gather");
+    EXPECT_FALSE(fs::exists(svg));
 }
 
 // Rays around, sheared by how far off blockers are, tell a pixel's visibility; the same rays as they are tell

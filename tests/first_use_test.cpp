@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "host/images/image_file.h"
 #include "tests/cli_run.h"
 
 namespace penumbra::test {
@@ -81,6 +82,8 @@ TEST_F(FirstUse, AModelIsEnough) {
 
     const Result shot = run("shot " + model + " --ground --out " + in("c/mine.shot.json"));
     ASSERT_EQ(shot.code, 0) << shot.err;
+    EXPECT_NE(read_file(in("c/mine.shot.json")).find("\n        \"position\": ["), std::string::npos)
+        << "a vector is a line";
     ASSERT_EQ(
         run("render raw --shot " + in("c/mine.shot.json") + " --size 96x54 --frames 15 --out " + in("d"))
             .code,
@@ -117,6 +120,85 @@ TEST_F(FirstUse, AShotWithoutACameraOrASunGetsTheModels) {
                file("gone.shot.json", R"({ "penumbra_shot": 1, "scene": "nowhere.glb" })") + " --out " +
                in("d")),
            2, "\"camera\" is missing");
+}
+
+// Models of a list stand where they say, and are moved and lit by names of their own. The naive join forgets
+// that a second model's indices start anew: its nodes would hang below the first one's.
+TEST_F(FirstUse, AShotMayShowSeveralModels) {
+    const std::string lamp = PENUMBRA_SOURCE_DIR "/scenes/lamp.glb",
+                      fan = PENUMBRA_SOURCE_DIR "/scenes/fan.glb";
+    const std::string camera =
+        R"("camera": {"keys": [{"frame": 0, "position": [0, 4, 14], "target": [0, 1, 0]}]},
+        "sun": {"keys": [{"frame": 0, "to_sun": [0.4, 0.8, 0.3]}]})";
+    const auto render = [&](const std::string& name, const std::string& scene, const std::string& more = "") {
+        const std::string shot = file(
+            name + ".shot.json", "{ \"penumbra_shot\": 1, \"scene\": " + scene + ", " + camera + more + " }");
+        const Result r = run("render raw --no-jitter --shot " + shot +
+                             " --size 96x54 --capture depth --out " + in(name.c_str()));
+        EXPECT_EQ(r.code, 0) << r.err;
+        return read_file(folder_ / name / "visibility.0000.exr") +
+               read_file(folder_ / name / "depth.0000.exr");
+    };
+    const auto entry = [](const std::string& path, const std::string& more) {
+        return "{ \"file\": \"" + path + "\"" + more + " }";
+    };
+    const auto differing = [&](const std::string& a, const std::string& b) {
+        Diagnostics diagnostics;
+        const auto one = read_exr(folder_ / a / "visibility.0000.exr", diagnostics),
+                   other = read_exr(folder_ / b / "visibility.0000.exr", diagnostics);
+        if (!one || !other) return size_t(-1);
+        const auto &v = one->planes.front().values, &w = other->planes.front().values;
+        size_t n = 0;
+        for (size_t i = 0; i < v.size(); ++i) n += v[i] != w.at(i);
+        return n;
+    };
+    const std::string alone = render("alone", "\"" + fan + "\"");
+    EXPECT_TRUE(render("list", "[" + entry(fan, "") + "]") == alone);
+    // Out of sight behind the camera, a second model changes nothing, whichever comes first; but of two
+    // triangles that a ray meets within rounding of their edge, the tree's order chooses one.
+    const std::string away = entry(lamp, R"(, "translation": [0, -1000, 1000], "scale": 0.01)");
+    render("behind", "[" + entry(fan, "") + ", " + away + "]");
+    render("before", "[" + away + ", " + entry(fan, "") + "]");
+    for (const std::string name : {"behind", "before"}) {
+        EXPECT_TRUE(read_file(folder_ / name / "depth.0000.exr") ==
+                    read_file(folder_ / "alone/depth.0000.exr"));
+        EXPECT_LE(differing(name, "alone"), 10u);
+    }
+    // A place in the list and a key of the node that stands above the model are the same.
+    const std::string both =
+        render("both", "[" + entry(fan, "") + ", " + entry(lamp, R"(, "name": "l", "translation": [1, 0.5, 2],
+                                                    "rotation_deg": [10, 20, 30])") +
+                           "]");
+    EXPECT_FALSE(both == alone);
+    EXPECT_TRUE(render("moved", "[" + entry(fan, "") + ", " + entry(lamp, R"(, "name": "l")") + "]",
+                       R"(, "objects": {"l": {"keys": [{"frame": 0, "translation": [1, 0.5, 2],
+                         "rotation_deg": [10, 20, 30]}]}})") == both);
+
+    // What is said of a file is said once, however often it stands in the list.
+    const std::string stick =
+        file("stick.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "scene": 0,
+        "nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"mode": 1, "attributes": {}}]}]})");
+    const std::string sticks =
+        file("sticks.shot.json", "{ \"penumbra_shot\": 1, \"scene\": [" + entry(fan, "") + ", " +
+                                     entry(stick, R"(, "name": "a")") + ", " +
+                                     entry(stick, R"(, "name": "b")") + "], " + camera + " }");
+    const Result warned = run("render raw --shot " + sticks + " --size 96x54 --out " + in("s"));
+    expect(warned, 0, "points and lines");
+    EXPECT_EQ(warned.err.find("points and lines"), warned.err.rfind("points and lines")) << warned.err;
+
+    // The command writes such a shot, which renders, and whose camera sees both.
+    ASSERT_EQ(run("shot " + lamp + " " + fan + " " + fan + " --out " + in("made.shot.json")).code, 0);
+    const Json made = Json::parse(read_file(folder_ / "made.shot.json"));
+    ASSERT_EQ(made["scene"].size(), 3u);
+    EXPECT_EQ(made["scene"][2]["name"], "fan 2");
+    EXPECT_EQ(run("render raw --shot " + in("made.shot.json") + " --size 96x54 --out " + in("m")).code, 0);
+    EXPECT_EQ(run("render raw " + lamp + " " + fan + " " + fan + " --size 96x54 --out " + in("n")).code, 0);
+    EXPECT_EQ(read_file(folder_ / "m/visibility.0015.exr"), read_file(folder_ / "n/visibility.0015.exr"));
+    expect(run("render raw --shot " +
+               file("gone.shot.json", "{ \"penumbra_shot\": 1, \"scene\": [" + entry("nowhere.glb", "") +
+                                          "], " + camera + " }") +
+               " --out " + in("o")),
+           2, "nowhere.glb");
 }
 
 // All of the model is in the picture: nothing of it at the border, and not a speck in the middle.
@@ -168,6 +250,17 @@ TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
               false);
 }
 
+TEST_F(FirstUse, MisspeltWordsAreGuessed) {
+    expect(run("rendr raw"), 2, "rendr: no such command; did you mean \"render\"?");
+    expect(run("render raw --shot lamp --fremes 2"), 2, "did you mean \"--frames\"?");
+    expect(run("plan raw --sise=64x64 --size 64x64"), 2, "did you mean \"--size\"?");
+    expect(run("engine.glb"), 2, "penumbra render engine.glb");
+    expect(run("qqqqqq"), 2, "--help");
+    const Result nothing = run("");
+    expect(nothing, 2, "write the shot that");
+    expect(run("--vesion"), 2, "--help");
+}
+
 TEST_F(FirstUse, ErrorsAreColouredOnATerminalAlone) {
     EXPECT_EQ(run("check nosuch").err.find('\x1b'), std::string::npos);
     const std::string seen = in("seen");
@@ -195,10 +288,14 @@ TEST_F(FirstUse, ProgressIsShownOnATerminalAlone) {
     const std::string seen = on_terminal(command);
     size_t at = 0;
     for (const char* what : {"reading the model ...", "packing memory ...", "compiling shaders ...",
-                             "building the tree of triangles ...", "raw [", "] 100 %"}) {
+                             "building the tree of triangles ...", "building the tree of triangles ... 30 %",
+                             "raw [", "] 100 %"}) {
         at = seen.find(what, at);
         EXPECT_NE(at, std::string::npos) << what << " in " << seen;
     }
+    EXPECT_NE(on_terminal("view raw --shot lamp --size 48x32 --frames 2 --headless " + in("view.png"))
+                  .find("building the tree of triangles ... 30 %"),
+              std::string::npos);
     EXPECT_NE(on_terminal("explain --shot lamp --size 48x32 --out " + in("sun.svg")).find("explain ["),
               std::string::npos);
     ASSERT_EQ(run("reference --like " + in("a") + " --rays 16 --out " + in("t")).err, "");

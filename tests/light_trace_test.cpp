@@ -94,8 +94,8 @@ TEST_F(NearLightsRefused, ByWhatKnowsTheSunAlone) {
     EXPECT_NE(whole.text().find("\"raw\" knows the sun alone, and the shot's light is \"lamp\", a rectangle"),
               std::string::npos)
         << whole.text();
-    EXPECT_EQ(open(shot, "one_ray", {"inputs.light={}"}, node), nullptr);
-    EXPECT_NE(node.text().find("nodes.gather: \"gather\" knows the sun alone"), std::string::npos)
+    EXPECT_EQ(open(shot, "many_rays", {"inputs.light={}"}, node), nullptr);
+    EXPECT_NE(node.text().find("nodes.beams: \"beams\" knows the sun alone"), std::string::npos)
         << node.text();
 }
 

@@ -66,7 +66,7 @@ class RayMaker {
         const glm::dvec3 relative = world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
         const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
         const glm::dvec3 n = normal(normal_texel);
-        return in_scene + n * offset(n, relative, in_scene, z);
+        return start(n, relative, in_scene, z);
     }
 
     // Cosine between a ray and its surface's normal: one that is not positive points into the surface.
@@ -100,17 +100,19 @@ class RayMaker {
   private:
     static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
-    double frame_snap_px() const { return std::ldexp(0.5, -int(frame_.description.sub_pixel_bits)); }
-
-    double offset(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene,
-                  double z) const {
+    // Of a depth that is of the pixel's centre.
+    glm::dvec3 start(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene,
+                     double z) const {
         const glm::dvec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
-        const double pixel_angle = 2.0 / (size_[1] * std::abs(frame_.description.camera.clip_from_view[5]));
+        const double span = 2.0 * z / (size_[1] * std::abs(frame_.description.camera.clip_from_view[5]));
         const double facing = std::abs(glm::dot(n, -glm::normalize(relative)));
-        const glm::dmat3 axes = glm::make_mat3(frame_.description.camera.world_from_view.data());
-        const double across = std::abs(glm::dot(n, axes[0])) + std::abs(glm::dot(n, axes[1]));
-        return 3 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing +
-               pixel_angle * z * across * frame_snap_px();
+        const double offset =
+            3 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing;
+        const double grid_px = std::ldexp(0.5, -int(frame_.description.sub_pixel_bits));
+        const glm::dvec3 to_sun = vector(frame_.sun.to_sun.v);
+        const double cosine = glm::dot(n, to_sun);
+        const double ahead = cosine > 0 ? std::min(0.25 / cosine, 1.0) : 0.0;
+        return in_scene + n * offset + ahead * span * grid_px / std::max(facing, 1.0 / 64) * to_sun;
     }
 
     // Uniform over the cap, by polar coordinates of the disc (sources in sun_sample.glsl).

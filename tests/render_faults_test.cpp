@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
-// A render whose memory ends, or whose disk fails, somewhere on its way: it ends with a word, and whatever
-// stands under its own name is whole. cli_robustness_test.cpp has the commands that take no device.
+// A render whose memory ends, or whose disk or device fails, somewhere on its way: it ends with a word, and
+// whatever stands under its own name is whole. cli_robustness_test.cpp has the commands that take no device.
+#include <vulkan/vulkan_core.h>
+
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 
 #include "tests/cli_run.h"
 
@@ -17,12 +21,13 @@ using Files = std::map<std::string, std::string>;
 class RenderFaults : public Cli {
   protected:
     // Into folder_/out, with the preloaded library and its variables.
-    Result render(const std::string& before) const {
+    Result render(const std::string& before, const std::string& stream = ">/dev/null") const {
         const std::string command = "cd '" PENUMBRA_SOURCE_DIR "' && " + before +
                                     " '" PENUMBRA_PROGRAM
                                     "' render raw --shot cards --size 32x18 "
                                     "--frames 0..1 --out '" +
-                                    out().string() + "' >/dev/null 2>'" + (folder_ / "err").string() + "'";
+                                    out().string() + "' " + stream + " 2>'" + (folder_ / "err").string() +
+                                    "'";
         const int status = std::system(command.c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", read_file(folder_ / "err")};
     }
@@ -81,6 +86,11 @@ TEST_F(RenderFaults, MemoryThatEndsIsSaidAndLeavesWholeFiles) {
     EXPECT_GT(said, 10u);
 }
 
+TEST_F(RenderFaults, ATableThatNobodyGetsIsAFailure) {
+    for (const char* stream : {">/dev/full", ">&-"})
+        expect(render("", stream), 1, "standard output cannot be written");
+}
+
 TEST_F(RenderFaults, AFileThatCannotBeWrittenLeavesWholeOnes) {
     ASSERT_EQ(render("").code, 0);
     const Files whole = files();
@@ -112,6 +122,40 @@ TEST_F(RenderFaults, AFileThatCannotBeWrittenLeavesWholeOnes) {
         std::printf("%s: %zu faults\n", how.c_str(), faults);
         EXPECT_GT(faults, 3u) << how;
     }
+}
+
+// The first and the last call of each function, the instance's and the device's among them: the driver leaves
+// garbage where a result would be, which nobody may take for an object (tests/failing_vulkan.cpp).
+TEST_F(RenderFaults, ACallOfVulkanThatFailsIsNamedAndLeavesNothing) {
+    const auto faulty = [&](const std::string& call, VkResult how) {
+        fs::remove_all(out());
+        return render("LD_PRELOAD='" PENUMBRA_FAILING_VULKAN "' PENUMBRA_FAIL_VULKAN=" + call +
+                      " PENUMBRA_FAIL_VULKAN_HOW=" + std::to_string(how));
+    };
+    const Result good = faulty("none", VK_SUCCESS);
+    ASSERT_EQ(good.code, 0) << good.err;
+    const Files whole = files();
+    std::map<std::string, int> calls;
+    std::istringstream lines(good.err);
+    for (std::string word, name; lines >> word;)
+        if (word == "[called" && lines >> name) lines >> calls[name];
+    EXPECT_GE(calls.size(), 30u) << "functions that can fail";
+    size_t faults = 0;
+    for (const auto& [name, count] : calls)
+        for (const int at : std::set{1, count}) {
+            const std::string call = name + ":" + std::to_string(at);
+            const bool lost = ++faults % 2;
+            const Result result = faulty(call, lost ? VK_ERROR_DEVICE_LOST : VK_ERROR_OUT_OF_HOST_MEMORY);
+            ASSERT_NE(result.err.find("[fault in " + name + "]"), std::string::npos) << call << result.err;
+            EXPECT_EQ(result.code, 1) << call << ": " << result.err;
+            const std::string said =
+                name + " failed with " + (lost ? "VK_ERROR_DEVICE_LOST" : "VK_ERROR_OUT_OF_HOST_MEMORY");
+            EXPECT_NE(result.err.find(said), std::string::npos) << call << ": " << result.err;
+            EXPECT_NE(result.err.find("[alive 0]"), std::string::npos) << call << ": " << result.err;
+            EXPECT_FALSE(files().contains("report.json")) << call;
+            expect_whole(files(), whole, call);
+        }
+    std::printf("%zu faults in %zu functions\n", faults, calls.size());
 }
 
 }  // namespace

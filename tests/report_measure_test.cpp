@@ -117,6 +117,27 @@ TEST_F(ReportMeasure, BruteForceGainsWithEveryRayAndIsChargedForIt) {
     }
 }
 
+// What a shot leaves to its models, and names from where it stands, is the same for the one that stands
+// still elsewhere.
+TEST_F(ReportMeasure, AShotOfSeveralModelsStandsStill) {
+    fs::create_directories(folder_ / "scenes");
+    const std::string lamp = PENUMBRA_SOURCE_DIR "/scenes/lamp.glb";
+    fs::create_symlink(lamp, folder_ / "scenes/a.glb");
+    std::ofstream(folder_ / "scenes/two.shot.json")
+        << R"({"penumbra_shot": 1, "scene": [{"file": "a.glb", "name": "a"},
+               {"file": "a.glb", "name": "b", "translation": [9, 0, 0]}], "frames": 5,
+               "objects": {"b": {"keys": [{"frame": 0}, {"frame": 4, "translation": [1, 0, 0]}]}}})";
+    Diagnostics diagnostics;
+    const auto shot = open_report_shot(folder_ / "scenes/two.shot.json", folder_ / "shots", 4, diagnostics);
+    ASSERT_TRUE(shot && shot->still) << diagnostics.text();
+    EXPECT_EQ(shot->moving.camera.size(), 1u);
+    EXPECT_EQ(shot->still->camera.front().position, shot->moving.camera.front().position);
+    ASSERT_EQ(shot->still->models.size(), 2u);
+    for (const PlacedModel& model : shot->still->models) EXPECT_TRUE(fs::is_regular_file(model.file));
+    EXPECT_TRUE(objects_move(shot->moving));
+    EXPECT_FALSE(objects_move(*shot->still));
+}
+
 TEST_F(ReportMeasure, RowsAreWhatRenderReferenceAndCompareSay) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;

@@ -268,8 +268,9 @@ addEventListener("load", async () => {
   document.querySelector('.legend button[data-style="p1"]').click();
   note("hidden", [...document.querySelectorAll(".plots svg .p1")].every(e => style(e).display === "none"));
   const follow = async (address) => {
+    const followed = new Promise(done => addEventListener("hashchange", done, {once: true}));
     location.hash = address;
-    await new Promise(done => setTimeout(done, 50));
+    await followed;  // the page's own listener was there first
   };
   await follow("crop/hall/smooth/reference/0.9000/0.5000/4");
   note("crop", [left.alt, right.alt, style(left).scale, style(left).transformOrigin].join(" "));

@@ -13,7 +13,7 @@ foreach(LIBRARY penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models
   list(TRANSFORM FILES PREPEND ${FOLDER}/)
   list(APPEND SANITIZED_SOURCES ${FILES})
 endforeach()
-foreach(FILE scene/geometry scene/pose scene/scene scene/scene_alpha scene/scene_file shots/light_choice shots/light_file shots/model_lights shots/model_shot shots/shot shots/shot_facts shots/shot_file
+foreach(FILE models/joined_models scene/geometry scene/pose scene/scene scene/scene_alpha scene/scene_file shots/light_choice shots/light_file shots/model_lights shots/model_shot shots/shot shots/shot_facts shots/shot_file shots/shot_text
         truth/analytic truth/analytic_model truth/sun_visibility)
   list(APPEND SANITIZED_SOURCES ${PROJECT_SOURCE_DIR}/host/${FILE}.cpp)
 endforeach()
@@ -60,9 +60,10 @@ set_tests_properties(sanitized PROPERTIES LABELS unit TIMEOUT 900 ENVIRONMENT "T
 add_executable(fuzz fuzz/fuzz_main.cpp $<TARGET_OBJECTS:sanitized> $<TARGET_OBJECTS:penumbra_nodes>)
 penumbra_sanitized(fuzz -O1 -fsanitize=fuzzer-no-link)
 target_link_options(fuzz PRIVATE -fsanitize=fuzzer)
-# Each target for some seconds, on inputs that differ from run to run; scripts/fuzz.sh has longer ones.
+# Each target for some seconds, on inputs that follow from a seed, so that what breaks one run breaks the next; scripts/fuzz.sh has
+# longer ones, on others each time.
 foreach(TARGET pipeline declaration shot gltf exr image c_api mutant)
   add_test(NAME fuzz_${TARGET} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz.sh 20 ${TARGET})
   set_tests_properties(fuzz_${TARGET} PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT
-    "PENUMBRA_FUZZER=$<TARGET_FILE:fuzz>;PENUMBRA_FUZZ_OUT=${CMAKE_CURRENT_BINARY_DIR}/fuzzed")
+    "PENUMBRA_FUZZ_SEED=1;PENUMBRA_FUZZER=$<TARGET_FILE:fuzz>;PENUMBRA_FUZZ_OUT=${CMAKE_CURRENT_BINARY_DIR}/fuzzed")
 endforeach()

@@ -499,11 +499,11 @@ TEST_F(SchemaAndLoader, StartFromGoodDocuments) {
 }
 
 // What no schema can tell: null in a patch removes, which may leave too little; a class's keys are the node's
-// parameters.
+// parameters; a shot without a camera is right where its scene is a model that there is.
 bool beyond_one_value(const json& document, const json::json_pointer& place, const json& value) {
     const std::string path = place.to_string();
     return (document.contains("extends") && value.is_null()) || path == "/classes/cpu" ||
-           path == "/classes/gpu";
+           path == "/classes/gpu" || (path == "/scene" && value.is_string() && !document.contains("camera"));
 }
 
 // Wrong types and unknown keys at every place. Values of the right type are only tried for the schema's being

@@ -56,10 +56,15 @@ void add_uris(const Json& json, const fs::path& folder, std::string& out) {
 std::string shot_digest(const Shot& shot) {
     std::string out = digest(text_of(shot.file));
     if (shot.analytic) return out;
-    const std::string model = text_of(shot.model);
-    out += digest(model);
-    if (shot.model.extension() == ".gltf")
-        add_uris(Json::parse(model, nullptr, false), shot.model.parent_path(), out);
+    std::vector<fs::path> files{shot.model};
+    if (!shot.models.empty()) files.clear();
+    for (const PlacedModel& model : shot.models) files.push_back(model.file);
+    for (const fs::path& file : files) {
+        const std::string model = text_of(file);
+        out += digest(model);
+        if (file.extension() == ".gltf")
+            add_uris(Json::parse(model, nullptr, false), file.parent_path(), out);
+    }
     return out;
 }
 

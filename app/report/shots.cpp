@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "app/view_source.h"
 #include "host/images/image_file.h"
 
 namespace penumbra::report {
@@ -24,19 +24,25 @@ void cut_to_first_key(OrderedJson& value) {
 }
 
 // Works on the text rather than on a Shot, so that whatever else a shot says stays as it is.
-OrderedJson standing_still(const fs::path& file, const fs::path& folder, uint32_t frames) {
-    std::ifstream stream(file);
-    OrderedJson json = OrderedJson::parse(stream);
+OrderedJson standing_still(const std::string& text, const fs::path& file, const fs::path& folder,
+                           uint32_t frames) {
+    OrderedJson json = OrderedJson::parse(text);
+    const auto seen_from_there = [&](OrderedJson& path) {
+        path = fs::proximate(fs::absolute(file.parent_path() / path.get<std::string>()), fs::absolute(folder))
+                   .generic_string();
+    };
     json.erase("$schema");  // relative to the original
     json.erase("cuts");
     cut_to_first_key(json);
     OrderedJson& scene = json["scene"];
     if (scene.is_string())
-        scene =
-            fs::proximate(fs::absolute(file.parent_path() / scene.get<std::string>()), fs::absolute(folder))
-                .generic_string();
+        seen_from_there(scene);
+    else if (scene.is_array())
+        for (OrderedJson& model : scene) seen_from_there(model["file"]);
     else
         for (const char* motion : {"speed_px", "offset_px"}) scene.erase(motion);
+    if (json.contains("environment") && json["environment"].contains("file"))
+        seen_from_there(json["environment"]["file"]);
     json["frames"] = frames;
     return json;
 }
@@ -50,12 +56,13 @@ void write_json(const fs::path& file, const OrderedJson& json) {
 
 std::optional<ReportShot> open_report_shot(const fs::path& file, const fs::path& folder, uint32_t frames,
                                            Diagnostics& diagnostics) {
-    auto moving = read_shot(file, diagnostics);
+    std::string text;
+    auto moving = read_completed_shot(file, diagnostics, &text);
     if (!moving) return std::nullopt;
     const std::string name = moving->name;
     if (frames == 0) return ReportShot{name, std::move(*moving), std::nullopt};
     const fs::path still_file = folder / (moving->name + ".still.shot.json");
-    write_json(still_file, standing_still(file, folder, frames));
+    write_json(still_file, standing_still(text, file, folder, frames));
     auto still = read_shot(still_file, diagnostics);
     if (!still) return std::nullopt;
     return ReportShot{name, std::move(*moving), std::move(still)};

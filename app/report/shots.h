@@ -24,7 +24,8 @@ struct EdgeShot {
     Shot shot;
 };
 
-// Writes FOLDER/NAME.still.shot.json. `frames`: how long it lasts; 0: there is none.
+// As read_completed_shot(). Writes FOLDER/NAME.still.shot.json. `frames`: how long it lasts; 0: there is
+// none.
 std::optional<ReportShot> open_report_shot(const std::filesystem::path& file,
                                            const std::filesystem::path& folder, uint32_t frames,
                                            Diagnostics& diagnostics);

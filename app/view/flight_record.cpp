@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "host/shots/shot_text.h"
+
 namespace penumbra::viewer {
 namespace {
 
@@ -85,7 +87,9 @@ std::string FlightRecord::shot_text(const std::string& base, const Shot& shot, c
     const auto from_folder = [&](const fs::path& file) {
         return fs::proximate(fs::absolute(file), fs::absolute(folder)).generic_string();
     };
-    json["scene"] = from_folder(shot.model);
+    if (shot.models.empty()) json["scene"] = from_folder(shot.model);
+    for (size_t i = 0; i < shot.models.size(); ++i)
+        json["scene"][i]["file"] = from_folder(shot.models[i].file);
     if (const auto* file = std::get_if<EnvironmentFile>(&shot.environment))
         json["environment"]["file"] = from_folder(file->path);
     json.erase("cuts");
@@ -101,7 +105,7 @@ std::string FlightRecord::shot_text(const std::string& base, const Shot& shot, c
         for (const size_t i : keys_of(stances.size(), missed_by_sun))
             sun.push_back({{"frame", i}, {"to_sun", list(stances[i].sun.to_sun)}});
     }
-    return json.dump(2) + "\n";
+    return penumbra::shot_text(json);
 }
 
 }  // namespace penumbra::viewer

@@ -53,7 +53,7 @@ std::unique_ptr<Stage> Live::make(const StageWish& wish) {
     warnings_.clear();
     StageWish scaled = wish;
     scaled.size = size();
-    auto stage = open_stage({device_, shot_, scene_}, scaled, diagnostics, warnings_);
+    auto stage = open_stage({device_, shot_, scene_, told_}, scaled, diagnostics, warnings_);
     error_ = diagnostics.text();
     return stage;
 }
@@ -89,8 +89,11 @@ void Live::choose_jitter() {
     main_->session->set_jitter(plan().jitter && !wants_truth());
 }
 
-bool Live::open() {
-    return restage(wish_);
+bool Live::open(const Told& told) {
+    told_ = told;
+    const bool good = restage(wish_);
+    told_ = nullptr;  // the first stage is waited for, the next ones are asked for while a picture is seen
+    return good;
 }
 
 void Live::watch() {

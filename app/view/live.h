@@ -39,8 +39,8 @@ class Live {
     // `shot` is no analytic scene. Nothing runs before open().
     Live(Device& device, Shot shot, StageWish wish);
 
-    // The first stage; false, with error() in words, where it cannot be had.
-    bool open();
+    // The first stage; false, with error() in words, where it cannot be had. `told`: what is being done.
+    bool open(const Told& told = {});
 
     // Wishes. What reads files or makes device objects is done at once, so that error() says what came of it.
     void choose_pipeline(const std::string& name);
@@ -97,6 +97,7 @@ class Live {
     StageWish wish_;
     Flight flight_;
     KeptScene scene_;
+    Told told_;
     std::unique_ptr<Stage> main_, other_;
     std::unique_ptr<Session> truth_session_;
     std::unique_ptr<TruthRounds> truth_;

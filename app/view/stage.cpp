@@ -30,6 +30,7 @@ std::unique_ptr<Stage> open_stage(const StagePlace& place, const StageWish& wish
     options.optimum = false;
     options.steered = true;
     options.kept = &place.scene;
+    options.doing = place.told;
     auto stage = std::make_unique<Stage>(Stage{std::move(*nodes), std::move(*checked), nullptr, {}, {}});
     try {
         stage->session = Session::open(place.device, stage->nodes, stage->pipeline, place.shot, options,

@@ -18,6 +18,7 @@ struct StagePlace {
     Device& device;
     const Shot& shot;
     KeptScene& scene;
+    const Told& told;  // what is being done
 };
 
 struct StageWish {

@@ -115,9 +115,8 @@ std::string keep(const fs::path& folder, const char* name, const char* suffix,
 
 // The wishes of the command line; false, and it has been said why, where one cannot be had.
 bool first_wishes(Live& live, const ViewCommandArguments& a, Beside beside) {
-    const Doing doing;
-    doing("reading the model, compiling shaders");
-    bool good = live.open();
+    Doing doing;
+    bool good = live.open([&](const char* what, double share) { doing(what, share); });
     doing.clear();
     for (const std::string& warning : live.warnings()) std::cerr << "warning: " << warning << "\n";
     if (good && !a.show.empty()) {

@@ -65,8 +65,9 @@ bool usable(const Triangle& triangle);
 // Builds by binned SAH (full sweep for few primitives), then collapses to 4-wide nodes by dynamic programming
 // on the SAH cost. Deterministic. `objects`, if not empty, gives one number per triangle: triangles of
 // different objects are never paired, which keeps refit() possible when they move apart. At most 2^30
-// triangles.
-Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects = {});
+// triangles. `progress` is told now and then which share of the work is done, about: it rises from 0 to 1.
+Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects = {},
+              const std::function<void(double)>& progress = {});
 
 // Moves the leaves to new vertex positions and fits all boxes; the tree's shape stays, so its quality decays
 // with the distance moved. `triangles` must be as many as at the build. False, with `bvh` unchanged, where

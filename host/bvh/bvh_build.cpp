@@ -32,7 +32,9 @@ struct Range {
 
 class BinaryTree {
   public:
-    explicit BinaryTree(std::vector<Box> primitives) : primitives_(std::move(primitives)) {
+    // `step` is called once per leaf.
+    template <class Step>
+    BinaryTree(std::vector<Box> primitives, const Step& step) : primitives_(std::move(primitives)) {
         order_.resize(primitives_.size());
         std::iota(order_.begin(), order_.end(), 0u);
         nodes.reserve(primitives_.size() * 2);
@@ -44,6 +46,7 @@ class BinaryTree {
             for (uint32_t i = r.begin; i < r.end; ++i) nodes[r.node].box.add(primitives_[order_[i]]);
             if (r.end - r.begin == 1) {
                 nodes[r.node].right = order_[r.begin];
+                step();
                 continue;
             }
             const uint32_t middle = split(r);
@@ -286,7 +289,8 @@ uint32_t widest_axis(const std::vector<BinaryNode>& nodes, std::span<const uint3
 
 }  // namespace
 
-Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects) {
+Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects,
+              const std::function<void(double)>& progress) {
     assert(objects.empty() || objects.size() == triangles.size());
     Bvh bvh;
     bvh.triangle_count = uint32_t(triangles.size());
@@ -299,11 +303,24 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
         return bvh;
     }
 
+    // Of the time that terrains of 0.2 and 2 million triangles take: what is spent when the pairs are known,
+    // and when the binary tree is.
+    constexpr double paired = 0.3, binary = 0.78;
+    double from = paired, share = binary - paired;
+    size_t leaves = 0;
+    const auto step = [&] {
+        constexpr size_t stride = 1024;
+        if (progress && ++leaves % stride == 0)
+            progress(from + share * double(leaves) / double(pairs.size()));
+    };
+    if (progress) progress(paired);
+
     std::vector<Box> boxes;
     boxes.reserve(pairs.size());
     for (const Corners& c : pairs) boxes.push_back(leaf_box(triangles, c));
-    const BinaryTree tree(std::move(boxes));
+    const BinaryTree tree(std::move(boxes), step);
     const Collapse collapse(tree.nodes);
+    from = binary, share = 1 - binary, leaves = 0;
 
     bvh.corners.reserve(pairs.size());
     bvh.leaves.resize(pairs.size() * 3);
@@ -341,6 +358,7 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
                 const Corners& c = pairs[tree.nodes[children[k]].right];
                 encode_leaf(triangles, c, &bvh.leaves[bvh.corners.size() * 3]);
                 bvh.corners.push_back(c);
+                step();
             }
         }
         encode(node, &bvh.nodes[size_t(w.wide) * 3]);

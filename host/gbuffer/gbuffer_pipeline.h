@@ -10,12 +10,7 @@
 
 namespace penumbra {
 
-// Its depth is that of each pixel's very centre, which no grid moved: FrameDescription::sub_pixel_bits is the
-// rasteriser's and so many more. Not all there are, since the grid still says which triangle a pixel shows: a
-// centre just past the edge of its own has a depth below the neighbour's where that one rises. A quarter of
-// the grid's step is safe for one that rises by 14 degrees; without it 2 of 150 000 pixels of trees.shot.json
-// were black on sunlit ground.
-inline constexpr uint32_t gbuffer_further_bits = 2;
+// Its depth is that of each pixel's very centre, which no grid moved: frame_depth_at_centres.
 inline constexpr VkFormat gbuffer_depth_format = VK_FORMAT_D32_SFLOAT;
 // Normal, motion, albedo; where materials are wanted also those and what shines.
 inline constexpr std::array<VkFormat, 5> gbuffer_color_formats{

@@ -20,7 +20,7 @@ namespace penumbra {
 
 namespace {
 
-constexpr uint32_t exr_magic = 20000630, several_parts = 0x1000;
+constexpr uint32_t exr_magic = 20000630, deep_parts = 0x800, several_parts = 0x1000;
 constexpr int64_t largest_axis = 1 << 16;
 
 // Of the types whose values are all as long: OpenEXR reads so many bytes, whatever the file says.
@@ -54,6 +54,7 @@ struct Header {
     uint64_t channels = 0;
     int64_t tile_width = 1, tile_height = 1;
     uint8_t compression = 0;
+    bool deep = false;   // any number of samples per texel
     std::string broken;  // why it ends here
 };
 
@@ -71,10 +72,12 @@ class HeaderReader {
     // last.
     std::vector<Header> read() {
         if (word() != exr_magic) return {};
-        const bool several = word() & several_parts;
+        const uint32_t version = word();
+        const bool several = version & several_parts;
         std::vector<Header> headers;
         do {
             Header header;
+            header.deep = version & deep_parts;
             if (!read_part(header) && several && header.broken.empty()) break;
             headers.push_back(std::move(header));
         } while (several && headers.back().broken.empty());
@@ -114,6 +117,10 @@ class HeaderReader {
                 header.tile_height = word();
             } else if (is("compression", "compression")) {
                 header.compression = static_cast<uint8_t>(stream_.get());
+            } else if (is("type", "string")) {
+                std::string kind(std::min<uint64_t>(size, 4), ' ');
+                stream_.read(kind.data(), static_cast<std::streamsize>(kind.size()));
+                header.deep = header.deep || kind == "deep";
             } else if (is("channels", "chlist")) {
                 header.channels = count_channels(at + size).value_or(0);
             }
@@ -180,8 +187,10 @@ class HeaderReader {
 
 // Of a part of a file of so many bytes.
 std::optional<std::string> problem_of(const Header& header, uint64_t bytes) {
-    const auto& [width, height, channels, tile_width, tile_height, compression, broken] = header;
+    const auto& [width, height, channels, tile_width, tile_height, compression, deep, broken] = header;
     if (!broken.empty()) return broken;
+    // Nor does OpenEXR free all of what it has read when such a file breaks off.
+    if (deep) return "deep images are not supported";
     if (width < 1 || height < 1 || width > largest_axis || height > largest_axis)
         return fmt::format("an image of {} x {} texels is not supported", width, height);
     if (tile_width < 1 || tile_height < 1 || tile_width > largest_axis || tile_height > largest_axis)

@@ -7,14 +7,15 @@
 
 namespace penumbra {
 
-SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours, TexelsAs as)
+SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours, TexelsAs as,
+                   const std::function<void(double)>& progress)
     : device_(device), scene_(scene), frame_(frame), with_neighbours_(neighbours), as_(as) {
     if (has_alpha(scene)) {
         alpha_ = make_scene_alpha(scene);
         alpha_map_ = upload_texels_as(as_, device, std::as_bytes(std::span(alpha_->map)), VK_FORMAT_R32_UINT,
                                       "the alpha masks");
     }
-    build(scene.triangles(frame));
+    build(scene.triangles(frame), progress);
     upload_tree();
 }
 
@@ -26,8 +27,8 @@ void SceneBvh::update(double frame) {
     upload_tree();
 }
 
-void SceneBvh::build(const std::vector<Triangle>& triangles) {
-    bvh_ = build_bvh(triangles, scene_.triangle_objects());
+void SceneBvh::build(const std::vector<Triangle>& triangles, const std::function<void(double)>& progress) {
+    bvh_ = build_bvh(triangles, scene_.triangle_objects(), progress);
     ++builds_;
     if (!alpha_) return;
     const std::vector<Texel> texels = alpha_uv_texels(*alpha_, alpha_leaf_words(*alpha_, bvh_, triangles));

@@ -4,6 +4,7 @@
 // `neighbours`. Follows moving objects: refitted, and rebuilt where the old shape cannot hold them.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "host/bvh/bvh.h"
@@ -17,7 +18,7 @@ class SceneBvh {
   public:
     // Builds for the scene at `frame`, on request with leaf_neighbours(). `scene` must outlive the BVH.
     SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours,
-             TexelsAs as = TexelsAs::texels);
+             TexelsAs as = TexelsAs::texels, const std::function<void(double)>& progress = {});
 
     // Moves to another frame, where anything moves between the two; nothing on the device may be reading the
     // buffers.
@@ -33,7 +34,7 @@ class SceneBvh {
     uint32_t builds() const { return builds_; }  // so far: each has leaves of its own
 
   private:
-    void build(const std::vector<Triangle>& triangles);
+    void build(const std::vector<Triangle>& triangles, const std::function<void(double)>& progress = {});
     bool follow(const std::vector<Triangle>& triangles);
     void upload_tree();
 

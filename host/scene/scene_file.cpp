@@ -5,7 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "host/images/input_limit.h"
-#include "host/models/gltf.h"
+#include "host/models/joined_models.h"
 #include "host/models/shapes.h"
 #include "host/shots/shot_facts.h"
 #include "host/truth/analytic.h"
@@ -44,15 +44,12 @@ uint64_t instance_bytes(const Model& model) {
 
 std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
                                 std::vector<std::string>& warnings) {
-    std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_gltf(shot.model, diagnostics);
+    std::optional<Model> model = shot.analytic ? analytic_model(shot) : load_models(shot, diagnostics);
     if (!model) return std::nullopt;
-    if (!shot.analytic && model->triangle_count() == 0) {
-        diagnostics.add({shot.model.string(), 0, 0}, "", fmt::format("{}", fmt::join(model->warnings, "; ")));
-        return std::nullopt;
-    }
+    const std::string name = (shot.model.empty() ? shot.file : shot.model).string();
     if (!check_objects(shot, *model, diagnostics)) return std::nullopt;
     if (const uint64_t bytes = instance_bytes(*model); bytes > input_limit()) {
-        diagnostics.add({shot.model.string()}, "",
+        diagnostics.add({name}, "",
                         fmt::format("its nodes show {} triangles, which take {}", bytes / bytes_per_triangle,
                                     over_input_limit()));
         return std::nullopt;
@@ -63,13 +60,12 @@ std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
         diagnostics.add({shot.file.string(), 0, 0}, "animation", error.what());
         return std::nullopt;
     }
-    for (const std::string& warning : model->warnings)
-        warnings.push_back(shot.model.string() + ": " + warning);
+    warnings.insert(warnings.end(), model->warnings.begin(), model->warnings.end());
     if (shot.ground) add_ground(*model, *shot.ground);
     Scene scene(std::move(*model), shot);
     if (scene.dropped_instances()) {
         warnings.push_back(fmt::format("{}: {} nodes with singular or non-finite transforms are not shown",
-                                       shot.model.string(), scene.dropped_instances()));
+                                       name, scene.dropped_instances()));
     }
     return scene;
 }

@@ -56,7 +56,8 @@ bool place_model_lights(Shot& shot, const Scene& scene, Diagnostics& diagnostics
             diagnostics.add(
                 light.place, "lights." + key + ".light",
                 names.empty()
-                    ? fmt::format("\"{}\" has no lights but directional ones", shot.model.filename().string())
+                    ? fmt::format("\"{}\" has no lights but directional ones",
+                                  (shot.model.empty() ? shot.file : shot.model).filename().string())
                     : fmt::format("the model has no light named \"{}\"{}; it has {}", light.in_model,
                                   did_you_mean(light.in_model, names), fmt::join(names, ", ")));
             continue;

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/scene/scene.h"
+#include "host/shots/shot_text.h"
 
 namespace penumbra {
 namespace {
@@ -143,7 +144,7 @@ ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
                           {"center", {rounded(center.x, size), rounded(center.z, size)}},
                           {"half_extent", rounded(20 * size, size)}};
     }
-    out.text = json.dump(2) + "\n";
+    out.text = shot_text(json);
     return out;
 }
 

@@ -86,10 +86,20 @@ struct EnvironmentFile {
     double scale = 1;
 };
 
+// One of several models: moved to where its place says, and known by its name: of its node "lid" the name
+// is "NAME/lid" then, and NAME that of a node above all of it.
+struct PlacedModel {
+    std::filesystem::path file;  // glTF, resolved against the shot's folder
+    std::string name;            // no two of a shot's are the same
+    ObjectKey place;
+    double scale = 1;
+};
+
 struct Shot {
     std::string name;  // the file's name without ".shot.json"
     std::filesystem::path file;
     std::filesystem::path model;            // glTF, resolved against the shot's folder
+    std::vector<PlacedModel> models;        // instead of one model
     std::optional<AnalyticScene> analytic;  // instead of a model and a camera
     std::array<uint32_t, 2> size{1280, 720};
     uint32_t frames = 1;

@@ -109,16 +109,55 @@ void read_analytic(Reader& reader, const Json& scene, Shot& shot) {
             read_points(reader, *points, polygon->points);
 }
 
+// Without "..": a shot may be read before its folder is there.
+std::filesystem::path from_shot(const Shot& shot, const std::string& file) {
+    return (shot.file.parent_path() / file).lexically_normal();
+}
+
+void read_model(Reader& reader, const Json& json, const std::string& path, Shot& shot) {
+    if (!reader.object(json, path, {"file", "name", "translation", "rotation_deg", "scale"})) return;
+    const Json* file = reader.required(json, path, "file");
+    if (!file) return;
+    if (file->kind != Json::Kind::string || file->string.empty())
+        return reader.error(file->place, Reader::join(path, "file"), "expected the name of a glTF file");
+    PlacedModel& model = shot.models.emplace_back();
+    model.file = from_shot(shot, file->string);
+    model.name = model.file.stem().string();
+    const Json* name = json.find("name");
+    if (name && (name->kind != Json::Kind::string || name->string.empty() ||
+                 name->string.find('/') != std::string::npos))
+        return reader.error(name->place, Reader::join(path, "name"), "expected a name without \"/\"");
+    if (name) model.name = name->string;
+    for (size_t i = 0; i + 1 < shot.models.size(); ++i)
+        if (shot.models[i].name == model.name)
+            reader.error(
+                name ? name->place : json.place, Reader::join(path, "name"),
+                fmt::format("\"{}\" is the name of another model already: give one of its own", model.name));
+    if (const Json* v = json.find("translation"))
+        reader.vector(*v, Reader::join(path, "translation"), model.place.translation);
+    if (const Json* v = json.find("rotation_deg"))
+        reader.vector(*v, Reader::join(path, "rotation_deg"), model.place.rotation_deg);
+    if (const Json* v = json.find("scale"))
+        reader.number(*v, Reader::join(path, "scale"), 1e-6, 1e6, model.scale);
+}
+
+void read_models(Reader& reader, const Json& list, Shot& shot) {
+    if (list.items.empty()) reader.error(list.place, "scene", "expected at least one model");
+    for (size_t i = 0; i < list.items.size(); ++i)
+        read_model(reader, list.items[i], fmt::format("scene[{}]", i), shot);
+}
+
 void read_scene(Reader& reader, const Json& root, Shot& shot) {
     const Json* scene = reader.required(root, "", "scene");
     if (!scene) return;
     if (scene->kind == Json::Kind::object) {
         read_analytic(reader, *scene, shot);
+    } else if (scene->kind == Json::Kind::array) {
+        read_models(reader, *scene, shot);
     } else if (scene->kind != Json::Kind::string || scene->string.empty()) {
         reader.error(scene->place, "scene", "expected the name of a glTF file");
     } else {
-        // Without "..": a shot may be read before its folder is there.
-        shot.model = (shot.file.parent_path() / scene->string).lexically_normal();
+        shot.model = from_shot(shot, scene->string);
     }
 }
 

@@ -54,14 +54,17 @@ class Surface {
 
     glm::dvec3 relative() const { return at(depth_); }
 
-    double offset(const glm::dvec3& n, const glm::dvec3& in_scene) const {
+    // Of a depth that is of the pixel's centre.
+    glm::dvec3 start(const glm::dvec3& n, const glm::dvec3& in_scene, const glm::dvec3& to_sun) const {
         const glm::dvec3 point = relative(), largest = glm::max(glm::abs(point), glm::abs(in_scene));
         const glm::dvec3 viewer = orthographic() ? world_[2] : -glm::normalize(at(1));
-        const double across = std::abs(glm::dot(n, world_[0])) + std::abs(glm::dot(n, world_[1]));
+        const double facing = std::abs(glm::dot(n, viewer)), cosine = glm::dot(n, to_sun);
         const double span = 2 / (frame_.size[1] * std::abs(clip_[1].y)) * (orthographic() ? 1 : depth_);
-        const int bits = frame_.sub_pixel_bits ? static_cast<int>(frame_.sub_pixel_bits) : 4;
-        return 3 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) +
-               8 * depth_rounding() * std::abs(glm::dot(n, viewer)) + span * across * std::ldexp(0.5, -bits);
+        const double offset =
+            3 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) + 8 * depth_rounding() * facing;
+        const double beyond =
+            span * std::ldexp(0.5, -int(frame_.sub_pixel_bits)) / std::max(facing, 1.0 / 64);
+        return in_scene + n * offset + (cosine > 0 ? beyond * std::min(0.25 / cosine, 1.0) : 0.0) * to_sun;
     }
 
   private:
@@ -114,7 +117,8 @@ CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
     CoverageReceiver r;
     r.normal = octahedral_normal(pixel.normal);
     const glm::dvec3 in_scene = surface.relative() + vector(frame.scene.camera_from_origin.v);
-    r.start = glm::vec3(in_scene + r.normal * surface.offset(r.normal, in_scene));  // floats, as the node's
+    r.start =
+        glm::vec3(surface.start(r.normal, in_scene, vector(frame.sun.to_sun.v)));  // floats, as the node's
     const auto [turn, dither] = noise(blue_noise, pixel.at, frame.description.index, seed);
     const glm::dmat3 axes = sun_frame(vector(frame.sun.to_sun.v));
     const double c = std::cos(2 * pi * turn), s = std::sin(2 * pi * turn);

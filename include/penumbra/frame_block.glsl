@@ -15,7 +15,8 @@ struct FrameBlock {
     float pixel_angle;        // radians per pixel at the image's centre
     float dt_s;               // seconds since the previous recorded frame
     uint frame_index;
-    uint flags;               // FRAME_RESET | FRAME_ORTHOGRAPHIC
+    uint flags;               // FRAME_RESET | FRAME_ORTHOGRAPHIC | FRAME_DEPTH_AT_CENTRES
     float snap_px;            // how far beside a pixel's centre, along either axis, its depth may have been taken
-    float unused0, unused1, unused2;
+    float grid_px;            // and how far past the edge of what it shows the centre may lie
+    float unused0, unused1;
 };

@@ -33,7 +33,9 @@ static_assert(sizeof(FrameBlock) == 64 * 3 + 48 + 16 + 32 + 16 + 16);
 
 using std140::FrameBlock;
 
-enum FrameFlags : uint32_t { frame_reset = 1, frame_orthographic = 2 };
+// frame_depth_at_centres: each pixel's depth was computed for its very centre; a rasteriser interpolates that of
+// a point up to half a step of its grid beside it.
+enum FrameFlags : uint32_t { frame_reset = 1, frame_orthographic = 2, frame_depth_at_centres = 4 };
 
 // A camera in double precision. The view looks along its -z axis, x right, y up.
 struct Camera {

@@ -237,7 +237,8 @@ typedef struct penumbra_camera {
     double near_m;
 } penumbra_camera;
 
-enum { PENUMBRA_FRAME_RESET = 1, PENUMBRA_FRAME_ORTHOGRAPHIC = 2 };
+/* DEPTH_AT_CENTRES: of each pixel's very centre, computed; a rasteriser interpolates it for a point beside it. */
+enum { PENUMBRA_FRAME_RESET = 1, PENUMBRA_FRAME_ORTHOGRAPHIC = 2, PENUMBRA_FRAME_DEPTH_AT_CENTRES = 4 };
 
 typedef struct penumbra_frame {
     uint32_t struct_size;

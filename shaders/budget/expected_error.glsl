@@ -2,7 +2,8 @@
 // The squared error that one ray is expected to leave in a pixel beside unlike rays, by what the previous frame knew of it. Figures are means of v (1 - v)
 // over pixels of the tuning shots; docs/constants.md says how far these agree.
 //
-// Includer has nearest_past.glsl, blockers.glsl and sun_change.glsl, and declares the block sun and, where it moves, sun_prev.
+// Includer has nearest_past.glsl, blockers.glsl, sun_change.glsl and light_change.glsl, and declares the blocks sun and light and, where
+// these move, sun_prev and light_prev.
 
 // [0]: next to unlike rays; [1]: two pixels away; [2]: farther. By how far the past was from 0 and from 1.
 const float UNKNOWN[3] = float[3](0.077, 0.025, 0.0035), SURE[3] = float[3](0.01, 0.0028, 0.0003), NEARLY[3] = float[3](0.05, 0.031, 0.024),
@@ -23,7 +24,8 @@ float worth_of_neighbours(ivec2 tile, float view_depth) {
         sums += blockers_of(tile_index(clamp(q, ivec2(0), last)));
     }
     if (sums.x <= 0.0) return 0.0;
-    const float r = exp2(sums.y / sums.x) * tan(sun.angular_radius) / pixel_span_m(view_depth);
+    const float size = HAS_LIGHT ? light_radius_m() : tan(sun.angular_radius);  // behind a blocker, over the way to it
+    const float r = exp2(sums.y / sums.x) * size / pixel_span_m(view_depth);
     return r < FEWEST_PX ? 0.0 : min(1.5 * r * r * r, MOST_WORTH);
 }
 
@@ -40,7 +42,10 @@ float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
             error = CONTRADICTED[ring];
             known_rays = 0.0;
         }
-        if (HAS_SUN_PREV) known_rays = samples_left(known_rays, sun_share(sun, sun_prev));
+        if (HAS_LIGHT_PREV)
+            known_rays = samples_left(known_rays, light_share(light, light_prev, position(p, imageLoad(view_depth, p).x)));
+        else if (HAS_SUN_PREV)
+            known_rays = samples_left(known_rays, sun_share(sun, sun_prev));
     }
     const float left = 1.0 / (1.0 + known_rays / OF_RAYS);
     return error * left * left * min(1.0, 1.25 / max(neighbours, 1.25));

@@ -28,7 +28,7 @@ uvec4 by_their_past(ivec2 tile, uint pixels) {
         const PixelPast past = nearest_past(tile * TILE + ivec2(i & 7, i >> 3));
         const float between = min(past.visibility, 1.0 - past.visibility);
         if (!past.known || between >= SURE_BELOW) masks.x |= 1u << i;
-        if (!HAS_MOTION && !HAS_SUN_PREV && past.known && past.count >= SETTLED && between < NEVER_ELSE) masks.w |= 1u << i;
+        if (!HAS_MOTION && !HAS_SUN_PREV && !HAS_LIGHT_PREV && past.known && past.count >= SETTLED && between < NEVER_ELSE) masks.w |= 1u << i;
         if (past.visibility > 0.5) masks.z |= 1u << i;
     }
     return masks & pixels;

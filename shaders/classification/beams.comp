@@ -21,17 +21,19 @@ bool surface_lets_rays_out(ivec2 p) {
     return cap_leaves_surface(n, sun.to_sun, sun.angular_radius);
 }
 
+vec3 start_of(ivec2 p) { return ray_origin(p, decode_receiver_normal(imageLoad(receiver_normal, p).xy), sun.to_sun); }
+
 // The beam of the pixels in `mask`, and where in it their rays start.
 // `open`: no surface blocks its own rays.
 void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts, out bool open) {
     open = true;
     const mat3 frame = sun_frame(sun.to_sun);
-    const vec3 origin = shadow_ray_origin(pixel_of_bit(tile, uint(findLSB(mask))));
+    const vec3 origin = start_of(pixel_of_bit(tile, uint(findLSB(mask))));
     // A plane through three of the starts, far apart; where there are none the axes of the frame will do.
     const uint first_row = mask & (0xffu << (uint(findLSB(mask)) & 24u)), last_row = mask & (0xffu << (uint(findMSB(mask)) & 24u));
-    const vec3 last = (shadow_ray_origin(pixel_of_bit(tile, uint(findMSB(mask)))) - origin) * frame;
-    const vec3 right = (shadow_ray_origin(pixel_of_bit(tile, uint(findMSB(first_row)))) - origin) * frame;
-    const vec3 left = (shadow_ray_origin(pixel_of_bit(tile, uint(findLSB(last_row)))) - origin) * frame;
+    const vec3 last = (start_of(pixel_of_bit(tile, uint(findMSB(mask)))) - origin) * frame;
+    const vec3 right = (start_of(pixel_of_bit(tile, uint(findMSB(first_row)))) - origin) * frame;
+    const vec3 left = (start_of(pixel_of_bit(tile, uint(findLSB(last_row)))) - origin) * frame;
     const vec3 by_right = cross(last, right), by_left = cross(left, last);
     const vec3 normal = dot(by_right, by_right) > dot(by_left, by_left) ? by_right : by_left;
     mat3 axes = mat3(1.0);
@@ -43,7 +45,7 @@ void make_beam(ivec2 tile, uint mask, out Cone cone, out Starts starts, out bool
     vec3 lo = vec3(1e38), hi = vec3(-1e38), box_lo = vec3(1e38), box_hi = vec3(-1e38);
     for (uint i = 0u; i < 32u; ++i)
         if ((mask >> i & 1u) != 0u) {
-            const vec3 p = (shadow_ray_origin(pixel_of_bit(tile, i)) - origin) * frame;
+            const vec3 p = (start_of(pixel_of_bit(tile, i)) - origin) * frame;
             lo = min(lo, p);
             hi = max(hi, p);
             box_lo = min(box_lo, p * axes);

@@ -4,6 +4,9 @@
 // their deviation is the relative spread that the reader wants. Fixed point, because integer sums are the same in every
 // order. 64 steps per octave over 2^-32 .. 2^32 m: 32 squares of at most 4095 stay below 2^32.
 //
+// Of a light that is near it is not the distance but the way to the blocker over the way from there on to the light: what makes the
+// penumbra as wide as it is, as the distance does from a sun.
+//
 // Includer has rounded.glsl and declares: buffer uint blockers[].
 const float BLOCKER_STEPS = 64.0;   // per octave
 const float BLOCKER_OCTAVES = 32.0; // below and above 1 m
@@ -21,6 +24,8 @@ vec3 blockers_of(uint tile) {
 struct BlockerSums {
     uint n, sum, squares;
 };
+
+float way_to_blocker(float t, float t_light) { return t / max(t_light - t, 1e-5 * t); }
 
 void add_blocker(inout BlockerSums sums, float distance_m) {
     const float octaves = log2(clamp(distance_m, exp2(-31.0), exp2(31.0))) + BLOCKER_OCTAVES;

@@ -2,8 +2,8 @@
 // How far off the surface, along its geometric normal, a shadow ray starts: by how far the reconstructed point may lie below
 // the surface that the rasteriser saw. An error bound, not a constant, of three parts:
 //
-// - The grid, for a host whose depth the rasteriser interpolates. (The standalone host's depth is of the pixel's very centre and says
-//   four times the steps, for the neighbours' sake: host/gbuffer/gbuffer_pipeline.h.) A rasteriser moves each corner of a triangle to
+// - The grid, for a host whose depth the rasteriser interpolates (not the standalone host's, whose depth is of the pixel's very centre:
+//   FRAME_DEPTH_AT_CENTRES). A rasteriser moves each corner of a triangle to
 //   a grid of 2^-b pixels, b = subPixelPrecisionBits, by half a step s at most along either axis of the image, and keeps its depth. In
 //   homogeneous coordinates depth is linear over the image, so what a pixel p within the moved triangle gets is sum w_i z_i with
 //   p = sum w_i (c_i + e_i), w_i >= 0, sum w_i = 1, |e_i| <= s: the depth of the plane that was meant, at q = p - sum w_i e_i, no
@@ -18,6 +18,11 @@
 // - Rounding of the depth, interpolated and stored, moves the point along the view ray, of which the normal sees a part. How
 //   exactly depth is interpolated Vulkan does not say; DEPTH_ROUNDINGS is what rasterisers were found to need, with room.
 //
+// And how much farther it starts along the way to the light. For the grid also decides whose pixel it is: a centre up to s past a
+// triangle's edge shows that triangle's plane continued, s * span / |n.v| beyond its end. Where the next triangle rises that is below
+// the ground, and a ray would find the ground from beneath: black pixels on sunlit terrain. Higher starts would move every
+// oblique shadow; earlier ones on the same way move none, and overlook what stands nearer than that.
+//
 // Includer has common/camera.glsl.
 const float ULPS = 3.0 * 1.1920929e-7;  // 2^-23
 const float DEPTH_ROUNDINGS = 8.0;
@@ -28,4 +33,17 @@ float robust_offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
     const float across = abs(dot(n, frame.world_from_view[0])) + abs(dot(n, frame.world_from_view[1]));
     return ULPS * (largest.x + largest.y + largest.z + z) +
            DEPTH_ROUNDINGS * depth_rounding_m(z) * abs(dot(n, to_viewer(p))) + frame.snap_px * across * pixel_span_m(z);
+}
+
+// Metres along the surface that a pixel may show beyond the end of its triangle.
+float beyond_edge_m(ivec2 p, float z, vec3 n) {
+    const float STEEPEST = 1.0 / 64.0;  // more grazing views see few pixels of anything
+    return frame.grid_px * pixel_span_m(z) / max(abs(dot(n, to_viewer(p))), STEEPEST);
+}
+
+// Of that, what a ray has to leave behind whose direction has this cosine with the normal: as much as lifts it over a neighbour that
+// rises by 14 degrees, and not more than all of it. Where the axis of the light points into the surface it leads nowhere else.
+float ahead_of_edge(float cosine) {
+    const float RISE = 0.25;
+    return cosine > 0.0 ? min(RISE / cosine, 1.0) : 0.0;
 }

@@ -35,12 +35,16 @@ vec2 polar_disc(vec2 u) {
 // The direction to a point of the sun's disc, which is of radius 1 here. The cap's azimuthal equal-area map takes disc
 // radius r to 1 - cos(t) = 2 r^2 sin^2(a / 2); written in 1 - cos(t), nothing cancels for a small sun:
 // sin(t) = sqrt(v (2 - v)). An angular radius of 0 gives `to_sun` itself, which is a unit vector, as the result is.
-vec3 sun_direction_through(vec3 to_sun, float angular_radius, vec2 disc) {
+vec3 in_cap(float angular_radius, vec2 disc) {  // across the axes around its middle
     float h = sin(0.5 * angular_radius);
     float v = 2.0 * h * h * dot(disc, disc);
     // sin(t) / r, so that no direction is divided by its own zero length.
     float sine_per_radius = h * sqrt(2.0 * (2.0 - v));
-    return sun_frame(to_sun) * vec3(disc * sine_per_radius, 1.0 - v);
+    return vec3(disc * sine_per_radius, 1.0 - v);
+}
+
+vec3 sun_direction_through(vec3 to_sun, float angular_radius, vec2 disc) {
+    return sun_frame(to_sun) * in_cap(angular_radius, disc);
 }
 
 // Uniform over the cap of `angular_radius` radians around `to_sun`. The disc comes from the concentric map, which keeps

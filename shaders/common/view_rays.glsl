@@ -34,6 +34,11 @@ ViewRays scaled(ViewRays v, float scale) {
     return ViewRays(scale * v.o, scale * v.ox, scale * v.oy, scale * v.r, scale * v.rx, scale * v.ry);
 }
 
+// Along other axes.
+ViewRays turned(ViewRays v, mat3 axes) {
+    return ViewRays(axes * v.o, axes * v.ox, axes * v.oy, axes * v.r, axes * v.rx, axes * v.ry);
+}
+
 // How far what those pixels see lies off a plane: linear in their offset and in their depth, so that a pixel that asks
 // several neighbours pays for the plane once.
 struct OffPlane {

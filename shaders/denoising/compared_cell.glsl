@@ -18,7 +18,7 @@ void compare_cell(uint at, ivec2 cell) {
     recall_rows(at);
     const uint lit = lit_or_sky(cell), sunward = sunward_words[tile_index(cell * CELL / TILE)];
     ViewRays before;
-    if (HAS_MOTION) before = previous_rays(light);
+    if (HAS_MOTION) before = previous_rays(towards_light);
     const Penumbra penumbra = penumbra_of(at);
     const float rho = radius_m(penumbra);
 
@@ -40,7 +40,7 @@ void compare_cell(uint at, ivec2 cell) {
             const bool tested = has_ray(p);
             const uint further = tested ? further_at(p) : 0u;
             const float z = imageLoad(view_depth, p).x;
-            const vec3 n = normal_at(p), n_light = light * n;
+            const vec3 n = normal_at(p), n_light = towards_light * n;
             const ViewRays rays = rays_of(p);
             const Receiver r = receiver_at(p, offset, z, n_light, rays);
             const Footprint foot = r.foot;
@@ -59,7 +59,7 @@ void compare_cell(uint at, ivec2 cell) {
                 past = past_of(p, n, Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m));
             else
                 past = past_of(p);
-            past = under_this_sun(past);
+            past = under_this_light(past, rays.o + z * rays.r);
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             if (past.count < DOUBTED) past.own.count = 0.0;
@@ -71,7 +71,7 @@ void compare_cell(uint at, ivec2 cell) {
             // The more this frame knows, the less it asks a past that could be over: what the own rays have said, which drift does not
             // test, and what has moved across the pixels. A past that stayed where it was is drift's to doubt: cut short whenever a
             // frame has several rays, it would never be a mean of rays that repel each other.
-            if (HAS_MOTION || HAS_SUN_PREV) {
+            if (HAS_MOTION || LIGHT_MOVES) {
                 const float most = COUNT_CAP * inversesqrt(max(worth, 1.0));
                 if (past.elsewhere) past.count = min(past.count, most);
                 past.own.count = min(past.own.count, most);
@@ -126,7 +126,7 @@ void compare_cell(uint at, ivec2 cell) {
     // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
     float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
     uint past_kind = resampled ? PAST_RESAMPLED : PAST_WHOLE;
-    if (!HAS_MOTION && !HAS_SUN_PREV) {
+    if (!HAS_MOTION && !LIGHT_MOVES) {
         past_kind = PAST_CERTAIN;
         sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
     }

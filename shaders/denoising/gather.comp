@@ -15,6 +15,9 @@
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"
 #include "denoising/light_space.glsl"
+#include "common/light.glsl"
+#include "common/light_axes.glsl"
+#include "denoising/lamp_space.glsl"
 #include "common/corners.glsl"
 #include "denoising/shadow_past.glsl"
 #include "denoising/sheared_gather.glsl"
@@ -34,7 +37,7 @@ uint lit_or_sky(ivec2 cell) {
     return visibility_words[tile] | ~receiver_words[tile];
 }
 
-mat3 light;           // to light space
+mat3 towards_light;   // to the sun's light space; where the light is near, world axes (lamp_space.glsl)
 ViewRays first_rays;  // around the workgroup's first pixel
 
 ViewRays rays_of(ivec2 p) { return moved(first_rays, vec2(p - cell_of(0u) * CELL)); }
@@ -61,7 +64,7 @@ void recall_rows(uint at) {
 // Of one pixel of a cell.
 Footprint footprint_of_cell(ivec2 cell) {
     const ivec2 p = min(cell * CELL + CELL / 2, ivec2(frame.size) - 1);
-    return footprint_of(rays_of(p), imageLoad(view_depth, p).x, light * normal_at(p));
+    return footprint_of(rays_of(p), imageLoad(view_depth, p).x, towards_light * normal_at(p));
 }
 
 void look_around(uint at, ivec2 cell) {
@@ -82,7 +85,7 @@ void ask_around(uint asking) {
     const uint at = asking / PIXELS, pixel = asking % PIXELS;
     recall_rows(at);
     const ivec2 offset = in_cell(int(pixel)), p = cell_of(left_cells[at]) * CELL + offset;
-    const Receiver r = receiver_at(p, offset, imageLoad(view_depth, p).x, light * normal_at(p), rays_of(p));
+    const Receiver r = receiver_at(p, offset, imageLoad(view_depth, p).x, towards_light * normal_at(p), rays_of(p));
     const Estimate e = this_frame(r, penumbra_of(at));
     estimates[asking] = MANY_RAYS ? pack_estimate_of_many(e) : pack_estimate(e);
 }
@@ -91,8 +94,8 @@ void ask_around(uint asking) {
 #include "denoising/compared_cell.glsl"
 
 void main() {
-    light = transpose(sun_frame(sun.to_sun));
-    first_rays = view_rays(cell_of(0u) * CELL, light);
+    towards_light = HAS_LIGHT ? mat3(1.0) : transpose(sun_frame(sun.to_sun));
+    first_rays = view_rays(cell_of(0u) * CELL, towards_light);
     if (gl_LocalInvocationIndex == 0u) wide_count = narrow_count = 0u;
     settle_cells();
     const uint lane = gl_LocalInvocationIndex, lanes = lanes_in_workgroup();

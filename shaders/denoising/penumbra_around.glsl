@@ -27,14 +27,14 @@ Penumbra penumbra_by_blockers(ivec2 cell) {
     if (sums.x <= 0.0) return Penumbra(0.0, 0.0, 0.0);
     const float octaves = sums.y / sums.x;
     const float deviation = sqrt(max(sums.z / sums.x - octaves * octaves, 0.0));
-    return Penumbra(exp2(octaves), tan(sun.angular_radius), 0.6931472 * deviation);
+    return Penumbra(exp2(octaves), HAS_LIGHT ? 1.0 : tan(sun.angular_radius), 0.6931472 * deviation);
 }
 
 const float NARROW_PENUMBRA_PX = 0.3;  // radius
 
 Penumbra penumbra_at(ivec2 cell, Footprint foot) {
     if (HAS_BLOCKERS) return penumbra_by_blockers(cell);
-    const float tangent = tan(sun.angular_radius), narrow_m = NARROW_PENUMBRA_PX * sqrt(foot.s.s1 * foot.s.s2);
+    const float tangent = HAS_LIGHT ? 1.0 : tan(sun.angular_radius), narrow_m = NARROW_PENUMBRA_PX * sqrt(foot.s.s1 * foot.s.s2);
     if (tangent <= 0.0) return Penumbra(0.0, 0.0, 0.0);
     return Penumbra(params.distance_m > 0.0 ? params.distance_m : narrow_m / tangent, tangent, 0.0);
 }

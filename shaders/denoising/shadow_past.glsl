@@ -2,10 +2,11 @@
 // What the previous frame knew about a pixel's surface: the state that drift left there, and what the pixel's own rays had
 // said, taken from the texels that show the same plane and the same face of it.
 //
-// Includer has shadow_state.glsl, view_rays.glsl and corners.glsl, and declares the images history
+// Includer has shadow_state.glsl, view_rays.glsl, corners.glsl and common/light_axes.glsl, and declares the images history
 // and, where things move, motion, view_depth_prev and guide_normal_prev.
 #include "denoising/cubic.glsl"
 #include "common/sun_change.glsl"
+#include "common/light_change.glsl"
 
 const float SAME_FACE = 0.9;  // cosine, as near as 10 bits are to a unit vector: beyond a crease the sun stands differently
 
@@ -34,12 +35,12 @@ vec3 previous_position(ivec2 texel, float view_depth) {
 
 // What the previous frame's texels showed, from its first one on, in light space: previous_position() is linear in a texel's
 // place and depth. Taken over the whole image, differences do not round away.
-ViewRays previous_rays(mat3 light) {
+ViewRays previous_rays(mat3 axes) {
     const ivec2 size = ivec2(frame.prev_size);
     const ivec2 right = ivec2(size.x, 0), below = ivec2(0, size.y);
-    const vec3 o = light * previous_position(ivec2(0), 0.0), r = light * previous_position(ivec2(0), 1.0) - o;
-    const vec3 right_o = light * previous_position(right, 0.0), right_r = light * previous_position(right, 1.0) - right_o;
-    const vec3 below_o = light * previous_position(below, 0.0), below_r = light * previous_position(below, 1.0) - below_o;
+    const vec3 o = axes * previous_position(ivec2(0), 0.0), r = axes * previous_position(ivec2(0), 1.0) - o;
+    const vec3 right_o = axes * previous_position(right, 0.0), right_r = axes * previous_position(right, 1.0) - right_o;
+    const vec3 below_o = axes * previous_position(below, 0.0), below_r = axes * previous_position(below, 1.0) - below_o;
     const vec2 by_size = 1.0 / vec2(size);
     return ViewRays(o, (right_o - o) * by_size.x, (below_o - o) * by_size.y, r, (right_r - r) * by_size.x,
                     (below_r - r) * by_size.y);
@@ -117,10 +118,12 @@ Past past_of(ivec2 p) {
     return Past(s.visibility, s.count, s.residual, 0.0, s.own, false, false);
 }
 
-// A past that saw another sun.
-Past under_this_sun(Past past) {
-    if (!HAS_SUN_PREV) return past;
-    const float share = sun_share(sun, sun_prev);
+const bool LIGHT_MOVES = HAS_SUN_PREV || HAS_LIGHT_PREV;
+
+// A past that saw another light, or this one elsewhere. `p`: the receiver, along towards_light.
+Past under_this_light(Past past, vec3 p) {
+    if (!LIGHT_MOVES) return past;
+    const float share = HAS_LIGHT ? light_share(light, light_prev, p) : sun_share(sun, sun_prev);
     past.count = samples_left(past.count, share);
     past.own.count = samples_left(past.own.count, share);
     if (past.count <= 0.0) return NO_PAST;

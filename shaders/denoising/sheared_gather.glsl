@@ -8,7 +8,7 @@
 // The idea of filtering along the shear that a light field has: Egan et al. 2011, "Frequency Analysis and Sheared
 // Filtering for Shadow Light Fields of Complex Occluders". Here single rays are sheared, and none is filtered.
 //
-// Includer has rounded.glsl.
+// Includer has rounded.glsl and common/light.glsl.
 
 const float UNEVEN = 0.109;   // see Window
 const float FEWEST = 2.5;     // rays with which a plane through their bits is fitted
@@ -66,18 +66,38 @@ struct Horizon {
     vec2 up;        // unit vector
     float height;   // of the disc's centre above the horizon, in radii
     float above;    // share of the disc
-    float middle;   // of what is above, along `up`
+    vec2 middle;    // of what is above
 };
 
-const Horizon NO_HORIZON = Horizon(vec2(0.0), 1.0, 1.0, 0.0);
+const Horizon NO_HORIZON = Horizon(vec2(0.0), 1.0, 1.0, vec2(0.0));
+
+bool light_is_a_square() { return HAS_LIGHT && light_is_square(); }
+
+// A square's part above a line. Its middle by eight strips.
+Horizon square_horizon(vec2 up, float d) {
+    const vec2 size = abs(up);
+    const float across = max(size.x, size.y), sides = size.x + size.y;
+    if (d >= sides) return NO_HORIZON;
+    const bool steep = size.x > size.y;  // strips lie along the axis that the line crosses
+    const float rise = steep ? up.x : up.y, slope = steep ? up.y : up.x, side = rise < 0.0 ? -1.0 : 1.0;
+    vec3 sum = vec3(0.0);  // area, and its moments along the strips and across
+    [[unroll]] for (int i = 0; i < 8; ++i) {
+        const float t = 0.25 * float(i) - 0.875;
+        const float from = clamp(-(d + slope * t) / abs(rise), -1.0, 1.0), l = 1.0 - from;
+        sum += vec3(l, 0.5 * (1.0 - from * from) * side, l * t);
+    }
+    const vec2 middle = sum.yz / max(sum.x, 1e-3);
+    return Horizon(up, d, clamp(0.5 + square_area(across / sides, clamp(d / sides, -1.0, 1.0)), 0.0, 1.0), steep ? middle : middle.yx);
+}
 
 // `n`: the receiver's normal in light space.
 Horizon horizon_of(vec3 n, float tangent) {
+    if (light_is_a_square()) return square_horizon(n.xy / max(length(n.xy), 1e-9), n.z / max(length(n.xy), 1e-9));
     const float across = length(n.xy), d = n.z / max(across * tangent, 1e-9);
     if (d >= 1.0) return NO_HORIZON;
     const float c = max(d, -1.0), s = sqrt(max(1.0 - c * c, 0.0));
     const float above = 0.5 + (asin(c) + c * s) * 0.31830989;
-    return Horizon(n.xy / across, c, above, 0.21220659 * s * s * s / max(above, 1e-3));
+    return Horizon(n.xy / across, c, above, 0.21220659 * s * s * s / max(above, 1e-3) * (n.xy / across));
 }
 
 bool is_above(Horizon h, vec2 point) { return dot(h.up, point) > -h.height; }
@@ -105,14 +125,22 @@ Window even_window(Penumbra p, float limit) {
     return Window(by_radius, p.tangent, p.distance_m * by_radius, by_limit * by_limit, 1.0, 1.0, 0.0);
 }
 
+// Of a square's point, on each axis by itself: the part of a disc that lies within its side, by a cubic.
+float covered_part(Window window, vec2 sides) {
+    const vec2 t = min((1.0 - sides) / window.covered, vec2(1.0)), part = 0.5 + t * (0.6366 - 0.1366 * t * t);
+    return window.covered * part.x * part.y;
+}
+
 // `at`: the neighbour, light space, relative to the pixel, in radii of the disc; `point`: of the sun, that its ray went to.
 void add_ray(inout Moments m, bool usable, bool lit, vec3 at, vec2 point, Window window, Horizon horizon) {
     const vec2 eta = at.xy + (window.distance - at.z) * window.tangent * point;
     const float e2 = dot(eta, eta);
-    const bool asked = usable && e2 < 1.0 && dot(at.xy, at.xy) <= window.limit2;
+    const vec2 sides = abs(eta);
+    const bool inside = light_is_a_square() ? max(sides.x, sides.y) < 1.0 : e2 < 1.0;
+    const bool asked = usable && inside && dot(at.xy, at.xy) <= window.limit2;
     const bool hits = asked && is_above(horizon, point) && is_above(horizon, eta);
     m.asked += asked ? 1.0 : 0.0;
-    const float w = hits ? 1.0 / min(window.covered, window.at_middle - window.per_eta * sqrt(e2)) : 0.0;
+    const float w = hits ? 1.0 / (light_is_a_square() ? covered_part(window, sides) : min(window.covered, window.at_middle - window.per_eta * sqrt(e2))) : 0.0;
     const vec2 we = hits ? w * eta : vec2(0.0);
     m.n += w;
     m.n2 += w * w;
@@ -133,7 +161,7 @@ Estimate estimate_of(Moments m, Horizon horizon) {
         const vec3 s = m.ee * by_n - vec3(eta.x * eta.x, eta.x * eta.y, eta.y * eta.y) + vec3(ridge, 0.0, ridge);
         const float det = s.x * s.z - s.y * s.y;
         const vec2 beta = vec2(s.z * cov.x - s.y * cov.y, s.x * cov.y - s.y * cov.x) / det;
-        e.visibility = clamp(mean - dot(beta, eta - horizon.middle * horizon.up), 0.0, 1.0);
+        e.visibility = clamp(mean - dot(beta, eta - horizon.middle), 0.0, 1.0);
         left = max(variance - dot(beta, cov), 0.1 * variance);
     }
     e.gain = variance > 1e-6 ? clamp(left / variance, 0.25, 1.0) : 0.4;

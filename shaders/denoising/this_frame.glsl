@@ -3,38 +3,51 @@
 // Where nobody knows which point of the sun a ray went to (no buffer ray_points), it is taken for a test of its own pixel's
 // whole disc: that of pixels near by is much the same, and regression on their places takes out what changes across them.
 //
-// Includer has camera.glsl, light_space.glsl, corners.glsl, sheared_gather.glsl, bit_rows.glsl and rounded.glsl, and
+// Includer has camera.glsl, light_space.glsl, lamp_space.glsl, corners.glsl, sheared_gather.glsl, bit_rows.glsl and rounded.glsl, and
 // declares the image view_depth, params.plane_tolerance and, perhaps, the buffer ray_points.
 
 const float EQUAL_SHARE = 0.6;  // of the rays of a box that all say the same: what they count
 const float UNSHEARED_SHARE = 0.7, UNSHEARED_PX = 2.8;  // of the disc's radius, and at most: how far rays of unknown points are asked
 
-// A pixel on its receiver's plane, as the sun sees it.
+// A pixel on its receiver's plane, as the light sees it.
 struct Footprint {
     mat2x3 tangents;  // light space per pixel along x and y
     Stretches s;      // of their part across the light
 };
 
-Footprint footprint_of(ViewRays rays, float z, vec3 n) {
-    const mat2x3 t = tangents(rays, z, n);
+Footprint footprint_of(LampSpace lamp, mat2x3 t) {
+    if (HAS_LIGHT) t = mat2x3(moves_by(lamp, t[0]), moves_by(lamp, t[1]));
     return Footprint(t, stretches_of(mat2(t[0].xy, t[1].xy)));
+}
+
+// `here`: camera-relative. The sun's light space needs nothing of it.
+LampSpace lamp_space_at(vec3 here, vec3 n) {
+    LampSpace lamp;
+    if (HAS_LIGHT) lamp = lamp_space(here - light.centre, n);
+    return lamp;
+}
+
+Footprint footprint_of(ViewRays rays, float z, vec3 n) {
+    return footprint_of(lamp_space_at(rays.o + z * rays.r, n), tangents(rays, z, n));
 }
 
 // A receiver, with what it takes to ask its neighbours.
 struct Receiver {
     ivec2 p, in_rows;
-    vec3 n;             // light space
+    vec3 n;             // along towards_light, as all but the footprint
     ViewRays rays;      // around it, from it on
     Surface surface;    // its own
+    LampSpace lamp;     // where the light is near
     Footprint foot;
 };
 
 Receiver receiver_at(ivec2 p, ivec2 offset, float z, vec3 n, ViewRays rays) {
     const vec3 here = rays.o + z * rays.r;
-    const Footprint foot = footprint_of(rays, z, n);
+    const LampSpace lamp = lamp_space_at(here, n);
+    const Footprint foot = footprint_of(lamp, tangents(rays, z, n));
     rays.o -= here;
     const Surface surface = Surface(off_plane(rays, n, vec3(0.0)), params.plane_tolerance * pixel_span_m(z));
-    return Receiver(p, offset + R, n, rays, surface, foot);
+    return Receiver(p, offset + R, n, rays, surface, lamp, foot);
 }
 
 // How far a receiver looks.
@@ -89,15 +102,23 @@ struct FurtherPoint {
     float area;
 };
 
+// On a square it is the first coordinate that steps evenly, and the second that takes the golden ratio.
 FurtherPoint further_point(vec2 first, uint further) {
+    if (HAS_LIGHT && light_is_square()) return FurtherPoint(0.5 * first + 0.5, vec2(1.0 / float(further + 1u), 0.618033989), 0.0);
     const float turn = 6.2831853 / float(further + 1u), r2 = dot(first, first);
     return FurtherPoint(r2 > 0.0 ? first * inversesqrt(r2) : vec2(1.0, 0.0), vec2(cos(turn), sin(turn)), r2);
 }
 
 void step_on(inout FurtherPoint p) {
+    if (HAS_LIGHT && light_is_square()) {
+        p.unit = fract(p.unit + p.turn);
+        return;
+    }
     p.unit = vec2(p.turn.x * p.unit.x - p.turn.y * p.unit.y, p.turn.y * p.unit.x + p.turn.x * p.unit.y);
     p.area = fract(p.area + 0.618033989);
 }
+
+vec2 point_of(FurtherPoint p) { return HAS_LIGHT && light_is_square() ? 2.0 * p.unit - 1.0 : sqrt(p.area) * p.unit; }
 
 // What the rays around say that hit the receiver's disc; `otherwise` where they are too few.
 Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate otherwise) {
@@ -105,13 +126,14 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
     Horizon horizon = NO_HORIZON;
     if (HAS_RAY_POINTS) {
         window = window_of(penumbra, reach.limit_m, sqrt(reach.b1 * r.foot.s.s1 * reach.b2 * r.foot.s.s2));
-        horizon = horizon_of(r.n, penumbra.tangent);
+        horizon = HAS_LIGHT ? horizon_of(r.lamp.horizon, 1.0) : horizon_of(r.n, penumbra.tangent);
     } else {
         const float most_m = UNSHEARED_PX * sqrt(r.foot.s.s1 * r.foot.s.s2);
         window = even_window(penumbra, min(UNSHEARED_SHARE * reach.limit_m, most_m));
     }
-    const ViewRays around = scaled(r.rays, window.by_radius);
-    const float tolerance = r.surface.tolerance_m * window.by_radius;
+    const ViewRays around = HAS_LIGHT ? turned(r.rays, r.lamp.axes) : scaled(r.rays, window.by_radius);
+    const float tolerance = HAS_LIGHT ? r.surface.tolerance_m : r.surface.tolerance_m * window.by_radius;
+    const vec3 plane = HAS_LIGHT ? r.lamp.normal : r.n;
     const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     float further_asked = 0.0;
@@ -122,8 +144,9 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
         const int half_width = min(int(rounded(floor(sqrt(float(R * R - dy * dy)) + 1e-3))), reach.box.x);
         const ViewRays of_row = moved(around, vec2(0.0, float(dy)));
         for (int dx = -half_width; dx <= half_width; ++dx) {
-            const vec3 at = seen_at(of_row, vec2(float(dx), 0.0), imageLoad(view_depth, r.p + ivec2(dx, dy)).x);
-            bool usable = (row >> uint(dx + R + 16) & 1u) != 0u && abs(dot(r.n, at)) <= tolerance;
+            vec3 at = seen_at(of_row, vec2(float(dx), 0.0), imageLoad(view_depth, r.p + ivec2(dx, dy)).x);
+            bool usable = (row >> uint(dx + R + 16) & 1u) != 0u && abs(dot(plane, at)) <= tolerance;
+            if (HAS_LIGHT) at = window.by_radius * place_of(r.lamp, at);
             vec2 point = vec2(0.0);
             if (HAS_RAY_POINTS) {
                 int of = clamp(at_p + dy * int(frame.size.x) + dx, 0, last);
@@ -133,6 +156,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                     usable = own_ray;
                 }
                 point = unpack_point(ray_points[of]);
+                if (HAS_LIGHT) point = untwisted(r.lamp, at.xy / window.by_radius, point);
             }
             add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, at, point, window, horizon);
             if (HAS_RAY_BITS && HAS_RAY_POINTS) {
@@ -146,7 +170,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                         [[unroll]] for (uint j = 0u; j < 8u; ++j) {
                             step_on(next);
                             const bool lit = (word >> k + j & 1u) == 0u;
-                            add_ray(m, k + j < further, lit, at, sqrt(next.area) * next.unit, window, horizon);
+                            add_ray(m, k + j < further, lit, at, point_of(next), window, horizon);
                         }
                     further_asked += m.asked - before;
                 }

@@ -6,9 +6,9 @@
 //
 // published: the new colour counts 1/16, and the box alone rejects history.
 // robust: a history texel counts where it showed a surface that is seen around the pixel now (distance to its plane), or
-// something thinner than a pixel before one; and
-// the new colour counts 1/n of n frames: an edge under 16 jitter positions is their mean after 16 frames, and what has just
-// come into view starts anew. Where nothing moves, a pixel's history is its own.
+// something that cannot have gone from there; and the new colour counts 1/n of n frames: an edge under 16 jitter positions is
+// their mean after 16 frames, and what has just come into view starts anew. n is smaller where the history is interpolated, which
+// blurs it every time. Where nothing moves, a pixel's history is its own.
 //
 // An invocation goes down a column: of the 3x3 pixels around each only the lower three are new.
 #include "node.glsl"
@@ -29,22 +29,37 @@ vec3 expand(vec3 c) { return storable(WEIGHTING == WEIGHTING_LINEAR ? c : c / ma
 #include "lighting/taa_box.glsl"
 #include "lighting/taa_surfaces.glsl"
 
+// What was seen of a thing thinner than a pixel is in few pixels' colours, or in none, of any one frame. So it leaves the box by
+// this share in a frame; a shadow that moves across a fence is gone after sixteen.
+const float THIN_SHARE = 0.25;
+
+// Interpolation takes f (1 - f) along each axis from the history's sharpness. So many frames' worth of it may be gone.
+const float FRAMES_OF_BLUR = 2.0;
+
+float longest(vec2 texel) {
+    if (!HAS_VIEW_DEPTH_PREV) return float(MAX_FRAMES);
+    const vec2 f = fract(texel - 0.5);
+    return min(floor(1.0 + FRAMES_OF_BLUR / max(dot(f, 1.0 - f), 1e-3)), float(MAX_FRAMES));
+}
+
 vec4 robust(ivec2 p, Box box, Around around, Cameras cameras, Reprojection there, vec3 moved) {
     vec3 c = box.shown;
-    float frames = 1.0;
+    Memory memory = Memory(1.0, 0.0, HAS_VIEW_DEPTH_PREV);  // what has no past may move: there is no motion to tell by
     if (there.on_screen && (frame.flags & FRAME_RESET) == 0u) {
         // Not by way of uv, whose rounding would move a still pixel.
         const vec2 texel = (vec2(p) + 0.5) * (vec2(frame.prev_size) / vec2(frame.size)) + moved.xy * vec2(frame.prev_size);
-        const Past past = past_at(texel, around, cameras, moved);
-        if (past.frames >= 1.0) {
-            const float scale = past.thin ? 0.0 : params.clamp_sigma;
-            const vec3 before = clamp_to_box(box, compress(storable(past.color)), scale);
-            frames = min(past.frames + 1.0, float(MAX_FRAMES));
-            c = before + (c - before) / frames;
+        const Past past = past_at(p, texel, around, cameras, moved);
+        memory.moves_itself = past.memory.moves_itself;
+        if (past.memory.frames >= 1.0) {
+            const vec3 remembered = compress(storable(past.color)), inside = clamp_to_box(box, remembered, params.clamp_sigma);
+            const vec3 before = past.memory.thin > 0.0 ? mix(remembered, inside, THIN_SHARE) : inside;
+            memory = past.memory;
+            memory.frames = min(memory.frames + 1.0, longest(texel));
+            c = before + (c - before) / memory.frames;
         }
     }
     const vec3 out_color = expand(c);
-    return vec4(round_to(out_color.xy, HALF_BITS), round_to(out_color.z, HALF_BITS), frames / float(MAX_FRAMES));
+    return vec4(round_to(out_color.xy, HALF_BITS), round_to(out_color.z, HALF_BITS), round_to(alpha_of(memory), HALF_BITS));
 }
 
 vec4 published(Box box, Reprojection there, vec2 v) {

@@ -5,6 +5,7 @@
 // history and view_depth and, where things move, motion, guide_normal and view_depth_prev.
 #include "common/corners.glsl"
 #include "common/view_rays.glsl"
+#include "lighting/taa_memory.glsl"
 
 // Of three pixels side by side: the nearest and the farthest surface, and whether there is sky. Pixels outside the image
 // are none.
@@ -56,20 +57,18 @@ Around around_of(ivec2 p, DepthRow above, DepthRow here, DepthRow below) {
     return with_row(with_row(with_row(none, above, p.y - 1), here, p.y), below, p.y + 1);
 }
 
-// The history at a position, and for how many frames it stands; 0: there is none.
+// The history at a position. 0 frames: there is none.
 struct Past {
     vec3 color;
-    float frames;
-    bool thin;  // it may have shown something thinner than a pixel that is not seen now
+    Memory memory;
 };
-
-float frames_of(float alpha) { return floor(alpha * float(MAX_FRAMES) + 0.5); }
 
 // What all pixels need of the two cameras, in units of the image instead of pixels: points of the current one, what depth a
 // still point had in the previous frame, uv (without jitter) of pixels and of the previous frame's texels.
 struct Cameras {
     ViewRays rays;
     OffPlane depth_prev;  // by metres_off()
+    bool orthographic;
     vec2 by_size, first_uv, by_size_prev, first_uv_prev;
     float tolerance_m, tolerance_per_m;  // of a surface: of its view depth
 };
@@ -86,8 +85,18 @@ Cameras cameras() {
     depth_prev.o += depth;
     const vec2 by_size = 1.0 / vec2(frame.size), by_size_prev = 1.0 / vec2(frame.prev_size);
     const float tolerance_m = params.plane_tolerance * pixel_span_m(0.0);
-    return Cameras(rays, depth_prev, by_size, 0.5 * by_size - frame.jitter, by_size_prev, 0.5 * by_size_prev - frame.prev_jitter,
-                   tolerance_m, params.plane_tolerance * pixel_span_m(1.0) - tolerance_m);
+    return Cameras(rays, depth_prev, (frame.flags & FRAME_ORTHOGRAPHIC) != 0u, by_size, 0.5 * by_size - frame.jitter, by_size_prev,
+                   0.5 * by_size_prev - frame.prev_jitter, tolerance_m, params.plane_tolerance * pixel_span_m(1.0) - tolerance_m);
+}
+
+// Whether the previous frame had a still point within so many pixels of a place. `depth_then`: its view depth there. A NaN was not
+// near, nor what was behind the camera.
+bool was_near(Cameras cameras, vec2 uv, float z, float depth_then, vec2 there, float px) {
+    const float w = cameras.orthographic ? 1.0 : depth_then;
+    const vec2 clip = (frame.prev_clip_from_rel * vec4(seen_at(cameras.rays, uv, z), 1.0)).xy;
+    const vec2 off = (0.5 * clip + (0.5 - there) * w) * vec2(frame.prev_size);
+    const float limit = px * w;
+    return w > 0.0 && dot(off, off) < limit * limit;
 }
 
 // What a pixel shows, among points that the previous frame saw at some uv (without jitter), depth_change less in front of the
@@ -108,46 +117,38 @@ Plane plane_at(Cameras cameras, ivec2 p, float z, vec3 moved) {
                  vec2(metres_off(cameras.depth_prev, uv, z) - z, moved.z));
 }
 
-bool was_seen(Plane plane, vec2 uv, float z) {
-    return shows(plane.surface, uv, z - plane.depth_change.x) || shows(plane.surface, uv, z - plane.depth_change.y);
+// How far off a plane a point of the previous frame lies, in metres. A comparison that a NaN fails.
+float off_by(Plane plane, vec2 uv, float z) {
+    return min(abs(metres_off(plane.surface.plane, uv, z - plane.depth_change.x)),
+               abs(metres_off(plane.surface.plane, uv, z - plane.depth_change.y)));
 }
 
 vec2 previous_uv(Cameras cameras, ivec2 t) { return vec2(t) * cameras.by_size_prev + cameras.first_uv_prev; }
 
-// What is seen around the pixel now: two surfaces and perhaps the sky.
-struct Seen {
-    Plane front, back;
-    bool solid, sky;
-};
+const float OWN_MOTION_PX = 0.25;  // more than halves' rounding makes of a still point's motion
+const float SAME = 0.5;  // of the tolerance: nearer to a plane than that is the surface itself, farther a ledge of it
+const float FAR_M = 1e30;
+const float SKY_M = 1e6;  // as good as infinitely far away, for what a camera's steps move
 
-// Whether a texel of the previous frame showed any of it.
-bool showed(Cameras cameras, Seen seen, ivec2 t) {
-    t = clamp(t, ivec2(0), history_last());
-    const float z = imageLoad(view_depth_prev, t).x;
-    const vec2 uv = previous_uv(cameras, t);
-    const bool surface = seen.solid && (was_seen(seen.front, uv, z) || was_seen(seen.back, uv, z));
-    return z > 0.0 ? surface : seen.sky;
-}
-
-// What is thinner than a pixel comes and goes with the jitter: gone from all nine pixels, it is still no surface that went
-// away if what is seen now was seen on both sides of it. Should it have gone all the same, its colour must not stay: what
-// lies between the mean around the pixel and the pixel's own colour does.
-bool was_thin(Cameras cameras, Seen seen, ivec2 t) {
-    bool thin = false;
-    for (int axis = 0; axis < 2; ++axis) {
-        const ivec2 side = axis == 0 ? ivec2(1, 0) : ivec2(0, 1);
-        const bool both = showed(cameras, seen, t - side) && showed(cameras, seen, t + side);
-        thin = thin || both;
-    }
-    return thin;
+// What is thinner than a pixel comes and goes with the jitter, and so do the gaps of a fence: what a texel of the previous frame
+// showed, and no pixel around shows now, has not gone away if the cameras alone have moved it by less than a pixel against what
+// is seen now, whose past lies at `texel`. `z`: its depth then; 0 is the sky.
+bool stays(Cameras cameras, ivec2 p, vec2 texel, float z) {
+    const vec2 uv = (vec2(p) + 0.5) * cameras.by_size;
+    const float then = z > 0.0 ? z : SKY_M, now = 2.0 * then - metres_off(cameras.depth_prev, uv, then);
+    return now > 0.0 && was_near(cameras, uv, now, then, texel * cameras.by_size_prev, 1.0);
 }
 
 // An edge of the picture alternates with the jitter between what is in front and what is behind, so a texel may have shown
-// either. Where some of the four around the position showed something else, the others' mean stands for all.
-// `moved`: the motion of what is in front.
-Past past_among(vec2 texel, Around around, Cameras cameras, vec3 moved) {
+// either, or what is thinner than a pixel. Where some of the four around the position showed something else, the others' mean
+// stands for all. `moved`: the motion of what is in front.
+Past past_among(ivec2 p, vec2 texel, Around around, Cameras cameras, vec3 moved) {
     const bool solid = around.farthest_depth > 0.0;
     const Plane front = plane_at(cameras, around.nearest, around.nearest_depth, moved);
+    // At the pixel instead of at what is nearest: a still surface's motion is the same there, but for what zooming does to it.
+    const vec2 here = vec2(p) * cameras.by_size + cameras.first_uv;
+    const bool moves_itself = solid && !was_near(cameras, here, around.nearest_depth, around.nearest_depth + front.depth_change.x,
+                                                 here + moved.xy, OWN_MOTION_PX);
     const ivec2 last = history_last(), base = history_base(texel);
     // Rounding must not turn "exactly there" into a neighbour's tiny share.
     const float SUBTEXELS = 256.0;
@@ -161,23 +162,32 @@ Past past_among(vec2 texel, Around around, Cameras cameras, vec3 moved) {
         z.z = imageLoad(view_depth_prev, t[2]).x;
         z.w = imageLoad(view_depth_prev, t[3]).x;
     }
-    bvec4 seen;
-    for (int i = 0; i < 4; ++i)
-        seen[i] = z[i] > 0.0 ? solid && was_seen(front, previous_uv(cameras, t[i]), z[i]) : around.sky;
+    const float tolerance_m = front.surface.tolerance_m, same_m = SAME * tolerance_m;
+    vec4 off_m;  // 0 as well where the sky was seen and is
+    for (int i = 0; i < 4; ++i) {
+        off_m[i] = !(z[i] > 0.0) && around.sky ? 0.0 : FAR_M;
+        if (z[i] > 0.0 && solid) off_m[i] = off_by(front, previous_uv(cameras, t[i]), z[i]);
+    }
     const ivec2 nearest = clamp(base + ivec2(greaterThanEqual(within, vec2(0.5))), ivec2(0), last);
     bool none = false, thin = false;
-    BRANCH_IF(dot(share, vec4(seen)) < 1.0) {  // exactly: shares are multiples of 2^-16
+    BRANCH_IF(dot(share, vec4(lessThanEqual(off_m, vec4(same_m)))) < 1.0) {  // exactly: shares are multiples of 2^-16
         const vec3 moved_back = texelFetch(motion, around.farthest, 0).xyz;
-        const Seen both =
-            Seen(front, plane_at(cameras, around.farthest, around.farthest_depth, moved_back), solid, around.sky);
+        const Plane back = plane_at(cameras, around.farthest, around.farthest_depth, moved_back);
+        const float scale = tolerance_m / back.surface.tolerance_m;
         for (int i = 0; i < 4; ++i)
-            if (z[i] > 0.0 && solid && was_seen(both.back, previous_uv(cameras, t[i]), z[i])) seen[i] = true;
-        const vec4 left = share * vec4(seen);
-        if (max(max(left.x, left.y), max(left.z, left.w)) < 0.05) none = true;
-        BRANCH_IF(none) {
-            if (was_thin(cameras, both, nearest)) thin = true;
+            if (z[i] > 0.0 && solid) off_m[i] = min(off_m[i], scale * off_by(back, previous_uv(cameras, t[i]), z[i]));
+        BRANCH_IF(dot(share, vec4(lessThanEqual(off_m, vec4(same_m)))) < 1.0) {
+            const bool may_stay = !memory_of(imageLoad(history, nearest).w).moves_itself;
+            for (int i = 0; i < 4; ++i) {
+                const bool other = !(off_m[i] <= same_m) && may_stay && stays(cameras, p, texel, z[i]);
+                thin = thin || other && share[i] > 0.0;
+                off_m[i] = other ? 0.0 : off_m[i];
+            }
         }
+        const vec4 left = share * vec4(lessThanEqual(off_m, vec4(tolerance_m)));
+        if (max(max(left.x, left.y), max(left.z, left.w)) < 0.05) none = true;
     }
+    const bvec4 seen = lessThanEqual(off_m, vec4(tolerance_m));
     const vec4 left = share * vec4(seen);
     const float best_share = max(max(left.x, left.y), max(left.z, left.w));
     const ivec2 best = left.x == best_share ? t[0] : left.y == best_share ? t[1] : left.z == best_share ? t[2] : t[3];
@@ -188,12 +198,16 @@ Past past_among(vec2 texel, Around around, Cameras cameras, vec3 moved) {
         past_color = (left.x * imageLoad(history, t[0]).xyz + left.y * imageLoad(history, t[1]).xyz +
                       left.z * imageLoad(history, t[2]).xyz + left.w * imageLoad(history, t[3]).xyz) / counted;
     BRANCH_IF(best_share < 1.0 && counted == 1.0) past_color = history_at(texel);
-    return Past(past_color, none && !thin ? 0.0 : frames_of(value.w), thin);
+    Memory memory = memory_of(value.w);
+    memory.frames = none ? 0.0 : memory.frames;
+    memory.moves_itself = moves_itself;
+    memory.thin = thin ? THIN_LONGEST : a_frame_later(memory.thin);
+    return Past(past_color, memory);
 }
 
 // Where nothing moves, the texel's own is all that is asked.
-Past past_at(vec2 texel, Around around, Cameras cameras, vec3 moved) {
-    if (HAS_VIEW_DEPTH_PREV) return past_among(texel, around, cameras, moved);
+Past past_at(ivec2 p, vec2 texel, Around around, Cameras cameras, vec3 moved) {
+    if (HAS_VIEW_DEPTH_PREV) return past_among(p, texel, around, cameras, moved);
     const vec4 value = imageLoad(history, clamp(history_base(texel + 0.5), ivec2(0), history_last()));
-    return Past(value.xyz, frames_of(value.w), false);
+    return Past(value.xyz, memory_of(value.w));
 }

@@ -27,7 +27,7 @@ void main() {
     const Lobe lobe = pixel_lobe(p, roughness);
     bool turned;
     const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
-    const Incident light = incident(shadow_ray_origin(p, lobe.n), direction, sun_numbers(p));
+    const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p));
     const vec4 texel = vec4(light.radiance, light.distance_m);
     imageStore(radiance, p, texel);
     const ivec2 beside = ivec2(p.x ^ 1, p.y), below = ivec2(p.x, p.y ^ 1);

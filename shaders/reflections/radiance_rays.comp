@@ -36,7 +36,7 @@ void for_pixel(ivec2 p) {
     const Lobe lobe = pixel_lobe(p, roughness);
     bool turned;
     const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
-    const Incident light = incident(shadow_ray_origin(p, lobe.n), direction, sun_numbers(p));
+    const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p));
     store(p, encode_ray(light.radiance, light.distance_m, light.moves), encode_direction(direction));
 }
 

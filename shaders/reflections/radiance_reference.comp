@@ -22,13 +22,13 @@ void for_pixel(ivec2 p) {
     if (surface) {
         const float roughness = pixel_roughness(p);
         const Lobe lobe = pixel_lobe(p, roughness);
-        const vec3 origin = shadow_ray_origin(p, lobe.n);
+        const RayStart start = ray_start(p, lobe.n);
         const uint pixel = noise_hash(uint(p.x) + noise_hash(uint(p.y) + noise_hash(params.seed + 0x51ED270Bu)));
         for (uint i = 0u; i < params.count; ++i) {
             const uint a = noise_hash(pixel ^ noise_hash(params.first + i)), b = noise_hash(a), c = noise_hash(b);
             bool turned;
             const vec3 direction = sample_lobe(lobe, roughness, noise_unit(uvec2(a, b)), turned);
-            const vec3 light = incident(origin, direction, noise_unit(uvec2(c, noise_hash(c)))).radiance;
+            const vec3 light = incident(ray_origin(start, lobe.n, direction), direction, noise_unit(uvec2(c, noise_hash(c)))).radiance;
             const float weight = is_mirror(roughness) ? 1.0 : turned ? 0.0 : sample_weight(lobe, direction);
             weighted += weight * vec4(light, 1.0);
             plain += vec4(light, dot(light, light));

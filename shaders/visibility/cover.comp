@@ -62,12 +62,13 @@ void main() {
         const uint number = wanted_number(share, own ? first + share.lane : first);
         const ivec2 p = tile * TILE + pixel_of_lane(int(number));
         const vec2 noise = noise_unit(noise_fixed(p, frame.frame_index, params.seed));
+        const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
         SeenLight seen;
         if (HAS_LIGHT)
-            seen = seen_light(shadow_ray_origin(p), noise);
+            seen = seen_light(ray_origin_to(ray_start(p, n), n, light.centre + scene.camera_from_origin), noise);
         else
-            seen = seen_sun(shadow_ray_origin(p), axes, sun_as_seen, sun_slabs, noise);
-        LightMask hidden = below_horizon(seen, decode_receiver_normal(imageLoad(receiver_normal, p).xy));
+            seen = seen_sun(ray_origin(p, n, sun.to_sun), axes, sun_as_seen, sun_slabs, noise);
+        LightMask hidden = below_horizon(seen, n);
         const Walk walk = walk_to_light(seen, own, hidden);
         const bool finished = walk.ended;
         hidden = with_samples_by_ray(seen, HAS_LIGHT ? 1.0 : WHOLE_RAY_M, finished && last_samples(hidden), hidden);

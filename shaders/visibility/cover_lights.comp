@@ -62,7 +62,8 @@ uint lights_that_reach(int first, vec3 lower, vec3 upper) {
 }
 
 // Of a tile's pixels, by their numbers.
-shared vec3 starts[32], normals[32], lux[32];
+shared vec4 starts[32];  // w: RayStart's beyond_edge_m
+shared vec3 normals[32], lux[32];
 
 #if HAS_MASKS
 void keep(ivec2 tile, uint number, int layer, float share) {
@@ -110,10 +111,10 @@ void main() {
         if (surface) {
             const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
             normals[number] = n;
-            const vec3 start = shadow_ray_origin(p, n);
-            starts[number] = start;
-            lower = min(lower, start);
-            upper = max(upper, start);
+            const RayStart start = ray_start(p, n);
+            starts[number] = vec4(start.off_surface, start.beyond_edge_m);
+            lower = min(lower, start.off_surface);
+            upper = max(upper, start.off_surface);
             surfaces |= 1u << number;
         }
         lux[number] = vec3(0.0);
@@ -147,7 +148,7 @@ void main() {
             const vec3 centre = light.centre + scene.camera_from_origin;
             uint open = 0u;
             for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
-                const vec3 to_light = centre - starts[number];
+                const vec3 to_light = centre - starts[number].xyz;
                 const bool here = (surfaces >> number & 1u) != 0u && light_reaches(-to_light);
                 const bool below = here && light_is_below(normals[number], to_light, 1e-6);
                 if (here) ++reached;
@@ -163,7 +164,8 @@ void main() {
         const bool own = share.lane < count;
         const uint number = bit_number(rest, own ? share.lane : 0u);
         const ivec2 p = tile * TILE + pixel_of_lane(int(number));
-        const vec3 start = starts[number], normal = normals[number], to_light = light.centre + scene.camera_from_origin - start;
+        const vec3 centre = light.centre + scene.camera_from_origin, normal = normals[number];
+        const vec3 start = ray_origin_to(RayStart(starts[number].xyz, starts[number].w), normal, centre), to_light = centre - start;
         const Seen seen = look(p, start, normal, to_light, own);
         if (own) {
             ++walked;

@@ -3,7 +3,7 @@
 // direction and by how many samples it cuts off. The other side is the exact complement, so that two triangles at an edge leave no
 // crack between them, whatever rounding did to the edge.
 //
-// Includer declares: block light; uniform sampler2D light_samples; usampler2D half_planes_64, half_planes_128, half_planes_256; const uint SAMPLES.
+// Includer has common/light.glsl and declares: block light; uniform sampler2D light_samples; usampler2D half_planes_64, half_planes_128, half_planes_256; const uint SAMPLES.
 #include "common/rounded.glsl"
 
 const uint LIGHT_SAMPLES = SAMPLES <= 64u ? 64u : SAMPLES <= 128u ? 128u : 256u;
@@ -90,13 +90,6 @@ float cap_area(vec2 cap, float c2, float c) {
     const float w = c * sqrt(max(1.0 - c2, 0.0)), x = w * inversesqrt(max(1.0 - (1.0 - c2) * cap.y, 1e-6));
     const float x2 = x * x * cap.x * cap.x;
     return 0.31830989 * (x * (1.0 + x2 * (0.16666667 + 0.075 * x2)) - w);
-}
-
-// Of the square, where `across` is the greater of |e.x| and |e.y| and both are 1 together: a trapezium's area. To the line's left, less 1/2.
-float square_area(float across, float c) {
-    const float along = 1.0 - across, beyond = max(abs(c) - (across - along), 0.0);
-    const float corner = beyond * beyond / max(8.0 * across * along, 1e-20);
-    return 0.5 * c / across - (c < 0.0 ? -corner : corner);
 }
 
 // The direction to a sample of the light, in the units of the table.

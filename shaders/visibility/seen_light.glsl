@@ -57,10 +57,7 @@ ConeSlabs pyramid_slabs(vec3 axis, vec3 u, vec3 v, vec3 to_centre, out float slo
 
 SeenLight seen_plane(vec3 start, vec3 to_centre, vec2 noise) {
     vec3 u = light.u, v = light.v;
-    if (light.kind == LIGHT_TUBE) {
-        const vec3 side = cross(light.u, to_centre);
-        v = light.v.x * side * inversesqrt(max(dot(side, side), 1e-30));
-    }
+    if (light.kind == LIGHT_TUBE) v = tube_side(light, to_centre);
     SeenLight seen;
     seen.shape = sun_shape(0.0);
     seen.shape.radius = seen.shape.per_radius = 1.0;

@@ -11,6 +11,7 @@ struct ShadowRay {
     vec3 origin, direction;
     bool into_surface;  // the surface itself hides the light
     float t_max;        // where the light is, metres
+    float t_plane;      // where the plane through its middle is
 };
 
 const float SUN_IS_AT_M = 1e30;  // as classify's records end
@@ -46,13 +47,13 @@ vec3 ray_direction(ivec2 p, uint k, uint rays) {
 }
 
 ShadowRay ray_to_near_light(ivec2 p, vec3 n, uint k, uint rays) {
-    const vec3 origin = shadow_ray_origin(p, n);
+    const vec3 centre = light.centre + scene.camera_from_origin, origin = ray_origin_to(ray_start(p, n), n, centre);
     vec2 point = vec2(0.0);
     if (HAS_BLUE_NOISE)
         point = light_point(noise_unit(noise_fixed(p, frame.frame_index, params.seed) + noise_step(k, rays)));
     if (k == 0u) keep_point(p, pack_point(point));
-    const LightRay ray = light_ray(light.centre + scene.camera_from_origin - origin, point);
-    return ShadowRay(origin, ray.direction, points_into_surface(n, ray.direction), ray.t_max);
+    const LightRay ray = light_ray(centre - origin, point);
+    return ShadowRay(origin, ray.direction, points_into_surface(n, ray.direction), ray.t_max, ray.t_plane);
 }
 
 ShadowRay shadow_ray(ivec2 p, uint k, uint rays) {
@@ -61,7 +62,7 @@ ShadowRay shadow_ray(ivec2 p, uint k, uint rays) {
     const vec3 direction = ray_direction(p, k, rays);
     if (ORIGIN == ORIGIN_PUBLISHED) {
         const vec3 in_scene = position(p, imageLoad(view_depth, p).x) + scene.camera_from_origin;
-        return ShadowRay(in_scene + n * PUBLISHED_OFFSET_M, direction, false, SUN_IS_AT_M);
+        return ShadowRay(in_scene + n * PUBLISHED_OFFSET_M, direction, false, SUN_IS_AT_M, SUN_IS_AT_M);
     }
-    return ShadowRay(shadow_ray_origin(p, n), direction, points_into_surface(n, direction), SUN_IS_AT_M);
+    return ShadowRay(ray_origin(p, n, sun.to_sun), direction, points_into_surface(n, direction), SUN_IS_AT_M, SUN_IS_AT_M);
 }

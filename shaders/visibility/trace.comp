@@ -50,7 +50,7 @@ void main() {
                 float t = 0.0;
                 hit = occluded_at(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, t);
 #if HAS_BLOCKERS
-                if (hit && k == 0u) add_blocker(sums, t);
+                if (hit && k == 0u) add_blocker(sums, HAS_LIGHT ? way_to_blocker(t, ray.t_plane) : t);
 #endif
             }
             if (hit && k == 0u) blocked |= 1u << number;

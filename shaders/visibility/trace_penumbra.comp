@@ -10,6 +10,7 @@
 #include "common/tiles.glsl"
 #include "visibility/nearest_hit.glsl"
 #include "visibility/sun_point.glsl"
+#include "common/light.glsl"
 #include "visibility/tile_share.glsl"
 
 // Published values: 0 = turned away or touched by what hides the sun, 65504 = lit, between them the penumbra's radius.
@@ -20,14 +21,28 @@ vec3 ray_direction(ivec2 p) {
     return sun_direction_through(sun.to_sun, sun.angular_radius, sun_point(p, frame.frame_index, params.seed));
 }
 
-// Metres; half of what the sun's radius spans at the blocker's distance.
-float radius_behind(float distance_m) { return min(0.5 * distance_m * tan(sun.angular_radius), WIDEST); }
+LightRay ray_to_light(ivec2 p, vec3 to_centre) {
+    if (!HAS_LIGHT) return LightRay(ray_direction(p), 1e30, 1e30);
+    vec2 point = vec2(0.0);
+    if (HAS_BLUE_NOISE) point = light_point(noise_unit(noise_fixed(p, frame.frame_index, params.seed)));
+    return light_ray(to_centre, point);
+}
+
+// Metres; half of what the sun's radius spans at the blocker's distance, or half of the light's own behind the blocker.
+float radius_behind(float distance_m, float light_m) {
+    const float spanned = HAS_LIGHT ? light_radius_m() * distance_m / max(light_m - distance_m, 1e-6) : distance_m * tan(sun.angular_radius);
+    return min(0.5 * spanned, WIDEST);
+}
 
 float penumbra_at(ivec2 p, float t_min, float t_max) {
-    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy), direction = ray_direction(p);
-    if (points_into_surface(n, direction)) return 0.0;
+    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+    vec3 centre = vec3(0.0);
+    if (HAS_LIGHT) centre = light.centre + scene.camera_from_origin;
+    const vec3 origin = HAS_LIGHT ? ray_origin_to(ray_start(p, n), n, centre) : ray_origin(p, n, sun.to_sun);
+    const LightRay ray = ray_to_light(p, centre - origin);
+    if (points_into_surface(n, ray.direction)) return 0.0;
     float t = 0.0;
-    return nearest_hit(shadow_ray_origin(p, n), direction, t_min, t_max, t) ? radius_behind(t) : LIT;
+    return nearest_hit(origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, t) ? radius_behind(t, ray.t_plane) : LIT;
 }
 
 void main() {

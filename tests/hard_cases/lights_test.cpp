@@ -156,9 +156,7 @@ TEST_F(HardCase, ALightIsOfAnySize) {
         const double height = 1.5 + 1.2 * radius;
         const Errors e =
             errors(lamp_shot(LightKind::disc, {0, {0.2, height, 0.1}, down, along_x, 1, 1}, radius),
-                   [radius](const NearLight& light, const glm::dvec3& p) {  // a size of 5 cm for all
-                       return as_a_ball(0.05)(light, p);
-                   });
+                   as_a_ball(0.05));  // a size for all
         figure(("case 61, error before a disc of radius " + std::to_string(radius)).c_str(), e.naive, e.ours);
         EXPECT_GT(e.receivers, 3000u);
         EXPECT_GT(e.naive, 0.005) << radius;

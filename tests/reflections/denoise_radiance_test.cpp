@@ -49,7 +49,7 @@ Images run(bool turned) {
         hand_over("material", images.material);
         host.set("radiance", session->view().captured("radiance"));
         auto directions = captured<uint32_t>(session->view(), "ray_direction");
-        if (turned) std::ranges::rotate(directions, directions.begin() + 1);
+        if (turned) std::rotate(directions.begin(), directions.begin() + 1, directions.end());
         host.set("ray_direction", directions);
         host.frame(session->frame_description());
     }

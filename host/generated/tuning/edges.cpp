@@ -30,21 +30,21 @@ void build_edges(const Setting& setting, Stage& stage) {
     stage.builder.solid("floor", ground(3 * distance, 3 * distance, 2, 2), 0);
     for (int i = 0; i < 14; ++i) {
         const double thick = distance * between(0.002, 0.015, random);
-        const glm::dvec3 half(distance * between(0.03, 0.25, random), thick, thick * random.in(0.3, 6));
+        const double width = thick * random.in(0.3, 6);
+        const glm::dvec3 half(distance * between(0.03, 0.25, random), thick, width);
         Shape shape = moved(bar(half), any_rotation(random), {});
-        const glm::dvec3 place = setting.above(floor_point(setting, random), caster_way(setting, random));
+        const glm::dvec3 place = caster_place(setting, random);
         if (i < 4)
             stage.add_movable(std::move(shape), 1, place);
         else
             stage.builder.solid("bar_" + std::to_string(i), moved(std::move(shape), glm::dmat4(1), place), 1);
     }
     for (int i = 0; i < 6; ++i) {
-        const glm::dvec3 half(distance * glm::dvec3(between(0.01, 0.06, random), between(0.01, 0.06, random),
-                                                    between(0.01, 0.06, random)));
+        glm::dvec3 half;
+        for (const int axis : {2, 1, 0}) half[axis] = distance * between(0.01, 0.06, random);
+        const glm::dvec3 place = floor_point(setting, random) + glm::dvec3(0, half.y, 0);
         stage.builder.solid("block_" + std::to_string(i),
-                            moved(bar(half), heading(random.in(0, glm::two_pi<double>())),
-                                  floor_point(setting, random) + glm::dvec3(0, half.y, 0)),
-                            2);
+                            moved(bar(half), heading(random.in(0, glm::two_pi<double>())), place), 2);
     }
     for (int i = 0; i < 2; ++i)
         stage.builder.solid("ramp_" + std::to_string(i), grazed_ramp(setting, random), 0);

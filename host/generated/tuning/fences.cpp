@@ -50,17 +50,19 @@ void build_fences(const Setting& setting, Stage& stage) {
         std::clamp(1.5 * setting.caster_m * setting.to_sun.y, 0.02 * distance, 0.4 * distance);
     for (int i = 0; i < 3; ++i) {
         const double pitch = distance * between(0.006, 0.04, random);
-        stage.builder.solid("fence_" + std::to_string(i),
-                            moved(fence(distance * random.in(0.15, 0.4), height * random.in(0.6, 1.2), pitch,
-                                        pitch * random.in(0.06, 0.3), i == 1),
-                                  heading(random.in(0, glm::pi<double>())), floor_point(setting, random)),
-                            1);
+        const glm::dvec3 place = floor_point(setting, random);
+        const glm::dmat4 turned = heading(random.in(0, glm::pi<double>()));
+        const double half_bar = pitch * random.in(0.06, 0.3), high = height * random.in(0.6, 1.2);
+        stage.builder.solid(
+            "fence_" + std::to_string(i),
+            moved(fence(distance * random.in(0.15, 0.4), high, pitch, half_bar, i == 1), turned, place), 1);
     }
     for (int i = 0; i < 4; ++i) {
         const double pitch = distance * between(0.006, 0.05, random);
-        Shape shape = moved(lattice(distance * random.in(0.06, 0.16), pitch, pitch * random.in(0.06, 0.25)),
-                            heading(random.in(0, glm::pi<double>())), {});
-        const glm::dvec3 place = setting.above(floor_point(setting, random), caster_way(setting, random));
+        const glm::dmat4 turned = heading(random.in(0, glm::pi<double>()));
+        const double half_bar = pitch * random.in(0.06, 0.25);
+        Shape shape = moved(lattice(distance * random.in(0.06, 0.16), pitch, half_bar), turned, {});
+        const glm::dvec3 place = caster_place(setting, random);
         if (i < 2)
             stage.add_movable(std::move(shape), 2, place);
         else

@@ -38,8 +38,8 @@ void build_hills(const Setting& setting, Stage& stage) {
     stage.builder.solid("wires", std::move(wires), 1);
 
     for (int i = 0; i < 10; ++i) {
-        const glm::dvec3 half(distance *
-                              glm::dvec3(between(0.008, 0.04, random), 0, between(0.008, 0.04, random)));
+        glm::dvec3 half(0);
+        for (const int axis : {2, 0}) half[axis] = distance * between(0.008, 0.04, random);
         const double up = 0.5 * caster_way(setting, random) * setting.to_sun.y;
         Shape shape = moved(bar(half + glm::dvec3(0, up, 0)), heading(random.in(0, glm::pi<double>())), {});
         const glm::dvec3 place = on_ground(floor_point(setting, random)) + glm::dvec3(0, 0.6 * up, 0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the families of tuning scenes put things, and how they turn them.
+// Where the families of tuning scenes put things, and how they turn them. Whoever draws several numbers does
+// so in statements of their own: compilers differ in which argument of a call comes first.
 #pragma once
 
 #include <cmath>
@@ -23,6 +24,12 @@ inline glm::dvec3 floor_point(const Setting& setting, SceneRandom& random) {
 // A caster's way to what it shades: from half to twice the setting's.
 inline double caster_way(const Setting& setting, SceneRandom& random) {
     return setting.caster_m * std::exp2(random.in(-1, 1));
+}
+
+// Where a caster of some floor point stands.
+inline glm::dvec3 caster_place(const Setting& setting, SceneRandom& random) {
+    const double way = caster_way(setting, random);
+    return setting.above(floor_point(setting, random), way);
 }
 
 inline double between(double low, double high, SceneRandom& random) {

@@ -106,27 +106,27 @@ void build_room(const Setting& setting, Stage& stage) {
                             turned(moved(bar({0.5 * (x - back), 0.5 * ceiling, 0.5 * thick}), glm::dmat4(1),
                                          {0.5 * (x + back), 0.5 * ceiling, side * (half_z + 0.5 * thick)})),
                             plaster);
-    stage.builder.solid(
-        "muntins",
-        turned(muntins(window, x, static_cast<int>(random.in(3, 7)), static_cast<int>(random.in(2, 5)),
-                       distance * random.in(0.002, 0.006))),
-        timber);
-    stage.builder.solid(
-        "blinds", turned(blinds(window, x, distance * between(0.006, 0.02, random), random.in(-0.6, 0.6))),
-        cloth);
+    const double bars = distance * random.in(0.002, 0.006);
+    const int rows = static_cast<int>(random.in(2, 5)), columns = static_cast<int>(random.in(3, 7));
+    stage.builder.solid("muntins", turned(muntins(window, x, columns, rows, bars)), timber);
+    const double tilt = random.in(-0.6, 0.6);
+    stage.builder.solid("blinds", turned(blinds(window, x, distance * between(0.006, 0.02, random), tilt)),
+                        cloth);
 
     // Furniture stands where the light falls.
-    stage.builder.solid("table",
-                        turned(moved(table(0.45, 0.3, 0.7), heading(random.in(-0.5, 0.5)),
-                                     {random.in(-0.4, 0.1), 0, random.in(-0.5, 0.5)})),
+    const glm::dvec3 light{random.in(-0.4, 0.1), 0, random.in(-0.5, 0.5)};  // braces: in this order
+    stage.builder.solid("table", turned(moved(table(0.45, 0.3, 0.7), heading(random.in(-0.5, 0.5)), light)),
                         timber);
-    for (int i = 0; i < 2; ++i)
+    for (int i = 0; i < 2; ++i) {
+        const glm::dvec3 where{random.in(-0.8, 0.8), 0, random.in(-1.0, 1.0)};
         stage.add_movable(moved(chair(), heading(random.in(0, glm::two_pi<double>())), {}), timber,
-                          place({random.in(-0.8, 0.8), 0, random.in(-1.0, 1.0)}));
+                          place(where));
+    }
     // A mobile in the beam: it turns where the rest stands.
     for (int i = 0; i < 4; ++i) {
         const double way = setting.caster_m * random.in(0.15, 0.85);
-        const glm::dvec3 receiver(random.in(-0.2, 0.2), 0, random.in(-0.8, 0.8));
+        const double along = random.in(-0.8, 0.8);
+        const glm::dvec3 receiver(random.in(-0.2, 0.2), 0, along);
         const glm::dvec3 to_sun(glm::length(level), setting.to_sun.y, 0);
         stage.add_movable(moved(bar({0.1, 0.004, 0.03}), any_rotation(random), {}), cloth,
                           place(receiver + way * to_sun));

@@ -118,11 +118,14 @@ std::string object_keys(const Setting& setting, const std::vector<std::string>& 
     const double degrees = glm::degrees(metres / (0.05 * setting.distance_m));
     std::string text;
     for (size_t i = 0; i < movable.size(); ++i) {
-        const glm::dvec3 way = glm::normalize(
-            glm::cross(setting.to_sun, glm::dvec3(random.in(-1, 1), random.in(-0.3, 0.3), random.in(-1, 1))));
+        // Drawn one by one: compilers differ in which argument of a call comes first.
+        glm::dvec3 any;
+        for (const int axis : {2, 1, 0}) any[axis] = axis == 1 ? random.in(-0.3, 0.3) : random.in(-1, 1);
+        const glm::dvec3 way = glm::normalize(glm::cross(setting.to_sun, any));
         const double share = i % 3 == 1 ? 0 : std::min(metres, 0.5 * setting.distance_m) * 0.5;
-        const glm::dvec3 turn =
-            i % 3 == 0 ? glm::dvec3(0) : degrees * glm::dvec3(random.in(-0.2, 0.2), 1, random.in(-0.2, 0.2));
+        glm::dvec3 turn(0, i % 3 == 0 ? 0 : degrees, 0);
+        for (const int axis : {2, 0})
+            if (i % 3 != 0) turn[axis] = degrees * random.in(-0.2, 0.2);
         text += fmt::format(R"({}    "{}": {{
       "keys": [
         {{ "frame": 0, "translation": {}, "rotation_deg": [0, 0, 0] }},
@@ -161,7 +164,7 @@ Setting make_setting(const Ranges& ranges, uint32_t seed) {
 
     // The sun stands beyond what is looked at or beside it, so that casters high above do not cover it.
     const double camera_azimuth = random.in(-180, 180);
-    const double beside = random.in(70, 170) * (random.in(-1, 1) < 0 ? -1 : 1);
+    const double aside = random.in(70, 170), beside = random.in(-1, 1) < 0 ? -aside : aside;
     out.to_camera = direction(camera_azimuth, glm::mix(ranges.camera_elevation_deg.x,
                                                        ranges.camera_elevation_deg.y, random.in(0, 1)));
     out.to_sun =

@@ -27,7 +27,7 @@ void build_spheres(const Setting& setting, Stage& stage) {
     stage.builder.solid("floor", ground(3 * distance, 3 * distance, 2, 2), 0);
     for (int i = 0; i < 24; ++i) {
         Shape shape = ball(distance * between(0.004, 0.06, random));
-        const glm::dvec3 place = setting.above(floor_point(setting, random), caster_way(setting, random));
+        const glm::dvec3 place = caster_place(setting, random);
         if (i < 4)
             stage.add_movable(std::move(shape), 1, place);
         else
@@ -42,8 +42,9 @@ void build_spheres(const Setting& setting, Stage& stage) {
     }
     for (int i = 0; i < 6; ++i) {
         const double radius = distance * between(0.015, 0.06, random);
-        Shape ring = moved(link(radius, radius * random.in(0.08, 0.3), 0, 40, 12), any_rotation(random), {});
-        const glm::dvec3 place = setting.above(floor_point(setting, random), caster_way(setting, random));
+        const glm::dmat4 turned = any_rotation(random);
+        Shape ring = moved(link(radius, radius * random.in(0.08, 0.3), 0, 40, 12), turned, {});
+        const glm::dvec3 place = caster_place(setting, random);
         if (i < 2)
             stage.add_movable(std::move(ring), 2, place);
         else

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "host/models/joined_models.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "host/models/gltf.h"
+
+namespace penumbra {
+namespace {
+
+template <class T>
+void append(std::vector<T>& all, std::vector<T>& more) {
+    std::move(more.begin(), more.end(), std::back_inserter(all));
+}
+
+// Indices that say "none" by -1 stay so.
+void shift(int& index, size_t by) {
+    if (index >= 0) index += static_cast<int>(by);
+}
+
+glm::dquat rotation_of(const glm::dvec3& degrees) {
+    const glm::dvec3 angle = glm::radians(degrees);
+    return glm::angleAxis(angle.x, glm::dvec3(1, 0, 0)) * glm::angleAxis(angle.y, glm::dvec3(0, 1, 0)) *
+           glm::angleAxis(angle.z, glm::dvec3(0, 0, 1));
+}
+
+}  // namespace
+
+void join_model(Model& all, Model model, const PlacedModel& place) {
+    const std::string before = place.name + "/";
+    Node& root = all.nodes.emplace_back();
+    root.name = place.name;
+    root.translation = place.place.translation;
+    root.rotation = rotation_of(place.place.rotation_deg);
+    root.scale = glm::dvec3(place.scale);
+
+    const size_t nodes = all.nodes.size(), meshes = all.meshes.size(), materials = all.materials.size(),
+                 textures = all.textures.size(), skins = all.skins.size();
+    for (Node& node : model.nodes) {
+        node.parent = static_cast<int>(nodes) + (node.parent < 0 ? -1 : node.parent);
+        shift(node.mesh, meshes);
+        shift(node.skin, skins);
+        node.name = before + node.name;
+    }
+    for (Mesh& mesh : model.meshes)
+        for (Part& part : mesh.parts) shift(part.material, materials);
+    for (Material& material : model.materials) {
+        shift(material.texture, textures);
+        shift(material.metallic_roughness_texture, textures);
+        shift(material.emissive_texture, textures);
+    }
+    for (Skin& skin : model.skins)
+        for (int& joint : skin.joints) shift(joint, nodes);
+    for (Animation& animation : model.animations) {
+        animation.name = before + animation.name;
+        for (AnimationChannel& channel : animation.channels) shift(channel.node, nodes);
+    }
+    for (ModelCamera& camera : model.cameras) shift(camera.node, nodes);
+    for (int& sun : model.suns) shift(sun, nodes);
+    for (ModelLight& light : model.lights) {
+        shift(light.node, nodes);
+        light.name = before + light.name;
+    }
+    for (std::string& warning : model.warnings) warning = place.file.string() + ": " + warning;
+
+    append(all.nodes, model.nodes);
+    append(all.meshes, model.meshes);
+    append(all.materials, model.materials);
+    append(all.textures, model.textures);
+    append(all.skins, model.skins);
+    append(all.animations, model.animations);
+    append(all.cameras, model.cameras);
+    append(all.suns, model.suns);
+    append(all.lights, model.lights);
+    for (std::string& warning : model.warnings)  // a file that stands in many places says it once
+        if (std::ranges::find(all.warnings, warning) == all.warnings.end())
+            all.warnings.push_back(std::move(warning));
+    all.dropped_degenerate += model.dropped_degenerate;
+    all.dropped_nonfinite += model.dropped_nonfinite;
+}
+
+std::optional<Model> load_models(const Shot& shot, Diagnostics& diagnostics) {
+    if (shot.analytic) return std::nullopt;
+    std::optional<Model> all;
+    if (shot.models.empty()) {
+        all = load_gltf(shot.model, diagnostics);
+        if (!all) return std::nullopt;
+        for (std::string& warning : all->warnings) warning = shot.model.string() + ": " + warning;
+    } else {
+        all.emplace();
+        for (const PlacedModel& place : shot.models) {
+            std::optional<Model> model = load_gltf(place.file, diagnostics);
+            if (!model) return std::nullopt;
+            join_model(*all, std::move(*model), place);
+        }
+    }
+    if (all->triangle_count() == 0) {
+        diagnostics.add({}, "", fmt::format("{}", fmt::join(all->warnings, "; ")));
+        return std::nullopt;
+    }
+    return all;
+}
+
+}  // namespace penumbra

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+// The sheared gather before a light that is near: a straight edge of a closed form, as geometry through the
+// whole shipped pipeline, against the sun's of the same width.
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <iterator>
+#include <sstream>
+
+#include "tests/edge_run.h"
+#include "tests/light_plate.h"
+
+namespace penumbra::test {
+namespace {
+
+// A plate over a floor that is seen from below it; its edge goes through the origin, and the light hangs over
+// that. Everything lies level, so that the penumbra is as wide everywhere.
+constexpr double edge_m = 1.25, light_m = 3.25, plate_half_m = 10, fov_deg = 30;
+
+struct LampEdge {
+    LightKind kind = LightKind::disc;
+    Edge edge;
+    bool turned = false;           // the world upside down: the light hangs straight below
+    std::vector<LightKey> keys{};  // instead of one above the edge
+};
+
+double pixel_m(const Edge& edge) {
+    return 2 * std::tan(glm::radians(fov_deg / 2)) / edge.size[1];
+}
+
+glm::dvec3 across(const Edge& edge) {  // the plate lies on this side
+    const double angle = glm::radians(edge.edge_deg);
+    return {std::cos(angle), 0, std::sin(angle)};
+}
+
+glm::dvec3 shift_at(const Edge& edge, double frame) {
+    const double on_floor = (edge.offset_px + edge.speed_px * (frame - edge.last)) * pixel_m(edge);
+    return across(edge) * -(on_floor * (light_m - edge_m) / light_m);
+}
+
+glm::dquat world_of(bool turned) {
+    return glm::angleAxis(turned ? glm::pi<double>() : 0, glm::dvec3(1, 0, 0));
+}
+
+struct EdgeFile {
+    fs::path path;
+    explicit EdgeFile(bool turned)
+        : path(fs::temp_directory_path() / fmt::format("penumbra_edge_{}_{}.glb", getpid(), turned)) {
+        Model model;
+        model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
+        const glm::dquat world = world_of(turned);
+        const glm::dvec3 n = across(Edge{});
+        for (const bool is_plate : {false, true}) {
+            Mesh mesh;
+            mesh.parts.push_back(to_part(ground(plate_half_m, plate_half_m, 1, 1), 0));
+            model.meshes.push_back(std::move(mesh));
+            Node node;
+            node.name = is_plate ? "plate" : "floor";
+            node.mesh = is_plate;
+            node.rotation = world;
+            if (is_plate) {
+                node.rotation = world * glm::angleAxis(std::atan2(-n.z, n.x), glm::dvec3(0, 1, 0));
+                node.translation = world * (plate_half_m * n + glm::dvec3(0, edge_m, 0));
+            }
+            model.nodes.push_back(node);
+        }
+        write_file(path, to_glb(model));
+    }
+    EdgeFile(const EdgeFile&) = delete;
+    EdgeFile& operator=(const EdgeFile&) = delete;
+    ~EdgeFile() {
+        std::error_code ignored;
+        fs::remove(path, ignored);
+    }
+};
+
+const fs::path& edge_file(bool turned) {
+    static const EdgeFile level(false), upside_down(true);
+    return (turned ? upside_down : level).path;
+}
+
+Shot shot_of(const LampEdge& lamp) {
+    const Edge& edge = lamp.edge;
+    // Half of what the light spans across the edge.
+    const double half = 0.5 * edge.width_px * pixel_m(edge) * (light_m - edge_m) / edge_m;
+    const double along_deg = edge.edge_deg + 25, c = std::cos(glm::radians(25.0)),
+                 s = std::sin(glm::radians(25.0));
+    ShotLight light;
+    light.kind = lamp.kind;
+    light.radius = half;
+    light.length = light.height = 2 * half / (c + s);
+    light.range = 100;
+    light.strength = 1;
+    const glm::dvec3 along{std::cos(glm::radians(along_deg)), 0, std::sin(glm::radians(along_deg))};
+    light.keys = lamp.keys;
+    if (light.keys.empty()) light.keys = {{0, {0, light_m, 0}, {0, -1, 0}, along, 1, 1}};
+    const glm::dquat world = world_of(lamp.turned);
+    for (LightKey& key : light.keys) {
+        key.position = world * key.position;
+        key.direction = world * key.direction;
+        key.along = world * key.along;
+    }
+    Shot shot;
+    shot.name = "lamp_edge";
+    shot.model = edge_file(lamp.turned);
+    shot.size = edge.size;
+    shot.frames = edge.last + 1;
+    shot.vertical_fov_deg = fov_deg;
+    shot.camera = {{0, world * glm::dvec3(0, 1, 0), {0, 0, 0}, world * glm::dvec3(0, 0, -1)}};
+    shot.has_sun = false;
+    shot.sun = {{0, {0, 1, 0}}};
+    shot.lights["lamp"] = light;
+    ObjectMotion motion;
+    motion.keys = {{0, world * shift_at(edge, 0), glm::dvec3(0)}};
+    if (edge.speed_px != 0)
+        motion.keys.push_back({double(edge.last), world * shift_at(edge, edge.last), glm::dvec3(0)});
+    shot.objects["plate"] = motion;
+    return shot;
+}
+
+std::vector<double> truth_of(const LampEdge& lamp) {
+    const Edge& edge = lamp.edge;
+    LampEdge level = lamp;
+    level.turned = false;
+    const Shot shot = shot_of(level);
+    const NearLight light(light_block(shot.lights.at("lamp"), edge.last, glm::dvec3(0)));
+    const glm::dvec3 n = across(edge), t(-n.z, 0, n.x),
+                     o = glm::dvec3(0, edge_m, 0) + shift_at(edge, edge.last);
+    const double l = 2 * plate_half_m, h = plate_half_m;
+    const std::array<glm::dvec3, 4> corners{o - h * t, o - h * t + l * n, o + h * t + l * n, o + h * t};
+    std::vector<double> image;
+    for (uint32_t y = 0; y < edge.size[1]; ++y)
+        for (uint32_t x = 0; x < edge.size[0]; ++x) {
+            const double px = pixel_m(edge);
+            const glm::dvec3 p((x + 0.5 - 0.5 * edge.size[0]) * px, 0, (y + 0.5 - 0.5 * edge.size[1]) * px);
+            image.push_back(light.visibility(p, corners));
+        }
+    return image;
+}
+
+std::vector<float> mask_of(const LampEdge& lamp, const char* pipeline,
+                           const std::vector<std::string>& settings) {
+    Diagnostics diagnostics;
+    const auto session = open(shot_of(lamp), pipeline, settings, diagnostics);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    for (uint32_t i = 0; i <= lamp.edge.last; ++i) session->run_frame(i, i == 0);
+    return captured_planes(session->view(), "visibility")[0];
+}
+
+double n_eff_against(const std::vector<double>& truth, const std::vector<float>& image, const Edge& edge,
+                     int border = 24) {
+    double signal = 0, error = 0;
+    for (int y = border; y < int(edge.size[1]) - border; ++y)
+        for (int x = border; x < int(edge.size[0]) - border; ++x) {
+            const size_t i = size_t(y) * edge.size[0] + size_t(x);
+            const double v = truth[i];
+            if (v >= 1.0 / 256 && v <= 255.0 / 256) signal += v * (1 - v);
+            error += (image[i] - v) * (image[i] - v);
+        }
+    return signal / error;
+}
+
+double n_eff_of(const LampEdge& lamp, const char* pipeline, const std::vector<std::string>& settings = {}) {
+    return n_eff_against(truth_of(lamp), mask_of(lamp, pipeline, settings), lamp.edge);
+}
+
+std::vector<double> numbers(const char* name, const char* otherwise) {
+    const char* value = std::getenv(name);
+    std::stringstream text(value ? value : otherwise);
+    return {std::istream_iterator<double>(text), {}};
+}
+
+class LampGather : public GpuTest {};
+
+// WIDTHS, SPEEDS, FRAME and OFFSETS, places of the edge within a pixel over which errors are averaged, make
+// the table of docs/lights.md.
+TEST_F(LampGather, StraightEdgesAreWorthWhatTheSunsAre) {
+    const auto last = static_cast<uint32_t>(numbers("FRAME", "7").at(0));
+    const std::vector<double> offsets = numbers("OFFSETS", "0.37");
+    for (const double width : numbers("WIDTHS", "8"))
+        for (const double speed : numbers("SPEEDS", "0 -0.5")) {
+            std::array<double, 4> errors{};
+            for (const double offset : offsets) {
+                const Edge edge{width, speed, last, offset};
+                errors[0] += 1 / n_eff_inside(edge, EdgeRun(edge, "shadows").up_to(last));
+                int i = 0;
+                for (const LightKind kind : {LightKind::disc, LightKind::rectangle, LightKind::sphere})
+                    errors[++i] += 1 / n_eff_of({kind, edge}, "light_shadows");
+            }
+            const double n = double(offsets.size());
+            std::printf("%4g px, %5g px per frame: sun %.4g, disc %.4g, rectangle %.4g, sphere %.4g\n", width,
+                        speed, n / errors[0], n / errors[1], n / errors[2], n / errors[3]);
+            std::fflush(stdout);
+            for (const int i : {1, 3})
+                EXPECT_LT(errors[i], 1.5 * errors[0]) << width << " " << speed << " " << i;
+            EXPECT_LT(errors[2], 2.5 * errors[0]) << width << " " << speed;
+        }
+}
+
+// A field of axes over all directions has a whirl somewhere: here the image's middle looks at it.
+TEST_F(LampGather, ASphereStraightBelowIsAsGoodAsOneAbove) {
+    std::array<double, 2> errors{};
+    for (const double offset : {-6.0, -3.0, 0.0, 3.0, 6.0})
+        for (const bool turned : {false, true}) {
+            const LampEdge lamp{LightKind::sphere, {16, 0, 0, offset, {96, 96}}, turned};
+            errors[turned] +=
+                1 / n_eff_against(truth_of(lamp), mask_of(lamp, "light_shadows", {}), lamp.edge, 36);
+        }
+    std::printf("above %.4g, below %.4g\n", 5 / errors[0], 5 / errors[1]);
+    EXPECT_LT(errors[1], 1.12 * errors[0]);
+}
+
+// Half of it is below the floor, and a plate hides some of the rest.
+TEST_F(LampGather, WhatTheFloorHidesOfALightIsKnown) {
+    LampEdge lamp{LightKind::rectangle, {16, 0, 0}};
+    Shot shot = shot_of(lamp);
+    ShotLight& light = shot.lights.at("lamp");
+    light.length = light.height = 1;
+    light.keys = {{0, {2, 0, 0}, {-1, 0, 0}, {0, 0, 1}, 1, 1}};
+    shot.objects["plate"].keys = {{0, {1, -1, 0}, glm::dvec3(0)}};
+    Diagnostics diagnostics;
+    const auto session = open(shot, "light_shadows", {}, diagnostics);
+    ASSERT_TRUE(session) << diagnostics.text();
+    session->run_frame(0, true);
+    std::vector<std::string> warnings;
+    const auto truth = open_light_truth(gpu(), shot, "lamp", diagnostics, warnings, false);
+    ASSERT_TRUE(truth) << diagnostics.text();
+    const Truth counted = counted_light_truth(*truth, 0, 1024);
+    const std::vector<double> expected(counted.visibility.begin(), counted.visibility.end());
+    const double n = n_eff_against(expected, captured_planes(session->view(), "visibility")[0], lamp.edge);
+    std::printf("%.4g\n", n);
+    EXPECT_GT(n, 1450);
+}
+
+LightKey key_at(double frame, double x, double power = 1) {
+    return {frame, {x, light_m, 0}, {0, -1, 0}, {1, 0, 0}, 1, power};
+}
+
+// Between two frames the light jumps: the past is of another one.
+TEST_F(LampGather, ALightThatJumpsLeavesNoGhost) {
+    for (const LightKind kind : {LightKind::disc, LightKind::rectangle}) {
+        const LampEdge fresh{kind, {8, 0, 0}, false, {key_at(0, -0.4)}};
+        const LampEdge jumped{kind, {8, 0, 7}, false, {key_at(6, 0.4), key_at(7, -0.4)}};
+        const double first = n_eff_of(fresh, "light_shadows"), after = n_eff_of(jumped, "light_shadows"),
+                     naive = n_eff_of(jumped, "light_shadows", {"inputs.light_prev=null"});
+        std::printf("%s: first frame %.4g, after a jump %.4g, without the light's past %.4g\n", name_of(kind),
+                    first, after, naive);
+        EXPECT_GT(after, 0.15 * first);  // where the past was of one kind not every pixel has a ray
+        EXPECT_LT(naive, 0.01 * first);
+    }
+}
+
+// It is off from frame 6 to 11, and on again elsewhere.
+TEST_F(LampGather, ALightThatWasOffLeavesNoGhost) {
+    const std::vector<LightKey> keys{key_at(0, 0.4), key_at(5, 0.4), key_at(6, 0.4, 0), key_at(10, -0.4, 0),
+                                     key_at(11, -0.4)};
+    for (const float v : mask_of({LightKind::disc, {8, 0, 6}, false, keys}, "light_shadows", {}))
+        ASSERT_EQ(v, 1);
+    const double first = n_eff_of({LightKind::disc, {8, 0, 0}, false, {key_at(0, -0.4)}}, "light_shadows");
+    EXPECT_GT(n_eff_of({LightKind::disc, {8, 0, 11}, false, keys}, "light_shadows"), 0.5 * first);
+}
+
+}  // namespace
+}  // namespace penumbra::test
