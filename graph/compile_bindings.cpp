@@ -99,7 +99,7 @@ void Compiler::bind_input(const SelectedNode& selected, uint32_t index, uint32_t
     if (source != Source::none) plan_.passes.back().reads.push_back(pipeline_.name_of(bound));
     if (port.updater) return;  // bound and used through the output
     if (port.bundle) return bind_bundle(node, bound, binding, source != Source::none);
-    if (source == Source::none) return bind_nothing(port, binding);
+    if (source == Source::none) return bind_nothing(node.type(), port, binding);
     if (source == Source::internal) {
         const uint32_t resource = made_[bound.resource].resource;
         bind_resource(port, resource, bound.previous, binding);
@@ -134,9 +134,13 @@ void Compiler::bind_resource(const Port& port, uint32_t resource, bool previous,
     pass.bindings.push_back(b);
 }
 
-void Compiler::bind_nothing(const Port& port, uint32_t binding) {
+void Compiler::bind_nothing(const NodeType& type, const Port& port, uint32_t binding) {
     PlanBinding b = binding_of(port, binding);
     b.source = BindingSource::nothing;
+    if (port.kind == PortKind::block) {
+        b.set = 1;
+        b.binding = absent_block_binding(type, binding);
+    }
     if (const auto chosen = variant_.formats.find(port.name); chosen != variant_.formats.end())
         b.format = chosen->second;
     if (plan_.passes.back().kind == PassKind::compute) plan_.passes.back().bindings.push_back(b);
@@ -191,7 +195,7 @@ void Compiler::bind_bundle(const BoundNode& node, const BoundPort& bound, uint32
         shape.kind = part.kind;
         shape.formats = {part.format};
         if (!present || !exists(part)) {
-            bind_nothing(shape, at);
+            bind_nothing(node.type(), shape, at);
             continue;
         }
         const std::string& input = pipeline_.inputs[*pipeline_.resources[bound.resource].input].name;

@@ -194,11 +194,12 @@ void Compiler::find_module(const SelectedNode& selected) {
     const BoundNode& node = *selected.node;
     if (node.entry->shaders.empty() && !node.entry->supplier) return;  // declarations alone, to plan with
     PlanPass& pass = plan_.passes.back();
-    std::vector<uint32_t> host;
+    std::vector<HostBinding> host;
     std::string key = pass.variant;
     for (const PlanBinding& b : pass.bindings)
         if (b.set == 1) {
-            host.push_back(b.binding);
+            const bool absent = b.source == BindingSource::nothing;
+            host.push_back({absent ? b.binding - absent_block_binding(node.type(), 0) : b.binding, b.binding});
             key += fmt::format(" {}", b.binding);
         }
     const auto [at, added] = modules_.try_emplace({node.entry.get(), key});

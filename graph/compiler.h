@@ -70,7 +70,7 @@ class Compiler {
     void bind_tables(const BoundNode& node);
     void bind_resource(const Port& port, uint32_t resource, bool previous, uint32_t binding);
     void bind_slot(const BoundNode& node, const Port& port, HostSlot slot, uint32_t binding);
-    void bind_nothing(const Port& port, uint32_t binding);
+    void bind_nothing(const NodeType& type, const Port& port, uint32_t binding);
     void use_input(const Port& port, uint32_t resource, bool previous);
     void check_readable(const PlanResource& r, const Port& port);
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 
 namespace penumbra {
 namespace {
@@ -252,6 +253,10 @@ uint32_t first_table_binding(const NodeType& type) {
     return next;
 }
 
+uint32_t absent_block_binding(const NodeType& type, uint32_t binding) {
+    return first_table_binding(type) + static_cast<uint32_t>(type.tables.size()) + binding;
+}
+
 std::vector<Presence> presence(const NodeType& type) {
     std::vector<Presence> list;
     for (uint32_t i = 0; i < type.ports.size(); ++i) {
@@ -388,19 +393,22 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
     return text + declare_params(type, variant) + declare_counters(type);
 }
 
-void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<uint32_t>& host_bindings) {
+void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<HostBinding>& host_bindings) {
     constexpr uint32_t op_decorate = 71, decoration_binding = 33, decoration_set = 34;
-    std::map<uint32_t, uint32_t> binding_of;  // variable id -> binding
+    std::set<uint32_t> moved;  // variables' ids
     const auto each_decoration = [&](uint32_t decoration, auto&& visit) {
         for (size_t at = 5; at < spirv.size(); at += std::max(spirv[at] >> 16, 1u))
             if ((spirv[at] & 0xffff) == op_decorate && spirv[at + 2] == decoration)
                 visit(spirv[at + 1], spirv[at + 3]);
     };
-    each_decoration(decoration_binding, [&](uint32_t id, uint32_t& value) { binding_of[id] = value; });
+    each_decoration(decoration_binding, [&](uint32_t id, uint32_t& value) {
+        const auto to = std::ranges::find(host_bindings, value, &HostBinding::from);
+        if (to == host_bindings.end()) return;
+        moved.insert(id);
+        value = to->to;
+    });
     each_decoration(decoration_set, [&](uint32_t id, uint32_t& value) {
-        const bool host =
-            std::find(host_bindings.begin(), host_bindings.end(), binding_of[id]) != host_bindings.end();
-        if (host) value = 1;
+        if (moved.contains(id)) value = 1;
     });
 }
 

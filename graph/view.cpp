@@ -193,6 +193,7 @@ void ViewState::make_slot(Slot& slot) {
                 writer_.buffer(slot.sets[p], b, {slot.frame_block.get(), 0, VK_WHOLE_SIZE});
             if (b.source == BindingSource::counters)
                 writer_.buffer(slot.sets[p], b, {slot.counters.get(), 0, VK_WHOLE_SIZE});
+            if (b.set == 1 && b.source == BindingSource::nothing) write_absent(slot.sets[p], b);
         }
     }
     writer_.flush();

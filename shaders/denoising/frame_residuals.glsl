@@ -28,14 +28,18 @@ float flips_of(int pairs, float radius_px, float by_count) {
     return FLIP_SHARE * float(pairs) / PAIRS_PER_PX * radius_px / 3.0 * (1.0 + by_count) + FEWEST_FLIPS / CELLS_POOLED;
 }
 
+// Standard error of a frame, squared, if the past is right: in a faint penumbra now and then all rays agree, and that is no certainty.
+float error_by_past(Estimate now, Past past) {
+    return min(past.count / KNOWN, 1.0) * past.visibility * (1.0 - past.visibility) * now.gain / now.rays;
+}
+
 // Of the difference between a frame and the past where nothing moves. A pixel beside a narrow penumbra is seldom in it,
 // unless its past says that it is. `frames`: that this one is worth.
 float null_variance(Estimate now, Past past, float radius_px, float frames) {
     const float share = clamp(SHARE_PER_RADIUS * radius_px, LEAST_SHARE, 1.0);
     const float v = (now.rays * now.visibility + past.count * past.visibility) / (now.rays + past.count);
-    const float known = min(past.count / KNOWN, 1.0);
-    const float p = max(max(share * v * (1.0 - v), known * past.visibility * (1.0 - past.visibility)), flipping(past.own));
-    return p * now.gain / now.rays * (1.0 + frames / past.count) + 1e-5;
+    const float variance = max(max(share * v * (1.0 - v), flipping(past.own)) * now.gain / now.rays, error_by_past(now, past));
+    return variance * (1.0 + frames / past.count) + 1e-5;
 }
 
 // What drift reads of a cell: sums over its pixels.

@@ -135,7 +135,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
     const float tolerance = HAS_LIGHT ? r.surface.tolerance_m : r.surface.tolerance_m * window.by_radius;
     const vec3 plane = HAS_LIGHT ? r.lamp.normal : r.n;
     const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
-    Moments m = Moments(0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
+    Moments m = Moments(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     float further_asked = 0.0;
     bool own_ray = false;
     if (HAS_KNOWN) own_ray = has_ray(r.p);
@@ -158,10 +158,14 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                 point = unpack_point(ray_points[of]);
                 if (HAS_LIGHT) point = untwisted(r.lamp, at.xy / window.by_radius, point);
             }
-            add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, at, point, window, horizon);
+            uint word = 0u, further = 0u;
             if (HAS_RAY_BITS && HAS_RAY_POINTS) {
-                const uint word = usable ? further_at(r.p + ivec2(dx, dy)) : 0u;
-                const uint further = further_count(word);
+                word = usable ? further_at(r.p + ivec2(dx, dy)) : 0u;
+                further = further_count(word);
+            }
+            const float part = inversesqrt(float(further + 1u));
+            add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, part, at, point, window, horizon);
+            if (HAS_RAY_BITS && HAS_RAY_POINTS) {
                 if (further != 0u) {
                     const float before = m.asked;
                     FurtherPoint next = further_point(point, further);
@@ -170,7 +174,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                         [[unroll]] for (uint j = 0u; j < 8u; ++j) {
                             step_on(next);
                             const bool lit = (word >> k + j & 1u) == 0u;
-                            add_ray(m, k + j < further, lit, at, point_of(next), window, horizon);
+                            add_ray(m, k + j < further, lit, part, at, point_of(next), window, horizon);
                         }
                     further_asked += m.asked - before;
                 }
