@@ -54,8 +54,7 @@ float radius_m(Penumbra p) { return p.distance_m * p.tangent; }
 // Moments of the rays that hit the disc, from which everything follows.
 struct Moments {
     float asked;        // rays, those below the horizon too
-    float n, n2;        // weights, and their squares, as if every ray were a pixel's only one
-    float w;            // what follows is weighted by: of the rays of a pixel each a part
+    float n, n2;        // weights, and their squares
     float b, be2;       // bits, bit * eta^2
     vec2 e, be;         // eta, bit * eta
     vec3 ee;            // eta eta^T: xx, xy, yy
@@ -110,35 +109,35 @@ struct Window {
     float by_radius;          // 1 / the disc's radius, per metre: the unit of what follows
     float tangent, distance;
     float limit2;             // of a neighbour's distance across the light, squared
-    float covered, by_covered;        // c, and 1 / c
-    float at_rim, per_t, bulge;       // the cubic, times c: bulge t^2 (1 - t) above the line
+    float by_covered;         // 1 / c
+    float at_rim, bulge;      // coverage where t = 0, of 1 where t = 1, and what bulge t^2 (1 - t) adds to the line between
 };
 
 Window window_of(Penumbra p, float limit, float covered_m) {
-    const float by_radius = 1.0 / max(radius_m(p), 1e-9), c = clamp(covered_m * by_radius, 1e-3, 1.0);
-    const float by_limit = limit * by_radius, at_rim = c * (0.5 - UNEVEN * c);
-    return Window(by_radius, p.tangent, p.distance_m * by_radius, by_limit * by_limit, c, 1.0 / c, at_rim, c - at_rim, 0.5 * c * (1.0 - c * c));
+    const float by_radius = 1.0 / max(radius_m(p), 1e-9), c = clamp(covered_m * by_radius, 1e-3, 1.0), by_limit = limit * by_radius;
+    return Window(by_radius, p.tangent, p.distance_m * by_radius, by_limit * by_limit, 1.0 / c, 0.5 - UNEVEN * c, 0.5 - 0.5 * c * c);
 }
 
 // Of rays that are all worth the same.
 Window even_window(Penumbra p, float limit) {
     const float by_radius = 1.0 / max(radius_m(p), 1e-9), by_limit = limit * by_radius;
-    return Window(by_radius, p.tangent, p.distance_m * by_radius, by_limit * by_limit, 1.0, 1.0, 1.0, 0.0, 0.0);
+    return Window(by_radius, p.tangent, p.distance_m * by_radius, by_limit * by_limit, 1.0, 1.0, 0.0);
 }
 
 // Of a ray at |eta| = e < 1.
-float covered_part(Window window, float e) {
+float coverage_at(Window window, float e) {
     const float t = min((1.0 - e) * window.by_covered, 1.0);
-    return window.at_rim + t * (window.per_t + window.bulge * t * (1.0 - t));
+    return mix(window.at_rim, 1.0, t) + window.bulge * t * t * (1.0 - t);
 }
 
 // Of a square's point, on each axis by itself: the part of a disc that lies within its side, by a cubic.
-float covered_part(Window window, vec2 sides) {
+float coverage_at(Window window, vec2 sides) {
     const vec2 t = min((1.0 - sides) * window.by_covered, vec2(1.0)), part = 0.5 + t * (0.6366 - 0.1366 * t * t);
-    return window.covered * part.x * part.y;
+    return part.x * part.y;
 }
 
-// `at`: the neighbour, light space, relative to the pixel, in radii of the disc; `point`: of the sun, that its ray went to.
+// `at`: the neighbour, light space, relative to the pixel, in radii of the disc; `point`: of the sun, that its ray went to; `part`: what the
+// ray counts for.
 void add_ray(inout Moments m, bool usable, bool lit, float part, vec3 at, vec2 point, Window window, Horizon horizon) {
     const vec2 eta = at.xy + (window.distance - at.z) * window.tangent * point;
     const float e2 = dot(eta, eta);
@@ -147,12 +146,10 @@ void add_ray(inout Moments m, bool usable, bool lit, float part, vec3 at, vec2 p
     const bool asked = usable && inside && dot(at.xy, at.xy) <= window.limit2;
     const bool hits = asked && is_above(horizon, point) && is_above(horizon, eta);
     m.asked += asked ? 1.0 : 0.0;
-    const float alone = hits ? 1.0 / (light_is_a_square() ? covered_part(window, sides) : covered_part(window, sqrt(e2))) : 0.0;
-    const float w = part * alone;
+    const float w = hits ? part / (light_is_a_square() ? coverage_at(window, sides) : coverage_at(window, sqrt(e2))) : 0.0;
     const vec2 we = hits ? w * eta : vec2(0.0);
-    m.n += alone;
-    m.n2 += alone * alone;
-    m.w += w;
+    m.n += w;
+    m.n2 += w * w;
     m.b += lit ? w : 0.0;
     m.be2 += lit ? w * e2 : 0.0;
     m.e += we;
@@ -161,7 +158,7 @@ void add_ray(inout Moments m, bool usable, bool lit, float part, vec3 at, vec2 p
 }
 
 Estimate estimate_of(Moments m, Horizon horizon) {
-    const float by_n = 1.0 / m.w, rays = m.n * m.n / m.n2;
+    const float by_n = 1.0 / m.n, rays = m.n * m.n / m.n2;
     const float mean = m.b * by_n, variance = mean * (1.0 - mean);
     Estimate e = Estimate(mean, rays, 0.0, 1.0);
     float left = variance;
@@ -171,9 +168,10 @@ Estimate estimate_of(Moments m, Horizon horizon) {
         const vec3 s = m.ee * by_n - vec3(eta.x * eta.x, eta.x * eta.y, eta.y * eta.y) + vec3(ridge, 0.0, ridge);
         const float det = s.x * s.z - s.y * s.y;
         const vec2 beta = vec2(s.z * cov.x - s.y * cov.y, s.x * cov.y - s.y * cov.x) / det;
-        // The plane lies too near to the bits at the disc's rim, which pull it most: by two rays' worth, as many as it has slopes.
+        // The plane lies too near to the bits at the disc's rim, which pull it most: by a ray's worth for each of its two slopes. 4, so that a
+        // handful of rays is not made noisier by it than it was wrong.
         const float at_rim = horizon.above == 1.0 ? m.be2 / (m.ee.x + m.ee.z) : mean;
-        e.visibility = clamp(mean - dot(beta, eta - horizon.middle) + 2.0 / (rays + 2.0) * (at_rim - mean), 0.0, 1.0);
+        e.visibility = clamp(mean - dot(beta, eta - horizon.middle) + 2.0 / (rays + 4.0) * (at_rim - mean), 0.0, 1.0);
         left = max(variance - dot(beta, cov), 0.1 * variance);
     }
     e.gain = variance > 1e-6 ? clamp(left / variance, 0.25, 1.0) : 0.4;

@@ -135,7 +135,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
     const float tolerance = HAS_LIGHT ? r.surface.tolerance_m : r.surface.tolerance_m * window.by_radius;
     const vec3 plane = HAS_LIGHT ? r.lamp.normal : r.n;
     const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
-    Moments m = Moments(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
+    Moments m = Moments(0.0, 0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     float further_asked = 0.0;
     bool own_ray = false;
     if (HAS_KNOWN) own_ray = has_ray(r.p);
@@ -163,6 +163,8 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                 word = usable ? further_at(r.p + ivec2(dx, dy)) : 0u;
                 further = further_count(word);
             }
+            // Each by itself, most would be of pixels in the middle of the penumbra and all see it from one side; each pixel as one, few would
+            // say most.
             const float part = inversesqrt(float(further + 1u));
             add_ray(m, usable, (row >> uint(dx + R) & 1u) != 0u, part, at, point, window, horizon);
             if (HAS_RAY_BITS && HAS_RAY_POINTS) {
