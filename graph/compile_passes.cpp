@@ -199,7 +199,8 @@ void Compiler::find_module(const SelectedNode& selected) {
     for (const PlanBinding& b : pass.bindings)
         if (b.set == 1) {
             const bool absent = b.source == BindingSource::nothing;
-            host.push_back({absent ? b.binding - absent_block_binding(node.type(), 0) : b.binding, b.binding});
+            host.push_back(
+                {absent ? b.binding - absent_block_binding(node.type(), 0) : b.binding, b.binding});
             key += fmt::format(" {}", b.binding);
         }
     const auto [at, added] = modules_.try_emplace({node.entry.get(), key});

@@ -39,9 +39,9 @@ std::vector<uint32_t> port_bindings(const NodeType& type);
 // First binding of the tables; table i is at first + i.
 uint32_t first_table_binding(const NodeType& type);
 
-// Where a block that is absent lies, whose port has `binding`: in set 1, behind all that is read. Mesa 22's llvmpipe
-// writes beyond an array where a branch follows from what the fifth uniform buffer or a later one holds, in order of sets
-// and bindings.
+// Where a block that is absent lies, whose port has `binding`: in set 1, behind all that is read. Mesa 22's
+// llvmpipe writes beyond an array where a branch follows from what the fifth uniform buffer or a later one
+// holds, in order of sets and bindings.
 uint32_t absent_block_binding(const NodeType& type, uint32_t binding);
 
 // An input, a part of a bundle or a table that may be absent is bound all the same, to something that is
@@ -89,10 +89,11 @@ std::vector<Variant> all_variants(const NodeType& type);
 // The text that `#include "node.glsl"` stands for.
 std::string generate_glsl(const NodeType& type, const Variant& variant);
 
-// Sets the decorations of the variables that were compiled for binding `from`: they go to set 1, and there to `to`.
 struct HostBinding {
     uint32_t from, to;
 };
+// Sets the decorations of the variables that were compiled for binding `from`: they go to set 1, and there to
+// `to`.
 void bind_to_sets(std::vector<uint32_t>& spirv, const std::vector<HostBinding>& host_bindings);
 
 }  // namespace PENUMBRA_API

@@ -90,7 +90,8 @@ TEST_P(ShippedPlan, EqualsItsGoldenText) {
                   root / "tests/golden/plans" / (GetParam() + ".txt"));
 }
 
-// Mesa 22's llvmpipe writes beyond an array where a branch follows from the fifth uniform buffer (graph/interface.h).
+// Mesa 22's llvmpipe writes beyond an array where a branch follows from the fifth uniform buffer
+// (graph/interface.h).
 TEST_P(ShippedPlan, ReadsItsBlocksBeforeTheFifth) {
     for (const PlanPass& pass : plan_of(checked(GetParam()), sizes[0]).passes) {
         std::map<std::pair<uint32_t, uint32_t>, BindingSource> blocks;

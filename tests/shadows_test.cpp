@@ -19,7 +19,7 @@ TEST_F(Shadows, ConvergeToTheTruth) {
     EXPECT_GT(n_eff({.width_px = 1}), 60);
     EXPECT_GT(n_eff({.width_px = 2}), 100);    // 63 with a handful of neighbours' rays
     EXPECT_GT(n_eff({.width_px = 2.5}), 250);  // 215 by these alone
-    EXPECT_GT(n_eff({.width_px = 8}), 5000);  // 2300 where a frame whose rays agree is certain of it
+    EXPECT_GT(n_eff({.width_px = 8}), 5000);   // 2300 where a frame whose rays agree is certain of it
     EXPECT_GT(n_eff({.width_px = 16}), 5000);
     EXPECT_GT(n_eff({.width_px = 32}), 4000);
 }
