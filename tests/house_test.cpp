@@ -172,6 +172,30 @@ TEST(House, AnIncludeLiesWithTheGroupThatItServes) {
     // clang-format on
 }
 
+// Else scripts/source_mutants.py stops at it, and nobody sees the mutants behind it die.
+TEST(House, AMutantsTextIsThereOnce) {
+    std::istringstream lines(read(root / "tests/source_mutants.txt"));
+    for (std::string line; std::getline(lines, line);) {
+        if (line.empty() || line[0] == '#') continue;
+        std::vector<std::string> fields(1);
+        for (size_t i = 0; i < line.size(); ++i)
+            if (line[i] == '|')
+                fields.emplace_back();
+            else
+                fields.back() +=
+                    line[i] == '\\' && i + 1 < line.size() && line[i + 1] == '|' ? line[++i] : line[i];
+        for (std::string& field : fields) {
+            field.erase(0, field.find_first_not_of(' '));
+            field.erase(field.find_last_not_of(' ') + 1);
+        }
+        ASSERT_EQ(fields.size(), 5u) << line;
+        const std::string text = read(root / fields[0]);
+        const size_t at = text.find(fields[1]);
+        ASSERT_NE(at, std::string::npos) << line;
+        EXPECT_EQ(text.find(fields[1], at + 1), std::string::npos) << line;
+    }
+}
+
 TEST(House, TheExampleOfTheGraphCompiles) {
     const std::string header = read(root / "include/penumbra/graph.h"),
                       here = read(root / "tests/house_test.cpp");
