@@ -92,7 +92,7 @@ TEST_F(Budget, WhatCannotChangeSpeaksWithoutARay) {
         return sum;
     };
     EXPECT_LT(squared_error({}),
-              0.85 * squared_error({"nodes.gather.in.known=null", "nodes.soften.in.known=null"}));
+              0.93 * squared_error({"nodes.gather.in.known=null", "nodes.soften.in.known=null"}));
 }
 
 // Things stand until all has settled, and are elsewhere in the next frame. What shadows them then, and what
