@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+
+#include "app/captured_values.h"
 
 namespace penumbra {
 namespace {
@@ -11,14 +12,6 @@ namespace {
 constexpr uint32_t tile_width = 8, tile_height = 4;
 // As far off the asking pixel's plane, over its distance across it, a neighbour is another surface's.
 constexpr double slope = 0.1;
-
-template <class T>
-std::vector<T> captured(const Session& session, const std::string& name) {
-    const auto bytes = session.view().captured(name);
-    std::vector<T> values(bytes.size() / sizeof(T));
-    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
-    return values;
-}
 
 // unpack_point() of sun_sample.glsl.
 std::array<double, 2> point_of(uint32_t word) {
@@ -54,15 +47,15 @@ const std::vector<std::string>& RayGatherer::captures() {
 
 RayGatherer::RayGatherer(const Session& session, uint32_t frame)
     : size_{session.plan().extent.width, session.plan().extent.height},
-      depth_(captured<float>(session, "view_depth")),
+      depth_(captured_values<float>(session, "view_depth")),
       place_(depth_.size()),
       normal_(depth_.size()),
-      hits_(captured<uint32_t>(session, "hits")),
-      points_(captured<uint32_t>(session, "ray_points")),
-      blockers_(captured<uint32_t>(session, "blockers")) {
+      hits_(captured_values<uint32_t>(session, "hits")),
+      points_(captured_values<uint32_t>(session, "ray_points")),
+      blockers_(captured_values<uint32_t>(session, "blockers")) {
     const StandaloneFrame at = session.host().frame(frame, true);
     const std::vector<uint32_t> no_noise(16384);
-    const auto normals = captured<std::array<float, 2>>(session, "receiver_normal");
+    const auto normals = captured_values<std::array<float, 2>>(session, "receiver_normal");
     axes_ = sun_frame({at.sun.to_sun.v[0], at.sun.to_sun.v[1], at.sun.to_sun.v[2]});
     tangent_ = std::tan(at.sun.angular_radius);
     for (uint32_t y = 0; y < size_[1]; ++y)

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 
+#include "app/captured_values.h"
 #include "host/truth/coverage.h"
 
 namespace penumbra {
@@ -17,14 +17,6 @@ using Tile = std::array<uint32_t, 2>;
 
 constexpr uint32_t tile_width = 8, tile_height = 4;
 constexpr size_t patch_limit = 8;  // the node's default
-
-template <class T>
-std::vector<T> captured(const Session& session, const std::string& name) {
-    const auto bytes = session.view().captured(name);
-    std::vector<T> values(bytes.size() / sizeof(T));
-    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
-    return values;
-}
 
 glm::dvec3 vector(const float (&v)[3]) {
     return {v[0], v[1], v[2]};
@@ -134,19 +126,19 @@ const std::vector<std::string>& TileBeams::settings() {
 }
 
 TileBeams::TileBeams(const Session& session, uint32_t frame)
-    : asked_(captured<uint32_t>(session, "undecided_words")),
-      hits_(captured<uint32_t>(session, "preloaded_hits")),
+    : asked_(captured_values<uint32_t>(session, "undecided_words")),
+      hits_(captured_values<uint32_t>(session, "preloaded_hits")),
       open_(asked_.size()),
       size_{session.plan().extent.width, session.plan().extent.height},
       triangles_(session.host().scene().triangles(frame)) {
     tiles_ = {(size_[0] + tile_width - 1) / tile_width, (size_[1] + tile_height - 1) / tile_height};
-    const uint32_t listed = captured<uint32_t>(session, "trace_args")[3];
-    const auto list = captured<std::array<uint32_t, 4>>(session, "tile_list");
+    const uint32_t listed = captured_values<uint32_t>(session, "trace_args")[3];
+    const auto list = captured_values<std::array<uint32_t, 4>>(session, "tile_list");
     for (uint32_t i = 0; i < listed; ++i) open_[word({list[i][0] & 0xffff, list[i][0] >> 16})] = list[i][1];
 
     const StandaloneFrame standalone = session.host().frame(frame, true);
-    const auto depth = captured<float>(session, "view_depth");
-    const auto normal = captured<std::array<float, 2>>(session, "receiver_normal");
+    const auto depth = captured_values<float>(session, "view_depth");
+    const auto normal = captured_values<std::array<float, 2>>(session, "receiver_normal");
     const std::vector<uint32_t> no_noise(size_t{128} * 128);  // it turns samples, not where rays start
     starts_.resize(depth.size());
     for (uint32_t i = 0; i < depth.size(); ++i)

@@ -74,7 +74,7 @@ TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
 }
 
 // Where nothing can change, who has long said one thing says it to its neighbours without a ray: a penumbra's
-// neighbourhood is whole in every frame, not every fourth.
+// neighbourhood is whole in every frame, not every fourth. Measured: .87 of the squared error.
 TEST_F(Budget, WhatCannotChangeSpeaksWithoutARay) {
     Shot shot = shot_named("engine");
     shot.camera.resize(1);
@@ -92,7 +92,7 @@ TEST_F(Budget, WhatCannotChangeSpeaksWithoutARay) {
         return sum;
     };
     EXPECT_LT(squared_error({}),
-              0.93 * squared_error({"nodes.gather.in.known=null", "nodes.soften.in.known=null"}));
+              0.92 * squared_error({"nodes.gather.in.known=null", "nodes.soften.in.known=null"}));
 }
 
 // Things stand until all has settled, and are elsewhere in the next frame. What shadows them then, and what
