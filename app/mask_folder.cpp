@@ -2,6 +2,7 @@
 #include "app/mask_folder.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -114,19 +115,26 @@ std::optional<RenderedFolder> read_rendered_frames(const fs::path& folder, Diagn
 
 namespace {
 
-std::string name_of_mask(const std::string& light) {
-    return light.empty() ? "visibility" : "masks." + light;
+// What a light's mask may be: an image of its own, or a layer of `masks`.
+std::vector<std::string> names_of_mask(const std::string& light) {
+    if (light.empty()) return {"visibility"};
+    return {"visibility_" + light, "masks." + light};
 }
 
 }  // namespace
 
 fs::path visibility_file(const fs::path& folder, uint32_t frame, const std::string& light) {
-    return folder / fmt::format("{}.{:04}.exr", name_of_mask(light), frame);
+    fs::path file;
+    for (const std::string& mask : names_of_mask(light)) {
+        file = folder / fmt::format("{}.{:04}.exr", mask, frame);
+        if (fs::exists(file)) break;
+    }
+    return file;
 }
 
 std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, Diagnostics& diagnostics,
                                                        const std::string& light) {
-    const std::string mask = name_of_mask(light);
+    const std::vector<std::string> masks = names_of_mask(light);
     std::error_code failure;
     std::vector<uint32_t> frames;
     for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
@@ -134,17 +142,19 @@ std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, D
         unsigned frame = 0;
         int length = 0;
         const std::string name = entry->path().filename().string();
-        if (name.starts_with(mask) &&
-            std::sscanf(name.c_str() + mask.size(), ".%u.exr%n", &frame, &length) == 1 &&
-            mask.size() + size_t(length) == name.size())
-            frames.push_back(frame);
+        for (const std::string& mask : masks)
+            if (name.starts_with(mask) &&
+                std::sscanf(name.c_str() + mask.size(), ".%u.exr%n", &frame, &length) == 1 &&
+                mask.size() + size_t(length) == name.size())
+                frames.push_back(frame);
     }
     if (failure) {
         diagnostics.add({folder.string(), 0, 0}, "", "cannot be listed: " + failure.message());
         return std::nullopt;
     }
     if (frames.empty()) {
-        diagnostics.add({folder.string(), 0, 0}, "", fmt::format("no {}.NNNN.exr in here", mask));
+        diagnostics.add({folder.string(), 0, 0}, "",
+                        fmt::format("no {}.NNNN.exr in here", fmt::join(masks, ".NNNN.exr and no ")));
         return std::nullopt;
     }
     std::sort(frames.begin(), frames.end());

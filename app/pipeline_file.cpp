@@ -1,17 +1,60 @@
 // SPDX-License-Identifier: MIT
 #include "app/pipeline_file.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <iostream>
 
 #include "app/shipped_files.h"
+#include "graph/json_reader.h"
+#include "host/shots/light_choice.h"
 
 namespace penumbra {
 
+namespace {
+
+constexpr const char* lights_family = "lights";
+
+bool has_lights(const Pipeline& pipeline) {
+    return std::ranges::find(pipeline.instances, lights_family, &PipelineInstance::family) !=
+           pipeline.instances.end();
+}
+
+// An instance for each light. What a light of the model is like is known when the model has been read: until
+// then it has a size and moves.
+void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted, Diagnostics& diagnostics) {
+    const std::vector<std::string> names = choose_lights(shot, wanted, diagnostics);
+    std::erase_if(pipeline.instances,
+                  [](const PipelineInstance& instance) { return instance.family == lights_family; });
+    for (const std::string& name : names) {
+        const ShotLight& light = shot.lights.at(name);
+        if (!is_id(name))
+            diagnostics.add(
+                light.place, "lights." + name,
+                fmt::format("\"{}\" has nodes for each light, which are named after it: expected an "
+                            "id ([a-z][a-z0-9_]*)",
+                            pipeline.name));
+        const bool unknown = light.kind == LightKind::model;
+        pipeline.instances.push_back({.name = name,
+                                      .family = lights_family,
+                                      .facts = {{"sun_up", {true, light.place}},
+                                                {"sun_disc", {unknown || has_size(light), light.place}},
+                                                {"sun_moves", {unknown || light_moves(light), light.place}}},
+                                      .place = light.place});
+    }
+}
+
+}  // namespace
+
 std::optional<CheckedPipeline> open_pipeline(const std::string& file,
-                                             const std::vector<std::string>& settings, const NodeSet& nodes) {
+                                             const std::vector<std::string>& settings, const NodeSet& nodes,
+                                             const Shot* shot, const std::string& light) {
     Diagnostics diagnostics;
     const auto found = shipped_file(file, shipped_root(), shipped_pipelines, diagnostics);
-    const auto pipeline = found ? load_pipeline(*found, settings, diagnostics) : std::nullopt;
+    auto pipeline = found ? load_pipeline(*found, settings, diagnostics) : std::nullopt;
+    if (pipeline && shot && has_lights(*pipeline)) name_lights(*pipeline, *shot, light, diagnostics);
+    if (!diagnostics.empty()) pipeline.reset();
     auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
     if (!checked) std::cerr << diagnostics.text();
     return checked;

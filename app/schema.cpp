@@ -180,26 +180,28 @@ class Maker {
     }
 
     Schema plain(const Key& key) const {
-        static const std::map<Holds, Schema> always = {{Holds::text, {{"type", "string"}}},
-                                                       {Holds::file, {{"type", "string"}, {"minLength", 1}}},
-                                                       {Holds::shader, text("^[^/\\\\]+\\.comp$")},
-                                                       {Holds::line, use("line")},
-                                                       {Holds::id, use("id")},
-                                                       {Holds::flag, {{"type", "boolean"}}},
-                                                       {Holds::yes, {{"const", true}}},
-                                                       {Holds::version, {{"const", 1}}},
-                                                       {Holds::range, list_of({{"type", "number"}}, 2, 2)},
-                                                       {Holds::ranges, use("ranges")},
-                                                       {Holds::node_type, {{"type", "string"}}},
-                                                       {Holds::format, use("format")},
-                                                       {Holds::storable, use("storable")},
-                                                       {Holds::formats, use("formats")},
-                                                       {Holds::storables, use("storables")},
-                                                       {Holds::structure, text("^[A-Z][A-Za-z0-9]{0,63}$")},
-                                                       {Holds::condition, use("condition")},
-                                                       {Holds::value, Schema::object()},
-                                                       {Holds::values, {{"type", "object"}}},
-                                                       {Holds::wires, {{"type", "object"}}}};
+        static const std::map<Holds, Schema> always = {
+            {Holds::text, {{"type", "string"}}},
+            {Holds::file, {{"type", "string"}, {"minLength", 1}}},
+            {Holds::shader, text("^[^/\\\\]+\\.comp$")},
+            {Holds::line, use("line")},
+            {Holds::id, use("id")},
+            {Holds::flag, {{"type", "boolean"}}},
+            {Holds::yes, {{"const", true}}},
+            {Holds::version, {{"const", 1}}},
+            {Holds::range, list_of({{"type", "number"}}, 2, 2)},
+            {Holds::ranges, use("ranges")},
+            {Holds::node_type, {{"type", "string"}}},
+            {Holds::format, use("format")},
+            {Holds::storable, use("storable")},
+            {Holds::formats, use("formats")},
+            {Holds::storables, use("storables")},
+            {Holds::structure, text("^[A-Z][A-Za-z0-9]{0,63}$")},
+            {Holds::condition, use("condition")},
+            {Holds::value, Schema::object()},
+            {Holds::values, {{"type", "object"}}},
+            {Holds::facts, {{"type", "object"}, {"additionalProperties", {{"type", "boolean"}}}}},
+            {Holds::wires, {{"type", "object"}}}};
         if (key.holds == Holds::whole) return whole(key);
         if (key.holds == Holds::wholes) return list_of(whole(key), key.min_items, key.max_items);
         if (key.holds == Holds::ids) return different(list_of(use("id"), key.min_items, 0));

@@ -62,17 +62,52 @@ bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
 }
 
-void check_slots(const Plan& plan, const std::string& file, Diagnostics& diagnostics) {
+// Of a light whose name a slot's ends in, where a pipeline has nodes for each of them.
+std::string slot_of(const std::string& light) {
+    return "light_" + light;
+}
+std::string previous_slot_of(const std::string& light) {
+    return "light_prev_" + light;
+}
+
+// The shot's lights that the pipeline has inputs of their own for.
+std::vector<std::string> lights_with_inputs(const CheckedPipeline& pipeline, const Shot& shot) {
+    std::vector<std::string> names;
+    for (const auto& [name, light] : shot.lights)
+        if (std::ranges::find(pipeline.inputs, slot_of(name), &HostInput::name) != pipeline.inputs.end())
+            names.push_back(name);
+    return names;
+}
+
+void check_slots(const Plan& plan, const std::string& file, const std::vector<std::string>& lights,
+                 Diagnostics& diagnostics) {
+    std::vector<std::string> known = known_slots;
+    for (const std::string& light : lights) {
+        known.push_back(slot_of(light));
+        known.push_back(previous_slot_of(light));
+    }
     for (const HostSlot& slot : plan.slots)
-        if (std::find(known_slots.begin(), known_slots.end(), slot.name) == known_slots.end())
+        if (std::find(known.begin(), known.end(), slot.name) == known.end())
             diagnostics.add({file}, "inputs." + slot.name,
-                            "the standalone host has no such input" + did_you_mean(slot.name, known_slots));
+                            "the standalone host has no such input" + did_you_mean(slot.name, known));
 }
 
 bool takes(const Plan& plan, const PlanPass& pass, std::string_view slot) {
     return std::ranges::any_of(pass.bindings, [&](const PlanBinding& b) {
         return b.source == BindingSource::host && plan.slots[b.index].name == slot;
     });
+}
+
+// Who reads the sun reads one of these slots, too: the sun's block is bound, and is not whom the mask is of.
+void check_nodes(const Plan& plan, const std::vector<std::string>& slots, const std::string& light,
+                 const Place& place, Diagnostics& diagnostics) {
+    for (const PlanPass& pass : plan.passes) {
+        const auto reads_it = [&](const std::string& slot) { return takes(plan, pass, slot); };
+        if (reads_it("sun") && std::ranges::none_of(slots, reads_it))
+            diagnostics.add(
+                place, "nodes." + pass.node,
+                fmt::format("\"{}\" knows the sun alone, and the shot's light is {}", pass.type, light));
+    }
 }
 
 // A pipeline is for the sun or for lights that are near, and so is every node of it that asks for a light.
@@ -93,19 +128,14 @@ void check_light(const Plan& plan, const CheckedPipeline& pipeline, const Chosen
             fmt::format("\"{}\" knows the sun alone, and the shot's light is {}; a variant for lights that "
                         "are near has \"inputs\": {{ \"light\": {{}} }}, as light.json",
                         pipeline.name, light));
-    for (const PlanPass& pass : plan.passes) {
-        if (!near || !takes(plan, pass, "sun")) continue;
-        if (!takes(plan, pass, "light"))
-            diagnostics.add(
-                place, "nodes." + pass.node,
-                fmt::format("\"{}\" knows the sun alone, and the shot's light is {}", pass.type, light));
-    }
+    if (near) check_nodes(plan, {"light"}, light, place, diagnostics);
 }
 
 }  // namespace
 
 bool standalone_has_input(std::string_view name) {
-    return std::find(known_slots.begin(), known_slots.end(), name) != known_slots.end();
+    return name.starts_with(slot_of("")) ||
+           std::find(known_slots.begin(), known_slots.end(), name) != known_slots.end();
 }
 
 DeviceHandles handles_of(const Device& device) {
@@ -152,10 +182,11 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         return std::ranges::find(pipeline.inputs, name, &HostInput::name) != pipeline.inputs.end();
     };
     const bool several = takes_input("lights"), near = takes_input("light");
-    std::vector<std::string> lights;
+    std::vector<std::string> lights = lights_with_inputs(pipeline, shot);
+    const bool each = !lights.empty();
     if (several) lights = choose_lights(shot, near ? "" : options.light, diagnostics);
     if (several && lights.empty()) return nullptr;
-    const auto chosen = several && !near && !takes_input("sun")
+    const auto chosen = each || (several && !near && !takes_input("sun"))
                             ? ChosenLight{}
                             : choose_light(shot, several && !near ? "" : options.light, diagnostics,
                                            near ? LightsFor::near : LightsFor::sun);
@@ -242,10 +273,13 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     }
     doing("packing memory");
     auto plan = compile(validating ? *validating : pipeline, target, compile_options, diagnostics);
-    if (plan) check_slots(*plan, pipeline.file, diagnostics);
+    if (plan) check_slots(*plan, pipeline.file, lights, diagnostics);
     if (plan) {
         const ShotLight* light = session->host_->light();  // the shot has moved
         check_light(*plan, pipeline, {chosen->name, light}, diagnostics);
+        std::vector<std::string> slots;
+        if (each) std::ranges::transform(lights, std::back_inserter(slots), slot_of);
+        if (each) check_nodes(*plan, slots, "one of several", {pipeline.file, 0, 0}, diagnostics);
     }
     if (!plan || !diagnostics.empty()) return nullptr;
     if (const uint64_t all = gbuffer + plan->memory.heap_bytes; all > table.memory_bytes)
@@ -285,6 +319,12 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the light");
     session->light_prev_ = make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
                                             "the previous frame's light");
+    for (size_t i = 0; each && i < lights.size(); ++i)
+        session->own_lights_.push_back(
+            {make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                              lights[i].c_str()),
+             make_host_buffer(device, sizeof(blocks::Light), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+                              "the previous frame's light")});
     if (several)
         session->lights_ = make_host_texels(device, lights.size() * sizeof(blocks::Light),
                                             VK_FORMAT_R32G32B32A32_UINT, "the lights");
@@ -300,7 +340,11 @@ void Session::write_blocks(const StandaloneFrame& frame) {
     std::memcpy(sun_prev_.mapped, &frame.sun_prev, sizeof frame.sun_prev);
     std::memcpy(light_.mapped, &frame.light, sizeof frame.light);
     std::memcpy(light_prev_.mapped, &frame.light_prev, sizeof frame.light_prev);
-    if (!frame.lights.empty())
+    for (size_t i = 0; i < own_lights_.size(); ++i) {
+        std::memcpy(own_lights_[i].now.mapped, &frame.lights[i], sizeof frame.lights[i]);
+        std::memcpy(own_lights_[i].before.mapped, &frame.lights_prev[i], sizeof frame.lights_prev[i]);
+    }
+    if (lights_.buffer.mapped)
         std::memcpy(lights_.buffer.mapped, frame.lights.data(), frame.lights.size() * sizeof(blocks::Light));
     std::memcpy(scene_.mapped, &frame.scene, sizeof frame.scene);
     std::memcpy(cascades_.mapped, &frame.cascades, sizeof frame.cascades);
@@ -325,6 +369,11 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "light") b.buffer = light_.get();
         if (slot.name == "light_prev") b.buffer = light_prev_.get();
         if (slot.name == "lights") b.texels = lights_.view.get();
+        for (size_t i = 0; i < own_lights_.size(); ++i) {
+            if (slot.name == slot_of(host_->light_names()[i])) b.buffer = own_lights_[i].now.get();
+            if (slot.name == previous_slot_of(host_->light_names()[i]))
+                b.buffer = own_lights_[i].before.get();
+        }
         if (slot.name == "scene") b.buffer = scene_.get();
         const auto bind = [&](std::string_view name, const GpuTexels& texels) {
             if (slot.name == name) b.texels = texels.view.get();

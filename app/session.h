@@ -123,6 +123,10 @@ class Session {
         surfaces_moments_{};  // what `surfaces_` was made for: the frame's and its previous one's
     GpuBuffer sun_, sun_prev_, light_, light_prev_, scene_, cascades_;
     GpuTexels lights_;
+    struct OwnLight {
+        GpuBuffer now, before;
+    };
+    std::vector<OwnLight> own_lights_;  // of a pipeline that has inputs for each, as host_->light_names()
     std::unique_ptr<View> view_;
 };
 

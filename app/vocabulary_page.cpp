@@ -47,6 +47,7 @@ std::string plain(const Key& key, const Domain& domain) {
         {Holds::condition, "condition"},
         {Holds::value, "of its type"},
         {Holds::values, "{ parameter: value }"},
+        {Holds::facts, "{ fact: `true` `false` }"},
         {Holds::wires, "{ port: name }"}};
     if (key.holds == Holds::whole || key.holds == Holds::wholes) return numbers(key);
     if (key.holds == Holds::kind) return quoted(kind_words(domain));

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "graph/check_dataflow.h"
+#include "graph/instances.h"
 #include "graph/json_reader.h"
 #include "graph/suggestions.h"
 #include "penumbra/condition.h"
@@ -19,10 +20,12 @@ namespace {
 class Checker {
   public:
     Checker(const Pipeline& pipeline, const NodeSet& set, Diagnostics& diagnostics)
-        : pipeline_(pipeline), set_(set), diagnostics_(diagnostics) {}
+        : errors_(diagnostics.size()),
+          written_out_(write_out_instances(pipeline, set, diagnostics)),
+          set_(set),
+          diagnostics_(diagnostics) {}
 
     std::optional<CheckedPipeline> run() {
-        const size_t errors = diagnostics_.size();
         result_.name = pipeline_.name;
         result_.doc = pipeline_.doc;
         result_.file = pipeline_.file;
@@ -41,7 +44,7 @@ class Checker {
         check_outputs();
         check_wires(flow_, result_.inputs, result_.resources, diagnostics_);
         result_.edges = check_dataflow(flow_, diagnostics_);
-        if (diagnostics_.size() != errors) return std::nullopt;
+        if (diagnostics_.size() != errors_) return std::nullopt;
         return std::move(result_);
     }
 
@@ -135,16 +138,18 @@ class Checker {
     // A node that runs under no facts stays: its names and wires are checked as any other's, and it gets in
     // nobody's way.
     void settle_conditions() {
-        const auto of_pipeline = [&](const Atom& atom) { return find_param(atom.node, atom.name); };
         for (size_t i = 0; i < result_.nodes.size(); ++i) {
             BoundNode& node = result_.nodes[i];
+            const auto of_pipeline = [&](const Atom& atom) {
+                return find_param(written_out_.node_id(written(i), atom.node), atom.name);
+            };
             const std::string path = "nodes." + node.id + ".if";
             if (const auto& json = sources_[i]->condition)
                 if (const auto condition =
                         parse_condition(*json, *result_.domain, true, path, diagnostics_)) {
                     node.condition = to_string(*condition);
                     if (const auto cases = settle(*condition, of_pipeline, path, diagnostics_))
-                        node.cases = *cases;
+                        node.cases = of_instance(i, *cases);
                 }
             // A declaration's own conditions have been checked with it.
             const auto own = [&](const Atom& atom) -> KnownParam {
@@ -153,10 +158,28 @@ class Checker {
                         .value = &node.params[static_cast<size_t>(param - node.type().params.begin())]};
             };
             for (BoundPort& bound : node.ports)
-                bound.cases = settle(bound.port->condition, own, path, diagnostics_).value_or(FactCases());
+                bound.cases = of_instance(
+                    i, settle(bound.port->condition, own, path, diagnostics_).value_or(FactCases()));
             for (const Table& table : node.type().tables)
-                node.tables.push_back(settle(table.condition, own, path, diagnostics_).value_or(FactCases()));
+                node.tables.push_back(
+                    of_instance(i, settle(table.condition, own, path, diagnostics_).value_or(FactCases())));
         }
+    }
+
+    // Of a node, which of the pipeline's it is.
+    size_t written(size_t node) const { return static_cast<size_t>(sources_[node] - pipeline_.nodes.data()); }
+
+    // The cases in which something of a node exists: its instance's own facts are what they are.
+    FactCases of_instance(size_t node, FactCases cases) const {
+        const PipelineInstance* instance = written_out_.of[written(node)];
+        if (!instance) return cases;
+        const std::vector<Fact>& facts = result_.domain->facts;
+        for (const auto& [name, value] : instance->facts) {
+            const auto fact = std::ranges::find(facts, name, &Fact::name);
+            if (fact != facts.end())
+                cases = cases_given(cases, static_cast<size_t>(fact - facts.begin()), value.holds);
+        }
+        return cases;
     }
 
     KnownParam find_param(const std::string& id, const std::string& name) {
@@ -229,6 +252,11 @@ class Checker {
             }
     }
 
+    // What a port is called: as it is wired, else by its own name.
+    std::string name_at(size_t node, const BoundPort& bound, const Wire* wire) const {
+        return wire ? wire->resource : written_out_.name(written(node), bound.port->name);
+    }
+
     // The names that inputs and the pipeline's outputs ask for: an optional output exists if its name is
     // among them.
     std::map<std::string, std::vector<size_t>> wanted_names() {
@@ -236,7 +264,7 @@ class Checker {
         for (const OutputName& output : pipeline_.outputs)
             wanted[output.name].push_back(result_.nodes.size());
         each_port(false, [&](size_t node, const BoundPort& bound, const Wire* wire) {
-            wanted[wire ? wire->resource : bound.port->name].push_back(node);
+            wanted[name_at(node, bound, wire)].push_back(node);
         });
         return wanted;
     }
@@ -255,11 +283,8 @@ class Checker {
         };
         each_port(true, [&](size_t node, BoundPort& bound, const Wire* wire) {
             if (wire) bound.place = wire->place;
-            std::string name;
-            if (wire)
-                name = wire->resource;
-            else if (!bound.port->optional || asked_by_another(bound.port->name, node))
-                name = bound.port->name;
+            std::string name = name_at(node, bound, wire);
+            if (!wire && bound.port->optional && !asked_by_another(name, node)) name.clear();
             if (name.empty()) {
                 if (!bound.port->optional)
                     error(use_of(node, bound), "only an optional port may be unbound (null)");
@@ -273,13 +298,12 @@ class Checker {
     void bind_inputs() {
         each_port(false, [&](size_t node, BoundPort& bound, const Wire* wire) {
             const Port& port = *bound.port;
-            std::string name;
+            std::string name = name_at(node, bound, wire);
             if (wire) {
                 bound.place = wire->place;
-                name = wire->resource;
                 bound.previous = wire->previous;
-            } else if (!port.previous && (!port.optional || exists_beside(port.name, node))) {
-                name = port.name;
+            } else if (port.previous || (port.optional && !exists_beside(name, node))) {
+                name.clear();
             }
             if (!name.empty()) bound.resource = id_of(name);
             const PortUse use = use_of(node, bound);
@@ -330,6 +354,10 @@ class Checker {
         if (!use.host && use.writers.empty()) {
             if (unknown_type_) return;  // the node of unknown type may well write it
             const bool own = !wire_of(*sources_[reader.node], port);
+            if (const auto family = written_out_.own_names.find(use.name);
+                family != written_out_.own_names.end())
+                return error(reader, fmt::format("there is one \"{0}\" for each of \"{1}\": \"{0}_INSTANCE\"",
+                                                 use.name, family->second));
             error(reader, fmt::format("no resource named \"{}\"{}{}", use.name,
                                       own ? " (the port's own name)" : "", nearest_name(use.name)));
             return;
@@ -381,7 +409,9 @@ class Checker {
         }
     }
 
-    const Pipeline& pipeline_;
+    const size_t errors_;  // that there were before
+    const WrittenOut written_out_;
+    const Pipeline& pipeline_ = written_out_.pipeline;
     const NodeSet& set_;
     Diagnostics& diagnostics_;
     CheckedPipeline result_;

@@ -212,6 +212,13 @@ FactCases cases_of(size_t fact, bool negated) {
     return cases;
 }
 
+FactCases cases_given(const FactCases& cases, size_t fact, bool holds) {
+    FactCases given;
+    const size_t known = size_t{1} << fact;
+    for (size_t c = 0; c < cases.size(); ++c) given[c] = cases[holds ? c | known : c & ~known];
+    return given;
+}
+
 std::optional<FactCases> settle(const Condition& condition, const FindParam& find, const std::string& path,
                                 Diagnostics& diagnostics) {
     if (condition.always()) return all_cases();

@@ -99,6 +99,7 @@ class PipelineReader {
         reader_.text("$schema");
         each("inputs", [&](const JsonMember& member) { read_input(member); });
         each("nodes", [&](const JsonMember& member) { read_node(member); });
+        each("instances", [&](const JsonMember& member) { read_instance(member); });
         each("resources", [&](const JsonMember& member) { read_resource(member); });
         for (const ObjectReader::Item& item : reader_.list("outputs"))
             pipeline_.outputs.push_back({item.text, item.place});
@@ -141,7 +142,29 @@ class PipelineReader {
         input.optional = reader.flag("optional");
         read_extent(reader, input);
         if (const Json* format = reader.find("format")) input.format_place = format->place;
+        read_family(reader, input.instances, input.instances_place);
         pipeline_.inputs.push_back(std::move(input));
+    }
+
+    static void read_family(const ObjectReader& reader, std::string& family, Place& place) {
+        family = reader.text("instances");
+        if (const Json* json = reader.find("instances")) place = json->place;
+    }
+
+    void read_instance(const JsonMember& member) {
+        const ObjectReader reader(member.value, "instances." + member.key, vocabulary::instance,
+                                  diagnostics_);
+        PipelineInstance instance{
+            .name = member.key, .family = reader.text("of"), .facts = {}, .place = member.key_place};
+        const Json* facts = reader.find("facts");
+        if (facts && expect(*facts, Json::Kind::object, reader.path("facts"), diagnostics_))
+            for (const JsonMember& fact : facts->members) {
+                if (fact.value.kind == Json::Kind::null) continue;
+                const std::string path = fmt::format("{}.{}", reader.path("facts"), fact.key);
+                if (expect(fact.value, Json::Kind::boolean, path, diagnostics_))
+                    instance.facts[fact.key] = {fact.value.boolean, fact.key_place};
+            }
+        pipeline_.instances.push_back(std::move(instance));
     }
 
     void read_extent(const ObjectReader& reader, HostInput& input) {
@@ -175,6 +198,7 @@ class PipelineReader {
             if (expect(*condition, Json::Kind::string, reader.path("if"), diagnostics_))
                 node.condition = *condition;
         node.doc = reader.text("doc");
+        read_family(reader, node.instances, node.instances_place);
         pipeline_.nodes.push_back(std::move(node));
     }
 

@@ -171,7 +171,14 @@ constexpr auto pipeline_keys = std::to_array<Key>({
     {"outputs", Holds::ids, "what the host gets", {.required = true, .min_items = 1}},
     {"nodes", Holds::objects, "in any order: the dataflow decides",
      {.required = true, .object = &node, .min_items = 1}},
+    {"instances", Holds::objects, "of what there are several: inputs and nodes of a family exist for each of its members, "
+     "as NAME_INSTANCE, and so does what these nodes write", {.object = &instance}},
     {"resources", Holds::objects, "settings of what nodes write", {.object = &resource}},
+});
+
+constexpr auto instance_keys = std::to_array<Key>({
+    {"of", Holds::id, "the family", {.required = true}},
+    {"facts", Holds::facts, "what its nodes take for granted, whatever holds for the others"},
 });
 
 constexpr auto input_keys = std::to_array<Key>({
@@ -181,6 +188,7 @@ constexpr auto input_keys = std::to_array<Key>({
      .min_items = 2, .max_items = 2, .in = image | texels}},
     {"history", Holds::word, "the host also brings the value for @-1", {.words = "host"}},
     {"optional", Holds::flag, "the host may leave it out"},
+    {"instances", Holds::id, "a family: there is one for each of its members"},
 });
 
 constexpr auto node_keys = std::to_array<Key>({
@@ -190,6 +198,7 @@ constexpr auto node_keys = std::to_array<Key>({
     {"params", Holds::values, "parameter: value"},
     {"if", Holds::condition, "the node runs only where this holds"},
     {"doc", Holds::line, "why it is there"},
+    {"instances", Holds::id, "a family: there is one for each of its members"},
 });
 
 constexpr auto resource_keys = std::to_array<Key>({
@@ -213,13 +222,14 @@ constexpr Object device_class = {
 constexpr Object pipeline = {"pipeline", "pipelines/NAME.json.", pipeline_keys};
 constexpr Object input = {"input", "A member of a pipeline's `inputs`.", input_keys, "", "kind"};
 constexpr Object node = {"node", "A member of `nodes`.", node_keys};
+constexpr Object instance = {"instance", "A member of `instances`.", instance_keys};
 constexpr Object resource = {"resource", "A member of `resources`.", resource_keys};
 // clang-format on
 
 std::span<const Object* const> objects() {
     static constexpr const Object* all[] = {&declaration, &port,     &extent,  &count,        &table,
                                             &param,       &dispatch, &classes, &device_class, &pipeline,
-                                            &input,       &node,     &resource};
+                                            &input,       &node,     &instance, &resource};
     return all;
 }
 

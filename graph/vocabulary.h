@@ -45,6 +45,7 @@ enum class Holds : uint8_t {
     condition,  // condition.h
     value,      // of the parameter's type
     values,     // parameter: its value
+    facts,      // fact: whether it holds
     wires,      // port: resource
     object,     // with keys of its own
     objects     // id: such an object
@@ -112,7 +113,7 @@ struct Object {
 
 namespace vocabulary {
 extern const Object declaration, port, extent, count, table, param, dispatch, classes, device_class;
-extern const Object pipeline, input, node, resource;
+extern const Object pipeline, input, node, instance, resource;
 // In the documentation's order.
 std::span<const Object* const> objects();
 }  // namespace vocabulary

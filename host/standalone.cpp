@@ -93,8 +93,11 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
         out.light = light_block(*light(), moment(index), camera - shot_.origin);
         out.light_prev = light_block(*light(), moment(previous), camera - shot_.origin);
     }
-    for (const std::string& name : options_.lights)
-        out.lights.push_back(light_block(shot_.lights.at(name), moment(index), camera - shot_.origin));
+    for (const std::string& name : options_.lights) {
+        const ShotLight& one = shot_.lights.at(name);
+        out.lights.push_back(light_block(one, moment(index), camera - shot_.origin));
+        out.lights_prev.push_back(light_block(one, moment(previous), camera - shot_.origin));
+    }
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_->bvh_origin());
     for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);

@@ -42,9 +42,9 @@ struct Stance {
 // One frame's data, a pure function of its index.
 struct StandaloneFrame {
     FrameDescription description;
-    blocks::Sun sun{}, sun_prev{};        // of the previous frame; of this one where there is none
-    blocks::Light light{}, light_prev{};  // of the one that masks are of, where it is not the sun
-    std::vector<blocks::Light> lights;    // in the options' order
+    blocks::Sun sun{}, sun_prev{};                   // of the previous frame; of this one where there is none
+    blocks::Light light{}, light_prev{};             // of the one that masks are of, where it is not the sun
+    std::vector<blocks::Light> lights, lights_prev;  // in the options' order
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };

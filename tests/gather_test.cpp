@@ -65,6 +65,7 @@ struct Setting {
     int radius = 4;                                        // of the taps
     std::function<double(int x, int y)> step_m = nullptr;  // moves the receiver along its normal
     std::function<bool(int x, int y)> averted = nullptr;   // pixels that look away from the sun
+    std::function<bool(int x, int y)> above = nullptr;     // pixels whose surface lies above the edges
     double sun_radius_deg = small_sun_deg;
     double sun_elevation_deg = 45;  // over the receiver
     uint32_t frame = 0;             // others know the one before
@@ -175,6 +176,7 @@ Result gather(ViewRun& run, const Setting& setting) {
             };
             result.truth[i] = 1;
             for (const Edge& edge : setting.edges) {
+                if (setting.above && setting.above(int(x), int(y))) break;
                 const double angle = glm::radians(edge.angle_deg), height = edge.distance_m - at.z;
                 const glm::dvec2 normal(std::cos(angle), std::sin(angle));
                 const double rho = height * tangent,
@@ -387,6 +389,19 @@ TEST_F(Gather, KeepsTwoReceiversApart) {
     }
     EXPECT_GT(with.n_eff(), 0.3 * without.n_eff());
     EXPECT_GT(with.n_eff(), 15);
+}
+
+// A ledge over a floor: what hides the floor from the sun lies below the ledge.
+TEST_F(Gather, AsksNobodyOnAnotherPlane) {
+    Setting setting{.edges = {{distance_for(12), 90}}};
+    setting.above = [](int x, int) { return x < 44; };
+    setting.step_m = [&](int x, int y) { return setting.above(x, y) ? 0.3 : 0.0; };
+    for (setting.seed = 1; setting.seed <= 3; ++setting.seed) {
+        const Result r = gather(setting);
+        for (int y = 0; y < int(extent.height); ++y)
+            for (int x = 36; x < 44; ++x)
+                ASSERT_GT(r.now[size_t(y) * extent.width + x], 0.99) << x << ", " << y;
+    }
 }
 
 // Surfaces that look away from the sun are dark for a reason of their own.

@@ -80,6 +80,8 @@ std::optional<std::string> fact_problem(const Domain& domain, const std::string&
 using FactCases = std::bitset<size_t{1} << max_facts>;
 FactCases all_cases();
 FactCases cases_of(size_t fact, bool negated);
+// The same where somebody else knows the fact: what a case says of it no longer matters.
+FactCases cases_given(const FactCases& cases, size_t fact, bool holds);
 
 // One parameter that a comparison asks for.
 struct KnownParam {

@@ -29,6 +29,8 @@ struct HostInput {
     bool optional = false;
     Place place, kind_place;
     std::optional<Place> format_place, extent_place;
+    std::string instances;  // a family: the host brings one to each of its members
+    Place instances_place;
 };
 
 // `port: "name"`, `port: "name@-1"` or `port: null` (explicitly unbound).
@@ -47,6 +49,21 @@ struct PipelineNode {
     std::optional<Json> condition;  // which check() parses: facts are the node set's
     std::string doc;
     Place place, type_place;
+    std::string instances;  // a family: the node exists once for each of its members
+    Place instances_place;
+};
+
+// One of a family, as one of several lights: nodes and inputs of the family exist for it, under names that
+// end in its own.
+struct PipelineInstance {
+    struct Fact {
+        bool holds = false;
+        Place place;
+    };
+    std::string name;
+    std::string family;
+    std::map<std::string, Fact> facts;  // of its nodes, whatever they are of the target
+    Place place;
 };
 
 struct ResourceSetting {
@@ -67,6 +84,7 @@ struct Pipeline {
     std::string file;
     std::vector<HostInput> inputs;
     std::vector<PipelineNode> nodes;
+    std::vector<PipelineInstance> instances;
     std::vector<ResourceSetting> resources;
     std::vector<OutputName> outputs;
 };

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include "graph/instances.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "graph/suggestions.h"
+#include "penumbra/condition.h"
+
+namespace penumbra {
+
+namespace {
+
+std::string name_of(const std::string& name, const PipelineInstance& instance) {
+    return name + "_" + instance.name;
+}
+
+class Writer {
+  public:
+    Writer(const Pipeline& pipeline, const NodeSet& set, Diagnostics& diagnostics)
+        : pipeline_(pipeline), set_(set), diagnostics_(diagnostics) {}
+
+    WrittenOut run() {
+        Pipeline& out = result_.pipeline;
+        out = {.name = pipeline_.name, .doc = pipeline_.doc, .file = pipeline_.file};
+        for (const PipelineInstance& instance : pipeline_.instances)
+            members_[instance.family].push_back(&instance);
+        check_families();
+        find_own_names();
+        for (const HostInput& input : pipeline_.inputs)
+            each(input.instances, [&](const PipelineInstance* instance) {
+                add(out.inputs, input, input.name, instance, &HostInput::name, "inputs.");
+            });
+        for (const PipelineNode& node : pipeline_.nodes)
+            each(node.instances, [&](const PipelineInstance* instance) { add_node(node, instance); });
+        for (const ResourceSetting& setting : pipeline_.resources)
+            each(family_of(setting.name), [&](const PipelineInstance* instance) {
+                out.resources.push_back(setting);
+                if (instance) out.resources.back().name = name_of(setting.name, *instance);
+            });
+        for (const OutputName& output : pipeline_.outputs)
+            each(family_of(output.name), [&](const PipelineInstance* instance) {
+                out.outputs.push_back(output);
+                if (instance) out.outputs.back().name = name_of(output.name, *instance);
+            });
+        return std::move(result_);
+    }
+
+  private:
+    void error(const Place& place, std::string path, std::string message) {
+        diagnostics_.add(place, std::move(path), std::move(message));
+    }
+
+    // Every family that is named has members, and every member a family; facts are the domain's.
+    void check_families() {
+        std::set<std::string> named;
+        const auto use = [&](const std::string& family, const Place& place, const std::string& path) {
+            if (family.empty()) return;
+            named.insert(family);
+            if (members_.contains(family)) return;
+            std::vector<std::string> families;
+            for (const auto& [name, members] : members_) families.push_back(name);
+            error(place, path + ".instances",
+                  fmt::format("no instance is of \"{}\"{}", family, did_you_mean(family, families)));
+        };
+        for (const HostInput& input : pipeline_.inputs)
+            use(input.instances, input.instances_place, "inputs." + input.name);
+        for (const PipelineNode& node : pipeline_.nodes)
+            use(node.instances, node.instances_place, "nodes." + node.id);
+        for (const PipelineInstance& instance : pipeline_.instances) {
+            const std::string path = "instances." + instance.name;
+            if (!named.contains(instance.family))
+                error(instance.place, path,
+                      fmt::format("no input and no node is of the family \"{}\"{}", instance.family,
+                                  did_you_mean(instance.family, std::vector(named.begin(), named.end()))));
+            for (const auto& [fact, value] : instance.facts)
+                if (auto problem = fact_problem(*set_.domain(), fact))
+                    error(value.place, fmt::format("{}.facts.{}", path, fact), std::move(*problem));
+        }
+    }
+
+    // What a node writes, by names: what it surely does, and what it would under the port's own name if
+    // somebody asked.
+    void names_of(const PipelineNode& node, std::set<std::string>& sure, std::set<std::string>& maybe) const {
+        for (const Wire& wire : node.out)
+            if (!wire.resource.empty()) sure.insert(wire.resource);
+        const auto entry = set_.share(node.type);
+        if (!entry) return;
+        for (const Port& port : entry->type.ports)
+            if (port.output && std::ranges::find(node.out, port.name, &Wire::port) == node.out.end())
+                (port.optional ? maybe : sure).insert(port.name);
+    }
+
+    void find_own_names() {
+        std::set<std::string> shared, unused;
+        for (const HostInput& input : pipeline_.inputs)
+            if (input.instances.empty()) shared.insert(input.name);
+        for (const PipelineNode& node : pipeline_.nodes)
+            if (node.instances.empty()) names_of(node, shared, unused);
+        const auto own = [&](const std::string& name, const std::string& family, const Place& place,
+                             const std::string& path) {
+            const auto [at, added] = result_.own_names.try_emplace(name, family);
+            if (shared.contains(name) || at->second != family)
+                error(
+                    place, path,
+                    fmt::format("writes \"{}\" for each of \"{}\", and others write it, too", name, family));
+        };
+        for (const HostInput& input : pipeline_.inputs)
+            if (!input.instances.empty())
+                own(input.name, input.instances, input.instances_place, "inputs." + input.name);
+        for (const PipelineNode& node : pipeline_.nodes) {
+            if (node.instances.empty()) continue;
+            result_.own_nodes.try_emplace(node.id, node.instances);
+            std::set<std::string> sure, maybe;
+            names_of(node, sure, maybe);
+            for (const std::string& name : sure)
+                own(name, node.instances, node.instances_place, "nodes." + node.id);
+            for (const std::string& name : maybe)
+                if (!shared.contains(name)) result_.own_names.try_emplace(name, node.instances);
+        }
+    }
+
+    std::string family_of(const std::string& name) const {
+        const auto found = result_.own_names.find(name);
+        return found == result_.own_names.end() ? "" : found->second;
+    }
+
+    // Calls `make` for each member, or once with nullptr where there is no family.
+    template <typename Make>
+    void each(const std::string& family, Make make) const {
+        if (family.empty()) return make(nullptr);
+        const auto members = members_.find(family);
+        if (members == members_.end()) return;
+        for (const PipelineInstance* instance : members->second) make(instance);
+    }
+
+    template <typename Thing>
+    Thing& add(std::vector<Thing>& list, const Thing& thing, const std::string& name,
+               const PipelineInstance* instance, std::string Thing::*id, const char* path) {
+        Thing& added = list.emplace_back(thing);
+        added.instances.clear();
+        if (instance) added.*id = name_of(name, *instance);
+        if (!ids_.insert(path + added.*id).second)
+            error(thing.place, path + name,
+                  fmt::format("stands for \"{}\", which is another's name", added.*id));
+        return added;
+    }
+
+    void add_node(const PipelineNode& node, const PipelineInstance* instance) {
+        PipelineNode& added =
+            add(result_.pipeline.nodes, node, node.id, instance, &PipelineNode::id, "nodes.");
+        result_.of.push_back(instance);
+        if (!instance) return;
+        const size_t index = result_.of.size() - 1;
+        for (std::vector<Wire>* wires : {&added.in, &added.out})
+            for (Wire& wire : *wires) wire.resource = result_.name(index, wire.resource);
+    }
+
+    const Pipeline& pipeline_;
+    const NodeSet& set_;
+    Diagnostics& diagnostics_;
+    std::map<std::string, std::vector<const PipelineInstance*>> members_;  // by family, in the file's order
+    std::set<std::string> ids_;                                            // "nodes.trace_desk"
+    WrittenOut result_;
+};
+
+}  // namespace
+
+std::string WrittenOut::own(const std::map<std::string, std::string>& names, size_t node,
+                            const std::string& called) const {
+    const auto found = names.find(called);
+    const bool is_own = of[node] && found != names.end() && found->second == of[node]->family;
+    return is_own ? name_of(called, *of[node]) : called;
+}
+
+WrittenOut write_out_instances(const Pipeline& pipeline, const NodeSet& set, Diagnostics& diagnostics) {
+    return Writer(pipeline, set, diagnostics).run();
+}
+
+}  // namespace penumbra
