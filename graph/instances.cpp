@@ -33,8 +33,17 @@ class Writer {
             each(input.instances, [&](const PipelineInstance* instance) {
                 add(out.inputs, input, input.name, instance, &HostInput::name, "inputs.");
             });
-        for (const PipelineNode& node : pipeline_.nodes)
-            each(node.instances, [&](const PipelineInstance* instance) { add_node(node, instance); });
+        // One member's nodes after the other's: as far as the dataflow lets them they run in this order, and
+        // each member's transients take the memory of the one's before.
+        std::set<std::string> done;
+        for (const PipelineNode& node : pipeline_.nodes) {
+            if (!node.instances.empty() && !done.insert(node.instances).second) continue;
+            each(node.instances, [&](const PipelineInstance* instance) {
+                if (!instance) return add_node(node, nullptr);
+                for (const PipelineNode& other : pipeline_.nodes)
+                    if (other.instances == node.instances) add_node(other, instance);
+            });
+        }
         for (const ResourceSetting& setting : pipeline_.resources)
             each(family_of(setting.name), [&](const PipelineInstance* instance) {
                 out.resources.push_back(setting);

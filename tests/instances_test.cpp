@@ -73,6 +73,9 @@ TEST_F(Instances, HaveTheirOwnNodesAndNamesAndShareTheRest) {
             << "what guides makes";
         EXPECT_EQ(bound_to(*checked, "classify_" + member, "debug"), "") << "nobody asks for it";
     }
+    std::string order;
+    for (const BoundNode& each : checked->nodes) order += each.id.back();
+    EXPECT_EQ(order, "saaaaabbbbb") << "so that b's transients take the memory of a's";
     const auto of_one = run(pipeline("", R"("a": {"of": "lights"})"));
     ASSERT_TRUE(of_one) << diagnostics_.text();
     EXPECT_EQ(of_one->nodes.size(), 1 + 5);
@@ -97,11 +100,11 @@ TEST_F(Instances, SettingsAreForEach) {
 TEST_F(Instances, FactsAreTheirNodesOwn) {
     const auto checked =
         run(pipeline("", R"("a": {"of": "lights", "facts": {"casters": false}}, "b": {"of": "lights"})"),
-            {"nodes.trace.if=casters", "outputs=[\"hits_b\"]"});
+            {"nodes.trace.if=casters", "outputs=[\"traced_b\"]"});
     EXPECT_FALSE(checked) << "b has no trace where there are no casters";
     const auto known = run(pipeline("", R"("a": {"of": "lights", "facts": {"casters": false}},
                                            "b": {"of": "lights", "facts": {"casters": true}})"),
-                           {"nodes.trace.if=casters", "outputs=[\"hits_b\"]", R"(nodes.denoise=null)",
+                           {"nodes.trace.if=casters", "outputs=[\"traced_b\"]", R"(nodes.denoise=null)",
                             R"(nodes.filter0=null)", R"(nodes.filter1=null)"});
     ASSERT_TRUE(known) << diagnostics_.text();
     EXPECT_TRUE(node(*known, "trace_a").cases.none());
@@ -118,14 +121,14 @@ TEST_F(Instances, ConditionsAskForTheirOwnNodesParameters) {
 
 TEST_F(Instances, MistakesAreSaid) {
     EXPECT_EQ(error(pipeline("", R"("a": {"of": "lihgts"})")).substr(0, 75),
-              "p.json:3:59: inputs.sun.instances: no instance is of \"lights\"; did you mean ");
+              "p.json:2:78: inputs.sun.instances: no instance is of \"lights\"; did you mean");
     EXPECT_EQ(error(pipeline("", R"("a": {"of": "lights"}, "b": {"of": "lihgts"})")),
               "instances.b: no input and no node is of the family \"lihgts\"; did you mean \"lights\"?");
-    EXPECT_EQ(error(pipeline("", R"("a": {})")), "instances.a.of: missing");
+    EXPECT_EQ(error(pipeline("", R"("a": {})")), "instances.a: key \"of\" is missing");
     EXPECT_EQ(error(pipeline("", R"("a": {"of": "lights", "facts": {"caster": true}})")).substr(0, 47),
               "instances.a.facts.caster: no fact \"caster\" (fac");
     EXPECT_EQ(error(pipeline("", R"("a": {"of": "lights", "facts": {"casters": 1}})")),
-              "instances.a.facts.casters: expected true or false");
+              "instances.a.facts.casters: expected a boolean, got an integer");
     EXPECT_EQ(error(pipeline(), {"nodes.filter2={\"type\": \"filter\", \"in\": {\"signal\": \"visibility\"}, "
                                  "\"out\": {\"filtered\": \"softer\"}}"}),
               "nodes.filter2.in.signal: there is one \"visibility\" for each of \"lights\": "
