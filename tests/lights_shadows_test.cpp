@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+// lights_shadows.json through the program: light_shadows.json for each light of a shot, in one plan.
+#include "tests/cli_run.h"
+#include "tests/gpu_test.h"
+
+namespace penumbra::test {
+namespace {
+
+class LightsShadows : public Cli {
+  protected:
+    static constexpr const char* shot =
+        " --shot scenes/lights/interior.shot.json --size 64x36 --frames 0..2 --every 2 ";
+    void render(const std::string& arguments, const std::string& folder) const {
+        const Result result =
+            run("render " + arguments + shot + "--out '" + (folder_ / folder).string() + "'");
+        ASSERT_EQ(result.code, 0) << result.err;
+    }
+};
+
+TEST_F(LightsShadows, EachMaskIsTheOneOfItsLightAlone) {
+    render("lights_shadows", "all");
+    for (const std::string light : {"bulb", "panel"}) {  // one that moves, one that does not
+        render("light_shadows --no-jitter --light " + light, light);
+        const std::string alone = read_file(folder_ / light / "visibility.0002.exr");
+        EXPECT_GT(alone.size(), 1000);
+        EXPECT_EQ(read_file(folder_ / "all" / ("visibility_" + light + ".0002.exr")), alone) << light;
+    }
+    render("lights_shadows --light tube", "tube");
+    EXPECT_TRUE(fs::exists(folder_ / "tube/visibility_tube.0002.exr"));
+    EXPECT_FALSE(fs::exists(folder_ / "tube/visibility_bulb.0002.exr"));
+}
+
+TEST_F(LightsShadows, AShotMustHaveLightsThatNodesCanBeNamedAfter) {
+    expect(run("render lights_shadows --shot cards"), 2,
+           "the pipeline takes lights that are near, and the shot has none");
+    const std::string named =
+        file("named.shot.json", R"({"penumbra_shot": 1, "scene": ")" PENUMBRA_SOURCE_DIR
+                                R"(/scenes/lights/interior.glb", "size": [8, 8], "frames": 1,
+        "camera": {"vertical_fov_deg": 60, "near": 0.1, "keys": [{"frame": 0, "position": [0, 1, 3], "target": [0, 1, 0]}]},
+        "lights": {"Desk lamp": {"kind": "point", "intensity": 5, "keys": [{"frame": 0, "position": [0, 2, 0]}]}}})");
+    expect(run("render lights_shadows --shot '" + named + "'"), 2,
+           "lights.Desk lamp: \"lights_shadows\" has nodes");
+}
+
+}  // namespace
+}  // namespace penumbra::test
