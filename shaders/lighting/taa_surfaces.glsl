@@ -125,7 +125,9 @@ float off_by(Plane plane, vec2 uv, float z) {
 
 vec2 previous_uv(Cameras cameras, ivec2 t) { return vec2(t) * cameras.by_size_prev + cameras.first_uv_prev; }
 
-const float OWN_MOTION_PX = 0.25;  // more than halves' rounding makes of a still point's motion
+// What moves by less goes on being seen by the pixels around, so that its history is as good as that of what is still. It is also
+// more than halves' rounding makes of a still point's motion.
+const float OWN_MOTION_PX = 0.5;
 const float SAME = 0.5;  // of the tolerance: nearer to a plane than that is the surface itself, farther a ledge of it
 const float FAR_M = 1e30;
 const float SKY_M = 1e6;  // as good as infinitely far away, for what a camera's steps move
@@ -177,7 +179,9 @@ Past past_among(ivec2 p, vec2 texel, Around around, Cameras cameras, vec3 moved)
         for (int i = 0; i < 4; ++i)
             if (z[i] > 0.0 && solid) off_m[i] = min(off_m[i], scale * off_by(back, previous_uv(cameras, t[i]), z[i]));
         BRANCH_IF(dot(share, vec4(lessThanEqual(off_m, vec4(same_m)))) < 1.0) {
-            const bool may_stay = !memory_of(imageLoad(history, nearest).w).moves_itself;
+            // What moves is still in front: it has not left. A bar of the same gate, or what is behind its gaps, need not be
+            // among the two surfaces that are asked.
+            const bool may_stay = moves_itself || !memory_of(imageLoad(history, nearest).w).moves_itself;
             for (int i = 0; i < 4; ++i) {
                 const bool other = !(off_m[i] <= same_m) && may_stay && stays(cameras, p, texel, z[i]);
                 thin = thin || other && share[i] > 0.0;
