@@ -7,6 +7,7 @@
 #include <functional>
 #include <glm/gtc/type_ptr.hpp>
 #include <thread>
+#include <utility>
 
 #include "app/reference_pipeline.h"
 #include "host/generated/noise.h"
@@ -89,14 +90,23 @@ class Frame {
     std::vector<uint32_t> no_noise_;
 };
 
-void on_all_cores(uint32_t rows, const std::function<void(uint32_t)>& work) {
+// `step`: on this thread, of rows that are done or under way.
+void on_all_cores(uint32_t rows, const std::function<void(uint32_t)>& work,
+                  const std::function<void(uint32_t)>& step = {}) {
     std::atomic<uint32_t> next{0};
-    const auto loop = [&] {
-        for (uint32_t row; (row = next++) < rows;) work(row);
+    uint32_t told = 0;
+    const auto loop = [&](bool tells) {
+        for (uint32_t row; (row = next++) < rows;) {
+            work(row);
+            if (tells) step(row + 1 - std::exchange(told, row + 1));
+        }
     };
-    std::vector<std::jthread> others(std::max(std::thread::hardware_concurrency(), 1u) - 1);
-    for (std::jthread& thread : others) thread = std::jthread(loop);
-    loop();
+    {
+        std::vector<std::jthread> others(std::max(std::thread::hardware_concurrency(), 1u) - 1);
+        for (std::jthread& thread : others) thread = std::jthread(loop, false);
+        loop(bool(step));
+    }
+    if (step) step(rows - told);
 }
 
 class LightPixels : public PixelTruth {
@@ -134,7 +144,7 @@ std::unique_ptr<PixelTruth> light_pixels(const Session& session, uint32_t frame)
 
 std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, const std::string& light,
                                           Diagnostics& diagnostics, std::vector<std::string>& warnings,
-                                          bool jitter, KeptScene* kept) {
+                                          bool jitter, KeptScene* kept, const Told& doing) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
     const std::vector<std::string> settings{"inputs.light={}"};
     const auto pipeline = parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics);
@@ -147,11 +157,13 @@ std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, cons
     options.optimum = false;
     options.light = light;
     options.kept = kept;
+    options.doing = doing;
     options.facts = {{"sun_up", true}, {"casters", true}};  // so that both are made in any case
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }
 
-Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays) {
+Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays,
+                          const std::function<void(uint32_t)>& step) {
     session.run_frame(index, true);
     const uint32_t width = session.plan().extent.width, height = session.plan().extent.height;
     const size_t pixels = size_t{width} * height;
@@ -187,20 +199,23 @@ Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays) {
 
     Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
     const uint32_t many = rays_cast(rays), side = static_cast<uint32_t>(std::lround(std::sqrt(many)));
-    on_all_cores(height, [&](uint32_t y) {
-        for (uint32_t x = 0; x < width; ++x) {
-            const size_t p = size_t{y} * width + x;
-            if (!receivers[p].reached) continue;
-            uint32_t lit = probed[p], all = probe_side * probe_side;
-            if (!agree_around(x, y)) {
-                lit = frame.lit_rays(receivers[p], side, pcg(uint32_t(p) + seed + 1));
-                all = many;
+    on_all_cores(
+        height,
+        [&](uint32_t y) {
+            for (uint32_t x = 0; x < width; ++x) {
+                const size_t p = size_t{y} * width + x;
+                if (!receivers[p].reached) continue;
+                uint32_t lit = probed[p], all = probe_side * probe_side;
+                if (!agree_around(x, y)) {
+                    lit = frame.lit_rays(receivers[p], side, pcg(uint32_t(p) + seed + 1));
+                    all = many;
+                }
+                truth.visibility[p] = static_cast<float>(double(lit) / all);
+                truth.receiver[p] = 1;
+                truth.rays[p] = static_cast<float>(all);
             }
-            truth.visibility[p] = static_cast<float>(double(lit) / all);
-            truth.receiver[p] = 1;
-            truth.rays[p] = static_cast<float>(all);
-        }
-    });
+        },
+        step);
     return truth;
 }
 

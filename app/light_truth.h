@@ -10,13 +10,15 @@ namespace penumbra {
 // its sun's.
 std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, const std::string& light,
                                           Diagnostics& diagnostics, std::vector<std::string>& warnings,
-                                          bool jitter, KeptScene* kept = nullptr);
+                                          bool jitter, KeptScene* kept = nullptr, const Told& doing = {});
 
 // Of the frame that such a session has just run.
 std::unique_ptr<PixelTruth> light_pixels(const Session& session, uint32_t frame);
 
 // Rays in double precision, stratified over the light, against the tree on the processor; pixels around which
 // 64 agree keep those, the others get rays_cast(rays). Who the light cannot reach is no receiver and has 1.
-Truth counted_light_truth(Session& session, uint32_t frame, uint32_t rays);
+// `step` is told of rows that are done.
+Truth counted_light_truth(Session& session, uint32_t frame, uint32_t rays,
+                          const std::function<void(uint32_t)>& step = {});
 
 }  // namespace penumbra

@@ -113,7 +113,7 @@ void add_plan(CLI::App& app, PlanArguments& a) {
 void add_statics(CLI::App& app, StaticsArguments& a) {
     CLI::App* c = app.add_subcommand(
         "statics", "what a driver's compiler made of every pass: registers, spills, memory, occupancy");
-    c->add_option("pipelines", a.pipelines, "pipeline files")->required();
+    c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines")->required();
     c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
     c->add_option("--format", a.format, "table or json")->check(CLI::IsMember({"table", "json"}));
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipelines")->allow_extra_args(false);
@@ -290,7 +290,7 @@ std::string empty_option(const CLI::App& app) {
 }
 
 int run(int argc, char** argv) {
-    CLI::App app("penumbra: a render graph for hybrid ray-traced shadows", "penumbra");
+    CLI::App app("penumbra: a render graph for ray-traced shadows and reflections", "penumbra");
     app.require_subcommand(1);
     app.set_version_flag("--version", PENUMBRA_VERSION);
     RenderArguments render;

@@ -134,9 +134,12 @@ std::vector<ExecutableStatics> executables_of(const Device& device, VkPipeline p
 
 }  // namespace
 
-std::vector<PassStatics> pass_statics(const Device& device, const Plan& plan) {
+std::vector<PassStatics> pass_statics(const Device& device, const Plan& plan,
+                                      const std::function<void(double share)>& progress) {
     std::vector<PassStatics> result;
+    double done = 0;
     for (const PlanPass& pass : plan.passes) {
+        if (progress) progress(done++ / static_cast<double>(plan.passes.size()));
         if (!pass.module) continue;
         const Layout layout = make_layout(device, pass);
         const Owned<VkPipeline> pipeline =

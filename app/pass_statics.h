@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -32,8 +33,9 @@ struct PassStatics {
     std::vector<ExecutableStatics> executables;
 };
 
-// Of every compute pass, in the plan's order. The device was made with DeviceOptions::statistics. Throws
-// VulkanError.
-std::vector<PassStatics> pass_statics(const Device& device, const Plan& plan);
+// Of every compute pass, in the plan's order. The device was made with DeviceOptions::statistics. `progress`
+// is called with the share of passes that is done. Throws VulkanError.
+std::vector<PassStatics> pass_statics(const Device& device, const Plan& plan,
+                                      const std::function<void(double share)>& progress = {});
 
 }  // namespace penumbra

@@ -58,7 +58,10 @@ int run_plan(const PlanArguments& arguments) {
     options.alias = !arguments.no_alias;
     options.optimum_search_nodes = arguments.optimum ? report_search_nodes : render_search_nodes;
     Doing doing;
-    if (arguments.optimum) doing("looking for the smallest possible heap, half a minute at most");
+    if (arguments.optimum)
+        options.optimum_progress = [&](double share) {
+            doing("looking for the smallest possible heap, which may be found sooner", share);
+        };
     const auto plan = compile(*pipeline, target, options, diagnostics);
     doing.clear();
     if (!plan) {

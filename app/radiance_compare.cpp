@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/frame_range.h"
+#include "app/progress.h"
 #include "host/images/image_file.h"
 #include "host/metrics/radiance_error.h"
 
@@ -131,9 +132,14 @@ int compare_radiance(const CompareArguments& arguments) {
     RadianceErrorSums sums;
     std::vector<fs::path> folders{arguments.image};
     folders.insert(folders.end(), arguments.also.begin(), arguments.also.end());
-    for (const uint32_t frame : frames)
-        for (const fs::path& folder : folders)
-            if (const auto one = compare_frame(folder, arguments, frame, diagnostics)) sums.add(*one);
+    {
+        Progress progress("compare", frames.size() * folders.size());
+        for (const uint32_t frame : frames)
+            for (const fs::path& folder : folders) {
+                if (const auto one = compare_frame(folder, arguments, frame, diagnostics)) sums.add(*one);
+                progress.step();
+            }
+    }
     if (!diagnostics.empty()) {
         std::cerr << diagnostics.text();
         return exit_wrong;

@@ -41,7 +41,8 @@ std::vector<std::array<float, 4>> captured_vectors(const Session& session, const
 }  // namespace
 
 std::unique_ptr<Session> open_radiance_truth(Device& device, const Shot& shot, const std::string& signal,
-                                             Diagnostics& diagnostics, std::vector<std::string>& warnings) {
+                                             Diagnostics& diagnostics, std::vector<std::string>& warnings,
+                                             const Told& doing) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
     const std::vector<std::string> settings{"nodes.reference.params.lobe=" + signal};
     const auto pipeline = parse_pipeline(reference_radiance_pipeline_text,
@@ -53,10 +54,12 @@ std::unique_ptr<Session> open_radiance_truth(Device& device, const Shot& shot, c
     options.captures = {"weighted_sum", "plain_sum"};
     options.jitter = false;
     options.optimum = false;
+    options.doing = doing;
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }
 
-PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uint32_t rays) {
+PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uint32_t rays,
+                           const std::function<void(uint32_t)>& step) {
     const Extent extent = session.plan().extent;
     const uint64_t pixels = uint64_t{extent.width} * extent.height;
     const auto portion =
@@ -68,6 +71,7 @@ PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uin
             session.run_frame(frame, false);
         else
             session.repeat_frame();
+        if (step) step(std::min(portion, rays - first));
     }
     const auto weighted = captured_vectors(session, "weighted_sum", pixels),
                plain = captured_vectors(session, "plain_sum", pixels);

@@ -83,8 +83,8 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     Doing doing;
-    doing("reading the model and building its tree");
-    const auto session = open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings);
+    const Told told = [&](const char* what, double share) { doing(what, share); };
+    const auto session = open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings, told);
     doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
@@ -94,16 +94,16 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
     if (!job.made_up.empty()) write_file(shot.file, std::as_bytes(std::span(job.made_up)));
-    Progress progress("reference", job.frames.size());
+    Progress progress("reference", job.frames.size() * uint64_t{arguments.rays});
     for (const uint32_t frame : job.frames) {
-        const PlanarImage truth = radiance_truth(device, *session, frame, arguments.rays);
+        const PlanarImage truth = radiance_truth(device, *session, frame, arguments.rays,
+                                                 [&](uint32_t rays) { progress.step(rays); });
         const fs::path file = folder / fmt::format("{}.{:04}.exr", arguments.signal, frame);
         std::vector<float> rgb;
         for (size_t i = 0; i < truth.planes[0].values.size(); ++i)
             for (size_t c = 0; c < 3; ++c) rgb.push_back(truth.planes[c].values[i]);
         write_png_color(fs::path(file).replace_extension(".png"), truth.width, truth.height, rgb);
         write_exr(file, truth);
-        progress.step();
     }
     return exit_good;
 }
@@ -115,11 +115,12 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     std::vector<std::string> warnings;
     const auto chosen = choose_light(shot, arguments.light, diagnostics);
     Doing doing;
-    doing("reading the model and building its tree");
-    const auto session = !chosen ? nullptr
-                         : chosen->light
-                             ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter)
-                             : open_truth(device, shot, diagnostics, warnings, job.jitter);
+    const Told told = [&](const char* what, double share) { doing(what, share); };
+    const auto session =
+        !chosen ? nullptr
+        : chosen->light
+            ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter, nullptr, told)
+            : open_truth(device, shot, diagnostics, warnings, job.jitter, nullptr, told);
     doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
@@ -142,10 +143,9 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
                 write_truth(folder, shot, frame, analytic_truth(shot, frame));
                 progress.step(rows);
             } else {
-                Truth truth = chosen->light ? counted_light_truth(*session, frame, arguments.rays)
-                                            : counted_truth(*session, frame, arguments.rays,
-                                                            [&](uint32_t more) { progress.step(more); });
-                if (chosen->light) progress.step(rows);
+                const auto step = [&](uint32_t more) { progress.step(more); };
+                Truth truth = chosen->light ? counted_light_truth(*session, frame, arguments.rays, step)
+                                            : counted_truth(*session, frame, arguments.rays, step);
                 lost += truth.lost;
                 frames_of_lost += truth.lost > 0;
                 write_truth(folder, shot, frame, std::move(truth));

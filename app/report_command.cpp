@@ -203,10 +203,15 @@ std::optional<std::vector<PipelinePlan>> plan_contenders(const Job& job, const D
     DeviceTable table = device_table(handles_of(device));
     table.features = features_of(device);
     std::vector<PipelinePlan> plans;
+    Doing doing;
     for (size_t c = 0; c < job.results.contenders.size(); ++c) {
         const Contender& contender = job.results.contenders[c];
         CompileOptions options;
         if (!contender.variant()) options.optimum_search_nodes = report_search_nodes;
+        options.optimum_progress = [&](double share) {
+            doing("looking for the smallest possible heap of " + contender.id + ", which may be found sooner",
+                  share);
+        };
         const Target target = standalone_target(contender.pipeline, table, job.results.study.size, facts);
         auto plan = compile(contender.pipeline, target, options, diagnostics);
         if (!plan) return std::nullopt;

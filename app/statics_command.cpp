@@ -104,7 +104,8 @@ int run_statics(const StaticsArguments& arguments) {
                             {"pipelines", OrderedJson::array()}};
     Doing doing;
     for (const CheckedPipeline& pipeline : pipelines) {
-        doing("compiling the shaders of " + pipeline.name);
+        const std::string what = "compiling the shaders of " + pipeline.name;
+        doing(what);
         const Target target =
             standalone_target(pipeline, table, {1920, 1080}, *facts, {1024, 1024}, max_cascades);
         Diagnostics diagnostics;
@@ -113,7 +114,8 @@ int run_statics(const StaticsArguments& arguments) {
             std::cerr << diagnostics.text();
             return exit_wrong;
         }
-        const std::vector<PassStatics> passes = pass_statics(*device, *plan);
+        const std::vector<PassStatics> passes =
+            pass_statics(*device, *plan, [&](double share) { doing(what, share); });
         doing.clear();
         if (arguments.format == "json") {
             document["pipelines"].push_back({{"pipeline", plan->pipeline}, {"passes", passes_json(passes)}});

@@ -76,7 +76,8 @@ Truth analytic_truth(const Shot& shot, uint32_t frame) {
 }
 
 std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
-                                    std::vector<std::string>& warnings, bool jitter, KeptScene* kept) {
+                                    std::vector<std::string>& warnings, bool jitter, KeptScene* kept,
+                                    const Told& doing) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
     const auto pipeline =
         parse_pipeline(reference_pipeline_text, "pipelines/reference.json", {}, diagnostics);
@@ -89,6 +90,7 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
     options.light = "sun";
     options.optimum = false;
     options.kept = kept;
+    options.doing = doing;
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }
 

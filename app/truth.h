@@ -31,7 +31,7 @@ class PixelTruth {
 // `render` jitters them, instead of their centres.
 std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
                                     std::vector<std::string>& warnings, bool jitter = false,
-                                    KeptScene* kept = nullptr);
+                                    KeptScene* kept = nullptr, const Told& doing = {});
 
 // Of the frame that such a session has just run: the sun (host/truth/counted_visibility.h).
 std::unique_ptr<PixelTruth> sun_pixels(const Session& session, uint32_t frame);

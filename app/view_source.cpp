@@ -11,6 +11,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/progress.h"
 #include "app/shipped_files.h"
 #include "host/models/joined_models.h"
 #include "host/shots/model_shot.h"
@@ -21,6 +22,8 @@ namespace penumbra {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr const char* reading_models = "reading the model";
 
 // The shot of a "scene" and nothing else, to be completed from what its models hold.
 std::optional<Shot> models_alone(const nlohmann::json& scene, const fs::path& file,
@@ -63,7 +66,10 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
         if (!fs::exists(file)) diagnostics.add({file, 0, 0}, "", "no such file");
     if (!diagnostics.empty()) return std::nullopt;
     const std::optional<Shot> models = models_alone(scene, shot_file, diagnostics);
+    Doing doing;
+    doing(reading_models);
     const auto model = models ? load_models(*models, diagnostics) : std::nullopt;
+    doing.clear();
     if (!model) return std::nullopt;
     ModelShot made = make_model_shot(*model, files[0], folder, ground);
     auto json = nlohmann::ordered_json::parse(made.text);
@@ -101,7 +107,10 @@ std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagn
     if (!models || !(models->models.empty() ? fs::is_regular_file(models->model)
                                             : std::ranges::all_of(models->models, there)))
         return read_shot(file, diagnostics);
+    Doing doing;
+    doing(reading_models);
     const auto model = load_models(*models, diagnostics);
+    doing.clear();
     if (!model) return std::nullopt;
     const ModelShot made = make_model_shot(*model, file, file.parent_path(), false);
     const auto made_up = nlohmann::ordered_json::parse(made.text);

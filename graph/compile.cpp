@@ -51,7 +51,8 @@ std::optional<Plan> Compiler::run() {
         r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     }
     place_lifetimes(plan_);
-    place_memory(plan_, target_.device, options_.share_transients, options_.optimum_search_nodes);
+    place_memory(plan_, target_.device, options_.share_transients, options_.optimum_search_nodes,
+                 options_.optimum_progress);
     if (plan_.memory.heap_bytes > target_.device.memory_bytes) {
         constexpr double mib = 1 << 20;
         const double needed = static_cast<double>(plan_.memory.heap_bytes) / mib,

@@ -52,8 +52,13 @@ void place_lifetimes(Plan& plan) {
     }
 }
 
-void place_memory(Plan& plan, const DeviceTable& device, bool share_transients,
-                  uint64_t optimum_search_nodes) {
+void place_memory(Plan& plan, const DeviceTable& device, bool share_transients, uint64_t optimum_search_nodes,
+                  const std::function<void(double share)>& optimum_progress) {
+    SearchProgress progress;
+    if (optimum_progress)
+        progress = [&](uint64_t nodes) {
+            optimum_progress(static_cast<double>(nodes) / static_cast<double>(optimum_search_nodes));
+        };
     const auto passes = static_cast<uint32_t>(plan.passes.size());
     for (PlanResource& r : plan.resources) {
         const bool image = r.kind == PortKind::image;
@@ -103,8 +108,9 @@ void place_memory(Plan& plan, const DeviceTable& device, bool share_transients,
         }
         report.heap_bytes += plan.heaps[h].bytes;
         if (plan.heaps[h].shared) report.shared_bytes += plan.heaps[h].bytes;
-        const auto best =
-            optimum_search_nodes ? optimum(intervals, plan.period(), optimum_search_nodes) : std::nullopt;
+        const auto best = optimum_search_nodes
+                              ? optimum(intervals, plan.period(), optimum_search_nodes, progress)
+                              : std::nullopt;
         if (best && report.optimum_bytes)
             *report.optimum_bytes += *best;
         else

@@ -5,6 +5,8 @@
 // heaps.
 #pragma once
 
+#include <functional>
+
 #include "penumbra/plan.h"
 
 namespace penumbra {
@@ -14,7 +16,7 @@ void place_lifetimes(Plan& plan);
 
 // Fills bytes, alignment, heap and offsets, and the plan's memory report. `share_transients`: what lives
 // within a frame lies in heaps of its own.
-void place_memory(Plan& plan, const DeviceTable& device, bool share_transients,
-                  uint64_t optimum_search_nodes);
+void place_memory(Plan& plan, const DeviceTable& device, bool share_transients, uint64_t optimum_search_nodes,
+                  const std::function<void(double share)>& optimum_progress = {});
 
 }  // namespace penumbra

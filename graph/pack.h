@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -38,10 +39,13 @@ uint64_t lower_bound(std::span<const Interval> intervals, uint32_t period);
 // a percent is left above the lower bound. Never larger than the sum of the aligned sizes.
 Packing pack(std::span<const Interval> intervals, uint32_t period);
 
+using SearchProgress = std::function<void(uint64_t nodes)>;
+
 // The smallest possible heap by exhaustive search, or nothing where `max_nodes` search nodes do not suffice
 // (a node takes one to two microseconds; a tenth of a second at most where less than an alignment is at
 // stake) or where there are more than 64 intervals with bytes or 64 passes.
+// `progress` is called with the nodes visited, every 65 536 of them.
 std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period,
-                                uint64_t max_nodes = 2'000'000);
+                                uint64_t max_nodes = 2'000'000, const SearchProgress& progress = {});
 
 }  // namespace penumbra

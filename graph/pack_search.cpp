@@ -53,8 +53,15 @@ struct State {
 
 class Search {
   public:
-    Search(std::span<const Interval> intervals, uint32_t period, Packing packing, uint64_t max_nodes)
-        : best_(std::move(packing)), offsets_(best_.offsets), budget_(max_nodes), failed_(1u << 18) {
+    // `nodes` of `max_nodes` were visited before.
+    Search(std::span<const Interval> intervals, uint32_t period, Packing packing, uint64_t nodes,
+           uint64_t max_nodes, const SearchProgress& progress)
+        : best_(std::move(packing)),
+          offsets_(best_.offsets),
+          budget_(max_nodes),
+          nodes_(nodes),
+          progress_(progress),
+          failed_(1u << 18) {
         prepare(intervals, period);
     }
 
@@ -227,7 +234,8 @@ class Search {
     std::vector<uint64_t> offsets_;  // of the branch under work
     uint64_t limit_ = 0;             // the largest heap looked for
     uint64_t next_limit_ = 0;        // the least heap that a pruned branch could have had
-    uint64_t budget_, nodes_ = 0;
+    uint64_t budget_, nodes_;
+    const SearchProgress& progress_;
     uint64_t round_ = 0;
     std::vector<Failed> failed_;  // direct mapped; states from which no packing within the limit was found
     std::vector<Item> items_;
@@ -247,6 +255,7 @@ void Search::visit(const State& state) {
         return;
     }
     if (++nodes_ > budget_) return;
+    if (progress_ && nodes_ % 65'536 == 0) progress_(nodes_);
 
     const Failed print = fingerprint(state);
     Failed& seen = failed_[print.low % failed_.size()];
@@ -356,7 +365,7 @@ void Search::raise_closed(State state, uint64_t level) {
 }  // namespace
 
 SearchResult search_packing(std::span<const Interval> intervals, uint32_t period, Packing packing,
-                            uint64_t max_nodes) {
+                            uint64_t max_nodes, const SearchProgress& progress) {
     uint64_t bound = lower_bound(intervals, period);
     if (packing.heap == bound) return {std::move(packing), true, 0};
 
@@ -379,28 +388,29 @@ SearchResult search_packing(std::span<const Interval> intervals, uint32_t period
         large_packing.heap = std::max(large_packing.heap, packing.offsets[i] + intervals[i].size);
     }
     if (large.size() < with_bytes) {
-        const SearchResult result = search_packing(large, period, std::move(large_packing), max_nodes / 2);
+        const SearchResult result =
+            search_packing(large, period, std::move(large_packing), max_nodes / 2, progress);
         if (result.exhausted) bound = std::max(bound, result.best.heap);
         nodes = result.nodes;
         if (packing.heap == bound) return {std::move(packing), true, nodes};
     }
-    SearchResult result = Search(intervals, period, std::move(packing), max_nodes - nodes).run(bound);
-    result.nodes += nodes;
-    return result;
+    return Search(intervals, period, std::move(packing), nodes, max_nodes, progress).run(bound);
 }
 
-SearchResult search_optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes) {
+SearchResult search_optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes,
+                            const SearchProgress& progress) {
     Packing packing = pack(intervals, period);
     uint64_t least = UINT64_MAX;
     for (const Interval& interval : intervals)
         if (interval.size > 0) least = std::min(least, interval.alignment);
     if (packing.heap - live_bound(intervals, period) < least)
         max_nodes = std::min(max_nodes, small_search_nodes);
-    return search_packing(intervals, period, std::move(packing), max_nodes);
+    return search_packing(intervals, period, std::move(packing), max_nodes, progress);
 }
 
-std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes) {
-    const SearchResult result = search_optimum(intervals, period, max_nodes);
+std::optional<uint64_t> optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes,
+                                const SearchProgress& progress) {
+    const SearchResult result = search_optimum(intervals, period, max_nodes, progress);
     if (!result.exhausted) return std::nullopt;
     return result.best.heap;
 }

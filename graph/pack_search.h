@@ -19,11 +19,12 @@ struct SearchResult {
 // Looks for packings smaller than `packing`, visiting at most `max_nodes` nodes. At most 64 intervals with
 // bytes; beyond that the result is not exhausted. Deterministic.
 SearchResult search_packing(std::span<const Interval> intervals, uint32_t period, Packing packing,
-                            uint64_t max_nodes);
+                            uint64_t max_nodes, const SearchProgress& progress = {});
 
 // What optimum() does: starts from pack()'s packing. Where less than the least alignment is at stake, the
 // budget is that of pack() itself: bytes of padding are not worth the seconds that a whole search may take.
-SearchResult search_optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes);
+SearchResult search_optimum(std::span<const Interval> intervals, uint32_t period, uint64_t max_nodes,
+                            const SearchProgress& progress = {});
 
 // What the exact search at the end of pack() may cost: at most a tenth of a second. Real pipelines take some
 // hundred nodes.

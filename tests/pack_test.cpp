@@ -367,6 +367,20 @@ TEST(Optimum, SaysNothingWhenTheBudgetIsShort) {
     EXPECT_EQ(optimum(many, 65), std::nullopt);
 }
 
+TEST(Optimum, SaysHowFarItIs) {
+    const uint64_t budget = 200'000;
+    for (uint64_t seed = 0; seed < 400; ++seed) {
+        const Set set = render_graph(seed, Wrap::yes, 24);
+        std::vector<uint64_t> said;
+        if (optimum(set.intervals, set.period, budget, [&](uint64_t nodes) { said.push_back(nodes); }))
+            continue;
+        if (said.empty()) continue;  // less than an alignment was at stake
+        EXPECT_EQ(said, (std::vector<uint64_t>{65'536, 131'072, 196'608})) << "seed " << seed;
+        return;
+    }
+    FAIL() << "no search was long";
+}
+
 // The images of a ray-traced shadow pipeline with two filter passes and temporal antialiasing.
 // Passes: 0 guides, 1 classify, 2 trace, 3 prepare, 4 tileclass, 5 filter0, 6 filter1, 7 filter2, 8 shade, 9
 // taa.

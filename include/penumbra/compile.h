@@ -3,6 +3,7 @@
 // no device.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -26,6 +27,9 @@ struct CompileOptions {
     // The smallest possible heap, for reports: an exhaustive search of at most so many nodes (1 to 2 us
     // each); 0: none.
     uint64_t optimum_search_nodes = 0;
+    // Called now and then during that search with the share of those nodes that it has visited, from 0 for each
+    // heap; the search may end at any.
+    std::function<void(double share)> optimum_progress;
 };
 
 // Errors are those a target can add: a format or feature that the device lacks, an input of a format nobody
