@@ -20,8 +20,6 @@ namespace {
 using Schema = nlohmann::ordered_json;
 
 constexpr const char* id_pattern = "^[a-z][a-z0-9_]{0,63}$";
-constexpr const char* value_pattern = "^[a-z][a-z0-9_]{0,63}(@-1)?$";
-constexpr const char* previous_pattern = "^[a-z][a-z0-9_]{0,63}@-1$";
 
 Schema use(const std::string& name) {
     return {{"$ref", "#/definitions/" + name}};
@@ -420,32 +418,12 @@ class DeclarationMaker {
     Maker maker_;
 };
 
-void write(std::string& out, const Schema& json, size_t indent) {
-    constexpr size_t longest = 140;
-    const std::string flat = json.dump();
-    const bool plain = std::ranges::none_of(json, [](const Schema& item) { return item.is_structured(); });
-    if (!json.is_structured() || (json.is_array() && plain) || flat.size() + indent <= longest) {
-        out += flat;
-        return;
-    }
-    const bool object = json.is_object();
-    out += object ? "{" : "[";
-    bool first = true;
-    for (const auto& [key, item] : json.items()) {
-        out += (first ? "\n" : ",\n") + std::string(indent + 1, ' ');
-        if (object) out += Schema(key).dump() + ": ";
-        write(out, item, indent + 1);
-        first = false;
-    }
-    out += "\n" + std::string(indent, ' ') + (object ? "}" : "]");
-}
-
 }  // namespace
 
 nlohmann::ordered_json pipeline_schema(const NodeSet& nodes) {
     Schema definitions = common_definitions(*nodes.domain(), true);
-    definitions["value"] = text(value_pattern);
-    definitions["previous"] = text(previous_pattern);
+    definitions["value"] = text("^[a-z][a-z0-9_]{0,63}(@-1)?$");
+    definitions["previous"] = text("^[a-z][a-z0-9_]{0,63}@-1$");
     PipelineMaker(nodes, File::pipeline).define(definitions);
     PipelineMaker(nodes, File::patch).define(definitions);
     return {
@@ -468,12 +446,6 @@ nlohmann::ordered_json declaration_schema(const Domain& domain) {
     schema.update(maker.declaration());
     schema["definitions"] = maker.definitions();
     return schema;
-}
-
-std::string schema_text(const nlohmann::ordered_json& schema) {
-    std::string out;
-    write(out, schema, 0);
-    return out + "\n";
 }
 
 }  // namespace penumbra

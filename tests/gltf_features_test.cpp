@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// glTF as users have it: compressed meshes, what moves, transformed and coloured textures, cameras and
-// lights. Files are made here, with the compressors' own encoders.
+// glTF as users have it: compressed meshes, transformed and coloured textures, instances, cameras and lights.
+// Files are made here, with the compressors' own encoders.
 #include <draco/compression/encode.h>
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <fmt/format.h>
@@ -18,75 +18,10 @@
 #include "host/scene/scene.h"
 #include "host/shots/model_lights.h"
 #include "host/shots/model_shot.h"
+#include "tests/gltf_glb.h"
 
 namespace penumbra {
 namespace {
-
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
-// A .glb with its one buffer, filled as accessors and views are added.
-struct Glb {
-    Json json = {{"asset", {{"version", "2.0"}}}, {"scene", 0}, {"scenes", {{{"nodes", {0}}}}}};
-    std::string bytes;
-
-    int view(const void* data, size_t size) {
-        bytes.resize((bytes.size() + 3) / 4 * 4);
-        json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", bytes.size()}, {"byteLength", size}});
-        bytes.append(static_cast<const char*>(data), size);
-        return static_cast<int>(json["bufferViews"].size()) - 1;
-    }
-    int accessor(int view, int component, size_t count, const char* type) {
-        Json accessor = {{"componentType", component}, {"count", count}, {"type", type}};
-        if (view >= 0) accessor["bufferView"] = view;
-        json["accessors"].push_back(accessor);
-        return static_cast<int>(json["accessors"].size()) - 1;
-    }
-    int floats(const std::vector<float>& values, const char* type, size_t width) {
-        return accessor(view(values.data(), values.size() * 4), 5126, values.size() / width, type);
-    }
-    fs::path save(const std::string& name) {
-        bytes.resize((bytes.size() + 3) / 4 * 4);
-        if (!json.contains("buffers")) json["buffers"] = Json::array({Json::object()});
-        json["buffers"][0]["byteLength"] = bytes.size();
-        std::string text = json.dump();
-        text.resize((text.size() + 3) / 4 * 4, ' ');
-        const auto word = [](size_t value) {
-            const auto v = static_cast<uint32_t>(value);
-            return std::string(reinterpret_cast<const char*>(&v), 4);
-        };
-        const fs::path file = fs::path(::testing::TempDir()) / name;
-        std::ofstream(file, std::ios::binary)
-            << "glTF" << word(2) << word(28 + text.size() + bytes.size()) << word(text.size()) << "JSON"
-            << text << word(bytes.size()) << std::string("BIN\0", 4) << bytes;
-        return file;
-    }
-};
-
-Model loaded(Glb& glb, const char* name) {
-    const fs::path file = glb.save(name);
-    Diagnostics diagnostics;
-    auto model = load_gltf(file, diagnostics);
-    fs::remove(file);
-    EXPECT_TRUE(model) << diagnostics.text();
-    return model ? std::move(*model) : Model{};
-}
-
-const std::vector<float> square{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
-const std::vector<uint32_t> square_indices{0, 1, 2, 0, 2, 3};
-
-Glb square_file() {
-    Glb glb;
-    glb.json["nodes"] = {{{"mesh", 0}}};
-    const int position = glb.floats(square, "VEC3", 3);
-    const int indices = glb.accessor(glb.view(square_indices.data(), 24), 5125, 6, "SCALAR");
-    glb.json["meshes"] = {
-        {{"primitives", {{{"attributes", {{"POSITION", position}}}, {"indices", indices}}}}}};
-    return glb;
-}
-Json& primitive(Glb& glb) {
-    return glb.json["meshes"][0]["primitives"][0];
-}
 
 void expect_square(const Model& model, double tolerance) {
     ASSERT_EQ(model.triangle_count(), 2u);
@@ -209,110 +144,6 @@ TEST(GltfFeatures, TextureCoordinatesAreTransformedAndColoursRead) {
     EXPECT_NEAR(part.uv[3].x, .25 + 4, 1e-6);
     EXPECT_NEAR(part.uv[3].y, .5, 1e-6);
     EXPECT_EQ(part.colors[2], (std::array<uint8_t, 4>{0, 128, 255, 255}));
-}
-
-// Node 0 turns, node 1 hangs on it.
-Glb animated_file(const char* path, const char* interpolation, const std::vector<float>& times,
-                  const std::vector<float>& values, const char* type, size_t width) {
-    Glb glb = square_file();
-    const int input = glb.floats(times, "SCALAR", 1), output = glb.floats(values, type, width);
-    glb.json["animations"] = {
-        {{"name", "go"},
-         {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
-         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}}};
-    return glb;
-}
-
-double x_at(const Model& model, double seconds) {
-    return pose_at(model, 0, seconds)[0].translation.x;
-}
-
-TEST(GltfFeatures, AnimationsInterpolateAndHold) {
-    Glb linear = animated_file("translation", "LINEAR", {1, 3}, {0, 0, 0, 4, 0, 0}, "VEC3", 3),
-        step = animated_file("translation", "STEP", {1, 3}, {0, 0, 0, 4, 0, 0}, "VEC3", 3),
-        // Tangents of 1 per second out of the first key and into the second.
-        cubic = animated_file("translation", "CUBICSPLINE", {1, 3},
-                              {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 4, 0, 0, 0, 0, 0}, "VEC3", 3),
-        turning = animated_file("rotation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0, -1, 0}, "VEC4", 4);
-    const Model a = loaded(linear, "linear.glb"), b = loaded(step, "step.glb"),
-                c = loaded(cubic, "cubic.glb"), d = loaded(turning, "turning.glb");
-    EXPECT_EQ(a.animations[0].duration_s, 3);
-    EXPECT_DOUBLE_EQ(x_at(a, 0), 0);
-    EXPECT_DOUBLE_EQ(x_at(a, 1.5), 1);
-    EXPECT_DOUBLE_EQ(x_at(a, 9), 4);
-    EXPECT_DOUBLE_EQ(x_at(b, 2.999), 0);
-    EXPECT_DOUBLE_EQ(x_at(b, 3), 4);
-    // p = (t3 - 2 t2 + t) 2 + (3 t2 - 2 t3) 4 + (t3 - t2) 2 at t = 1/4.
-    EXPECT_NEAR(x_at(c, 1.5),
-                2 * (1 / 64. - 2 / 16. + 1 / 4.) + 4 * (3 / 16. - 2 / 64.) + 2 * (1 / 64. - 1 / 16.), 1e-12);
-    const glm::dquat half = pose_at(d, 0, 0.5)[0].rotation;  // of half a turn about z, the shorter way
-    EXPECT_NEAR(std::abs(half.w), std::sqrt(0.5), 1e-12);
-    EXPECT_NEAR(std::abs(half.z), std::sqrt(0.5), 1e-12);
-}
-
-TEST(GltfFeatures, BrokenAnimationsAreErrorsByName) {
-    for (const auto& [times, values] : {std::pair<std::vector<float>, std::vector<float>>{{0, 1}, {0, 0, 0}},
-                                        {{1, 1}, {0, 0, 0, 1, 0, 0}},
-                                        {{0, 1}, {0, 0, 0, NAN, 0, 0}}}) {
-        Glb glb = animated_file("translation", "LINEAR", times, values, "VEC3", 3);
-        Diagnostics diagnostics;
-        EXPECT_FALSE(load_gltf(glb.save("broken.glb"), diagnostics));
-        EXPECT_NE(diagnostics.text().find("animation \"go\""), std::string::npos) << diagnostics.text();
-    }
-}
-
-// Two bones: the square's upper edge follows the second, which moves; the mesh's own node does not matter.
-TEST(GltfFeatures, SkinsFollowTheirJoints) {
-    Glb glb = square_file();
-    const std::array<std::array<uint8_t, 4>, 4> joints{
-        {{0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}}};
-    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
-    primitive(glb)["attributes"]["WEIGHTS_0"] =
-        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
-    glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {50, 0, 0}}},
-                         {{"name", "root"}},
-                         {{"name", "tip"}, {"translation", {0, 1, 0}}}};
-    glb.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
-    std::vector<float> bind(32, 0);
-    for (size_t i = 0; i < 2; ++i)
-        for (size_t k = 0; k < 4; ++k) bind[16 * i + 5 * k] = 1;
-    bind[16 + 13] = -1;  // the second joint's rest is one metre up
-    glb.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", glb.floats(bind, "MAT4", 16)}}};
-    const int input = glb.floats({0, 1}, "SCALAR", 1), output = glb.floats({0, 1, 0, 0, 1, 3}, "VEC3", 3);
-    glb.json["animations"] = {
-        {{"samplers", {{{"input", input}, {"output", output}}}},
-         {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "translation"}}}}}}}};
-    Shot shot;
-    shot.fps = 10;
-    shot.animation = "0";
-    const Scene scene(loaded(glb, "skin.glb"), shot);
-    EXPECT_TRUE(scene.animated());
-    EXPECT_TRUE(scene.moved(0, 1));
-    const auto positions = scene.positions(scene.instances()[0], scene.model().meshes[0].parts[0], 5);
-    EXPECT_NEAR(glm::length(positions[0] - glm::vec3(0, 0, 0)), 0, 1e-6);
-    EXPECT_NEAR(glm::length(positions[2] - glm::vec3(1, 1, 1.5)), 0, 1e-6);
-    const auto box = scene.box(10);
-    EXPECT_NEAR(box[1].z, 3, 1e-6);
-    EXPECT_NEAR(box[1].x, 1, 1e-6);
-    double highest = -1;
-    for (const Triangle& t : scene.triangles(10))
-        for (const auto& v : t.v) highest = std::max(highest, v[2] + scene.bvh_origin().z);
-    EXPECT_NEAR(highest, 3, 1e-6);
-}
-
-TEST(GltfFeatures, JointsThatAreNotThereAreErrors) {
-    Glb glb = square_file();
-    const std::array<std::array<uint8_t, 4>, 4> joints{
-        {{7, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}};
-    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
-    primitive(glb)["attributes"]["WEIGHTS_0"] =
-        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
-    glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "root"}}};
-    glb.json["scenes"] = {{{"nodes", {0, 1}}}};
-    glb.json["skins"] = {{{"joints", {1}}}};
-    Diagnostics diagnostics;
-    EXPECT_FALSE(load_gltf(glb.save("joints.glb"), diagnostics));
-    EXPECT_NE(diagnostics.text().find("joint 7 of 1"), std::string::npos) << diagnostics.text();
 }
 
 TEST(GltfFeatures, InstancesAreNodes) {

@@ -22,108 +22,10 @@
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/scene/scene_file.h"
+#include "tests/gltf_files.h"
 
 namespace penumbra {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string base64(std::span<const std::byte> bytes) {
-    constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    for (size_t i = 0; i < bytes.size(); i += 3) {
-        uint32_t group = 0;
-        for (size_t k = 0; k < 3; ++k) {
-            group = group << 8 | (i + k < bytes.size() ? std::to_integer<uint32_t>(bytes[i + k]) : 0);
-        }
-        for (size_t k = 0; k < 4; ++k)
-            out += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
-    }
-    return out;
-}
-
-// Five points of a strip (or fan) in the plane z = 0, then the indices of the strip's triangles.
-struct Buffer {
-    std::vector<std::byte> bytes;
-    template <class T>
-    size_t add(const std::vector<T>& values) {
-        bytes.resize((bytes.size() + 3) / 4 * 4);
-        const size_t offset = bytes.size();
-        const auto added = std::as_bytes(std::span(values));
-        bytes.insert(bytes.end(), added.begin(), added.end());
-        return offset;
-    }
-    std::string uri() const { return "data:application/octet-stream;base64," + base64(bytes); }
-};
-
-const std::vector<float> zigzag{0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 2, 0, 0};
-
-class Gltf : public ::testing::Test {
-  protected:
-    void SetUp() override {
-        folder_ = fs::path(::testing::TempDir()) /
-                  (std::string("gltf_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
-    fs::path save(const std::string& name, const std::string& text) const {
-        std::ofstream(folder_ / name, std::ios::binary) << text;
-        return folder_ / name;
-    }
-    std::optional<Model> load(const std::string& text) {
-        diagnostics_ = {};
-        return load_gltf(save("a.gltf", text), diagnostics_);
-    }
-    // Loading fails, and the reason mentions `part`.
-    void expect_error(const std::string& text, const std::string& part) {
-        EXPECT_FALSE(load(text)) << part;
-        EXPECT_NE(diagnostics_.text().find(part), std::string::npos) << diagnostics_.text();
-    }
-
-    fs::path folder_;
-    Diagnostics diagnostics_;
-};
-
-// A file with one mesh of one primitive; `accessors` from 0 on, `primitive` its body.
-std::string one_primitive(const Buffer& buffer, const std::string& views, const std::string& accessors,
-                          const std::string& primitive, const std::string& more = "") {
-    return R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)" +
-           primitive + R"(}]}],"buffers":[{"byteLength":)" + std::to_string(buffer.bytes.size()) +
-           R"(,"uri":")" + buffer.uri() + R"("}],"bufferViews":[)" + views + R"(],"accessors":[)" +
-           accessors + "]" + more + "}";
-}
-
-std::string view(size_t offset, size_t length) {
-    return R"({"buffer":0,"byteOffset":)" + std::to_string(offset) + R"(,"byteLength":)" +
-           std::to_string(length) + "}";
-}
-
-std::string positions_file(int mode, const std::string& more = "") {
-    Buffer buffer;
-    buffer.add(zigzag);
-    return one_primitive(buffer, view(0, 60),
-                         R"({"bufferView":0,"componentType":5126,"count":5,"type":"VEC3"})",
-                         R"("mode":)" + std::to_string(mode) + R"(,"attributes":{"POSITION":0})", more);
-}
-
-std::vector<Triangle> triangles_of(std::optional<Model> model) {
-    if (!model) return {};
-    Shot shot;
-    return Scene(std::move(*model), shot).triangles(0);
-}
-
-glm::dvec3 normal_of(const Triangle& t) {
-    const auto corner = [&](int i) { return glm::dvec3(t.v[i][0], t.v[i][1], t.v[i][2]); };
-    return glm::cross(corner(1) - corner(0), corner(2) - corner(0));
-}
-
-double area_of(const std::vector<Triangle>& triangles) {
-    double area = 0;
-    for (const Triangle& t : triangles) area += 0.5 * glm::length(normal_of(t));
-    return area;
-}
 
 TEST_F(Gltf, StripKeepsItsWinding) {
     const auto triangles = triangles_of(load(positions_file(5)));
@@ -275,26 +177,6 @@ TEST_F(Gltf, BadImageKeepsTheModel) {
     EXPECT_TRUE(model->warnings.empty());
 }
 
-// The parser hands over a pointer into a buffer that it has not looked at: what it points to must not be
-// read.
-TEST_F(Gltf, ImagesMayNotLeaveTheirBuffer) {
-    const auto file = [&](const std::string& buffer_view, int view_index = 1) {
-        Buffer buffer;
-        buffer.add(zigzag);
-        return one_primitive(
-            buffer, view(0, 60) + "," + buffer_view,
-            R"({"bufferView":0,"componentType":5126,"count":5,"type":"VEC3"})",
-            R"("mode":5,"attributes":{"POSITION":0})",
-            R"(,"images":[{"mimeType":"image/png","bufferView":)" + std::to_string(view_index) + "}]");
-    };
-    EXPECT_TRUE(load(file(view(0, 60)))) << diagnostics_.text();
-    expect_error(file(view(2000000000, 8)), "image 0: buffer view 1 reaches past the end of its buffer");
-    expect_error(file(view(0, 2000000000)), "image 0: buffer view 1 reaches past the end of its buffer");
-    expect_error(file(view(18446744073709551615ull, 1)), "reaches past the end of its buffer");
-    expect_error(file(R"({"buffer":3,"byteLength":60})"), "buffer");
-    expect_error(file(view(0, 60), 7), "bufferView");
-}
-
 TEST_F(Gltf, ImagesInBuffersAreRead) {
     Model model = make_colonnade();
     model.materials = {{.texture = 0}};
@@ -306,31 +188,6 @@ TEST_F(Gltf, ImagesInBuffersAreRead) {
     ASSERT_TRUE(back) << diagnostics_.text();
     EXPECT_EQ(back->materials[0].texture, 0);
     EXPECT_EQ(back->textures[0].rgba, model.textures[0].rgba);
-}
-
-// A few bytes that stand for gigabytes are refused before any of them is allocated; what they may stand for
-// grows with the file.
-TEST_F(Gltf, AFileMayNotStandForAThousandTimesItself) {
-    const auto zeros = [&](const std::string& count, int primitives) {
-        Buffer buffer;
-        const size_t where = buffer.add(std::vector<uint16_t>{4});
-        const size_t values = buffer.add(std::vector<float>{3, 0, 0});
-        const std::string one = R"("attributes":{"POSITION":0})";
-        std::string all = one;
-        for (int i = 1; i < primitives; ++i) all += "},{" + one;
-        return one_primitive(
-            buffer, view(where, 2) + "," + view(values, 12),
-            R"({"componentType":5126,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":0,"byteOffset":0,"componentType":5123},"values":{"bufferView":1,"byteOffset":0}},"count":)" +
-                count + "}",
-            all);
-    };
-    EXPECT_TRUE(load(zeros("1000", 20))) << diagnostics_.text();
-    expect_error(zeros("67108864", 1), "a thousand times what");
-    expect_error(zeros("40000", 500), "a thousand times what");
-    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "1", 1);
-    expect_error(zeros("40000", 2),
-                 "more than 1 MiB, the limit for one file (PENUMBRA_INPUT_LIMIT_MIB raises it)");
-    ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
 }
 
 // Exporters let many primitives share one list of vertices: each takes those of its own.
@@ -360,105 +217,6 @@ TEST_F(Gltf, SharedVerticesAreNotRepeated) {
     const std::vector<uint32_t>& first = model->meshes[0].parts[0].indices;
     EXPECT_EQ(first, (std::vector<uint32_t>{2, 1, 0}));  // corners 2999, 2998, 2997
     EXPECT_EQ(model->meshes[0].parts[0].positions[0].y + model->meshes[0].parts[0].origin.y, 0);
-}
-
-// One mesh at very many nodes is very many meshes.
-TEST_F(Gltf, InstancesAreCounted) {
-    Buffer buffer;
-    std::vector<float> strip;
-    for (int i = 0; i < 1002; ++i)
-        strip.insert(strip.end(), {static_cast<float>(i / 2), static_cast<float>(i % 2), 0});
-    buffer.add(strip);
-    std::string file = one_primitive(buffer, view(0, strip.size() * sizeof(float)),
-                                     R"({"bufferView":0,"componentType":5126,"count":1002,"type":"VEC3"})",
-                                     R"("mode":5,"attributes":{"POSITION":0})");
-    const std::string root = R"("nodes":[0]}],"nodes":[{"mesh":0})";
-    const size_t at = file.find(root);
-    ASSERT_NE(at, std::string::npos);
-    std::string roots = "0", nodes = R"({"mesh":0})";
-    for (int i = 1; i < 100; ++i) {
-        roots += "," + std::to_string(i);
-        nodes += R"(,{"mesh":0})";
-    }
-    file.replace(at, root.size(), R"("nodes":[)" + roots + R"(]}],"nodes":[)" + nodes);
-    Shot shot;
-    shot.model = save("a.gltf", file);
-    std::vector<std::string> warnings;
-    EXPECT_TRUE(load_scene(shot, diagnostics_, warnings)) << diagnostics_.text();
-    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "4", 1);
-    EXPECT_FALSE(load_scene(shot, diagnostics_, warnings));
-    ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
-    EXPECT_NE(diagnostics_.text().find("its nodes show 100000 triangles, which take more than 4 MiB"),
-              std::string::npos)
-        << diagnostics_.text();
-}
-
-// The parser walks what it does not know by recursion.
-TEST_F(Gltf, DepthIsBounded) {
-    const auto file = [](size_t depth) {
-        return R"({"asset":{"version":"2.0","extras":)" + std::string(depth, '[') + std::string(depth, ']') +
-               "}}";
-    };
-    EXPECT_TRUE(load(file(200))) << diagnostics_.text();
-    expect_error(file(1'000'000), "nested more than 256 levels deep");
-}
-
-// A model names files; devices and pipes, which never end, are none.
-TEST_F(Gltf, OnlyRegularFilesAreRead) {
-    ASSERT_EQ(::mkfifo((folder_ / "pipe.bin").c_str(), 0600), 0);
-    std::string file = positions_file(5);
-    const size_t from = file.find("data:"), to = file.find('"', from);
-    file.replace(from, to - from, "pipe.bin");
-    expect_error(file, "not a valid glTF");
-}
-
-TEST_F(Gltf, MissingAndCorruptFilesAreDiagnostics) {
-    EXPECT_FALSE(load_gltf(folder_ / "missing.glb", diagnostics_));
-    EXPECT_FALSE(load_gltf(folder_, diagnostics_));
-    EXPECT_EQ(diagnostics_.size(), 2u);
-    expect_error("{", "not a valid glTF");
-    expect_error("", "not a valid glTF");
-    const auto empty = load(R"({"asset":{"version":"2.0"},"meshes":7})");
-    ASSERT_TRUE(empty);
-    EXPECT_EQ(empty->warnings, std::vector<std::string>{"there are no triangles"});
-}
-
-Model small_model() {
-    Model model;
-    Part part;
-    for (size_t i = 0; i < zigzag.size(); i += 3)
-        part.positions.emplace_back(zigzag[i], zigzag[i + 1], zigzag[i + 2]);
-    part.indices = {0, 1, 2, 2, 1, 3, 2, 3, 4};
-    part.material = 0;
-    model.materials.push_back({{0.5f, 0.25f, 1, 1}});
-    model.meshes.push_back({{part}});
-    model.nodes = {
-        Node{.name = "root", .translation = {1e6, 0, 0}},
-        Node{.name = "arm", .parent = 0, .mesh = 0, .translation = {-1e6, 0, 1e-3}, .scale = {2, 2, 2}}};
-    return model;
-}
-
-// Truncated at every length and with bytes changed at random, a .glb loads or is a diagnostic, never a crash.
-TEST_F(Gltf, SurvivesDamage) {
-    const std::vector<std::byte> good = to_glb(small_model());
-    const auto survive = [&](const std::vector<std::byte>& bytes) {
-        save("a.glb", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-        Diagnostics diagnostics;
-        const auto model = load_gltf(folder_ / "a.glb", diagnostics);
-        EXPECT_EQ(model.has_value(), diagnostics.empty());
-        if (model) triangles_of(model);
-        return model.has_value();
-    };
-    EXPECT_TRUE(survive(good));
-    for (size_t length = 0; length < good.size(); length += 3) {
-        EXPECT_FALSE(survive({good.begin(), good.begin() + static_cast<ptrdiff_t>(length)})) << length;
-    }
-    std::mt19937 random(7);
-    for (int i = 0; i < 2000; ++i) {
-        std::vector<std::byte> damaged = good;
-        for (int k = 0; k < 3; ++k) damaged[random() % damaged.size()] = std::byte(random() & 255);
-        survive(damaged);
-    }
 }
 
 // Large offsets that cancel down the tree leave no trace: fp32 matrices would lose the millimetre.

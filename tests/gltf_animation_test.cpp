@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+// What moves in a glTF file: animations of nodes, and skins that follow their joints.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "host/scene/scene.h"
+#include "tests/gltf_glb.h"
+
+namespace penumbra {
+namespace {
+
+// Node 0 turns, node 1 hangs on it.
+Glb animated_file(const char* path, const char* interpolation, const std::vector<float>& times,
+                  const std::vector<float>& values, const char* type, size_t width) {
+    Glb glb = square_file();
+    const int input = glb.floats(times, "SCALAR", 1), output = glb.floats(values, type, width);
+    glb.json["animations"] = {
+        {{"name", "go"},
+         {"samplers", {{{"input", input}, {"output", output}, {"interpolation", interpolation}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", path}}}}}}}};
+    return glb;
+}
+
+double x_at(const Model& model, double seconds) {
+    return pose_at(model, 0, seconds)[0].translation.x;
+}
+
+TEST(GltfFeatures, AnimationsInterpolateAndHold) {
+    Glb linear = animated_file("translation", "LINEAR", {1, 3}, {0, 0, 0, 4, 0, 0}, "VEC3", 3),
+        step = animated_file("translation", "STEP", {1, 3}, {0, 0, 0, 4, 0, 0}, "VEC3", 3),
+        // Tangents of 1 per second out of the first key and into the second.
+        cubic = animated_file("translation", "CUBICSPLINE", {1, 3},
+                              {0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 4, 0, 0, 0, 0, 0}, "VEC3", 3),
+        turning = animated_file("rotation", "LINEAR", {0, 1}, {0, 0, 0, 1, 0, 0, -1, 0}, "VEC4", 4);
+    const Model a = loaded(linear, "linear.glb"), b = loaded(step, "step.glb"),
+                c = loaded(cubic, "cubic.glb"), d = loaded(turning, "turning.glb");
+    EXPECT_EQ(a.animations[0].duration_s, 3);
+    EXPECT_DOUBLE_EQ(x_at(a, 0), 0);
+    EXPECT_DOUBLE_EQ(x_at(a, 1.5), 1);
+    EXPECT_DOUBLE_EQ(x_at(a, 9), 4);
+    EXPECT_DOUBLE_EQ(x_at(b, 2.999), 0);
+    EXPECT_DOUBLE_EQ(x_at(b, 3), 4);
+    // p = (t3 - 2 t2 + t) 2 + (3 t2 - 2 t3) 4 + (t3 - t2) 2 at t = 1/4.
+    EXPECT_NEAR(x_at(c, 1.5),
+                2 * (1 / 64. - 2 / 16. + 1 / 4.) + 4 * (3 / 16. - 2 / 64.) + 2 * (1 / 64. - 1 / 16.), 1e-12);
+    const glm::dquat half = pose_at(d, 0, 0.5)[0].rotation;  // of half a turn about z, the shorter way
+    EXPECT_NEAR(std::abs(half.w), std::sqrt(0.5), 1e-12);
+    EXPECT_NEAR(std::abs(half.z), std::sqrt(0.5), 1e-12);
+}
+
+TEST(GltfFeatures, BrokenAnimationsAreErrorsByName) {
+    for (const auto& [times, values] : {std::pair<std::vector<float>, std::vector<float>>{{0, 1}, {0, 0, 0}},
+                                        {{1, 1}, {0, 0, 0, 1, 0, 0}},
+                                        {{0, 1}, {0, 0, 0, NAN, 0, 0}}}) {
+        Glb glb = animated_file("translation", "LINEAR", times, values, "VEC3", 3);
+        Diagnostics diagnostics;
+        EXPECT_FALSE(load_gltf(glb.save("broken.glb"), diagnostics));
+        EXPECT_NE(diagnostics.text().find("animation \"go\""), std::string::npos) << diagnostics.text();
+    }
+}
+
+// Two bones: the square's upper edge follows the second, which moves; the mesh's own node does not matter.
+TEST(GltfFeatures, SkinsFollowTheirJoints) {
+    Glb glb = square_file();
+    const std::array<std::array<uint8_t, 4>, 4> joints{
+        {{0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}, {0, 1, 0, 0}}};
+    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, "VEC4", 4);
+    glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}, {"translation", {50, 0, 0}}},
+                         {{"name", "root"}},
+                         {{"name", "tip"}, {"translation", {0, 1, 0}}}};
+    glb.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
+    std::vector<float> bind(32, 0);
+    for (size_t i = 0; i < 2; ++i)
+        for (size_t k = 0; k < 4; ++k) bind[16 * i + 5 * k] = 1;
+    bind[16 + 13] = -1;  // the second joint's rest is one metre up
+    glb.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", glb.floats(bind, "MAT4", 16)}}};
+    const int input = glb.floats({0, 1}, "SCALAR", 1), output = glb.floats({0, 1, 0, 0, 1, 3}, "VEC3", 3);
+    glb.json["animations"] = {
+        {{"samplers", {{{"input", input}, {"output", output}}}},
+         {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "translation"}}}}}}}};
+    Shot shot;
+    shot.fps = 10;
+    shot.animation = "0";
+    const Scene scene(loaded(glb, "skin.glb"), shot);
+    EXPECT_TRUE(scene.animated());
+    EXPECT_TRUE(scene.moved(0, 1));
+    const auto positions = scene.positions(scene.instances()[0], scene.model().meshes[0].parts[0], 5);
+    EXPECT_NEAR(glm::length(positions[0] - glm::vec3(0, 0, 0)), 0, 1e-6);
+    EXPECT_NEAR(glm::length(positions[2] - glm::vec3(1, 1, 1.5)), 0, 1e-6);
+    const auto box = scene.box(10);
+    EXPECT_NEAR(box[1].z, 3, 1e-6);
+    EXPECT_NEAR(box[1].x, 1, 1e-6);
+    double highest = -1;
+    for (const Triangle& t : scene.triangles(10))
+        for (const auto& v : t.v) highest = std::max(highest, v[2] + scene.bvh_origin().z);
+    EXPECT_NEAR(highest, 3, 1e-6);
+}
+
+TEST(GltfFeatures, JointsThatAreNotThereAreErrors) {
+    Glb glb = square_file();
+    const std::array<std::array<uint8_t, 4>, 4> joints{
+        {{7, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}, {0, 0, 0, 0}}};
+    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    glb.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "root"}}};
+    glb.json["scenes"] = {{{"nodes", {0, 1}}}};
+    glb.json["skins"] = {{{"joints", {1}}}};
+    Diagnostics diagnostics;
+    EXPECT_FALSE(load_gltf(glb.save("joints.glb"), diagnostics));
+    EXPECT_NE(diagnostics.text().find("joint 7 of 1"), std::string::npos) << diagnostics.text();
+}
+
+}  // namespace
+}  // namespace penumbra
