@@ -53,6 +53,8 @@ const std::vector<std::string> known_slots = {"depth",
                                               "environment",
                                               "surfaces",
                                               "surface_texels",
+                                              "translucents",
+                                              "translucent_texels",
                                               "scene.nodes_words",
                                               "scene.leaves_words",
                                               "scene.alpha_uv_words",
@@ -306,6 +308,8 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         session->surfaces_ = std::make_unique<HitSurfaces>(device, session->host_->scene());
         session->update_surfaces(0, 0);
     }
+    if (needs("translucents") || needs("translucent_texels"))
+        session->translucents_ = std::make_unique<TranslucentTree>(device, session->host_->scene(), 0);
     if (needs("environment")) session->environment_ = upload_environment(device, *environment);
     if (needs("cascade_maps") || needs("cascade_bounds"))
         session->cascade_maps_ =
@@ -364,6 +368,8 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "environment") b.image = environment_.view.get();
         if (slot.name == "surfaces") b.texels = surfaces_->surfaces();
         if (slot.name == "surface_texels") b.texels = surfaces_->texels();
+        if (slot.name == "translucents") b.texels = translucents_->tree();
+        if (slot.name == "translucent_texels") b.texels = translucents_->texels();
         if (slot.name == "sun") b.buffer = sun_.get();
         if (slot.name == "sun_prev") b.buffer = sun_prev_.get();
         if (slot.name == "light") b.buffer = light_.get();
@@ -431,6 +437,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     // Since the frame that was traced last, which need not be the one before: a session may start anywhere.
     const double moment = host_->moment(index);
     if (bvh_) bvh_->update(moment);
+    if (translucents_) translucents_->update(moment);
     if (host_->scene().moved(traced_moment_, moment)) {
         if (tlas_) tlas_->update(moment);
         if (cascade_maps_) cascade_maps_->update(moment);

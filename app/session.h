@@ -16,6 +16,7 @@
 #include "host/materials/environment.h"
 #include "host/materials/hit_surfaces.h"
 #include "host/scene/scene_tlas.h"
+#include "host/scene/scene_translucents.h"
 #include "host/standalone.h"
 #include "penumbra/graph.h"
 
@@ -112,10 +113,11 @@ class Session {
     double program_ms_ = 0;
     FrameDescription last_;
     std::unique_ptr<StandaloneHost> host_;
-    std::shared_ptr<SceneBvh> bvh_;          // where a pass traces with it
-    std::unique_ptr<SceneTlas> tlas_;        // where a pass traces with ray queries
-    std::unique_ptr<HitSurfaces> surfaces_;  // where a pass shades what its rays hit
-    GpuImage environment_;                   // where a pass looks beyond the scene
+    std::shared_ptr<SceneBvh> bvh_;                  // where a pass traces with it
+    std::unique_ptr<SceneTlas> tlas_;                // where a pass traces with ray queries
+    std::unique_ptr<HitSurfaces> surfaces_;          // where a pass shades what its rays hit
+    std::unique_ptr<TranslucentTree> translucents_;  // where a pass asks what colours the light
+    GpuImage environment_;                           // where a pass looks beyond the scene
     std::unique_ptr<CascadeMaps> cascade_maps_;
     double traced_moment_ = 0;  // the moment that these stand at, but for the tree, which others move, too
     uint32_t surfaces_builds_ = 0;  // SceneBvh::builds() that `surfaces_` was made for

@@ -47,6 +47,7 @@ std::shared_ptr<const Domain> shadow_domain() {
                   {"sun_disc", "the sun, or the light that is near, is no point"},
                   {"casters", "something can cast a shadow"},
                   {"alpha", "some triangle's texture has holes"},
+                  {"translucent", "some triangle lets a part of the light through"},
                   {"moves", "the camera or an object moves"},
                   {"casters_move", "something that casts a shadow moves or changes its shape"},
                   {"sun_moves", "the sun moves, or the light that is near"},

@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 preset=${1:?usage: scripts/scenes.sh PRESET}
 
-for name in cards chrome colonnade fan heightfield interior lamp polished street trees; do
+for name in cards chrome colonnade fan heightfield interior lamp polished stained_glass street trees; do
     if [[ ! -f scenes/$name.glb || build/$preset/host/penumbra_make_scenes -nt scenes/$name.glb ]]; then
         echo "scenes: generating the project's own models"
         "build/$preset/host/penumbra_make_scenes" scenes

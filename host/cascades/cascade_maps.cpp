@@ -106,7 +106,8 @@ CascadeMaps::CascadeMaps(Device& device, const Scene& scene, uint32_t size, uint
 }
 
 void CascadeMaps::update(double frame) {
-    const std::vector<Triangle> triangles = scene_.triangles(frame);
+    std::vector<Triangle> triangles = scene_.triangles(frame);
+    if (scene_.has_translucent()) std::erase_if(triangles, [](const Triangle& t) { return !usable(t); });
     triangle_count_ = static_cast<uint32_t>(triangles.size());
     if (triangles.size() > most_triangles ||
         triangles.size() * sizeof(Triangle) > device_.limits().maxStorageBufferRange)

@@ -150,6 +150,7 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
         const auto mesh = static_cast<size_t>(instance.mesh);
         const std::vector<Part>& parts = scene.model().meshes[mesh].parts;
         for (size_t i = 0; i < parts.size(); ++i) {
+            if (scene.translucent(parts[i])) continue;  // drawn by whoever draws what is behind through it
             const int material = parts[i].material;
             const uint32_t least_alpha =
                 is_alpha_tested(scene.model(), material)

@@ -10,6 +10,7 @@
 #include "host/generated/interior.h"
 #include "host/generated/lamp.h"
 #include "host/generated/polished.h"
+#include "host/generated/stained_glass.h"
 #include "host/generated/street.h"
 #include "host/generated/trees.h"
 
@@ -20,7 +21,7 @@ struct GeneratedScene {
     Model (*make)();
 };
 
-inline constexpr std::array<GeneratedScene, 10> generated_scenes{{{"cards", make_cards},
+inline constexpr std::array<GeneratedScene, 11> generated_scenes{{{"cards", make_cards},
                                                                   {"colonnade", make_colonnade},
                                                                   {"fan", make_fan},
                                                                   {"heightfield", make_heightfield},
@@ -28,6 +29,7 @@ inline constexpr std::array<GeneratedScene, 10> generated_scenes{{{"cards", make
                                                                   {"lamp", make_lamp},
                                                                   {"chrome", make_chrome},
                                                                   {"polished", make_polished},
+                                                                  {"stained_glass", make_stained_glass},
                                                                   {"street", make_street},
                                                                   {"trees", make_trees}}};
 

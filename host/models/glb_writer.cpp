@@ -77,6 +77,8 @@ class Writer {
             out["alphaMode"] = "MASK";
             out["alphaCutoff"] = *material.alpha_cutoff;
         }
+        if (material.alpha_blend) out["alphaMode"] = "BLEND";
+        add_transmission(material, out);
         add_emission(material, out);
         json_["materials"].push_back(std::move(out));
     }
@@ -90,8 +92,22 @@ class Writer {
         if (material.emissive_texture >= 0) out["emissiveTexture"] = {{"index", material.emissive_texture}};
         if (strength == 1) return;
         out["extensions"]["KHR_materials_emissive_strength"] = {{"emissiveStrength", strength}};
-        if (!json_.contains("extensionsUsed"))
-            json_["extensionsUsed"] = Json::array({"KHR_materials_emissive_strength"});
+        use_extension("KHR_materials_emissive_strength");
+    }
+
+    void add_transmission(const Material& material, Json& out) {
+        if (material.transmission == 0) return;
+        Json& extension = out["extensions"]["KHR_materials_transmission"];
+        extension["transmissionFactor"] = material.transmission;
+        if (material.transmission_texture >= 0)
+            extension["transmissionTexture"] = {{"index", material.transmission_texture}};
+        use_extension("KHR_materials_transmission");
+    }
+
+    void use_extension(const char* name) {
+        if (!json_.contains("extensionsUsed")) json_["extensionsUsed"] = Json::array();
+        Json& used = json_["extensionsUsed"];
+        if (std::ranges::find(used, name) == used.end()) used.push_back(name);
     }
 
     void add_texture(const Texture& texture) {

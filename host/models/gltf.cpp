@@ -39,7 +39,7 @@ bool is_harmless(std::string_view extension) {
 // Extensions that change a picture in ways that are not drawn, and what is seen instead.
 constexpr std::pair<const char*, const char*> undrawn[] = {
     {"KHR_materials_unlit", "is drawn lit"},
-    {"KHR_materials_transmission", "is drawn and casts shadows as if opaque"},
+    {"KHR_materials_volume", "is a thin wall"},
     {"KHR_materials_pbrSpecularGlossiness", "is drawn in its base colour"},
     {"KHR_materials_variants", "is drawn in its first variant"},
     {"KHR_texture_basisu", "is not read: the colour factor is used"},
@@ -142,10 +142,12 @@ class Loader {
             return;
         }
         out.texture = texture.source;
-        if (!out.alpha_cutoff || texture.sampler < 0) return;
+        if (!(out.alpha_cutoff || out.alpha_blend || out.transmission > 0) || texture.sampler < 0) return;
         const tinygltf::Sampler& sampler = element(file_.samplers, texture.sampler, "sampler");
         if (sampler.wrapS != TINYGLTF_TEXTURE_WRAP_REPEAT || sampler.wrapT != TINYGLTF_TEXTURE_WRAP_REPEAT)
-            warn("textures of alpha-tested materials are repeated, whatever their samplers say");
+            warn(
+                "textures of alpha-tested and translucent materials are repeated, whatever their samplers "
+                "say");
     }
 
     // Sections 3.9.2 and 3.9.3, and KHR_materials_emissive_strength: what reflections see of a surface.
@@ -170,6 +172,26 @@ class Loader {
         out.metallic_roughness_texture =
             surface_image("metallic-roughness", pbr.metallicRoughnessTexture, use);
         out.emissive_texture = surface_image("emissive", material.emissiveTexture, use);
+        const auto transmission = material.extensions.find("KHR_materials_transmission");
+        if (transmission == material.extensions.end()) return;
+        if (transmission->second.Has("transmissionFactor"))
+            out.transmission = factor("transmissionFactor",
+                                      transmission->second.Get("transmissionFactor").GetNumberAsDouble(), 1);
+        if (transmission->second.Has("transmissionTexture"))
+            out.transmission_texture = surface_image(
+                "transmission", texture_info(transmission->second.Get("transmissionTexture")), use);
+    }
+
+    // As tinygltf reads those of the core.
+    static tinygltf::TextureInfo texture_info(const tinygltf::Value& value) {
+        tinygltf::TextureInfo info;
+        info.index = extension_integer(value, "index", "KHR_materials_transmission");
+        if (value.Has("texCoord"))
+            info.texCoord = extension_integer(value, "texCoord", "KHR_materials_transmission");
+        if (value.Has("extensions"))
+            for (const std::string& name : value.Get("extensions").Keys())
+                info.extensions[name] = value.Get("extensions").Get(name);
+        return info;
     }
 
     // A vertex has one pair of coordinates here: those of the first texture that the material has.
@@ -198,7 +220,7 @@ class Loader {
         return -1;
     }
 
-    // Section 3.9.4. What is half transparent has no place in a shadow of ray hits.
+    // Section 3.9.4.
     void read_alpha_mode(const tinygltf::Material& material, Material& out) {
         if (material.alphaMode == "MASK") {
             if (!(material.alphaCutoff >= 0 && std::isfinite(material.alphaCutoff)))
@@ -206,9 +228,7 @@ class Loader {
                                             material.name, material.alphaCutoff));
             out.alpha_cutoff = material.alphaCutoff;
         } else if (material.alphaMode == "BLEND") {
-            warn(
-                fmt::format("material \"{}\" has alphaMode BLEND: it is drawn and casts shadows as if opaque",
-                            material.name));
+            out.alpha_blend = true;
         } else if (material.alphaMode != "OPAQUE") {
             throw GltfError(fmt::format("material \"{}\": there is no alphaMode \"{}\"", material.name,
                                         material.alphaMode));

@@ -52,6 +52,7 @@ void join_model(Model& all, Model model, const PlacedModel& place) {
         shift(material.texture, textures);
         shift(material.metallic_roughness_texture, textures);
         shift(material.emissive_texture, textures);
+        shift(material.transmission_texture, textures);
     }
     for (Skin& skin : model.skins)
         for (int& joint : skin.joints) shift(joint, nodes);

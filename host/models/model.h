@@ -32,6 +32,11 @@ struct Material {
     int metallic_roughness_texture = -1;
     std::array<float, 3> emissive{0, 0, 0};  // linear radiance; a factor of the texture
     int emissive_texture = -1;
+    // What lets light through (host/models/translucency.h): glTF's alphaMode BLEND, and
+    // KHR_materials_transmission, a factor of the texture's red.
+    bool alpha_blend = false;
+    float transmission = 0;
+    int transmission_texture = -1;
 };
 
 // Triangles that share a material.

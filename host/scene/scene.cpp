@@ -7,6 +7,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 
+#include "host/models/translucency.h"
+
 namespace penumbra {
 
 namespace {
@@ -56,6 +58,8 @@ Scene::Scene(Model model, const Shot& shot)
       animation_(find_animation(model_, shot.animation)),
       fps_(shot.fps),
       objects_(shot.objects) {
+    for (size_t i = 0; i < model_.materials.size(); ++i)
+        translucent_.push_back(is_translucent(model_, static_cast<int>(i)));
     for (const Node& node : model_.nodes) {
         const auto found = objects_.find(node.name);
         motions_.push_back(found == objects_.end() ? nullptr : &found->second);
@@ -171,28 +175,52 @@ std::array<glm::dvec3, 2> Scene::box(double frame) const {
     return out;
 }
 
-std::vector<Triangle> Scene::triangles(double frame) const {
+bool Scene::has_translucent() const {
+    return std::ranges::any_of(instances_, [&](const Instance& instance) {
+        return std::ranges::any_of(parts(instance), [&](const Part& part) { return translucent(part); });
+    });
+}
+
+template <class Visit>
+void Scene::each_triangle(double frame, const Visit& visit) const {
     const std::vector<glm::dmat4> world = transforms(frame);
     const Pose posed = pose(frame);
-    std::vector<Triangle> out;
     std::vector<glm::vec3> moved_positions;
     for (const Instance& instance : instances_) {
         const glm::dmat4& transform = world[static_cast<size_t>(instance.node)];
-        for (const Part& part : model_.meshes[static_cast<size_t>(instance.mesh)].parts) {
+        for (const Part& part : parts(instance)) {
             moved_positions.clear();
             for (const glm::vec3& p : positions(instance, part, posed)) {
                 const glm::dvec3 at(transform * glm::dvec4(part.origin + glm::dvec3(p), 1));
                 moved_positions.emplace_back(at - bvh_origin_);
             }
             for (size_t i = 0; i < part.indices.size(); i += 3) {
-                Triangle& triangle = out.emplace_back();
+                Triangle triangle{};
                 for (size_t corner = 0; corner < 3; ++corner) {
                     const glm::vec3& p = moved_positions[part.indices[i + corner]];
                     for (int axis = 0; axis < 3; ++axis) triangle.v[corner][axis] = p[axis];
                 }
+                visit(part, triangle);
             }
         }
     }
+}
+
+std::vector<Triangle> Scene::triangles(double frame) const {
+    std::vector<Triangle> out;
+    each_triangle(frame, [&](const Part& part, Triangle& triangle) {
+        if (translucent(part))
+            for (auto& corner : triangle.v) std::ranges::copy(triangle.v[0], corner);
+        out.push_back(triangle);
+    });
+    return out;
+}
+
+std::vector<Triangle> Scene::translucent_triangles(double frame) const {
+    std::vector<Triangle> out;
+    each_triangle(frame, [&](const Part& part, const Triangle& triangle) {
+        if (translucent(part)) out.push_back(triangle);
+    });
     return out;
 }
 

@@ -50,10 +50,18 @@ class Scene {
     // The BVH's frame: world axes about this point (the centre of the first frame's box), without the shot's
     // origin.
     const glm::dvec3& bvh_origin() const { return bvh_origin_; }
-    // All triangles relative to bvh_origin(), instance by instance; the count and the order never change.
+    // All triangles relative to bvh_origin(), instance by instance; the count and the order never change. Of
+    // translucent ones, which block no ray, all corners are at the first, so that no tree holds them.
     std::vector<Triangle> triangles(double frame) const;
+    // The translucent ones alone, in the same order.
+    std::vector<Triangle> translucent_triangles(double frame) const;
     // Per triangle, the index of its instance: what build_bvh() calls its object.
     std::vector<uint32_t> triangle_objects() const;
+    // Whether a part lets light through (host/models/translucency.h), and whether any that is shown does.
+    bool translucent(const Part& part) const {
+        return part.material >= 0 && translucent_[static_cast<size_t>(part.material)];
+    }
+    bool has_translucent() const;
     // Box of all triangles at the first frame, without the shot's origin.
     const std::array<glm::dvec3, 2>& bounds() const { return bounds_; }
     // A box that holds all triangles at a frame, without the shot's origin; made of the parts' boxes, so not
@@ -67,11 +75,15 @@ class Scene {
     };
     Pose pose(double frame) const;
     std::vector<glm::vec3> positions(const Instance& instance, const Part& part, const Pose& pose) const;
+    // visit(part, corners) of every triangle in order.
+    template <class Visit>
+    void each_triangle(double frame, const Visit& visit) const;
     const std::vector<Part>& parts(const Instance& instance) const {
         return model_.meshes[static_cast<size_t>(instance.mesh)].parts;
     }
 
     Model model_;
+    std::vector<bool> translucent_;  // by material
     int animation_ = -1;
     double fps_ = 60;
     std::vector<const ObjectMotion*> motions_;  // per node, null where it stands still

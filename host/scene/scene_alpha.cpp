@@ -12,19 +12,15 @@ namespace penumbra {
 
 namespace {
 
-constexpr uint32_t largest_mask = 65536, largest_record = (1u << 28) - 2;
+constexpr uint32_t largest_record = (1u << 28) - 2;
 
-struct Mask {
-    uint32_t first_word = 0, width = 1, height = 1;
-};
-
-Mask append_mask(const Model& model, const Material& material, std::vector<uint32_t>& words) {
+RecordMap append_mask(const Model& model, const Material& material, std::vector<uint32_t>& words) {
     const Texture white{1, 1, {255, 255, 255, 255}};
     const Texture& texture =
         material.texture < 0 ? white : model.textures[static_cast<size_t>(material.texture)];
-    if (std::max(texture.width, texture.height) > largest_mask)
+    if (std::max(texture.width, texture.height) > largest_record_map)
         throw std::runtime_error("an alpha mask has more than 65536 texels on an axis");
-    const Mask mask{static_cast<uint32_t>(words.size()), texture.width, texture.height};
+    const RecordMap mask{static_cast<uint32_t>(words.size()), texture.width, texture.height};
     const size_t texels = size_t{mask.width} * mask.height;
     words.resize(words.size() + (texels + 31) / 32);
     const uint32_t least = least_opaque_alpha(material);
@@ -39,6 +35,16 @@ uint32_t corner_bits(uint32_t i0, uint32_t i1) {
 
 }  // namespace
 
+void append_record(std::vector<Texel>& records, const Part& part, size_t first_index, const RecordMap& map) {
+    uint32_t uv[6] = {};
+    for (size_t k = 0; k < 3 && !part.uv.empty(); ++k) {
+        uv[2 * k] = std::bit_cast<uint32_t>(part.uv[part.indices[first_index + k]].x);
+        uv[2 * k + 1] = std::bit_cast<uint32_t>(part.uv[part.indices[first_index + k]].y);
+    }
+    records.push_back({uv[0], uv[1], uv[2], uv[3]});
+    records.push_back({uv[4], uv[5], map.first_word, (map.width - 1) | (map.height - 1) << 16});
+}
+
 bool has_alpha(const Scene& scene) {
     const Model& model = scene.model();
     return std::ranges::any_of(scene.instances(), [&](const Instance& instance) {
@@ -47,8 +53,7 @@ bool has_alpha(const Scene& scene) {
     });
 }
 
-bool SceneAlpha::blocks(uint32_t record, const std::array<double, 3>& weights) const {
-    const Texel &r0 = records[2 * size_t{record}], &r1 = records[2 * size_t{record} + 1];
+uint64_t record_texel(const Texel& r0, const Texel& r1, const std::array<double, 3>& weights) {
     const uint32_t width = (r1[3] & 0xffff) + 1, height = (r1[3] >> 16) + 1;
     const auto texel = [&](uint32_t word0, uint32_t word1, uint32_t word2, uint32_t size) {
         const double at = weights[0] * double(std::bit_cast<float>(word0)) +
@@ -56,8 +61,12 @@ bool SceneAlpha::blocks(uint32_t record, const std::array<double, 3>& weights) c
                           weights[2] * double(std::bit_cast<float>(word2));
         return std::min(static_cast<uint32_t>((at - std::floor(at)) * size), size - 1);
     };
-    const uint64_t bit =
-        uint64_t{texel(r0[1], r0[3], r1[1], height)} * width + texel(r0[0], r0[2], r1[0], width);
+    return uint64_t{texel(r0[1], r0[3], r1[1], height)} * width + texel(r0[0], r0[2], r1[0], width);
+}
+
+bool SceneAlpha::blocks(uint32_t record, const std::array<double, 3>& weights) const {
+    const Texel &r0 = records[2 * size_t{record}], &r1 = records[2 * size_t{record} + 1];
+    const uint64_t bit = record_texel(r0, r1, weights);
     return map[r1[2] + bit / 32] >> (bit % 32) & 1;
 }
 
@@ -66,7 +75,7 @@ SceneAlpha make_scene_alpha(const Scene& scene) {
     std::vector<bool> tested(model.materials.size());
     for (size_t i = 0; i < tested.size(); ++i) tested[i] = is_alpha_tested(model, static_cast<int>(i));
     SceneAlpha out;
-    std::map<std::pair<int, uint32_t>, Mask> masks;  // by texture and least alpha
+    std::map<std::pair<int, uint32_t>, RecordMap> masks;  // by texture and least alpha
     for (const Instance& instance : scene.instances())
         for (const Part& part : model.meshes[static_cast<size_t>(instance.mesh)].parts) {
             if (part.material < 0 || !tested[static_cast<size_t>(part.material)]) {
@@ -75,18 +84,11 @@ SceneAlpha make_scene_alpha(const Scene& scene) {
             }
             const Material& material = model.materials[static_cast<size_t>(part.material)];
             const auto [found, fresh] =
-                masks.try_emplace({material.texture, least_opaque_alpha(material)}, Mask{});
+                masks.try_emplace({material.texture, least_opaque_alpha(material)}, RecordMap{});
             if (fresh) found->second = append_mask(model, material, out.map);
-            const Mask& mask = found->second;
+            const RecordMap& mask = found->second;
             for (size_t i = 0; i < part.indices.size(); i += 3) {
-                uint32_t uv[6] = {};
-                for (size_t k = 0; k < 3 && !part.uv.empty(); ++k) {
-                    uv[2 * k] = std::bit_cast<uint32_t>(part.uv[part.indices[i + k]].x);
-                    uv[2 * k + 1] = std::bit_cast<uint32_t>(part.uv[part.indices[i + k]].y);
-                }
-                out.records.push_back({uv[0], uv[1], uv[2], uv[3]});
-                out.records.push_back(
-                    {uv[4], uv[5], mask.first_word, (mask.width - 1) | (mask.height - 1) << 16});
+                append_record(out.records, part, i, mask);
                 if (out.records.size() / 2 > largest_record)
                     throw std::runtime_error("there are more than 2^28 alpha-tested triangles");
                 out.record_of.push_back(static_cast<uint32_t>(out.records.size() / 2));
@@ -95,18 +97,18 @@ SceneAlpha make_scene_alpha(const Scene& scene) {
     return out;
 }
 
-std::vector<std::array<uint32_t, 2>> alpha_leaf_words(const SceneAlpha& alpha, const Bvh& bvh,
-                                                      std::span<const Triangle> triangles) {
+std::vector<std::array<uint32_t, 2>> record_leaf_words(std::span<const uint32_t> record_of, const Bvh& bvh,
+                                                       std::span<const Triangle> triangles) {
     std::vector<std::array<uint32_t, 2>> out(bvh.corners.size());
     const auto position = [&](uint32_t corner) { return triangles[corner / 3].v[corner % 3]; };
     for (size_t leaf = 0; leaf < out.size(); ++leaf) {
         const std::array<uint32_t, 4>& c = bvh.corners[leaf];
         // v0, v1, v2 are the first triangle's corners in the scene's cyclic order.
         const uint32_t turn = c[0] % 3;
-        if (const uint32_t record = alpha.record_of[c[0] / 3])
+        if (const uint32_t record = record_of[c[0] / 3])
             out[leaf][0] = record << 4 | corner_bits((3 - turn) % 3, (4 - turn) % 3);
         if (c[3] == c[2]) continue;
-        const uint32_t record = alpha.record_of[c[3] / 3];
+        const uint32_t record = record_of[c[3] / 3];
         if (record == 0) continue;
         // Of the second only v3 is named; which of its other corners lies at v2 is found by position.
         const uint32_t opposite = c[3] % 3, next = (opposite + 1) % 3;

@@ -46,9 +46,24 @@ struct SceneAlpha {
 // axis, 2^28 triangles).
 SceneAlpha make_scene_alpha(const Scene& scene);
 
-// The words of every leaf. `triangles` are those that the tree was built from.
-std::vector<std::array<uint32_t, 2>> alpha_leaf_words(const SceneAlpha& alpha, const Bvh& bvh,
-                                                      std::span<const Triangle> triangles);
+// The words of every leaf, from each triangle's record + 1 or 0. `triangles` are those that the tree was
+// built from.
+std::vector<std::array<uint32_t, 2>> record_leaf_words(std::span<const uint32_t> record_of, const Bvh& bvh,
+                                                       std::span<const Triangle> triangles);
+inline std::vector<std::array<uint32_t, 2>> alpha_leaf_words(const SceneAlpha& alpha, const Bvh& bvh,
+                                                             std::span<const Triangle> triangles) {
+    return record_leaf_words(alpha.record_of, bvh, triangles);
+}
+
+// Where a record's mask lies, whose axes have at most largest_record_map texels.
+struct RecordMap {
+    uint32_t first_word = 0, width = 1, height = 1;
+};
+inline constexpr uint32_t largest_record_map = 65536;
+// The two texels of the triangle of a part whose indices begin at `first_index`.
+void append_record(std::vector<Texel>& records, const Part& part, size_t first_index, const RecordMap& map);
+// Which texel of its mask, row by row, the point of a record's triangle with these weights falls on.
+uint64_t record_texel(const Texel& first, const Texel& second, const std::array<double, 3>& weights);
 
 // scene.alpha_uv; no words: for ray queries alone.
 std::vector<Texel> alpha_uv_texels(const SceneAlpha& alpha,

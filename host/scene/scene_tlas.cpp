@@ -106,12 +106,17 @@ SceneTlas::SceneTlas(Device& device, const Scene& scene, double frame, TexelsAs 
     build(all);
 }
 
-// Triangles come object by object, and in each part by part.
+// Triangles come object by object, and in each part by part. Translucent ones are left out.
 void SceneTlas::split_objects(const std::vector<uint32_t>& record_of) {
     const std::vector<uint32_t> objects = scene_.triangle_objects();
+    std::vector<bool> translucent;
+    for (const Instance& instance : scene_.instances())
+        for (const Part& part : scene_.model().meshes[static_cast<size_t>(instance.mesh)].parts)
+            translucent.insert(translucent.end(), part.indices.size() / 3, scene_.translucent(part));
     const auto tested = [&](size_t t) { return !record_of.empty() && record_of[t] != 0; };
     for (size_t t = 0; t < objects.size(); ++t) {
-        if (t == 0 || objects[t] != objects[t - 1] || tested(t) != tested(t - 1)) {
+        if (translucent[t]) continue;
+        if (t == 0 || objects[t] != objects[t - 1] || tested(t) != tested(t - 1) || translucent[t - 1]) {
             Object& object = objects_.emplace_back();
             object.first = static_cast<uint32_t>(t);
             if (tested(t)) object.record = record_of[t] - 1;

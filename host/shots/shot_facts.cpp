@@ -34,6 +34,7 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene, con
             {"sun_disc", light ? has_size(*light) : shot.sun_angular_radius_deg > 0},
             {"casters", !scene.instances().empty()},
             {"alpha", has_alpha(scene)},
+            {"translucent", scene.has_translucent()},
             {"moves", moves(shot) || scene.animated()},
             {"casters_move", objects_move(shot) || scene.animated()},
             {"sun_moves", (light ? light_moves(*light) : sun_moves(shot)) || scene.animated()},

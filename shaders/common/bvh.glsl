@@ -5,9 +5,9 @@
 //
 // Includer declares: what common/scene_words.glsl and common/bvh_alpha.glsl need.
 #include "common/bvh_alpha.glsl"
+#include "common/bvh_boxes.glsl"
 #include "common/bvh_leaf.glsl"
 #include "common/bvh_path.glsl"
-#include "common/bvh_triangle.glsl"
 
 // `unsure`: bit 0 and 1, the triangles of which bvh_plane_ahead() has to say whether they are hit, if none is for sure.
 bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit, out uint unsure) {
@@ -48,28 +48,6 @@ bool bvh_hits_unsure(BvhRay ray, uvec4 leaves, inout float t_hit) {
         if ((leaves.x & 3u) == 0u) leaves = uvec4(leaves.yzw, 0u);
     }
     return found;
-}
-
-vec4 bvh_planes(uint word, float step, float base) {
-    return vec4(uvec4(word, word >> 8, word >> 16, word >> 24) & 255u) * step + base;
-}
-
-// Children that the ray's box test passes, bit k for child k. The grid is conservative (host/bvh/bvh.cpp); the factor is Ize
-// 2013, "Robust BVH Ray Traversal", widened to cover the shear's rounding too.
-uint bvh_hit_children(BvhRay ray, uvec4 n0, uvec4 n1, uvec4 n2) {
-    vec3 step = uintBitsToFloat((uvec3(n0.w, n0.w >> 8, n0.w >> 16) & 255u) << 23) * ray.inverse;
-    vec3 base = (uintBitsToFloat(n0.xyz) - ray.origin) * ray.inverse;
-    bvec3 negative = lessThan(ray.inverse, vec3(0));
-    vec4 near = bvh_planes(negative.x ? n1.w : n1.z, step.x, base.x);
-    vec4 far = bvh_planes(negative.x ? n1.z : n1.w, step.x, base.x);
-    near = max(near, bvh_planes(negative.y ? n2.y : n2.x, step.y, base.y));
-    far = min(far, bvh_planes(negative.y ? n2.x : n2.y, step.y, base.y));
-    near = max(near, bvh_planes(negative.z ? n2.w : n2.z, step.z, base.z));
-    far = min(far, bvh_planes(negative.z ? n2.z : n2.w, step.z, base.z));
-    near = max(near, vec4(ray.t_min));
-    far = min(far, vec4(ray.t_max)) * 1.000002;
-    uvec4 hit = mix(uvec4(0), uvec4(1, 2, 4, 8), lessThanEqual(near, far));
-    return hit.x | hit.y | hit.z | hit.w;
 }
 
 // Whether anything lies on the ray between t_min and t_max (exclusive, t_min >= 0); both sides of a triangle block.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Cones against the boxes of common/bvh.glsl. A cone may be thick: at its apex it has a radius already.
+// Cones against the boxes of common/bvh_boxes.glsl. A cone may be thick: at its apex it has a radius already.
 //
-// Includer has common/bvh.glsl.
+// Includer has common/bvh_boxes.glsl.
 
 // What of a box a cone can meet, axis by axis. With h the distance along the cone's axis, the box of its disc spans
 // apex_k -+ radius * w + h * (axis_k -+ spread * w), w = sqrt(1 - axis_k^2): two flanks, each of which meets a plane of the box at one h. A

@@ -25,7 +25,8 @@ void for_pixel(ivec2 p) {
     const vec4 guide = imageLoad(guide_normal, p);
     const vec3 n = unit_or_zero(decode_normal(guide));
     vec3 direct = vec3(0.0);
-    if (HAS_VISIBILITY) direct = direct_light(p, n) * texelFetch(visibility, p, 0).x;
+    if (HAS_TRANSMITTANCE) direct = direct_light(p, n) * texelFetch(transmittance, p, 0).xyz;
+    else if (HAS_VISIBILITY) direct = direct_light(p, n) * texelFetch(visibility, p, 0).x;
     if (HAS_ILLUMINANCE) direct += of_lux(texelFetch(illuminance, p, 0).xyz);
     const vec3 surface = texelFetch(albedo, p, 0).xyz * (direct + params.ambient);
     const bool receiver = guide.w > 0.0;

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// What a surface lets through: T = (1 - a) + a t c per colour channel, for a the alpha where glTF's alphaMode
+// is BLEND (under MASK 0 or 1, else 1), t the transmission (KHR_materials_transmission, of the part that is
+// no metal) and c the base colour, linear. Of alpha blending with a straight alpha, 1 - a is what stays of
+// the background (glTF 2.0, section 3.9.4); of a thin wall that transmits, the light that goes in is tinted
+// by the base colour (KHR_materials_transmission, "Transmission Tinting"). What its gloss reflects is not
+// taken away, and nothing is scattered or bent.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "host/models/model.h"
+
+namespace penumbra {
+
+// A material's transmittance by texel of its textures: decided here once, so that rays on every device and
+// the truth read the same.
+struct TransmittanceMap {
+    uint32_t width = 1, height = 1;
+    std::vector<uint32_t> texels;  // red, green, blue of 10 bits each, red lowest; rows from the top
+};
+
+// The largest of the textures' sizes; the others' nearest texels.
+TransmittanceMap transmittance_map(const Model& model, const Material& material);
+glm::dvec3 unpack_transmittance(uint32_t texel);
+
+// Whether any texel lets light through that an opaque or alpha-tested surface would not; -1, no material,
+// does not.
+bool is_translucent(const Model& model, int material);
+
+}  // namespace penumbra
