@@ -124,9 +124,9 @@ class LightPixels : public PixelTruth {
         receivers_[p] = frame_.receiver(x, y, depth_[p], {normal_[2 * p], normal_[2 * p + 1]});
         return receivers_[p].reached ? Sight::receiver : Sight::nothing;
     }
-    double visibility(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const override {
+    Seen seen(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const override {
         const uint32_t lit = frame_.lit_rays(receivers_[size_t{y} * width_ + x], side, seed);
-        return double(lit) / (double(side) * side);
+        return {double(lit) / (double(side) * side)};
     }
 
   private:

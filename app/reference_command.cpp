@@ -22,7 +22,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The colour in a file of its own, as `render` writes it, with the receivers.
+void write_colored_truth(const fs::path& folder, const Shot& shot, uint32_t frame, const Truth& truth) {
+    PlanarImage image{shot.size[0], shot.size[1], {}};
+    for (size_t c = 0; c < 3; ++c)
+        image.planes.push_back({std::string(1, "RGB"[c]), PlaneType::real, truth.transmittance[c], {}});
+    image.planes.push_back({"visibility", PlaneType::real, truth.visibility, {}});
+    image.planes.push_back({"receiver", PlaneType::real, truth.receiver, {}});
+    const fs::path file = folder / fmt::format("transmittance.{:04}.exr", frame);
+    std::vector<float> rgb;
+    for (size_t p = 0; p < truth.receiver.size(); ++p)
+        for (const std::vector<float>& channel : truth.transmittance) rgb.push_back(channel[p]);
+    write_exr(file, image);
+    write_png_color(fs::path(file).replace_extension(".png"), image.width, image.height, rgb);
+}
+
 void write_truth(const fs::path& folder, const Shot& shot, uint32_t frame, Truth truth) {
+    if (!truth.transmittance[0].empty()) write_colored_truth(folder, shot, frame, truth);
     PlanarImage image{shot.size[0], shot.size[1], {}};
     image.planes.push_back({"Y", PlaneType::real, std::move(truth.visibility), {}});
     image.planes.push_back({"receiver", PlaneType::real, std::move(truth.receiver), {}});

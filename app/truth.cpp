@@ -115,10 +115,12 @@ class SunPixels : public PixelTruth {
                                     octahedral_normal({normal_[2 * p], normal_[2 * p + 1]}));
         return points_[p] ? Sight::receiver : Sight::lost;
     }
-    double visibility(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const override {
+    Seen seen(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const override {
         const SunStrata strata{sun_.to_sun, sun_.angular_radius, side, seed};
-        return counted_.visibility(*points_[size_t{y} * width_ + x], strata);
+        const auto seen = counted_.seen(*points_[size_t{y} * width_ + x], strata);
+        return {seen.visibility, seen.transmittance};
     }
+    bool coloured() const override { return counted_.has_translucent(); }
 
   private:
     uint32_t width_;
@@ -144,6 +146,7 @@ struct TruthRounds::State {
           seed(first_seed),
           receiver(size_t{size.width} * size.height),
           sums(receiver.size()),
+          colors(pixels->coloured() ? receiver.size() : 0),
           row_rounds(extent.height) {}
 
     void trace_row(uint32_t y) {
@@ -154,7 +157,10 @@ struct TruthRounds::State {
                 receiver[p] = sight == PixelTruth::Sight::receiver;
                 if (sight == PixelTruth::Sight::lost) ++lost;
             }
-            if (receiver[p]) sums[p] += pixels->visibility(x, y, side, pcg(uint32_t(p) + pcg(seed + round)));
+            if (!receiver[p]) continue;
+            const PixelTruth::Seen seen = pixels->seen(x, y, side, pcg(uint32_t(p) + pcg(seed + round)));
+            sums[p] += seen.visibility;
+            if (!colors.empty()) colors[p] += seen.transmittance;
         }
         row_rounds[y] = round + 1;
     }
@@ -163,7 +169,8 @@ struct TruthRounds::State {
     Extent extent;
     uint32_t side, seed;
     std::vector<uint8_t> receiver;
-    std::vector<double> sums;  // over rounds
+    std::vector<double> sums;        // over rounds
+    std::vector<glm::dvec3> colors;  // as well; none where nothing is coloured
     std::vector<uint32_t> row_rounds;
     uint32_t round = 0;
     std::atomic<uint32_t> next_row{0};
@@ -211,12 +218,16 @@ Truth TruthRounds::truth() const {
     const State& s = *state_;
     const size_t pixels = s.receiver.size();
     Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
+    if (!s.colors.empty()) truth.transmittance.fill(std::vector<float>(pixels, 1));
     for (size_t p = 0; p < pixels; ++p) {
         const uint32_t rounds = s.row_rounds[p / s.extent.width];
         if (!s.receiver[p] || rounds == 0) continue;
         truth.visibility[p] = static_cast<float>(s.sums[p] / rounds);
         truth.receiver[p] = 1;
         truth.rays[p] = static_cast<float>(s.side * s.side * rounds);
+        for (size_t channel = 0; channel < 3 && !s.colors.empty(); ++channel)
+            truth.transmittance[channel][p] =
+                static_cast<float>(s.colors[p][static_cast<glm::length_t>(channel)] / rounds);
     }
     truth.lost = s.lost;
     return truth;

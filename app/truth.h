@@ -12,6 +12,8 @@ struct Truth {
     std::vector<float> visibility, receiver, rays;
     // Pixels that show a surface of which no triangle was found where it was drawn: no receivers.
     size_t lost = 0;
+    // Where a scene has translucent triangles, red, green, blue of what arrives of the sun.
+    std::array<std::vector<float>, 3> transmittance = {};
 };
 
 Truth analytic_truth(const Shot& shot, uint32_t frame);
@@ -23,8 +25,14 @@ class PixelTruth {
     enum class Sight { nothing, receiver, lost };
     // To be asked once of each pixel, before its visibility.
     virtual Sight look(uint32_t x, uint32_t y) = 0;
+    struct Seen {
+        double visibility = 0;
+        glm::dvec3 transmittance{0};  // read where coloured()
+    };
     // Of a receiver: the mean of side x side rays.
-    virtual double visibility(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const = 0;
+    virtual Seen seen(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const = 0;
+    // Whether anything is translucent.
+    virtual bool coloured() const { return false; }
 };
 
 // A session of pipelines/reference.json at the shot's size, for counted_truth(). `jitter`: of pixels as

@@ -58,10 +58,15 @@ struct Lines {
             if (height < 0) line[i] = -line[i];
         }
     }
-    glm::dvec3 weights(const glm::dvec3& d) const {
-        return {glm::dot(line[0], d), glm::dot(line[1], d), glm::dot(line[2], d)};
-    }
 };
+
+// Where a direction meets the triangle ahead: the weights of its corners.
+std::optional<std::array<double, 3>> hit_weights(const std::array<glm::dvec3, 3>& lines, const glm::dvec3& d) {
+    const glm::dvec3 w(glm::dot(lines[0], d), glm::dot(lines[1], d), glm::dot(lines[2], d));
+    if (!(w.x >= 0 && w.y >= 0 && w.z >= 0)) return std::nullopt;
+    const double sum = w.x + w.y + w.z;
+    return std::array{w.x / sum, w.y / sum, w.z / sum};
+}
 
 double height_over_origin(const Corners& v) {
     return glm::dot(glm::cross(v[1] - v[0], v[2] - v[0]), v[0]);
@@ -97,16 +102,21 @@ std::vector<glm::dvec3> directions(const SunStrata& sun) {
 
 }  // namespace
 
-CountedVisibility::CountedVisibility(const Scene& scene, double frame)
-    : triangles_(scene.triangles(frame)), bvh_(build_bvh(triangles_, scene.triangle_objects())) {
+CountedVisibility::CountedVisibility(const Scene& scene, double frame) {
+    opaque_.triangles = scene.triangles(frame);
+    opaque_.bvh = build_bvh(opaque_.triangles, scene.triangle_objects());
     if (has_alpha(scene)) alpha_ = make_scene_alpha(scene);
+    if (!scene.has_translucent()) return;
+    translucent_.triangles = scene.translucent_triangles(frame);
+    translucent_.bvh = build_bvh(translucent_.triangles);
+    translucents_ = make_scene_translucents(scene);
 }
 
 template <class Touches, class Visit>
-void CountedVisibility::walk(const Touches& touches, Visit&& visit) const {
+void CountedVisibility::Tree::walk(const Touches& touches, Visit&& visit) const {
     std::array<uint32_t, 4 * max_bvh_depth> stack{0};
     for (size_t pending = 1; pending > 0;) {
-        const Texel* node = &bvh_.nodes[size_t{stack[--pending]} * 3];
+        const Texel* node = &bvh.nodes[size_t{stack[--pending]} * 3];
         for (uint32_t k = 0; k < 4; ++k) {
             const bool is_node = node[0][3] >> (24 + k) & 1, is_leaf = node[0][3] >> (28 + k) & 1;
             if (!(is_node || is_leaf) || !touches(child_box(node, k))) continue;
@@ -114,7 +124,7 @@ void CountedVisibility::walk(const Touches& touches, Visit&& visit) const {
                 stack[pending++] = (node[1][0] >> 2) + k;
                 continue;
             }
-            const std::array<uint32_t, 4>& c = bvh_.corners[node[1][1] + k];
+            const std::array<uint32_t, 4>& c = bvh.corners[node[1][1] + k];
             visit(c[0] / 3);
             if (c[3] != c[2]) visit(c[3] / 3);
         }
@@ -134,8 +144,8 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
     };
     double least = INFINITY;
     std::optional<SurfacePoint> out;
-    walk(near_point, [&](uint32_t index) {
-        const Corners v = corners_from(triangles_[index], point);
+    opaque_.walk(near_point, [&](uint32_t index) {
+        const Corners v = corners_from(opaque_.triangles[index], point);
         const glm::dvec3 winding = glm::cross(v[1] - v[0], v[2] - v[0]);
         if (!(glm::dot(winding, winding) > 0)) return;
         const glm::dvec3 n = glm::normalize(winding), nearest = nearest_to_origin(v);
@@ -150,7 +160,7 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
         if (unlike >= least) return;
         least = unlike;
         const glm::dvec3 met = glm::dot(n, v[0]) / slope * ray.direction;  // from `point` along the ray
-        const Corners from_met = corners_from(triangles_[index], point + met);
+        const Corners from_met = corners_from(opaque_.triangles[index], point + met);
         const bool inside = std::isfinite(met.x) && glm::length(met) <= 64 * margin.x &&
                             glm::length(nearest_to_origin(from_met)) <= 0x1p-40 * taxi(point);
         out = {point + (inside ? met : nearest), shown, index};
@@ -158,41 +168,56 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
     return out;
 }
 
-double CountedVisibility::visibility(const SurfacePoint& point, const SunStrata& sun) const {
+std::vector<CountedVisibility::Before> CountedVisibility::before(const Tree& tree, const SurfacePoint& point,
+                                                                 const SunStrata& sun,
+                                                                 std::optional<uint32_t> except) {
     const TreeCone cone{point.at, sun.to_sun, std::cos(sun.angular_radius), std::sin(sun.angular_radius)};
-    std::vector<uint32_t> before;
-    walk([&](const TreeBox& box) { return cone.may_touch(box); },
-         [&](uint32_t index) {
-             if (index != point.triangle) before.push_back(index);
-         });
-    const double leaves_by = glm::dot(point.normal, sun.to_sun);
-    if (leaves_by <= -cone.sine) return 0;
-    if (before.empty() && leaves_by > cone.sine) return 1;
+    std::vector<Before> out;
+    tree.walk([&](const TreeBox& box) { return cone.may_touch(box); },
+              [&](uint32_t index) {
+                  if (index == except) return;
+                  const Corners v = corners_from(tree.triangles[index], point.at);
+                  const double height = height_over_origin(v);
+                  if (in_plane_of_origin(v, height, point.at)) return;
+                  const Lines lines(v, height);
+                  // Beside the whole sun: no direction has to be asked.
+                  if (std::ranges::any_of(lines.line, [&](const glm::dvec3& line) {
+                          return glm::dot(line, sun.to_sun) < -cone.sine * glm::length(line);
+                      }))
+                      return;
+                  out.push_back({index, lines.line});
+              });
+    return out;
+}
+
+CountedVisibility::Seen CountedVisibility::seen(const SurfacePoint& point, const SunStrata& sun) const {
+    const double sine = std::sin(sun.angular_radius), leaves_by = glm::dot(point.normal, sun.to_sun);
+    if (leaves_by <= -sine) return {0, glm::dvec3(0)};
+    const std::vector<Before> opaque = before(opaque_, point, sun, point.triangle);
+    const std::vector<Before> coloured =
+        translucents_ ? before(translucent_, point, sun, std::nullopt) : std::vector<Before>{};
+    if (opaque.empty() && coloured.empty() && leaves_by > sine) return {1, glm::dvec3(1)};
 
     std::vector<glm::dvec3> free = directions(sun);
     const auto all = static_cast<double>(free.size());
     std::erase_if(free, [&](const glm::dvec3& d) { return glm::dot(point.normal, d) <= 0; });
-    for (const uint32_t index : before) {
-        const Corners v = corners_from(triangles_[index], point.at);
-        const double height = height_over_origin(v);
-        if (in_plane_of_origin(v, height, point.at)) continue;
-        const Lines lines(v, height);
-        // Beside the whole sun: no direction has to be asked.
-        if (std::ranges::any_of(lines.line, [&](const glm::dvec3& line) {
-                return glm::dot(line, sun.to_sun) < -cone.sine * glm::length(line);
-            }))
-            continue;
-        const uint32_t record = alpha_ ? alpha_->record_of[index] : 0;
+    for (const Before& triangle : opaque) {
+        const uint32_t record = alpha_ ? alpha_->record_of[triangle.index] : 0;
         std::erase_if(free, [&](const glm::dvec3& d) {
-            const glm::dvec3 w = lines.weights(d);
-            if (!(w.x >= 0 && w.y >= 0 && w.z >= 0)) return false;
-            if (record == 0) return true;
-            const double sum = w.x + w.y + w.z;
-            return alpha_->blocks(record - 1, {w.x / sum, w.y / sum, w.z / sum});
+            const auto w = hit_weights(triangle.lines, d);
+            return w && (record == 0 || alpha_->blocks(record - 1, *w));
         });
         if (free.empty()) break;
     }
-    return static_cast<double>(free.size()) / all;
+    Seen out{static_cast<double>(free.size()) / all, glm::dvec3(0)};
+    for (const glm::dvec3& d : free) {
+        glm::dvec3 light(1);
+        for (const Before& triangle : coloured)
+            if (const auto w = hit_weights(triangle.lines, d))
+                light *= translucents_->transmittance(triangle.index, *w);
+        out.transmittance += light / all;
+    }
+    return out;
 }
 
 }  // namespace penumbra

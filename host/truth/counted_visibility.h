@@ -5,6 +5,7 @@
 // within that height, and at a contact that is most of what there is.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "host/bvh/bvh.h"
 #include "host/scene/scene.h"
 #include "host/scene/scene_alpha.h"
+#include "host/scene/scene_translucents.h"
 
 namespace penumbra {
 
@@ -48,15 +50,40 @@ class CountedVisibility {
 
     // The share of directions that neither point into the point's own surface nor meet another triangle.
     // Triangles in the plane of the point hide nothing.
-    double visibility(const SurfacePoint& point, const SunStrata& sun) const;
+    double visibility(const SurfacePoint& point, const SunStrata& sun) const { return seen(point, sun).visibility; }
+
+    // That, and the mean over all directions of what arrives: nothing of those that are not free, of others the
+    // product of the transmittances of what they meet. Translucent triangles in the plane of the point colour nothing.
+    struct Seen {
+        double visibility = 0;
+        glm::dvec3 transmittance{0};
+    };
+    Seen seen(const SurfacePoint& point, const SunStrata& sun) const;
+
+    bool has_translucent() const { return translucents_.has_value(); }
 
   private:
-    template <class Touches, class Visit>
-    void walk(const Touches& touches, Visit&& visit) const;
+    // Triangles in a tree.
+    struct Tree {
+        std::vector<Triangle> triangles;
+        Bvh bvh;
 
-    std::vector<Triangle> triangles_;
-    Bvh bvh_;
+        // visit(index) of every triangle in boxes that touches(box) says it touches.
+        template <class Touches, class Visit>
+        void walk(const Touches& touches, Visit&& visit) const;
+    };
+    // A triangle that may stand before a part of the sun, from the point.
+    struct Before {
+        uint32_t index = 0;
+        std::array<glm::dvec3, 3> lines;
+    };
+    static std::vector<Before> before(const Tree& tree, const SurfacePoint& point, const SunStrata& sun,
+                                      std::optional<uint32_t> except);
+
+    Tree opaque_;
     std::optional<SceneAlpha> alpha_;
+    Tree translucent_;
+    std::optional<SceneTranslucents> translucents_;
 };
 
 }  // namespace penumbra
