@@ -147,7 +147,8 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     c->add_option("--also", a.also, "the same images under another seed; may be repeated")
         ->allow_extra_args(false);
     c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
-    c->add_option("--signal", a.signal, "what to compare: visibility, transmittance (its colour), specular or diffuse radiance")
+    c->add_option("--signal", a.signal,
+                  "what to compare: visibility, transmittance (its colour), specular or diffuse radiance")
         ->check(CLI::IsMember({"visibility", "transmittance", "specular", "diffuse"}));
     c->add_option("--light", a.light, "of an image with a mask for each of several lights: whose");
     c->add_option("--mask", a.mask, "EXR; only pixels where its first channel is above 0 are measured");

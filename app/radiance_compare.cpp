@@ -55,11 +55,12 @@ std::span<const float> channel(const PlanarImage& image, const fs::path& file, c
     return {};
 }
 
-bool same_size(const PlanarImage& image, const PlanarImage& truth, const fs::path& file, Diagnostics& diagnostics) {
+bool same_size(const PlanarImage& image, const PlanarImage& truth, const fs::path& file,
+               Diagnostics& diagnostics) {
     if (image.width == truth.width && image.height == truth.height) return true;
-    diagnostics.add({file.string(), 0, 0}, "",
-                    fmt::format("is {}x{}, the reference {}x{}", image.width, image.height, truth.width,
-                                truth.height));
+    diagnostics.add(
+        {file.string(), 0, 0}, "",
+        fmt::format("is {}x{}, the reference {}x{}", image.width, image.height, truth.width, truth.height));
     return false;
 }
 
@@ -122,7 +123,8 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                text_of(sums.bias()), sums.fireflies, sums.nonfinite);
 }
 
-// Per channel, over receivers; coloured are those of which the truth says that some channel is not the visibility.
+// Per channel, over receivers; coloured are those of which the truth says that some channel is not the
+// visibility.
 struct ColorErrors {
     struct Sum {
         uint64_t pixels = 0;
@@ -176,9 +178,10 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
     const auto mean = [](const ColorErrors::Sum& sum, const std::array<double, 3>& of, bool root) {
         nlohmann::ordered_json out;
         for (size_t c = 0; c < 3; ++c)
-            out[colors[c]] = sum.pixels == 0 ? nlohmann::ordered_json()
-                                             : nlohmann::ordered_json(root ? std::sqrt(of[c] / double(sum.pixels))
-                                                                           : of[c] / double(sum.pixels));
+            out[colors[c]] = sum.pixels == 0
+                                 ? nlohmann::ordered_json()
+                                 : nlohmann::ordered_json(root ? std::sqrt(of[c] / double(sum.pixels))
+                                                               : of[c] / double(sum.pixels));
         return out;
     };
     const auto described = [&](const ColorErrors::Sum& sum) {
@@ -186,12 +189,9 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                                       {"rmse", mean(sum, sum.squares, true)},
                                       {"bias", mean(sum, sum.errors, false)}};
     };
-    nlohmann::ordered_json json = {{"image", arguments.image},
-                                   {"reference", arguments.reference},
-                                   {"signal", arguments.signal},
-                                   {"frames", frames},
-                                   {"all", described(sums.all)},
-                                   {"coloured", described(sums.coloured)},
+    nlohmann::ordered_json json = {{"image", arguments.image},   {"reference", arguments.reference},
+                                   {"signal", arguments.signal}, {"frames", frames},
+                                   {"all", described(sums.all)}, {"coloured", described(sums.coloured)},
                                    {"nonfinite", sums.nonfinite}};
     if (arguments.json) {
         std::cout << json.dump(2) << "\n";
@@ -205,7 +205,8 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
             fmt::print("   {}", what);
             for (const char* color : colors) {
                 const auto& value = json[of][what][color];
-                fmt::print(" {} {}", color, value.is_null() ? "-" : fmt::format("{:.4g}", value.get<double>()));
+                fmt::print(" {} {}", color,
+                           value.is_null() ? "-" : fmt::format("{:.4g}", value.get<double>()));
             }
         }
         fmt::print("\n");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Translucent triangles from the file to coloured light: what a material lets through, that a scene without any has
-// the plan that it had, and closed forms of panes over a floor under a disc sun, by both backends.
+// Translucent triangles from the file to coloured light: what a material lets through, that a scene without
+// any has the plan that it had, and closed forms of panes over a floor under a disc sun, by both backends.
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numbers>
@@ -77,7 +77,8 @@ TEST(Translucency, IsWhatBlendingLeavesAndWhatTheWallTints) {
 
 TEST(Translucency, OfTexturesIsLinearAndOfTheirLargestSize) {
     Model model;
-    model.textures = {{2, 1, {188, 188, 188, 255, 255, 255, 255, 51}}, {1, 2, {255, 0, 0, 255, 0, 0, 0, 255}}};
+    model.textures = {{2, 1, {188, 188, 188, 255, 255, 255, 255, 51}},
+                      {1, 2, {255, 0, 0, 255, 0, 0, 0, 255}}};
     Material material = glass({1, 1, 1});
     material.alpha_blend = true;
     material.texture = 0;
@@ -197,7 +198,8 @@ Seen render(const Model& model, const std::vector<std::string>& settings = {},
     options.captures = {"transmittance", "visibility", "view_depth"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), nodes(), hybrid(settings), shot, options, diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), nodes(), hybrid(settings), shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
     session->run_frame(1, false);
@@ -265,7 +267,7 @@ TEST_F(Transmit, AHalfPlaneOfGlassTakesItsColourTimesItsShareOfTheSun) {
     const Seen seen = render(model);
     const Errors errors =
         errors_of(seen, [&](double x) { return 1.0 - (1.0 - color) * (1 - right_of(x, 0)); });
-    EXPECT_GT(errors.pixels, 100u);  // the penumbra is in view
+    EXPECT_GT(errors.pixels, 100u);   // the penumbra is in view
     EXPECT_LT(errors.largest, 0.16);  // two of the sixteen rays
     EXPECT_LT(errors.rms, 0.012);
     EXPECT_NEAR(errors.mean, 0, 8e-4);
@@ -302,7 +304,8 @@ TEST_F(Transmit, PanesMultiplyInAnyOrderAndTexturesByTheirTexels) {
     EXPECT_GT(std::min({both, left, right}), 100u);
 }
 
-// Under one pane alone the colour is the pane's wherever anything arrives, and what arrives is the exact coverage.
+// Under one pane alone the colour is the pane's wherever anything arrives, and what arrives is the exact
+// coverage.
 TEST_F(Transmit, OpaqueInFrontOfAPaneAndBehindItKeepsItsExactShadow) {
     const glm::dvec3 color(0.9, 0.35, 0.1);
     Model model = floor_with({glass(color)});
@@ -320,8 +323,8 @@ TEST_F(Transmit, OpaqueInFrontOfAPaneAndBehindItKeepsItsExactShadow) {
     EXPECT_GT(between, 500u);
 }
 
-// An opaque edge, and a pane's beside it, over what the first leaves of the sun: the mean transmittance of the whole
-// sun times the visibility would be off by up to (1 - c) v (1 - v).
+// An opaque edge, and a pane's beside it, over what the first leaves of the sun: the mean transmittance of
+// the whole sun times the visibility would be off by up to (1 - c) v (1 - v).
 TEST_F(Transmit, ColoursOnlyWhatAnOpaqueEdgeLeavesOpen) {
     const glm::dvec3 color(0.9, 0.35, 0.1);
     for (const double edge : {0.0, 0.12}) {
@@ -330,8 +333,8 @@ TEST_F(Transmit, ColoursOnlyWhatAnOpaqueEdgeLeavesOpen) {
         add(model, "opaque", sheet(-30, 0, sheet_height), 0);
         add(model, "pane", sheet(edge, 30, sheet_height), 1);
         const Seen seen = render(model);
-        const Errors errors = errors_of(
-            seen, [&](double x) { return right_of(x, 0) - (1.0 - color) * right_of(x, edge); });
+        const Errors errors =
+            errors_of(seen, [&](double x) { return right_of(x, 0) - (1.0 - color) * right_of(x, edge); });
         // With one edge for both only where none of sixteen rays finds what is open, less than a sixteenth.
         EXPECT_LT(errors.largest, edge == 0 ? 1.0 / 16 : 0.16);
         EXPECT_LT(errors.rms, edge == 0 ? 0.002 : 0.012);

@@ -61,7 +61,8 @@ struct Lines {
 };
 
 // Where a direction meets the triangle ahead: the weights of its corners.
-std::optional<std::array<double, 3>> hit_weights(const std::array<glm::dvec3, 3>& lines, const glm::dvec3& d) {
+std::optional<std::array<double, 3>> hit_weights(const std::array<glm::dvec3, 3>& lines,
+                                                 const glm::dvec3& d) {
     const glm::dvec3 w(glm::dot(lines[0], d), glm::dot(lines[1], d), glm::dot(lines[2], d));
     if (!(w.x >= 0 && w.y >= 0 && w.z >= 0)) return std::nullopt;
     const double sum = w.x + w.y + w.z;

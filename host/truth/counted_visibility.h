@@ -50,10 +50,13 @@ class CountedVisibility {
 
     // The share of directions that neither point into the point's own surface nor meet another triangle.
     // Triangles in the plane of the point hide nothing.
-    double visibility(const SurfacePoint& point, const SunStrata& sun) const { return seen(point, sun).visibility; }
+    double visibility(const SurfacePoint& point, const SunStrata& sun) const {
+        return seen(point, sun).visibility;
+    }
 
-    // That, and the mean over all directions of what arrives: nothing of those that are not free, of others the
-    // product of the transmittances of what they meet. Translucent triangles in the plane of the point colour nothing.
+    // That, and the mean over all directions of what arrives: nothing of those that are not free, of others
+    // the product of the transmittances of what they meet. Translucent triangles in the plane of the point
+    // colour nothing.
     struct Seen {
         double visibility = 0;
         glm::dvec3 transmittance{0};

@@ -5,9 +5,9 @@
 //
 // Includer declares: what common/scene_words.glsl and common/bvh_alpha.glsl need.
 #include "common/bvh_alpha.glsl"
-#include "common/bvh_boxes.glsl"
 #include "common/bvh_leaf.glsl"
 #include "common/bvh_path.glsl"
+#include "common/bvh_triangle.glsl"
 
 // `unsure`: bit 0 and 1, the triangles of which bvh_plane_ahead() has to say whether they are hit, if none is for sure.
 bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit, out uint unsure) {
@@ -49,6 +49,8 @@ bool bvh_hits_unsure(BvhRay ray, uvec4 leaves, inout float t_hit) {
     }
     return found;
 }
+
+#include "common/bvh_boxes.glsl"
 
 // Whether anything lies on the ray between t_min and t_max (exclusive, t_min >= 0); both sides of a triangle block.
 // `direction` is finite and of any length but zero, the unit of t; t_max may be infinite. `t_hit` becomes where some such

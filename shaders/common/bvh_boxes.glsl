@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A ray against the boxes of a node of the hierarchy of host/bvh/bvh.h.
-#include "common/bvh_triangle.glsl"
+//
+// Includer has common/bvh_triangle.glsl.
 
 vec4 bvh_planes(uint word, float step, float base) {
     return vec4(uvec4(word, word >> 8, word >> 16, word >> 24) & 255u) * step + base;

@@ -31,9 +31,10 @@ uvec4 scene_leaf_texel(int texel) {
 
 #if BACKEND == BACKEND_RAY_QUERY
 #include "common/ray_query.glsl"
-#include "common/bvh_boxes.glsl"
 #include "common/bvh_leaf.glsl"
 #include "common/bvh_path.glsl"
+#include "common/bvh_triangle.glsl"
+#include "common/bvh_boxes.glsl"
 #else
 #include "common/bvh.glsl"
 #endif
