@@ -59,7 +59,7 @@ void write(const std::filesystem::path& file, std::span<const std::byte> bytes) 
 }  // namespace
 
 Facts recorded_facts() {
-    return {{"alpha", false}};
+    return {{"alpha", false}, {"translucent", false}};
 }
 
 namespace {

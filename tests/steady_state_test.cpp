@@ -75,7 +75,7 @@ TEST_F(SteadyStateGpu, RecordingAllocatesNothing) {
         options.share_transients = true;
         const auto made =
             compile(shadow_pipeline_file(name),
-                    {.extent = {64, 32}, .facts = {{"alpha", false}}, .device = device_table(handles)},
+                    {.extent = {64, 32}, .facts = {{"alpha", false}, {"translucent", false}}, .device = device_table(handles)},
                     options, diagnostics);
         ASSERT_TRUE(made) << diagnostics.text();
         const auto plan = std::make_shared<const Plan>(*made);

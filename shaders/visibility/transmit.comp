@@ -12,11 +12,18 @@
 #include "visibility/tile_share.glsl"
 #include "visibility/transmittance.glsl"
 
-const uint MOST_RAYS = 32u;
-shared uint ray_transmittance[32u * MOST_RAYS];  // by the pixel's number: of its rays, packed
-shared uint open_rays[32];                       // bit k: ray k arrives
+// By the pixel's number, of all its rays; from 32 on of those that arrive.
+shared uint ray_counts[64];
+shared uint ray_sums[3 * 64];  // of their transmittances, in steps: red, green, blue
+shared uint least[32], most[32];  // of all rays, packed: the same where T is
 
-uint ray_count() { return HAS_BLUE_NOISE ? min(RAYS_PER_PIXEL, MOST_RAYS) : 1u; }
+uint ray_count() { return HAS_BLUE_NOISE ? RAYS_PER_PIXEL : 1u; }
+
+void add_ray(uint slot, uint transmittance_steps) {
+    atomicAdd(ray_counts[slot], 1u);
+    for (uint channel = 0u; channel < 3u; ++channel)
+        atomicAdd(ray_sums[channel * 64u + slot], transmittance_steps >> 10u * channel & 1023u);
+}
 
 ivec2 pixel_numbered(ivec2 tile, uint number) { return tile * TILE + pixel_of_lane(int(number)); }
 
@@ -61,70 +68,69 @@ uint coloured_pixels(TileShare share, ivec2 tile) {
     return subgroupOr(coloured);
 }
 
+void clear_rays(TileShare share) {
+    for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
+        for (uint slot = number; slot < 64u; slot += 32u) {
+            ray_counts[slot] = 0u;
+            for (uint channel = 0u; channel < 3u; ++channel) ray_sums[channel * 64u + slot] = 0u;
+        }
+        least[number] = ~0u;
+        most[number] = 0u;
+    }
+    subgroupBarrier();
+}
+
 // Those of whose rays it matters which arrive.
-uint mixed_pixels(TileShare share, ivec2 tile, uint rays) {
+uint mixed_pixels(TileShare share, ivec2 tile) {
     uint mixed = 0u;
-    for (uint first = share.first; first < share.end; first += share.lanes) {
-        const uint number = first + share.lane;
-        if (number >= share.end || (share.wanted >> number & 1u) == 0u) continue;
-        open_rays[number] = ~0u;
-        bool alike = true;
-        for (uint k = 1u; k < rays; ++k)
-            if (ray_transmittance[number * MOST_RAYS + k] != ray_transmittance[number * MOST_RAYS]) alike = false;
-        if (alike || texelFetch(visibility, pixel_numbered(tile, number), 0).x >= 1.0) continue;
-        open_rays[number] = 0u;
-        mixed |= 1u << number;
+    for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
+        const bool differs = (share.wanted >> number & 1u) != 0u && least[number] != most[number];
+        if (differs && texelFetch(visibility, pixel_numbered(tile, number), 0).x < 1.0) mixed |= 1u << number;
     }
     return subgroupOr(mixed);
 }
 
-vec3 mean_transmittance(uint number, uint rays) {
-    const uint open = open_rays[number] == 0u ? ~0u : open_rays[number];  // none arrives: all are as likely
-    vec3 sum = vec3(0.0);
-    float count = 0.0;
-    for (uint k = 0u; k < rays; ++k)
-        if ((open >> k & 1u) != 0u) {
-            sum += unpack_transmittance(ray_transmittance[number * MOST_RAYS + k]);
-            count += 1.0;
-        }
-    return sum / count;
+// Of the rays that arrive; where none does all are as likely.
+vec3 mean_transmittance(uint number) {
+    const uint slot = ray_counts[32u + number] != 0u ? 32u + number : number;
+    const vec3 sum = vec3(ray_sums[slot], ray_sums[64u + slot], ray_sums[128u + slot]);
+    return sum / (float(ray_counts[slot]) * TRANSMITTANCE_STEPS);
+}
+
+// Casts the rays of the share's pixels; only those that arrive, and counted as such, where it matters. How many.
+uint cast_rays(TileShare share, ivec2 tile, bool arriving) {
+    const uint rays = ray_count(), count = uint(bitCount(share.wanted)) * rays;
+    for (uint first = 0u; first < count; first += share.lanes) {
+        const uint index = first + share.lane;
+        if (index >= count) continue;
+        const uint number = wanted_number(share, index / rays);  // a pixel's rays lie side by side
+        const ShadowRay ray = shadow_ray(pixel_numbered(tile, number), index % rays, rays);
+        const float t_max = HAS_LIGHT ? ray.t_max : SUN_IS_AT_M;
+        if (arriving && (ray.into_surface || occluded(ray.origin, ray.direction, nearest_hit_m(0.0), t_max))) continue;
+        const uint steps = pack_transmittance(transmittance_along(ray.origin, ray.direction, t_max));
+        add_ray(arriving ? 32u + number : number, steps);
+        if (arriving) continue;
+        atomicMin(least[number], steps);
+        atomicMax(most[number], steps);
+    }
+    subgroupBarrier();
+    return count;
 }
 
 void main() {
     const ivec2 tile = ivec2(gl_WorkGroupID.xy);
-    const uint rays = ray_count();
     TileShare share = tile_share(inside_mask(tile));
+    clear_rays(share);
     share.wanted = coloured_pixels(share, tile);
-    const uint coloured_rays = uint(bitCount(share.wanted)) * rays;
-    for (uint first = 0u; first < coloured_rays; first += share.lanes) {
-        const uint index = first + share.lane;
-        if (index < coloured_rays) {
-            const uint number = wanted_number(share, index / rays), k = index % rays;  // a pixel's rays lie side by side
-            const ShadowRay ray = shadow_ray(pixel_numbered(tile, number), k, rays);
-            ray_transmittance[number * MOST_RAYS + k] =
-                pack_transmittance(transmittance_along(ray.origin, ray.direction, HAS_LIGHT ? ray.t_max : SUN_IS_AT_M));
-        }
-    }
-    subgroupBarrier();
+    uint rays = cast_rays(share, tile, false);
     TileShare mixed = share;
-    mixed.wanted = mixed_pixels(share, tile, rays);
-    subgroupBarrier();
-    const uint opaque_rays = uint(bitCount(mixed.wanted)) * rays;
-    for (uint first = 0u; first < opaque_rays; first += share.lanes) {
-        const uint index = first + share.lane;
-        if (index < opaque_rays) {
-            const uint number = wanted_number(mixed, index / rays), k = index % rays;
-            const ShadowRay ray = shadow_ray(pixel_numbered(tile, number), k, rays);
-            if (!ray.into_surface && !occluded(ray.origin, ray.direction, nearest_hit_m(0.0), HAS_LIGHT ? ray.t_max : SUN_IS_AT_M))
-                atomicOr(open_rays[number], 1u << k);
-        }
-    }
-    subgroupBarrier();
+    mixed.wanted = mixed_pixels(share, tile);
+    rays += cast_rays(mixed, tile, true);
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
         if ((share.wanted >> number & 1u) == 0u) continue;
         const ivec2 p = pixel_numbered(tile, number);
-        imageStore(transmittance, p, vec4(texelFetch(visibility, p, 0).x * mean_transmittance(number, rays), 1.0));
+        imageStore(transmittance, p, vec4(texelFetch(visibility, p, 0).x * mean_transmittance(number), 1.0));
     }
     count_coloured(subgroupElect() ? uint(bitCount(share.wanted)) : 0u);
-    count_rays(subgroupElect() ? coloured_rays + opaque_rays : 0u);
+    count_rays(subgroupElect() ? rays : 0u);
 }

@@ -51,12 +51,17 @@ uint pack_transmittance(vec3 t) {
     return steps.x | steps.y << 10 | steps.z << 20;
 }
 
+// By selection: to index a vector, devices put it into memory.
+float component(vec3 v, uint i) { return i == 0u ? v.x : i == 1u ? v.y : v.z; }
+
 // Of triangle `which` of a leaf; `areas` as bvh_alpha_blocks() has them.
 vec3 triangle_transmittance(uint leaf, uint which, vec3 areas) {
     const uvec4 places = texelFetch(translucents, 0);
-    const uint word = texelFetch(translucents, int(places.y + (leaf >> 1)))[(leaf & 1u) * 2u + which];
-    const uint corner0 = word & 3u, corner1 = word >> 2 & 3u;
-    const vec3 weights = vec3(areas[corner0], areas[corner1], areas[3u - corner0 - corner1]) / (areas.x + areas.y + areas.z);
+    const uvec4 words = texelFetch(translucents, int(places.y + (leaf >> 1)));
+    const uvec2 of_leaf = (leaf & 1u) == 0u ? words.xy : words.zw;
+    const uint word = which == 0u ? of_leaf.x : of_leaf.y, corner0 = word & 3u, corner1 = word >> 2 & 3u;
+    const vec3 weights = vec3(component(areas, corner0), component(areas, corner1), component(areas, 3u - corner0 - corner1)) /
+                         (areas.x + areas.y + areas.z);
     const int record = int(places.z + 2u * ((word >> 4) - 1u));
     const uvec4 r0 = texelFetch(translucents, record), r1 = texelFetch(translucents, record + 1);
     const vec2 uv = weights.x * uintBitsToFloat(r0.xy) + weights.y * uintBitsToFloat(r0.zw) + weights.z * uintBitsToFloat(r1.xy);
