@@ -12,17 +12,16 @@
 #include "visibility/tile_share.glsl"
 #include "visibility/transmittance.glsl"
 
-// By the pixel's number, of all its rays; from 32 on of those that arrive.
-shared uint ray_counts[64];
-shared uint ray_sums[3 * 64];  // of their transmittances, in steps: red, green, blue
+// By the pixel's number, of all its rays, and from 32 on of those that arrive: sums of their transmittances, in steps, and the number
+// of rays. Two sums to a word, which 64 rays fill.
+shared uint red_and_green[64], blue_and_count[64];
 shared uint least[32], most[32];  // of all rays, packed: the same where T is
 
 uint ray_count() { return HAS_BLUE_NOISE ? RAYS_PER_PIXEL : 1u; }
 
-void add_ray(uint slot, uint transmittance_steps) {
-    atomicAdd(ray_counts[slot], 1u);
-    for (uint channel = 0u; channel < 3u; ++channel)
-        atomicAdd(ray_sums[channel * 64u + slot], transmittance_steps >> 10u * channel & 1023u);
+void add_ray(uint slot, uint steps) {
+    atomicAdd(red_and_green[slot], (steps & 1023u) | (steps & 1023u << 10) << 6);
+    atomicAdd(blue_and_count[slot], steps >> 20 | 1u << 16);
 }
 
 ivec2 pixel_numbered(ivec2 tile, uint number) { return tile * TILE + pixel_of_lane(int(number)); }
@@ -70,10 +69,8 @@ uint coloured_pixels(TileShare share, ivec2 tile) {
 
 void clear_rays(TileShare share) {
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
-        for (uint slot = number; slot < 64u; slot += 32u) {
-            ray_counts[slot] = 0u;
-            for (uint channel = 0u; channel < 3u; ++channel) ray_sums[channel * 64u + slot] = 0u;
-        }
+        red_and_green[number] = red_and_green[32u + number] = 0u;
+        blue_and_count[number] = blue_and_count[32u + number] = 0u;
         least[number] = ~0u;
         most[number] = 0u;
     }
@@ -92,9 +89,9 @@ uint mixed_pixels(TileShare share, ivec2 tile) {
 
 // Of the rays that arrive; where none does all are as likely.
 vec3 mean_transmittance(uint number) {
-    const uint slot = ray_counts[32u + number] != 0u ? 32u + number : number;
-    const vec3 sum = vec3(ray_sums[slot], ray_sums[64u + slot], ray_sums[128u + slot]);
-    return sum / (float(ray_counts[slot]) * TRANSMITTANCE_STEPS);
+    const uint slot = blue_and_count[32u + number] != 0u ? 32u + number : number;
+    const vec3 sum = vec3(red_and_green[slot] & 0xffffu, red_and_green[slot] >> 16, blue_and_count[slot] & 0xffffu);
+    return sum / (float(blue_and_count[slot] >> 16) * TRANSMITTANCE_STEPS);
 }
 
 // Casts the rays of the share's pixels; only those that arrive, and counted as such, where it matters. How many.
