@@ -139,7 +139,8 @@ TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
     const auto& [name, still, before, after] = GetParam();
     const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
     const Facts facts =
-        still ? Facts{{"alpha", false}, {"translucent", false}, {"moves", false}, {"sun_moves", false}} : recorded_facts();
+        still ? Facts{{"alpha", false}, {"translucent", false}, {"moves", false}, {"sun_moves", false}}
+              : recorded_facts();
     const Recording old = record(pipeline, shipped_shot(name, before, still), change, facts, false),
                     own = record(pipeline, shipped_shot(name, after, still), frames, facts, false);
     Diagnostics diagnostics;

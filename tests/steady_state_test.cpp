@@ -73,10 +73,11 @@ TEST_F(SteadyStateGpu, RecordingAllocatesNothing) {
         Diagnostics diagnostics;
         CompileOptions options;
         options.share_transients = true;
-        const auto made =
-            compile(shadow_pipeline_file(name),
-                    {.extent = {64, 32}, .facts = {{"alpha", false}, {"translucent", false}}, .device = device_table(handles)},
-                    options, diagnostics);
+        const auto made = compile(shadow_pipeline_file(name),
+                                  {.extent = {64, 32},
+                                   .facts = {{"alpha", false}, {"translucent", false}},
+                                   .device = device_table(handles)},
+                                  options, diagnostics);
         ASSERT_TRUE(made) << diagnostics.text();
         const auto plan = std::make_shared<const Plan>(*made);
         const auto program = std::make_shared<const Program>(handles, plan);

@@ -134,7 +134,7 @@ Model make_stained_glass() {
                           glass(0.85f, 0.08f, 0.1f), glass(0.1f, 0.25f, 0.9f), film(0.2f, 0.5f, 0.2f, 0.6f),
                           glass(0.95f, 0.8f, 0.15f), painted, threads},
                          {rose(), lace_texture()});
-    builder.solid("ground", ground(8, 8, 16, 16), stone);
+    builder.solid("floor", ground(8, 8, 16, 16), stone);
     builder.solid("far", box({-3, 0, -2.6}, {wall_x, 3.2, -2.5}), plaster);
     builder.solid("left", box({-3.1, 0, -2.6}, {-3, 3.2, 2.5}), plaster);
     builder.solid("roof", box({-3.1, 3.2, -2.6}, {wall_x + 0.1, 3.3, 2.5}), plaster);
