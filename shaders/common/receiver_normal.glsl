@@ -15,6 +15,10 @@ vec3 decode_receiver_normal(vec2 e) {
     return normalize(vec3(z >= 0.0 ? e : (1.0 - abs(e.yx)) * sign_of(e), z));
 }
 
+// In two signed 16-bit fractions: off by 3e-5 at most.
+uint pack_direction(vec3 n) { return packSnorm2x16(encode_receiver_normal(n)); }
+vec3 unpack_direction(uint word) { return decode_receiver_normal(unpackSnorm2x16(word)); }
+
 // Whether a ray from the surface points into it: it meets the surface, also where its origin, offset above the surface,
 // would let it slip past an edge.
 bool points_into_surface(vec3 n, vec3 direction) { return dot(n, direction) <= 0.0; }

@@ -3,11 +3,16 @@
 // over 5x5 similar pixels and over time, less what noise alone would show, is the past's bias; with 1 / frames it is its error
 // in units of the gather's, and the better of the two pasts wins. Nothing is clamped beyond this.
 #include "node.glsl"
-#include "common/bilinear.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
+#include "common/rounded.glsl"
+#include "common/dithered.glsl"
+#include "reflections/radiance_word.glsl"
+#include "reflections/gathered_texel.glsl"
+#include "reflections/frame_count.glsl"
+#include "reflections/drift_texel.glsl"
 #include "reflections/past_places.glsl"
 #include "reflections/same_surface.glsl"
 
@@ -18,6 +23,8 @@ const float DRIFT_SHARE = 0.4;  // of the new value in the running mean
 const float VARIANCE_SHARE = 0.3;
 const int FAR_STEP = 5;  // px between taps of far_drift(): a gather's window, so that no two share a ray
 const float KERNEL[3] = float[](6.0, 4.0, 1.0);
+
+Gathered gathered_at(ivec2 p) { return decode_gathered(texelFetch(gathered, p, 0).xy); }
 
 // Means over similar pixels.
 struct Around {
@@ -38,13 +45,12 @@ Around look_around(ivec2 p, float weights[25]) {
     for (int i = 0; i < 25; ++i) {
         if (weights[i] == 0.0) continue;
         const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
-        const vec2 m = texelFetch(moments, q, 0).xy;
-        const vec3 g = texelFetch(gathered, q, 0).rgb;
+        const Gathered g = gathered_at(q);
         sum += weights[i];
-        variance += weights[i] * m.x * m.x;
-        samples += weights[i] * m.y;
-        mean += weights[i] * g;
-        squares += weights[i] * dot(g, g);
+        variance += weights[i] * g.deviation * g.deviation;
+        samples += weights[i] * g.samples;
+        mean += weights[i] * g.radiance;
+        squares += weights[i] * dot(g.radiance, g.radiance);
     }
     mean /= sum;
     return Around(variance / sum, samples / sum, max(squares / sum - dot(mean, mean), 0.0));
@@ -56,11 +62,17 @@ struct Candidate {
     float frames, worth, variance_mean;  // worth: N', 0 without a past
 };
 
-#define DRIFT_THEN(q) imageLoad(drift_prev, q)
-BILINEAR(vec4, drift_between, DRIFT_THEN)
-vec4 carried_drift(vec2 uv) { return drift_between(uv * vec2(frame.prev_size), ivec2(frame.prev_size)); }
+// A drift is of 2x2 pixels.
+vec4 carried_drift(ivec2 then) {
+    const uvec2 words = texelFetch(drift_prev, clamp(then, ivec2(0), ivec2(frame.prev_size) - 1) / 2, 0).xy;
+    return vec4(decode_drift(words.x), decode_deviations(words.y).x);
+}
 
-vec4 past(bool image_past, ivec2 q) { return image_past ? texelFetch(past_image, q, 0) : texelFetch(past_surface, q, 0); }
+vec4 past(bool image_past, ivec2 q) {
+    const vec2 n = texelFetch(past_frames, q, 0).xy;
+    return vec4(decode_radiance(image_past ? texelFetch(past_image, q, 0).x : texelFetch(past_surface, q, 0).x),
+                decode_frames(image_past ? n.y : n.x));
+}
 
 ivec2 far_tap(int i) { return FAR_STEP * (ivec2(i % 5, i / 5) - 2); }
 
@@ -85,9 +97,10 @@ float far_drift(bool image_past, ivec2 p, vec2 uv, uint kept, float sigma2, floa
         const ivec2 q = p + far_tap(i);
         const vec4 its = past(image_past, q);
         if (!(its.w > 0.0)) continue;
-        const vec4 carried = imageLoad(drift_prev, clamp(then + far_tap(i), ivec2(0), ivec2(frame.prev_size) - 1));
-        const float deviation = max(texelFetch(moments, q, 0).x, carried.w);
-        const vec3 term = texelFetch(gathered, q, 0).rgb - its.rgb;
+        const vec4 carried = carried_drift(then + far_tap(i));
+        const Gathered g = gathered_at(q);
+        const float deviation = max(g.deviation, carried.w);
+        const vec3 term = g.radiance - its.rgb;
         const float size = length(term), limit = TERM_SIGMAS * deviation;
         sum += mix(carried.rgb, term * (size > limit ? limit / size : 1.0), DRIFT_SHARE);
         variance += deviation * deviation;
@@ -102,7 +115,7 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around aro
     const vec4 own = past(image_past, p);
     Candidate c = Candidate(own.rgb, vec3(0.0), own.w, 0.0, around.variance);
     if (!(own.w > 0.0)) return c;
-    const vec4 carried = carried_drift(uv);
+    const vec4 carried = carried_drift(previous_texel(uv));
     c.variance_mean = mix(carried.w * carried.w, around.variance, VARIANCE_SHARE);
     const bool few = moving && around.samples < 4.0;
     float sigma2 = few ? around.variance : max(around.variance, c.variance_mean);
@@ -115,7 +128,7 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around aro
         const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
         const vec4 its = past(image_past, q);
         if (!(its.w > 0.0)) continue;
-        const vec3 term = texelFetch(gathered, q, 0).rgb - its.rgb;
+        const vec3 term = gathered_at(q).radiance - its.rgb;
         const float size = length(term);
         sum += weights[i] * term * (size > limit ? limit / size : 1.0);
         sums += weights[i];
@@ -133,15 +146,23 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around aro
     return c;
 }
 
+// Whether this surface is the one that its 2x2 pixels keep the drift of: the first of theirs.
+bool first_of_four(ivec2 p) {
+    const int own = (p.x & 1) | (p.y & 1) << 1;
+    for (int i = 0; i < own; ++i)
+        if (imageLoad(view_depth, (p & ~1) + ivec2(i & 1, i >> 1)).x > 0.0) return false;
+    return true;
+}
+
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
     if (!(here.z > 0.0)) {
-        imageStore(accumulated, p, vec4(0.0));
+        imageStore(accumulated, p, uvec4(0u));
         imageStore(frames, p, vec4(0.0));
-        imageStore(drift, p, vec4(0.0));
+        imageStore(deviation, p, vec4(0.0));
         return;
     }
-    const vec4 g = texelFetch(gathered, p, 0);
+    const Gathered g = gathered_at(p);
     float weights[25];
     window(p, here, weights);
     const Around around = look_around(p, weights);
@@ -150,17 +171,20 @@ void for_pixel(ivec2 p) {
     const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
     Candidate best = judge(false, p, of_surface, weights, around, far, moving);
     if (LOBE == LOBE_SPECULAR) {
-        const Candidate other = judge(true, p, past_of_image(p, here.z, abs(g.w)), weights, around, far, moving);
+        const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around, far, moving);
         if (other.worth > best.worth) best = other;
     }
     // What moves is elsewhere in the mirror than any past expects.
-    if (g.w < 0.0) best.worth = min(best.worth, MOVING_HIT_FRAMES);
+    if (g.moving) best.worth = min(best.worth, MOVING_HIT_FRAMES);
     const float n = best.worth + 1.0;
-    const float deviation = sqrt(around.variance / n * max(1.0, 4.0 / n));
-    const vec3 mean = (best.worth * best.history + g.rgb) / n;
-    imageStore(accumulated, p, vec4(round_to(mean, HALF_BITS), min(deviation, 65504.0)));
-    imageStore(frames, p, vec4(n));
-    imageStore(drift, p, vec4(best.worth > 0.0 ? best.drift : vec3(0.0), min(sqrt(best.variance_mean), 65504.0)));
+    const vec3 mean = (best.worth * best.history + g.radiance) / n;
+    imageStore(accumulated, p, uvec4(encode_radiance(mean, thresholds_at(p))));
+    imageStore(frames, p, vec4(encode_frames(n)));
+    imageStore(deviation, p, vec4(min(sqrt(around.variance / n * max(1.0, 4.0 / n)), 65504.0)));
+    if (first_of_four(p)) {
+        const uint deviations = encode_deviations(vec2(sqrt(best.variance_mean), 0.0));
+        imageStore(drift, p / 2, uvec4(encode_drift(best.worth > 0.0 ? best.drift : vec3(0.0)), deviations, 0u, 0u));
+    }
 }
 
 void main() { for_each_pixel(); }

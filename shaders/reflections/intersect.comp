@@ -24,7 +24,7 @@ void main() {
     if (word == 0xffffffffu) return;
     const ivec2 p = ivec2(word & 0x7fffu, word >> 15 & 0x3fffu);
     const float roughness = pixel_roughness(p);
-    const Lobe lobe = pixel_lobe(p, roughness);
+    const Lobe lobe = pixel_lobe(p, decode_receiver_normal(imageLoad(receiver_normal, p).xy), roughness);
     bool turned;
     const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
     const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p));

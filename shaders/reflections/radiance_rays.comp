@@ -33,11 +33,11 @@ void for_pixel(ivec2 p) {
         return;
     }
     const float roughness = pixel_roughness(p);
-    const Lobe lobe = pixel_lobe(p, roughness);
+    const Lobe lobe = pixel_lobe(p, unpack_direction(imageLoad(octahedral_normal, p).x), roughness);
     bool turned;
     const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
     const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p));
-    store(p, encode_ray(light.radiance, light.distance_m, light.moves), encode_direction(direction));
+    store(p, encode_ray(light.radiance, light.distance_m, light.moves), pack_direction(direction));
 }
 
 void main() { for_each_pixel(); }

@@ -21,7 +21,7 @@ void for_pixel(ivec2 p) {
     const bool surface = imageLoad(view_depth, p).x > 0.0;
     if (surface) {
         const float roughness = pixel_roughness(p);
-        const Lobe lobe = pixel_lobe(p, roughness);
+        const Lobe lobe = pixel_lobe(p, decode_receiver_normal(imageLoad(receiver_normal, p).xy), roughness);
         const RayStart start = ray_start(p, lobe.n);
         const uint pixel = noise_hash(uint(p.x) + noise_hash(uint(p.y) + noise_hash(params.seed + 0x51ED270Bu)));
         for (uint i = 0u; i < params.count; ++i) {

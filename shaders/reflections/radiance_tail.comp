@@ -7,9 +7,12 @@
 // was. Weights of each pixel's own, divided by their sum, prefer what is frequent, which is what is dark: 2 to 3 % of the light.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
+#include "common/rounded.glsl"
+#include "common/dithered.glsl"
+#include "reflections/radiance_word.glsl"
 #include "reflections/same_surface.glsl"
 
 const float KERNEL[2] = float[](0.5, 0.25);
@@ -34,9 +37,15 @@ float pair_weight(Shown a, Shown b, vec4 of_a, vec4 of_b) {
     return lobe_weight(dot(across, across), min(a.roughness, b.roughness)) * exp(-length(of_a.rgb - of_b.rgb) / max(width, 1e-20));
 }
 
+// Radiance and its expected deviation; of the first level in an image each.
+vec4 signal_at(ivec2 p) {
+    if (HAS_SIGNAL) return texelFetch(signal, p, 0);
+    return vec4(decode_radiance(texelFetch(accumulated, p, 0).x), texelFetch(deviation, p, 0).x);
+}
+
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
-    const vec4 own = texelFetch(signal, p, 0);
+    const vec4 own = signal_at(p);
     if (!(here.z > 0.0)) {
         imageStore(filtered, p, own);
         return;
@@ -48,7 +57,7 @@ void for_pixel(ivec2 p) {
         const ivec2 o = ivec2(i % 3, i / 3) - 1, q = p + o * int(STEP);
         const Shown there = shown(q);
         if (!(there.z > 0.0)) continue;
-        const vec4 other = texelFetch(signal, q, 0);
+        const vec4 other = signal_at(q);
         const float weight = KERNEL[abs(o.x)] * KERNEL[abs(o.y)] * pair_weight(here, there, own, other);
         gained += weight * (other.rgb - own.rgb);
         variance += weight * weight * other.w * other.w;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A pixel's ray as images keep it. rgba16f: radiance, and the distance in metres, negative where the ray hit something that
-// moves; 65504 (the largest half) is a miss, or a hit as far. r32ui: the direction, octahedral (common/receiver_normal.glsl) in
-// two signed 16-bit fractions: off by 3e-5 at most.
+// moves; 65504 (the largest half) is a miss, or a hit as far. r32ui: the direction, octahedral (pack_direction() of
+// common/receiver_normal.glsl).
 
 const float NO_HIT_M = 65504.0;
 
@@ -11,6 +11,3 @@ vec4 encode_ray(vec3 radiance, float distance_m, bool moves) {
 }
 
 bool missed(vec4 ray) { return !(abs(ray.w) < NO_HIT_M); }
-
-uint encode_direction(vec3 direction) { return packSnorm2x16(encode_receiver_normal(direction)); }
-vec3 decode_direction(uint word) { return decode_receiver_normal(unpackSnorm2x16(word)); }

@@ -8,13 +8,18 @@
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
+#include "common/rounded.glsl"
+#include "common/dithered.glsl"
 #include "common/sun_sample.glsl"
 #include "reflections/lobe.glsl"
 #include "reflections/pixel_lobe.glsl"
 #include "reflections/ray_texel.glsl"
+#include "reflections/radiance_word.glsl"
+#include "reflections/gathered_texel.glsl"
 
 const int REACH = int(RADIUS), SIDE = 2 * REACH + 1, TAPS = SIDE * SIDE;
+
+vec3 normal_at(ivec2 p) { return unpack_direction(imageLoad(octahedral_normal, p).x); }
 
 ivec2 tap(int i) { return ivec2(i % SIDE, i / SIDE) - REACH; }
 
@@ -57,8 +62,8 @@ void add(inout Sums s, float w, vec4 ray) {
 }
 
 void store(ivec2 p, vec3 g, float distance_m, bool moving, float deviation, float samples) {
-    imageStore(gathered, p, vec4(round_to(g, HALF_BITS), moving ? -distance_m : distance_m));
-    imageStore(moments, p, vec4(min(deviation, 65504.0), samples, 0.0, 0.0));
+    const uvec2 words = encode_gathered(Gathered(g, distance_m, moving, deviation, samples), thresholds_at(p));
+    imageStore(gathered, p, uvec4(words, 0u, 0u));
 }
 
 // Which neighbours show the same surface, as bits; mirrors have nothing to give.
@@ -69,7 +74,7 @@ uint kept_taps(ivec2 p, vec3 x, vec3 n, float z) {
         if (q == p || !inside_frame(q)) continue;
         const float z_q = imageLoad(view_depth, q).x;
         if (!(z_q > 0.0) || is_mirror(pixel_roughness(q))) continue;
-        const vec3 n_q = decode_receiver_normal(imageLoad(receiver_normal, q).xy);
+        const vec3 n_q = normal_at(q);
         if (dot(n, n_q) > 0.9 && abs(dot(n, position(q, z_q) - x)) < 0.01 * z) kept |= 1u << uint(i);
     }
     return kept;
@@ -83,7 +88,7 @@ void for_pixel(ivec2 p) {
     }
     const vec4 own = texelFetch(radiance, p, 0);
     const float roughness = pixel_roughness(p);
-    const Lobe lobe = pixel_lobe(p, roughness);
+    const Lobe lobe = pixel_lobe(p, normal_at(p), roughness);
     const vec3 x = position(p, z);
     const uint kept = is_mirror(roughness) ? 0u : kept_taps(p, x, lobe.n, z);
     if (kept == 0u) {
@@ -92,7 +97,7 @@ void for_pixel(ivec2 p) {
     }
 
     const float others = float(bitCount(kept));
-    const vec3 own_direction = decode_direction(texelFetch(ray_direction, p, 0).x);
+    const vec3 own_direction = unpack_direction(texelFetch(ray_direction, p, 0).x);
     const Found own_found = found(x, own, own_direction);
     const vec2 own_lobe = density_and_response(lobe, own_direction);
     Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
@@ -101,9 +106,9 @@ void for_pixel(ivec2 p) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
         const ivec2 q = p + tap(i);
         const vec3 x_q = position(q, imageLoad(view_depth, q).x);
-        const Lobe lobe_q = pixel_lobe(q, pixel_roughness(q));
+        const Lobe lobe_q = pixel_lobe(q, normal_at(q), pixel_roughness(q));
         const vec4 ray = texelFetch(radiance, q, 0);
-        const vec3 direction = decode_direction(texelFetch(ray_direction, q, 0).x);
+        const vec3 direction = unpack_direction(texelFetch(ray_direction, q, 0).x);
         const vec2 here = at_found(lobe, x, found(x_q, ray, direction), abs(ray.w));
         const float there = density_and_response(lobe_q, direction).x;
         add(sums, here.y / max(others * there + here.x, 1e-30), ray);

@@ -3,9 +3,14 @@
 // is believed, and how far, is accumulate_radiance's to say.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
-#include "common/round_store.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/rounded.glsl"
+#include "common/dithered.glsl"
+#include "reflections/radiance_word.glsl"
+#include "reflections/gathered_texel.glsl"
+#include "reflections/kept_surface.glsl"
+#include "reflections/frame_count.glsl"
 #include "reflections/past_places.glsl"
 #include "reflections/same_surface.glsl"
 
@@ -14,14 +19,13 @@ const float DEPTH_TOLERANCE = 0.02;
 
 bool past_is(Shown here, ivec2 q, float depth, float tolerance) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
-    const float z = imageLoad(view_depth_prev, q).x;
-    if (!(z > 0.0) || !(abs(z - depth) <= tolerance)) return false;
-    if (!(dot(here.n, unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)))) > 0.9)) return false;
-    return !HAS_MATERIAL || alike(here.roughness, texelFetch(roughness_prev, q, 0).x);
+    const KeptSurface then = decode_surface(texelFetch(surface_prev, q, 0).x);
+    if (!(then.z > 0.0) || !(abs(then.z - depth) <= tolerance)) return false;
+    return dot(here.n, then.n) > 0.9 && alike(here.roughness, then.roughness);
 }
 
 vec4 history_texel(ivec2 q) {
-    return vec4(texelFetch(history, q, 0).rgb, texelFetch(frames_prev, q, 0).x);
+    return vec4(decode_radiance(texelFetch(history, q, 0).x), decode_frames(texelFetch(frames_prev, q, 0).x));
 }
 
 vec4 cubic_weights(float t) {
@@ -76,9 +80,6 @@ vec4 past_at(Shown here, vec2 uv, float depth, float tolerance) {
 
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
-#if HAS_ROUGHNESS_KEPT
-    imageStore(roughness_kept, p, vec4(here.roughness));
-#endif
     vec4 of_surface = vec4(0.0), of_image = vec4(0.0);  // the second of a specular lobe alone
     if (here.z > 0.0 && (frame.flags & FRAME_RESET) == 0u) {
         const float cosine = max(dot(here.n, to_viewer(p)), 0.1);
@@ -87,13 +88,15 @@ void for_pixel(ivec2 p) {
         const float depth = change != 0.0 ? here.z + change : previous_depth(here.x);
         of_surface = past_at(here, past_of_surface(p), depth, DEPTH_TOLERANCE * here.z / cosine);
 #if HAS_PAST_IMAGE
-        of_image = past_at(here, past_of_image(p, here.z, abs(texelFetch(gathered, p, 0).w)), here.z, 1e30);
+        of_image = past_at(here, past_of_image(p, here.z, decode_gathered(texelFetch(gathered, p, 0).xy).distance_m), here.z, 1e30);
 #endif
     }
-    imageStore(past_surface, p, vec4(round_to(of_surface.rgb, HALF_BITS), of_surface.w));
+    const uint thresholds = thresholds_at(p);
+    imageStore(past_surface, p, uvec4(encode_radiance(of_surface.rgb, thresholds)));
 #if HAS_PAST_IMAGE
-    imageStore(past_image, p, vec4(round_to(of_image.rgb, HALF_BITS), of_image.w));
+    imageStore(past_image, p, uvec4(encode_radiance(of_image.rgb, thresholds)));
 #endif
+    imageStore(past_frames, p, vec4(encode_frames(of_surface.w), encode_frames(of_image.w), 0.0, 0.0));
 }
 
 void main() { for_each_pixel(); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a pixel shows, and whether another shows the same surface with much the same lobe.
 //
-// Includer has common/camera.glsl, common/guide_normal.glsl and common/pixels.glsl and declares: images view_depth, guide_normal;
+// Includer has common/camera.glsl, common/receiver_normal.glsl and common/pixels.glsl and declares: images view_depth, octahedral_normal;
 // material where HAS_MATERIAL.
 
 struct Shown {
@@ -13,7 +13,7 @@ struct Shown {
 Shown shown(ivec2 p) {
     if (!inside_frame(p)) return Shown(vec3(0.0), vec3(0.0), 0.0, 1.0);
     const float z = imageLoad(view_depth, p).x;
-    return Shown(position(p, z), unit_or_zero(decode_normal(imageLoad(guide_normal, p))), z,
+    return Shown(position(p, z), unpack_direction(imageLoad(octahedral_normal, p).x), z,
                  HAS_MATERIAL ? texelFetch(material, p, 0).y : 1.0);
 }
 
