@@ -11,7 +11,7 @@
 #include "common/dithered.glsl"
 #include "reflections/radiance_word.glsl"
 #include "reflections/gathered_texel.glsl"
-#include "reflections/frame_count.glsl"
+#include "reflections/past_texel.glsl"
 #include "reflections/drift_texel.glsl"
 #include "reflections/past_places.glsl"
 #include "reflections/same_surface.glsl"
@@ -69,9 +69,10 @@ vec4 carried_drift(ivec2 then) {
 }
 
 vec4 past(bool image_past, ivec2 q) {
-    const vec2 n = texelFetch(past_frames, q, 0).xy;
-    return vec4(decode_radiance(image_past ? texelFetch(past_image, q, 0).x : texelFetch(past_surface, q, 0).x),
-                decode_frames(image_past ? n.y : n.x));
+    const vec2 bytes = texelFetch(past_frames, q, 0).xy;
+    const Past past = decode_past(image_past ? texelFetch(past_image, q, 0).x : texelFetch(past_surface, q, 0).x,
+                                  texel_byte(image_past ? bytes.y : bytes.x));
+    return vec4(past.radiance, past.frames);
 }
 
 ivec2 far_tap(int i) { return FAR_STEP * (ivec2(i % 5, i / 5) - 2); }
@@ -178,8 +179,9 @@ void for_pixel(ivec2 p) {
     if (g.moving) best.worth = min(best.worth, MOVING_HIT_FRAMES);
     const float n = best.worth + 1.0;
     const vec3 mean = (best.worth * best.history + g.radiance) / n;
-    imageStore(accumulated, p, uvec4(encode_radiance(mean, thresholds_at(p))));
-    imageStore(frames, p, vec4(encode_frames(n)));
+    const uvec2 kept = encode_past(Past(mean, n), thresholds_at(p));
+    imageStore(accumulated, p, uvec4(kept.x));
+    imageStore(frames, p, vec4(byte_texel(kept.y)));
     imageStore(deviation, p, vec4(min(sqrt(around.variance / n * max(1.0, 4.0 / n)), 65504.0)));
     if (first_of_four(p)) {
         const uint deviations = encode_deviations(vec2(sqrt(best.variance_mean), 0.0));

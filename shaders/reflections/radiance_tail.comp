@@ -13,6 +13,7 @@
 #include "common/rounded.glsl"
 #include "common/dithered.glsl"
 #include "reflections/radiance_word.glsl"
+#include "reflections/past_texel.glsl"
 #include "reflections/same_surface.glsl"
 
 const float KERNEL[2] = float[](0.5, 0.25);
@@ -40,7 +41,8 @@ float pair_weight(Shown a, Shown b, vec4 of_a, vec4 of_b) {
 // Radiance and its expected deviation; of the first level in an image each.
 vec4 signal_at(ivec2 p) {
     if (HAS_SIGNAL) return texelFetch(signal, p, 0);
-    return vec4(decode_radiance(texelFetch(accumulated, p, 0).x), texelFetch(deviation, p, 0).x);
+    const Past past = decode_past(texelFetch(accumulated, p, 0).x, texel_byte(texelFetch(frames, p, 0).x));
+    return vec4(past.radiance, texelFetch(deviation, p, 0).x);
 }
 
 void for_pixel(ivec2 p) {

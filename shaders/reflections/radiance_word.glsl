@@ -9,15 +9,20 @@ const int LEAST_STEP = -24;  // exponent of the smallest step; the largest is 2^
 
 float exponent_of_two(int e) { return uintBitsToFloat(uint(e + 127) << 23); }
 
-// 0 <= c <= 65408.
+// 0 <= c <= 65408 as whole numbers of 9 + further_bits bits and the exponent of their steps, less LEAST_STEP - further_bits.
+uvec4 shared_steps(vec3 c, int further_bits, uint thresholds) {
+    const float largest = max(max(c.x, c.y), c.z), most = float((512 << further_bits) - 1);
+    const int least = LEAST_STEP - further_bits, octave = int(floatBitsToUint(largest) >> 23) - 127;
+    int step_log2 = clamp(octave - 8 - further_bits, least, least + 31);
+    if (largest * exponent_of_two(-step_log2) > most && step_log2 < least + 31) ++step_log2;  // no mantissa rounds up beyond its bits
+    const vec3 steps = min(c * exponent_of_two(-step_log2), most);
+    return uvec4(dithered(steps.x, threshold(thresholds, 0u)), dithered(steps.y, threshold(thresholds, 1u)),
+                 dithered(steps.z, threshold(thresholds, 2u)), uint(step_log2 - least));
+}
+
 uint encode_radiance(vec3 c, uint thresholds) {
-    const float largest = max(max(c.x, c.y), c.z);
-    const int octave = int(floatBitsToUint(largest) >> 23) - 127;
-    int step_log2 = clamp(octave - 8, LEAST_STEP, LEAST_STEP + 31);
-    if (largest * exponent_of_two(-step_log2) > 511.0 && step_log2 < LEAST_STEP + 31) ++step_log2;  // no mantissa rounds up to 512
-    const vec3 steps = min(c * exponent_of_two(-step_log2), 511.0);
-    return dithered(steps.x, threshold(thresholds, 0u)) | dithered(steps.y, threshold(thresholds, 1u)) << 9 |
-           dithered(steps.z, threshold(thresholds, 2u)) << 18 | uint(step_log2 - LEAST_STEP) << 27;
+    const uvec4 steps = shared_steps(c, 0, thresholds);
+    return steps.x | steps.y << 9 | steps.z << 18 | steps.w << 27;
 }
 
 vec3 decode_radiance(uint word) {

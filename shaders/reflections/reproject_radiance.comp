@@ -10,7 +10,7 @@
 #include "reflections/radiance_word.glsl"
 #include "reflections/gathered_texel.glsl"
 #include "reflections/kept_surface.glsl"
-#include "reflections/frame_count.glsl"
+#include "reflections/past_texel.glsl"
 #include "reflections/past_places.glsl"
 #include "reflections/same_surface.glsl"
 
@@ -25,7 +25,8 @@ bool past_is(Shown here, ivec2 q, float depth, float tolerance) {
 }
 
 vec4 history_texel(ivec2 q) {
-    return vec4(decode_radiance(texelFetch(history, q, 0).x), decode_frames(texelFetch(frames_prev, q, 0).x));
+    const Past past = decode_past(texelFetch(history, q, 0).x, texel_byte(texelFetch(frames_prev, q, 0).x));
+    return vec4(past.radiance, past.frames);
 }
 
 vec4 cubic_weights(float t) {
@@ -92,11 +93,12 @@ void for_pixel(ivec2 p) {
 #endif
     }
     const uint thresholds = thresholds_at(p);
-    imageStore(past_surface, p, uvec4(encode_radiance(of_surface.rgb, thresholds)));
+    const uvec2 surface = encode_past(Past(of_surface.rgb, of_surface.w), thresholds), image = encode_past(Past(of_image.rgb, of_image.w), thresholds);
+    imageStore(past_surface, p, uvec4(surface.x));
 #if HAS_PAST_IMAGE
-    imageStore(past_image, p, uvec4(encode_radiance(of_image.rgb, thresholds)));
+    imageStore(past_image, p, uvec4(image.x));
 #endif
-    imageStore(past_frames, p, vec4(encode_frames(of_surface.w), encode_frames(of_image.w), 0.0, 0.0));
+    imageStore(past_frames, p, vec4(byte_texel(surface.y), byte_texel(image.y), 0.0, 0.0));
 }
 
 void main() { for_each_pixel(); }
