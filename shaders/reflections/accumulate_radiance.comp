@@ -18,9 +18,6 @@
 
 const float MOST_FRAMES = 63.0, SIGMAS = 3.0, TERM_SIGMAS = 4.0;
 const float DRIFT_SHARE = 0.4;  // of the new value in the running mean
-// The same of the variance. Brightness that comes rarely is noise that its own frame alone shows: forgotten soon, what it left in a
-// past looks like a bias and is cast out, and the image is too dark (docs/reflections.md#bias).
-const float VARIANCE_SHARE = 0.3;
 const int FAR_STEP = 5;  // px between taps of far_drift(): a gather's window, so that no two share a ray
 const float KERNEL[3] = float[](6.0, 4.0, 1.0);
 
@@ -58,14 +55,13 @@ Around look_around(ivec2 p, float weights[25]) {
 
 // What a past would leave.
 struct Candidate {
-    vec3 history, drift;
-    float frames, worth, variance_mean;  // worth: N', 0 without a past
+    vec3 history;
+    float worth;  // N', 0 without a past
+    Drift drift;
 };
 
-// A drift is of 2x2 pixels.
-vec4 carried_drift(ivec2 then) {
-    const uvec2 words = texelFetch(drift_prev, clamp(then, ivec2(0), ivec2(frame.prev_size) - 1) / 2, 0).xy;
-    return vec4(decode_drift(words.x), decode_deviations(words.y).x);
+Drift drift_at(ivec2 then) {
+    return decode_drift(texelFetch(drift_prev, clamp(then, ivec2(0), ivec2(frame.prev_size) - 1) / 2, 0).xy);
 }
 
 vec4 past(bool image_past, ivec2 q) {
@@ -88,39 +84,28 @@ uint far_pixels(ivec2 p, Shown here) {
 }
 
 // What light that changes everywhere, a lamp that goes off, leaves below the noise of 5x5 pixels stands out of that of these.
-// The square of the drift's mean over these, less what noise shows.
-float far_drift(bool image_past, ivec2 p, vec2 uv, uint kept, float sigma2, float frames) {
+// The square of the mean of their drifts of the last frame, less what noise shows.
+float far_drift(ivec2 then, uint kept, float variance) {
     vec3 sum = vec3(0.0);
-    float sums = 0.0, variance = 0.0;
-    const ivec2 then = previous_texel(uv);
+    float sums = 0.0, variances = 0.0;
     for (int i = 0; i < 25; ++i) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
-        const ivec2 q = p + far_tap(i);
-        const vec4 its = past(image_past, q);
-        if (!(its.w > 0.0)) continue;
-        const vec4 carried = carried_drift(then + far_tap(i));
-        const Gathered g = gathered_at(q);
-        const float deviation = max(g.deviation, carried.w);
-        const vec3 term = g.radiance - its.rgb;
-        const float size = length(term), limit = TERM_SIGMAS * deviation;
-        sum += mix(carried.rgb, term * (size > limit ? limit / size : 1.0), DRIFT_SHARE);
-        variance += deviation * deviation;
+        const Drift its = drift_at(then + far_tap(i));
+        sum += its.mean;
+        variances += its.of_mean2 + its.of_past2;
         sums += 1.0;
     }
     if (sums < 5.0) return 0.0;
-    const float noise2 = SIGMAS * SIGMAS * max(variance / sums, sigma2) * (DRIFT_SHARE / (2.0 - DRIFT_SHARE) + 1.0 / frames) / sums;
-    return dot(sum, sum) / (sums * sums) - noise2;
+    return dot(sum, sum) / (sums * sums) - SIGMAS * SIGMAS * max(variances / sums, variance) / sums;
 }
 
-Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around around, uint far, bool moving) {
+Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samples, float variance, uint far, bool moving) {
     const vec4 own = past(image_past, p);
-    Candidate c = Candidate(own.rgb, vec3(0.0), own.w, 0.0, around.variance);
-    if (!(own.w > 0.0)) return c;
-    const vec4 carried = carried_drift(previous_texel(uv));
-    c.variance_mean = mix(carried.w * carried.w, around.variance, VARIANCE_SHARE);
-    const bool few = moving && around.samples < 4.0;
-    float sigma2 = few ? around.variance : max(around.variance, c.variance_mean);
-    if (!moving && around.samples < 6.0) sigma2 = max(sigma2, around.spread);
+    if (!(own.w > 0.0)) return Candidate(own.rgb, 0.0, Drift(vec3(0.0), 0.0, 0.0));
+    const ivec2 then = previous_texel(uv);
+    const Drift carried = drift_at(then);
+    const bool few = moving && samples < 4.0;
+    const float sigma2 = max(variance, few ? 0.0 : carried.of_past2 * own.w);
     const float limit = few ? 1e30 : TERM_SIGMAS * sqrt(sigma2);
     vec3 sum = vec3(0.0);
     float sums = 0.0;
@@ -135,16 +120,16 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], Around aro
         sums += weights[i];
     }
     const float share = few ? 1.0 : DRIFT_SHARE;
-    c.drift = mix(carried.rgb, sum / sums, share);
-    const float independent = around.samples < 3.0 ? 6.0 : 25.0;
-    const float correlated = min(1.0, 1.3 * around.samples / (around.samples + independent) + 1.0 / independent);
-    const float noise2 = SIGMAS * SIGMAS * correlated * sigma2 * (share / (2.0 - share) + 1.0 / own.w);
-    float bias2 = max(dot(c.drift, c.drift) - noise2, 0.0);
-    if (!few) bias2 = max(bias2, far_drift(image_past, p, uv, far, sigma2, own.w));
+    const Drift drift = Drift(mix(carried.mean, sum / sums, share), (1.0 - share) * (1.0 - share) * carried.of_mean2 + share * share * variance, few ? variance / own.w : carried.of_past2);
+    const float independent = samples < 3.0 ? 6.0 : 25.0;
+    const float correlated = min(1.0, 1.3 * samples / (samples + independent) + 1.0 / independent);
+    const float noise2 = correlated * (drift.of_mean2 + drift.of_past2);
+    float bias2 = max(dot(drift.mean, drift.mean) - SIGMAS * SIGMAS * noise2, 0.0);
+    if (!few) bias2 = max(bias2, far_drift(then, far, noise2));
     // V = 1 / N + b^2 / sigma^2, its inverse without a quotient by a sigma of 0.
-    c.worth = min(sigma2 * own.w / max(sigma2 + bias2 * own.w, 1e-30), MOST_FRAMES);
-    if (sigma2 == 0.0) c.worth = bias2 == 0.0 ? min(own.w, MOST_FRAMES) : 0.0;
-    return c;
+    float worth = min(sigma2 * own.w / max(sigma2 + bias2 * own.w, 1e-30), MOST_FRAMES);
+    if (sigma2 == 0.0) worth = bias2 == 0.0 ? min(own.w, MOST_FRAMES) : 0.0;
+    return Candidate(own.rgb, worth, drift);
 }
 
 // Whether this surface is the one that its 2x2 pixels keep the drift of: the first of theirs.
@@ -170,9 +155,11 @@ void for_pixel(ivec2 p) {
     const uint far = far_pixels(p, here);
     const vec2 of_surface = past_of_surface(p), still = pixel_uv(p);
     const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
-    Candidate best = judge(false, p, of_surface, weights, around, far, moving);
+    // Few samples at rest know less of their variance than their neighbours show.
+    const float variance = !moving && around.samples < 6.0 ? max(around.variance, around.spread) : around.variance;
+    Candidate best = judge(false, p, of_surface, weights, around.samples, variance, far, moving);
     if (LOBE == LOBE_SPECULAR) {
-        const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around, far, moving);
+        const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around.samples, variance, far, moving);
         if (other.worth > best.worth) best = other;
     }
     // What moves is elsewhere in the mirror than any past expects.
@@ -182,11 +169,9 @@ void for_pixel(ivec2 p) {
     const uvec2 kept = encode_past(Past(mean, n), thresholds_at(p));
     imageStore(accumulated, p, uvec4(kept.x));
     imageStore(frames, p, vec4(byte_texel(kept.y)));
+    const float of_mean2 = (best.worth * best.worth * best.drift.of_past2 + variance) / (n * n);
     imageStore(deviation, p, vec4(min(sqrt(around.variance / n * max(1.0, 4.0 / n)), 65504.0)));
-    if (first_of_four(p)) {
-        const uint deviations = encode_deviations(vec2(sqrt(best.variance_mean), 0.0));
-        imageStore(drift, p / 2, uvec4(encode_drift(best.worth > 0.0 ? best.drift : vec3(0.0)), deviations, 0u, 0u));
-    }
+    if (first_of_four(p)) imageStore(drift, p / 2, uvec4(encode_drift(Drift(best.worth > 0.0 ? best.drift.mean : vec3(0.0), best.drift.of_mean2, of_mean2)), 0u, 0u));
 }
 
 void main() { for_each_pixel(); }
