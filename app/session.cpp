@@ -259,6 +259,11 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         standalone_target(pipeline, table, options.largest.value_or(options.size), facts,
                           {options.cascade_size, options.cascade_size}, session->host_->cascade_layers());
     if (several) target.inputs["lights"] = {Format::rgba32ui, {5, static_cast<uint32_t>(lights.size())}};
+    const auto beyond = std::ranges::find(pipeline.inputs, "environment", &HostInput::name);
+    if (environment && beyond->optional && is_black(*environment)) {
+        target.left_out.insert("environment");
+        environment.reset();
+    }
     if (environment) {
         target.inputs["environment"] = {Format::rgba32f, {environment->width, environment->height}};
         if (std::max(environment->width, environment->height) > table.max_image_extent) {

@@ -51,6 +51,8 @@ std::shared_ptr<const Domain> shadow_domain() {
                   {"moves", "the camera or an object moves"},
                   {"casters_move", "something that casts a shadow moves or changes its shape"},
                   {"sun_moves", "the sun moves, or the light that is near"},
+                  {"rough", "some surface's lobe is wider than a mirror's: roughness .01 or more"},
+                  {"glossy", "some surface shows an image of what it mirrors: roughness below .5"},
                   {"tree", "the host brings penumbra's own tree of the triangles; else ray queries alone"}},
         .features = {"ray_query", "storage8"},
         .structs = {{"Sun", sizeof(blocks::Sun)},

@@ -63,6 +63,12 @@ std::optional<EnvironmentMap> make_environment(const Shot& shot, Diagnostics& di
     return sky(std::get<EnvironmentSky>(shot.environment));
 }
 
+bool is_black(const EnvironmentMap& map) {
+    for (size_t i = 0; i < map.rgba.size(); ++i)
+        if (i % 4 != 3 && map.rgba[i] != 0) return false;
+    return true;
+}
+
 GpuImage upload_environment(Device& device, const EnvironmentMap& map) {
     GpuImage image = make_image(device, VK_FORMAT_R32G32B32A32_SFLOAT, {map.width, map.height}, 1,
                                 VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, "environment");

@@ -22,6 +22,8 @@ struct EnvironmentMap {
 // name the file: channels R, G and B are needed, finite and from 0 on.
 std::optional<EnvironmentMap> make_environment(const Shot& shot, Diagnostics& diagnostics);
 
+bool is_black(const EnvironmentMap& map);
+
 // Sampled in SHADER_READ_ONLY_OPTIMAL.
 GpuImage upload_environment(Device& device, const EnvironmentMap& map);
 

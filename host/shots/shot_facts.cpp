@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "host/scene/scene_alpha.h"
 #include "host/shots/light_choice.h"
@@ -27,6 +28,20 @@ bool sun_moves(const Shot& shot) {
     return std::ranges::adjacent_find(shot.sun, other_way) != shot.sun.end();
 }
 
+// Of triangles that are shown. What a texture holds is not looked at: it may scale a factor down to 0.
+bool any_roughness(const Scene& scene, const std::function<bool(float least, float most)>& what) {
+    const Model& model = scene.model();
+    return std::ranges::any_of(scene.instances(), [&](const Instance& instance) {
+        return std::ranges::any_of(
+            model.meshes[static_cast<size_t>(instance.mesh)].parts, [&](const Part& part) {
+                if (part.material < 0) return what(1, 1);
+                const Material& material = model.materials[static_cast<size_t>(part.material)];
+                const bool textured = material.metallic_roughness_texture >= 0;
+                return what(textured ? 0 : material.roughness, material.roughness);
+            });
+    });
+}
+
 }  // namespace
 
 std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene, const ShotLight* light) {
@@ -38,6 +53,9 @@ std::map<std::string, bool> shot_facts(const Shot& shot, const Scene& scene, con
             {"moves", moves(shot) || scene.animated()},
             {"casters_move", objects_move(shot) || scene.animated()},
             {"sun_moves", (light ? light_moves(*light) : sun_moves(shot)) || scene.animated()},
+            // Of images of 8 bits, which round: half a step of room.
+            {"rough", any_roughness(scene, [](float, float most) { return most > 0.01f - 0.002f; })},
+            {"glossy", any_roughness(scene, [](float least, float) { return least < 0.5f + 0.002f; })},
             {"tree", true}};  // the program builds it for whoever walks it
 }
 

@@ -16,7 +16,8 @@
 #include "reflections/past_places.glsl"
 #include "reflections/same_surface.glsl"
 
-const float MOST_FRAMES = 63.0, SIGMAS = 3.0, TERM_SIGMAS = 4.0;
+const float MOST_FRAMES = 63.0, TERM_SIGMAS = 4.0;
+const float SIGMAS = 3.0, SIGMAS_AT_REST = 3.5;  // at rest light alone changes: a past is doubted later
 const float DRIFT_SHARE = 0.4;  // of the new value in the running mean
 const int FAR_STEP = 5;  // px between taps of far_drift(): a gather's window, so that no two share a ray
 const float KERNEL[3] = float[](6.0, 4.0, 1.0);
@@ -43,12 +44,14 @@ Around look_around(ivec2 p, float weights[25]) {
         if (weights[i] == 0.0) continue;
         const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
         const Gathered g = gathered_at(q);
+        if (!(g.samples > 0.0)) continue;
         sum += weights[i];
         variance += weights[i] * g.deviation * g.deviation;
         samples += weights[i] * g.samples;
         mean += weights[i] * g.radiance;
         squares += weights[i] * dot(g.radiance, g.radiance);
     }
+    if (!(sum > 0.0)) return Around(0.0, 0.0, 0.0);
     mean /= sum;
     return Around(variance / sum, samples / sum, max(squares / sum - dot(mean, mean), 0.0));
 }
@@ -65,9 +68,10 @@ Drift drift_at(ivec2 then) {
 }
 
 vec4 past(bool image_past, ivec2 q) {
-    const vec2 bytes = texelFetch(past_frames, q, 0).xy;
-    const Past past = decode_past(image_past ? texelFetch(past_image, q, 0).x : texelFetch(past_surface, q, 0).x,
-                                  texel_byte(image_past ? bytes.y : bytes.x));
+    if (HAS_HISTORY && !pixels_have_pasts()) return vec4(0.0);
+    const uint word = HAS_HISTORY ? texelFetch(history, q, 0).x : image_past ? texelFetch(past_image, q, 0).x : texelFetch(past_surface, q, 0).x;
+    const vec2 bytes = HAS_HISTORY ? texelFetch(frames_prev, q, 0).xx : texelFetch(past_frames, q, 0).xy;
+    const Past past = decode_past(word, texel_byte(image_past ? bytes.y : bytes.x));
     return vec4(past.radiance, past.frames);
 }
 
@@ -85,7 +89,7 @@ uint far_pixels(ivec2 p, Shown here) {
 
 // What light that changes everywhere, a lamp that goes off, leaves below the noise of 5x5 pixels stands out of that of these.
 // The square of the mean of their drifts of the last frame, less what noise shows.
-float far_drift(ivec2 then, uint kept, float variance) {
+float far_drift(ivec2 then, uint kept, float variance, float sigmas) {
     vec3 sum = vec3(0.0);
     float sums = 0.0, variances = 0.0;
     for (int i = 0; i < 25; ++i) {
@@ -96,7 +100,7 @@ float far_drift(ivec2 then, uint kept, float variance) {
         sums += 1.0;
     }
     if (sums < 5.0) return 0.0;
-    return dot(sum, sum) / (sums * sums) - SIGMAS * SIGMAS * max(variances / sums, variance) / sums;
+    return dot(sum, sum) / (sums * sums) - sigmas * sigmas * max(variances / sums, variance) / sums;
 }
 
 Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samples, float variance, uint far, bool moving) {
@@ -113,31 +117,36 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samp
         if (weights[i] == 0.0) continue;
         const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
         const vec4 its = past(image_past, q);
-        if (!(its.w > 0.0)) continue;
-        const vec3 term = gathered_at(q).radiance - its.rgb;
+        const Gathered g = gathered_at(q);
+        if (!(its.w > 0.0 && g.samples > 0.0)) continue;
+        const vec3 term = g.radiance - its.rgb;
         const float size = length(term);
         sum += weights[i] * term * (size > limit ? limit / size : 1.0);
         sums += weights[i];
     }
+    if (!(sums > 0.0)) return Candidate(own.rgb, min(own.w, MOST_FRAMES), carried);
     const float share = few ? 1.0 : DRIFT_SHARE;
     const Drift drift = Drift(mix(carried.mean, sum / sums, share), (1.0 - share) * (1.0 - share) * carried.of_mean2 + share * share * variance, few ? variance / own.w : carried.of_past2);
     const float independent = samples < 3.0 ? 6.0 : 25.0;
     const float correlated = min(1.0, 1.3 * samples / (samples + independent) + 1.0 / independent);
     const float noise2 = correlated * (drift.of_mean2 + drift.of_past2);
-    float bias2 = max(dot(drift.mean, drift.mean) - SIGMAS * SIGMAS * noise2, 0.0);
-    if (!few) bias2 = max(bias2, far_drift(then, far, noise2));
+    const float sigmas = moving ? SIGMAS : SIGMAS_AT_REST;
+    float bias2 = max(dot(drift.mean, drift.mean) - sigmas * sigmas * noise2, 0.0);
+    if (!few) bias2 = max(bias2, far_drift(then, far, noise2, sigmas));
     // V = 1 / N + b^2 / sigma^2, its inverse without a quotient by a sigma of 0.
     float worth = min(sigma2 * own.w / max(sigma2 + bias2 * own.w, 1e-30), MOST_FRAMES);
     if (sigma2 == 0.0) worth = bias2 == 0.0 ? min(own.w, MOST_FRAMES) : 0.0;
     return Candidate(own.rgb, worth, drift);
 }
 
-// Whether this surface is the one that its 2x2 pixels keep the drift of: the first of theirs.
-bool first_of_four(ivec2 p) {
-    const int own = (p.x & 1) | (p.y & 1) << 1;
-    for (int i = 0; i < own; ++i)
-        if (imageLoad(view_depth, (p & ~1) + ivec2(i & 1, i >> 1)).x > 0.0) return false;
-    return true;
+// Which of 2x2 pixels keeps their drift: the first that shows a surface, or the first.
+bool keeps_drift(ivec2 p) {
+    const ivec2 first = p & ~1;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 q = first + ivec2(i & 1, i >> 1);
+        if (inside_frame(q) && imageLoad(view_depth, q).x > 0.0) return q == p;
+    }
+    return p == first;
 }
 
 void for_pixel(ivec2 p) {
@@ -146,6 +155,7 @@ void for_pixel(ivec2 p) {
         imageStore(accumulated, p, uvec4(0u));
         imageStore(frames, p, vec4(0.0));
         imageStore(deviation, p, vec4(0.0));
+        if (keeps_drift(p)) imageStore(drift, p / 2, uvec4(encode_drift(Drift(vec3(0.0), 0.0, 0.0)), 0u, 0u));
         return;
     }
     const Gathered g = gathered_at(p);
@@ -158,20 +168,22 @@ void for_pixel(ivec2 p) {
     // Few samples at rest know less of their variance than their neighbours show.
     const float variance = !moving && around.samples < 6.0 ? max(around.variance, around.spread) : around.variance;
     Candidate best = judge(false, p, of_surface, weights, around.samples, variance, far, moving);
-    if (LOBE == LOBE_SPECULAR) {
+    if (HAS_PAST_IMAGE) {
         const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around.samples, variance, far, moving);
         if (other.worth > best.worth) best = other;
     }
     // What moves is elsewhere in the mirror than any past expects.
     if (g.moving) best.worth = min(best.worth, MOVING_HIT_FRAMES);
-    const float n = best.worth + 1.0;
-    const vec3 mean = (best.worth * best.history + g.radiance) / n;
+    const float own = g.samples > 0.0 || !(best.worth > 0.0) ? 1.0 : 0.0, n = best.worth + own;  // without a ray around there is the past alone
+    const vec3 mean = (best.worth * best.history + own * g.radiance) / n;
     const uvec2 kept = encode_past(Past(mean, n), thresholds_at(p));
     imageStore(accumulated, p, uvec4(kept.x));
     imageStore(frames, p, vec4(byte_texel(kept.y)));
-    const float of_mean2 = (best.worth * best.worth * best.drift.of_past2 + variance) / (n * n);
+    const float of_past2 = (best.worth * best.worth * best.drift.of_past2 + own * variance) / (n * n);
     imageStore(deviation, p, vec4(min(sqrt(around.variance / n * max(1.0, 4.0 / n)), 65504.0)));
-    if (first_of_four(p)) imageStore(drift, p / 2, uvec4(encode_drift(Drift(best.worth > 0.0 ? best.drift.mean : vec3(0.0), best.drift.of_mean2, of_mean2)), 0u, 0u));
+    // A past that is left behind takes its drift along.
+    const Drift kept_drift = best.worth > 0.0 ? Drift(best.drift.mean, best.drift.of_mean2, of_past2) : Drift(vec3(0.0), 0.0, of_past2);
+    if (keeps_drift(p)) imageStore(drift, p / 2, uvec4(encode_drift(kept_drift), 0u, 0u));
 }
 
 void main() { for_each_pixel(); }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Radiance from beyond the scene (host/materials/environment.h), bilinear: across the seam, and across a pole to the other side.
 //
-// Includer declares: uniform sampler2D environment.
+// Includer declares: uniform sampler2D environment, where HAS_ENVIRONMENT.
 
 vec3 environment_texel(ivec2 at, ivec2 size) {
     const bool beyond = at.y < 0 || at.y >= size.y;
@@ -12,6 +12,7 @@ vec3 environment_texel(ivec2 at, ivec2 size) {
 
 // `direction` is a unit vector.
 vec3 environment_radiance(vec3 direction) {
+    if (!HAS_ENVIRONMENT) return vec3(0.0);
     const ivec2 size = textureSize(environment, 0);
     const float longitude = atan(direction.z, direction.x) * 0.15915494309189535;
     const float polar = acos(clamp(direction.y, -1.0, 1.0)) * 0.3183098861837907;

@@ -9,7 +9,7 @@ struct Gathered {
     float distance_m;  // harmonic mean
     bool moving;       // a tenth or more hit something that moves
     float deviation;   // expected, over all channels
-    float samples;     // that it stands for: 1 to 25
+    float samples;     // that it stands for: 1 to 25; 0: no ray nearby tells of this lobe
 };
 
 // x >= 0 as a half, rounded to the nearest of those with `dropped` zeros at the end; at most the largest of those.

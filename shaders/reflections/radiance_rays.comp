@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One ray per pixel into its lobe, shaded where it hits: radiance, distance and direction, all that later passes know of it.
+// One ray per pixel, or in some pixels by turns, into its lobe, shaded where it hits: radiance, distance and direction, all that later passes know of it.
 // Numbers: the R2 sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences") at x + 5 y + 3083 frame:
 // windows of pixels and of frames are both filled evenly.
 #include "node.glsl"
@@ -19,6 +19,7 @@
 #include "reflections/pixel_lobe.glsl"
 #include "reflections/ray_texel.glsl"
 #include "reflections/ray_numbers.glsl"
+#include "reflections/ray_turns.glsl"
 
 void store(ivec2 p, vec4 ray, uint direction) {
     imageStore(radiance, p, vec4(round_to(ray.rgb, HALF_BITS), ray.w));
@@ -33,6 +34,10 @@ void for_pixel(ivec2 p) {
         return;
     }
     const float roughness = pixel_roughness(p);
+    if (!in_turn(p) && !is_mirror(roughness)) {
+        store(p, vec4(0.0), 0u);
+        return;
+    }
     const Lobe lobe = pixel_lobe(p, unpack_direction(imageLoad(octahedral_normal, p).x), roughness);
     bool turned;
     const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
@@ -40,4 +45,4 @@ void for_pixel(ivec2 p) {
     store(p, encode_ray(light.radiance, light.distance_m, light.moves), pack_direction(direction));
 }
 
-void main() { for_each_pixel(); }
+void main() { for_each_pixel_in_turn(); }

@@ -66,18 +66,42 @@ void store(ivec2 p, vec3 g, float distance_m, bool moving, float deviation, floa
     imageStore(gathered, p, uvec4(words, 0u, 0u));
 }
 
-// Which neighbours show the same surface, as bits; mirrors have nothing to give.
+bool near_plane(vec3 x, vec3 n, float z, ivec2 q, float z_q) {
+    return dot(n, normal_at(q)) > 0.9 && abs(dot(n, position(q, z_q) - x)) < 0.01 * z;
+}
+
+// Which neighbours with a ray show the same surface, as bits; mirrors have nothing to give.
 uint kept_taps(ivec2 p, vec3 x, vec3 n, float z) {
     uint kept = 0u;
     for (int i = 0; i < TAPS; ++i) {
         const ivec2 q = p + tap(i);
         if (q == p || !inside_frame(q)) continue;
         const float z_q = imageLoad(view_depth, q).x;
-        if (!(z_q > 0.0) || is_mirror(pixel_roughness(q))) continue;
-        const vec3 n_q = normal_at(q);
-        if (dot(n, n_q) > 0.9 && abs(dot(n, position(q, z_q) - x)) < 0.01 * z) kept |= 1u << uint(i);
+        if (!(z_q > 0.0) || is_mirror(pixel_roughness(q)) || !has_ray(texelFetch(radiance, q, 0))) continue;
+        if (near_plane(x, n, z, q, z_q)) kept |= 1u << uint(i);
     }
     return kept;
+}
+
+// No ray but the pixel's own tells of its lobe. Has it none, what its surface sees around it stands in, as no sample at all.
+void store_alone(ivec2 p, vec3 x, vec3 n, float z, vec4 own) {
+    if (has_ray(own)) {
+        store(p, own.rgb, abs(own.w), own.w < 0.0, 0.0, 1.0);
+        return;
+    }
+    vec3 sum = vec3(0.0);
+    float inverse_m = 0.0, count = 0.0;
+    for (int i = 0; i < TAPS; ++i) {
+        const ivec2 q = p + tap(i);
+        if (!inside_frame(q)) continue;
+        const float z_q = imageLoad(view_depth, q).x;
+        const vec4 ray = texelFetch(radiance, q, 0);
+        if (!(z_q > 0.0) || !has_ray(ray) || !near_plane(x, n, z, q, z_q)) continue;
+        sum += ray.rgb;
+        inverse_m += 1.0 / abs(ray.w);
+        count += 1.0;
+    }
+    store(p, sum / max(count, 1.0), count / max(inverse_m, 1e-10), false, 0.0, 0.0);
 }
 
 void for_pixel(ivec2 p) {
@@ -90,9 +114,10 @@ void for_pixel(ivec2 p) {
     const float roughness = pixel_roughness(p);
     const Lobe lobe = pixel_lobe(p, normal_at(p), roughness);
     const vec3 x = position(p, z);
-    const uint kept = is_mirror(roughness) ? 0u : kept_taps(p, x, lobe.n, z);
+    const bool ray_here = has_ray(own);
+    const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, x, lobe.n, z);
     if (kept == 0u) {
-        store(p, own.rgb, abs(own.w), own.w < 0.0, 0.0, 1.0);
+        store_alone(p, x, lobe.n, z, own);
         return;
     }
 
@@ -112,12 +137,13 @@ void for_pixel(ivec2 p) {
         const vec2 here = at_found(lobe, x, found(x_q, ray, direction), abs(ray.w));
         const float there = density_and_response(lobe_q, direction).x;
         add(sums, here.y / max(others * there + here.x, 1e-30), ray);
+        if (!ray_here) continue;
         const float of_own = at_found(lobe_q, x_q, own_found, abs(own.w)).x;
         own_weight += own_lobe.y / max(others * of_own + own_lobe.x, 1e-30);
     }
-    add(sums, own_weight / others, own);
+    if (ray_here) add(sums, own_weight / others, own);
     if (!(sums.weight > 1e-20)) {
-        store(p, own.rgb, abs(own.w), own.w < 0.0, 0.0, 1.0);
+        store_alone(p, x, lobe.n, z, own);
         return;
     }
 

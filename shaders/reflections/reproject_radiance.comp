@@ -16,6 +16,7 @@
 
 // How far the surface's depth may be off where it was, of the depth, over the cosine of view.
 const float DEPTH_TOLERANCE = 0.02;
+const float IMAGELESS = 0.5;  // roughness from which on a lobe mirrors no image that is seen to move otherwise than its surface
 
 bool past_is(Shown here, ivec2 q, float depth, float tolerance) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
@@ -89,11 +90,12 @@ void for_pixel(ivec2 p) {
         const float depth = change != 0.0 ? here.z + change : previous_depth(here.x);
         of_surface = past_at(here, past_of_surface(p), depth, DEPTH_TOLERANCE * here.z / cosine);
 #if HAS_PAST_IMAGE
-        of_image = past_at(here, past_of_image(p, here.z, decode_gathered(texelFetch(gathered, p, 0).xy).distance_m), here.z, 1e30);
+        if (here.roughness < IMAGELESS) of_image = past_at(here, past_of_image(p, here.z, decode_gathered(texelFetch(gathered, p, 0).xy).distance_m), here.z, 1e30);
 #endif
     }
     const uint thresholds = thresholds_at(p);
-    const uvec2 surface = encode_past(Past(of_surface.rgb, of_surface.w), thresholds), image = encode_past(Past(of_image.rgb, of_image.w), thresholds);
+    const uvec2 surface = encode_past(Past(of_surface.rgb, of_surface.w), thresholds);
+    const uvec2 image = encode_past(Past(of_image.rgb, of_image.w), thresholds);
     imageStore(past_surface, p, uvec4(surface.x));
 #if HAS_PAST_IMAGE
     imageStore(past_image, p, uvec4(image.x));

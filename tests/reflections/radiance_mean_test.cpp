@@ -42,10 +42,10 @@ TEST_F(RadianceMean, TheTailKeepsIt) {
     for (const char* lobe : {"reflections", "indirect"}) {
         const bool diffuse = lobe == std::string("indirect");
         const auto session =
-            open_shipped(lobe, speckled_floor({0.3f, 0.3f, 0.6f, 0.6f}, 60, 4), {}, {"accumulated"});
+            open_shipped(lobe, speckled_floor({0.3f, 0.3f, 0.6f, 0.6f}, 60, 4), {}, {"accumulated", "frames"});
         for (uint32_t frame = 0; frame < 3; ++frame) {
             session->run_frame(frame, frame == 0);
-            const double before = mean(captured_image(*session, "accumulated")),
+            const double before = mean_accumulated(*session),
                          after = mean(captured_image(*session, diffuse ? "diffuse" : "specular"));
             EXPECT_NEAR(after / before, 1, 2e-4) << lobe << ", frame " << frame;
         }
@@ -56,13 +56,13 @@ TEST_F(RadianceMean, TheTailKeepsIt) {
 // stores.
 TEST_F(RadianceMean, ThePastKeepsIt) {
     const auto session =
-        open_shipped("reflections", speckled_floor({0.5f, 0.8f}, 0, 64), {}, {"accumulated", "gathered"});
+        open_shipped("reflections", speckled_floor({0.5f, 0.8f}, 0, 64), {}, {"accumulated", "frames", "gathered"});
     double given = 0;
     for (uint32_t frame = 0; frame < 64; ++frame) {
         session->run_frame(frame, frame == 0);
-        given += mean(captured_image(*session, "gathered")) / 64;
+        given += mean_gathered(*session) / 64;
     }
-    EXPECT_NEAR(mean(captured_image(*session, "accumulated")) / given, 1, 2e-3);
+    EXPECT_NEAR(mean_accumulated(*session) / given, 1, 2e-3);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <span>
 #include <stdexcept>
 
@@ -13,6 +14,7 @@
 #include "host/models/model_builder.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -91,6 +93,29 @@ std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
         checked ? Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings) : nullptr;
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
+}
+
+namespace {
+double sum_of_word(uint32_t word, uint32_t tenth_bits) {
+    double sum = 0;
+    for (uint32_t i = 0; i < 3; ++i) sum += 2 * (word >> 9 * i & 511) + (tenth_bits >> i & 1);
+    return std::ldexp(sum, static_cast<int>(word >> 27) - 25);
+}
+}  // namespace
+
+double mean_accumulated(const Session& session) {
+    const auto words = captured<uint32_t>(session.view(), "accumulated");
+    const auto bytes = captured<uint8_t>(session.view(), "frames");
+    double sum = 0;
+    for (size_t i = 0; i < words.size(); ++i) sum += sum_of_word(words[i], bytes[i] >> 5);
+    return sum / (3.0 * static_cast<double>(words.size()));
+}
+
+double mean_gathered(const Session& session) {
+    const auto words = captured<std::array<uint32_t, 2>>(session.view(), "gathered");
+    double sum = 0;
+    for (const auto& [radiance, rest] : words) sum += sum_of_word(radiance, 0);
+    return sum / (3.0 * static_cast<double>(words.size()));
 }
 
 std::array<std::vector<float>, 3> colors(const Session& session) {

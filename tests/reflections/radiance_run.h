@@ -33,6 +33,11 @@ std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& s
                                       const std::vector<std::string>& settings = {},
                                       const std::vector<std::string>& also = {});
 
+// The mean over all pixels and channels of radiance that is kept in words (shaders/reflections/radiance_word.glsl,
+// past_texel.glsl): of `accumulated`, which has a tenth bit per mantissa in `frames`, or of `gathered`. Both captured.
+double mean_accumulated(const Session& session);
+double mean_gathered(const Session& session);
+
 // The colour planes of the pipeline's only output.
 std::array<std::vector<float>, 3> colors(const Session& session);
 PlanarImage truth_of(const Shot& shot, const std::string& signal, uint32_t rays, uint32_t frame = 0);
