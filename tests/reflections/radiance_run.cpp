@@ -77,7 +77,8 @@ Model striped_floor(const std::vector<float>& roughness) {
 
 std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
                                       const std::vector<std::string>& settings,
-                                      const std::vector<std::string>& also) {
+                                      const std::vector<std::string>& also, const Facts& facts,
+                                      bool jitter) {
     static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
@@ -87,6 +88,8 @@ std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
+    options.facts = facts;
+    options.jitter = jitter;
     if (checked) options.captures = checked->output_names();
     options.captures.insert(options.captures.end(), also.begin(), also.end());
     auto session =

@@ -28,10 +28,11 @@ Model striped_floor(const std::vector<float>& roughness);
 // Material of a surface that shines and reflects nothing.
 Material shining(std::array<float, 3> radiance);
 
-// `also`: resources that are captured besides the outputs.
+// `also`: resources that are captured besides the outputs; `facts`: instead of what the scene says.
 std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& shot,
                                       const std::vector<std::string>& settings = {},
-                                      const std::vector<std::string>& also = {});
+                                      const std::vector<std::string>& also = {}, const Facts& facts = {},
+                                      bool jitter = true);
 
 // The mean over all pixels and channels of radiance that is kept in words (shaders/reflections/radiance_word.glsl,
 // past_texel.glsl): of `accumulated`, which has a tenth bit per mantissa in `frames`, or of `gathered`. Both captured.

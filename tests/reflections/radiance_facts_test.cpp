@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: MIT
+// What reflections cost by what the scene has: passes and bytes of plans, and images that stay the same to
+// the bit where a fact is false.
+#include <algorithm>
+#include <stdexcept>
+
+#include "host/models/model_builder.h"
+#include "penumbra/shadow_nodes.h"
+#include "tests/gpu_test.h"
+#include "tests/reflections/radiance_run.h"
+
+namespace penumbra::test {
+namespace {
+
+constexpr std::array<uint32_t, 2> full_hd{1920, 1080};
+
+Plan plan_of(const std::string& name, const Facts& facts = {}) {
+    static const NodeSet nodes = shadow_nodes();
+    Diagnostics diagnostics;
+    const auto pipeline =
+        load_pipeline(std::string(PENUMBRA_SOURCE_DIR "/pipelines/") + name + ".json", {}, diagnostics);
+    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    auto plan = checked ? compile(*checked, standalone_target(*checked, reference_device(), full_hd, facts),
+                                  {}, diagnostics)
+                        : std::nullopt;
+    if (!plan) throw std::runtime_error(diagnostics.text());
+    return std::move(*plan);
+}
+
+size_t passes_of(const Plan& plan, const std::string& type) {
+    return static_cast<size_t>(std::ranges::count(plan.passes, type, &PlanPass::type));
+}
+double bytes_per_pixel(uint64_t bytes) {
+    return static_cast<double>(bytes) / (full_hd[0] * full_hd[1]);
+}
+
+TEST(RadiancePlan, TakesFortyBytesPerPixel) {
+    for (const char* name : {"reflections", "indirect"}) {
+        const MemoryReport memory = plan_of(name).memory;
+        EXPECT_LE(bytes_per_pixel(memory.heap_bytes), 40) << name;
+        EXPECT_LE(bytes_per_pixel(memory.persistent_bytes), 11.1) << name;
+    }
+}
+
+TEST(RadiancePlan, LeavesOutWhatTheSceneDoesNotHave) {
+    const Plan all = plan_of("reflections"), still = plan_of("reflections", {{"moves", false}}),
+               mirrors = plan_of("reflections", {{"rough", false}}),
+               matte = plan_of("reflections", {{"glossy", false}});
+    EXPECT_EQ(passes_of(all, "radiance_tail"), 5u);
+    EXPECT_EQ(passes_of(mirrors, "radiance_tail"), 1u);
+    EXPECT_EQ(passes_of(all, "reproject_radiance") + passes_of(all, "keep_surface"), 2u);
+    EXPECT_EQ(passes_of(still, "reproject_radiance") + passes_of(still, "keep_surface"), 0u);
+    EXPECT_LE(bytes_per_pixel(still.memory.heap_bytes), 35.1);
+    EXPECT_LE(bytes_per_pixel(still.memory.persistent_bytes), 7.1);
+    const auto has = [](const Plan& plan, const std::string& name) {
+        return std::ranges::any_of(plan.resources,
+                                   [&](const PlanResource& r) { return r.names.front() == name; });
+    };
+    EXPECT_TRUE(has(all, "past_image") && has(all, "ray_direction"));
+    EXPECT_FALSE(has(matte, "past_image"));
+    EXPECT_FALSE(has(mirrors, "ray_direction"));
+    EXPECT_LT(matte.memory.unaliased_bytes, all.memory.unaliased_bytes);
+    EXPECT_LT(mirrors.memory.heap_bytes, all.memory.heap_bytes);
+}
+
+class RadianceFacts : public GpuTest {
+  protected:
+    // All images with what the scene says and with the fact taken for true.
+    void expect_equal(const Shot& shot, const std::string& fact, bool jitter = true) {
+        const auto measured = open_shipped("reflections", shot, {}, {}, {}, jitter);
+        const auto claimed = open_shipped("reflections", shot, {}, {}, {{fact, true}}, jitter);
+        EXPECT_LT(measured->plan().memory.unaliased_bytes, claimed->plan().memory.unaliased_bytes) << fact;
+        float brightest = 0;
+        for (uint32_t frame = 0; frame < shot.frames; ++frame) {
+            measured->run_frame(frame, frame == 0);
+            claimed->run_frame(frame, frame == 0);
+            const auto image = colors(*measured);
+            EXPECT_TRUE(image == colors(*claimed)) << fact << ", frame " << frame;
+            brightest = std::max(brightest, *std::ranges::max_element(image[0]));
+        }
+        EXPECT_GT(brightest, 0.5f);
+    }
+};
+
+Shot floor_under_the_sky(const std::vector<float>& roughness, bool moves) {
+    Shot shot = night_shot(striped_floor(roughness), {64, 36}, 5);
+    if (moves) shot.camera.push_back({5, {0.4, 1.4, 2.8}, {0.1, 0, 0}, {0, 1, 0}});
+    shot.environment = linear_sky(0.1, 3);
+    return shot;
+}
+
+TEST_F(RadianceFacts, NothingGlossyLooksTheSame) {
+    expect_equal(floor_under_the_sky({0.6f, 0.9f}, true), "glossy");
+}
+TEST_F(RadianceFacts, NothingRoughLooksTheSame) {
+    expect_equal(floor_under_the_sky({0}, true), "rough");
+}
+TEST_F(RadianceFacts, NothingMovingLooksTheSame) {
+    expect_equal(floor_under_the_sky({0, 0.2f, 0.8f}, false), "moves", false);
+}
+
+// A host that has nothing beyond its scene brings no environment, and neither does the program.
+TEST_F(RadianceFacts, ABlackSkyIsLeftOut) {
+    for (const double up : {0.0, 1.0}) {
+        Shot shot = floor_under_the_sky({0.3f}, true);
+        shot.environment = linear_sky(0, up);
+        const auto session = open_shipped("reflections", shot);
+        EXPECT_EQ(std::ranges::count(session->plan().slots, "environment", &HostSlot::name), up > 0);
+        session->run_frame(0, true);
+        EXPECT_EQ(*std::ranges::max_element(colors(*session)[0]) > 0, up > 0);
+    }
+}
+
+}  // namespace
+}  // namespace penumbra::test
