@@ -26,7 +26,7 @@ void main() {
     const float roughness = pixel_roughness(p);
     const Lobe lobe = pixel_lobe(p, decode_receiver_normal(imageLoad(receiver_normal, p).xy), roughness);
     bool turned;
-    const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
+    const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(ray_index(p)), turned);
     const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p));
     const vec4 texel = vec4(light.radiance, light.distance_m);
     imageStore(radiance, p, texel);

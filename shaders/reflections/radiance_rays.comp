@@ -34,13 +34,14 @@ void for_pixel(ivec2 p) {
         return;
     }
     const float roughness = pixel_roughness(p);
-    if (!in_turn(p) && !is_mirror(roughness)) {
+    const bool narrow = is_narrow(roughness);
+    if (!in_turn(p) && !narrow) {
         store(p, vec4(0.0), 0u);
         return;
     }
     const Lobe lobe = pixel_lobe(p, unpack_direction(imageLoad(octahedral_normal, p).x), roughness);
     bool turned;
-    const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(p), turned);
+    const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(narrow ? ray_index(p) : index_in_turn(p)), turned);
     const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p));
     store(p, encode_ray(light.radiance, light.distance_m, light.moves), pack_direction(direction));
 }

@@ -5,8 +5,9 @@
 
 const uvec2 R2_STEP = uvec2(3242174889u, 2447445414u);  // 2^32 / p, 2^32 / p^2 with p^3 = p + 1
 
-vec2 lobe_numbers(ivec2 p) {
-    const uint index = uint(p.x) + 5u * uint(p.y) + 3083u * frame.frame_index;
+uint ray_index(ivec2 p) { return uint(p.x) + 5u * uint(p.y) + 3083u * frame.frame_index; }
+
+vec2 lobe_numbers(uint index) {
     const uint first = noise_hash(params.seed ^ 0x9E3779B9u), second = noise_hash(first);
     return noise_unit(index * R2_STEP + uvec2(first, second));
 }

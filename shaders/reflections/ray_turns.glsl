@@ -2,7 +2,7 @@
 // Which pixels have a ray in a frame where not all have one: every second on a checkerboard, or one of 2x2, another in each of four
 // frames. In a workgroup of 8x8 those that have one come first, so that whole subgroups end at once.
 //
-// Includer has common/pixels.glsl and declares: constant RAYS.
+// Includer has common/pixels.glsl, reflections/lobe.glsl and reflections/ray_numbers.glsl and declares: constant RAYS.
 
 // Of the one pixel of 2x2: x, and y in the second bit. Opposite corners first.
 uint quarter_in_turn() { return uint[](0u, 3u, 1u, 2u)[frame.frame_index & 3u]; }
@@ -11,6 +11,20 @@ bool in_turn(ivec2 p) {
     if (RAYS == RAYS_HALF) return ((uint(p.x + p.y) + frame.frame_index) & 1u) == 0u;
     if (RAYS == RAYS_QUARTER) return (uint(p.x & 1) | uint(p.y & 1) << 1) == quarter_in_turn();
     return true;
+}
+
+// Those that have one are numbered without gaps: every second number of a sequence is a sequence that fills less evenly.
+uint index_in_turn(ivec2 p) {
+    if (RAYS == RAYS_HALF) return ray_index(p) >> 1;  // all are odd or all even
+    if (RAYS == RAYS_QUARTER) return ray_index(p >> 1);
+    return ray_index(p);
+}
+
+// Whether a neighbour's ray says little of a lobe: its mirrored direction is off by as much as the lobe is wide. Such a pixel has a ray
+// in every frame.
+bool is_narrow(float roughness) {
+    const float neighbour = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? 0.0 : 2.0 * frame.pixel_angle;
+    return is_mirror(roughness) || LOBE == LOBE_SPECULAR && roughness * roughness < neighbour;
 }
 
 // A workgroup's pixel, from its corner.

@@ -41,8 +41,8 @@ double mean(const PlanarImage& image) {
 TEST_F(RadianceMean, TheTailKeepsIt) {
     for (const char* lobe : {"reflections", "indirect"}) {
         const bool diffuse = lobe == std::string("indirect");
-        const auto session =
-            open_shipped(lobe, speckled_floor({0.3f, 0.3f, 0.6f, 0.6f}, 60, 4), {}, {"accumulated", "frames"});
+        const auto session = open_shipped(lobe, speckled_floor({0.3f, 0.3f, 0.6f, 0.6f}, 60, 4), {},
+                                          {"accumulated", "frames"});
         for (uint32_t frame = 0; frame < 3; ++frame) {
             session->run_frame(frame, frame == 0);
             const double before = mean_accumulated(*session),
@@ -55,8 +55,8 @@ TEST_F(RadianceMean, TheTailKeepsIt) {
 // A running mean of 64 frames is the mean of what it was given, whichever way the device rounds what it
 // stores.
 TEST_F(RadianceMean, ThePastKeepsIt) {
-    const auto session =
-        open_shipped("reflections", speckled_floor({0.5f, 0.8f}, 0, 64), {}, {"accumulated", "frames", "gathered"});
+    const auto session = open_shipped("reflections", speckled_floor({0.5f, 0.8f}, 0, 64), {},
+                                      {"accumulated", "frames", "gathered"});
     double given = 0;
     for (uint32_t frame = 0; frame < 64; ++frame) {
         session->run_frame(frame, frame == 0);

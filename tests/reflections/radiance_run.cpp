@@ -77,8 +77,7 @@ Model striped_floor(const std::vector<float>& roughness) {
 
 std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
                                       const std::vector<std::string>& settings,
-                                      const std::vector<std::string>& also, const Facts& facts,
-                                      bool jitter) {
+                                      const std::vector<std::string>& also, const Facts& facts, bool jitter) {
     static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
     std::vector<std::string> warnings;

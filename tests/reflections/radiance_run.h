@@ -34,8 +34,9 @@ std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& s
                                       const std::vector<std::string>& also = {}, const Facts& facts = {},
                                       bool jitter = true);
 
-// The mean over all pixels and channels of radiance that is kept in words (shaders/reflections/radiance_word.glsl,
-// past_texel.glsl): of `accumulated`, which has a tenth bit per mantissa in `frames`, or of `gathered`. Both captured.
+// The mean over all pixels and channels of radiance that is kept in words
+// (shaders/reflections/radiance_word.glsl, past_texel.glsl): of `accumulated`, which has a tenth bit per
+// mantissa in `frames`, or of `gathered`. Both captured.
 double mean_accumulated(const Session& session);
 double mean_gathered(const Session& session);
 

@@ -68,7 +68,8 @@ TEST_F(SparseRays, AreWorthTheirShare) {
     const PlanarImage truth = truth_of(shot, "specular", 512);
     const double all = error_of(shot, truth, "all"), half = error_of(shot, truth, "half"),
                  quarter = error_of(shot, truth, "quarter");
-    std::printf("error of half of the rays %.2f, of a quarter %.2f of that of all\n", half / all, quarter / all);
+    std::printf("error of half of the rays %.2f, of a quarter %.2f of that of all\n", half / all,
+                quarter / all);
     EXPECT_LT(half, 2.4 * all);
     EXPECT_LT(quarter, 5 * all);
 }
@@ -86,7 +87,8 @@ TEST_F(SparseRays, AWhiteFurnaceStaysWhite) {
                 for (size_t i = 0; i < image[0].size(); ++i) {
                     if (image[0][i] == 0) continue;  // sky
                     ++ones;
-                    ASSERT_NEAR(image[0][i], 1, 1e-3) << pipeline << which << ", pixel " << i << ", frame " << frame;
+                    ASSERT_NEAR(image[0][i], 1, 1e-3)
+                        << pipeline << which << ", pixel " << i << ", frame " << frame;
                 }
             }
             EXPECT_GT(ones, 7 * 1000u);
