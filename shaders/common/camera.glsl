@@ -55,6 +55,9 @@ float pixel_span_m(float view_depth) {
     return frame.pixel_angle * ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? 1.0 : view_depth);
 }
 
+// Height or width of the view at a depth, whichever is less, in metres.
+float frustum_m(float view_depth) { return float(min(frame.size.x, frame.size.y)) * pixel_span_m(view_depth); }
+
 // View-axis depth that a static point had in the previous frame; not positive where it was behind the camera.
 // w is the view depth of a perspective; an orthographic camera has none, so z is undone with the current projection.
 float previous_depth(vec3 relative_position) {

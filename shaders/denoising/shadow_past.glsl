@@ -4,7 +4,7 @@
 //
 // Includer has shadow_state.glsl, view_rays.glsl, corners.glsl and common/light_axes.glsl, and declares the images history
 // and, where things move, motion, view_depth_prev and guide_normal_prev.
-#include "denoising/cubic.glsl"
+#include "common/cubic.glsl"
 #include "common/sun_change.glsl"
 #include "common/light_change.glsl"
 

@@ -13,11 +13,6 @@ ivec2 tile_grid() { return (ivec2(frame.size) + TILE_PX - 1) / TILE_PX; }
 
 bool is_lit(float penumbra) { return penumbra >= LIT; }
 
-// World height of the view at a depth, in metres.
-float frustum_m(float z) { return float(min(frame.size.x, frame.size.y)) * pixel_span_m(z); }
-
-float gaussian(float r) { return exp(-0.66 * r * r); }
-
 // Pixels that touch their blockers, or are turned away, keep to themselves.
 bool of_a_kind(float a, float b) { return (a == 0.0) == (b == 0.0); }
 

@@ -3,16 +3,13 @@
 // the penumbra, stretched along the surface. The first reads rays, the second what the first made of them.
 #include "node.glsl"
 #include "common/camera.glsl"
+#include "common/disc_taps.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
 #include "common/view_rays.glsl"
 #include "sigma/sigma.glsl"
 #include "sigma/tile_value.glsl"
-
-const float DIAGONAL = 0.35355339;
-const vec2 TAPS[8] = vec2[](vec2(1, 0), vec2(-1, 0), vec2(0, 1), vec2(0, -1), vec2(DIAGONAL, DIAGONAL), vec2(-DIAGONAL, DIAGONAL),
-                            vec2(DIAGONAL, -DIAGONAL), vec2(-DIAGONAL, -DIAGONAL));
 
 // Two means over the same taps: of the shadow, and of the penumbra's radius, which prefers narrow ones and knows no lit pixels.
 struct Means {
@@ -57,12 +54,6 @@ vec2 stretched(vec3 n, ivec2 p) {
     return along / max(along.x, along.y);
 }
 
-mat2 turned() {
-    const float quarter = fract(float(frame.frame_index) * 0.57735027) + (HAS_SHADOW ? 0.25 : 0.0);
-    const float angle = 1.5707963 * quarter, c = cos(angle), s = sin(angle);
-    return mat2(c, s, -s, c);
-}
-
 void write(ivec2 p, float radius_m, float lit) {
     imageStore(penumbra_out, p, vec4(round_to(radius_m, HALF_BITS)));
     imageStore(shadow_out, p, vec4(sqrt(clamp(lit, 0.0, 1.0))));
@@ -85,17 +76,17 @@ void for_pixel(ivec2 p) {
 
     Means dense = Means(0.0, 0.0, 0.0, 0.0);
     for (int y = -2; y <= 2; ++y)
-        for (int x = -2; x <= 2; ++x) add(dense, c, p, ivec2(x, y), gaussian(0.5 * length(vec2(x, y))), 0.0);
+        for (int x = -2; x <= 2; ++x) add(dense, c, p, ivec2(x, y), disc_gaussian(0.5 * length(vec2(x, y))), 0.0);
     const float radius_m = dense.penumbra / max(dense.penumbra_weight, 1e-6);
     const float wide = smoothstep(0.0, 2.0, radius_m / c.pixel_m);  // nothing narrower than 2 pixels is blurred
 
     const float weight = mix(4.0, 1.0, wide), known = dense.penumbra_weight > 0.0 ? weight : 0.0;
     Means m = Means(weight * mix(own_shadow, dense.shadow / dense.weight, wide), weight, known * radius_m, known);
     const vec2 reach = kernel_radius(radius_m / c.pixel_m, scale) * stretched(n, p), size = vec2(frame.size);
-    const mat2 turn = turned();
+    const mat2 turn = disc_turn(HAS_SHADOW ? 0.25 : 0.0);
     for (int i = 0; i < 8; ++i) {
-        const vec2 uv = (vec2(p) + 0.5 + reach * (turn * TAPS[i])) / size, inside = vec2(mirrored(uv.x), mirrored(uv.y));
-        const float by_place = uv == clamp(uv, 0.0, 1.0) ? gaussian(i < 4 ? 1.0 : 0.5) : 1.0;
+        const vec2 uv = (vec2(p) + 0.5 + reach * (turn * DISC_TAPS[i])) / size, inside = vec2(mirrored(uv.x), mirrored(uv.y));
+        const float by_place = uv == clamp(uv, 0.0, 1.0) ? disc_weight(i) : 1.0;
         add(m, c, p, ivec2(inside * size) - p, by_place, radius_m);
     }
     write(p, m.penumbra_weight > 0.0 ? m.penumbra / m.penumbra_weight : own, m.shadow / m.weight);

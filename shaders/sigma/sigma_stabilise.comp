@@ -4,6 +4,7 @@
 #include "common/bilinear.glsl"
 #include "common/camera.glsl"
 #include "common/corners.glsl"
+#include "common/disc_taps.glsl"
 #include "common/pixels.glsl"
 #include "sigma/sigma.glsl"
 #include "sigma/tile_value.glsl"
@@ -73,7 +74,7 @@ vec2 moments(ivec2 p, float own) {
             const ivec2 q = p + ivec2(x, y);
             if (!inside_frame(q) || !(imageLoad(view_depth, q).x > 0.0) || !of_a_kind(imageLoad(penumbra, q).x, own)) continue;
             const float v = decoded(imageLoad(shadow, q).x);
-            sum += gaussian(0.5 * length(vec2(x, y))) * vec3(v, v * v, 1.0);
+            sum += disc_gaussian(0.5 * length(vec2(x, y))) * vec3(v, v * v, 1.0);
         }
     const vec2 mean = sum.xy / sum.z;
     return vec2(mean.x, sqrt(abs(mean.y - mean.x * mean.x)));
