@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 seeds=${2:-4}
 shift $(($# < 2 ? $# : 2))
 pipelines=("$@")
-[[ ${#pipelines[@]} -gt 0 ]] || pipelines=(raw_reflections fidelityfx_reflections reflections)
+[[ ${#pipelines[@]} -gt 0 ]] || pipelines=(raw_reflections fidelityfx_reflections relax reflections)
 penumbra=build/release/app/penumbra
 size=192x108
 signal=${SIGNAL:-specular}

@@ -9,8 +9,9 @@
 namespace penumbra::test {
 namespace {
 
-constexpr const char* pipelines[] = {"raw_reflections", "raw_indirect", "fidelityfx_reflections",
-                                     "reflections", "indirect"};
+constexpr const char* pipelines[] = {"raw_reflections", "raw_indirect",   "fidelityfx_reflections",
+                                     "relax",           "relax_indirect", "reflections",
+                                     "indirect"};
 
 class HardRadiance : public GpuTest, public ::testing::WithParamInterface<const char*> {
   protected:

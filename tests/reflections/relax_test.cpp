@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// RELAX as a baseline is a strong one: it has many times fewer errors than its rays, standing and in motion,
+// leaves mirrors as they are, and does not care how bright the image is as a whole.
+#include <cmath>
+
+#include "host/models/model_builder.h"
+#include "tests/gpu_test.h"
+#include "tests/reflections/radiance_run.h"
+
+namespace penumbra::test {
+namespace {
+
+class Relax : public GpuTest {};
+
+std::array<std::vector<float>, 3> last(const std::string& pipeline, const Shot& shot) {
+    const auto session = open_shipped(pipeline, shot);
+    for (uint32_t frame = 0; frame < shot.frames; ++frame) session->run_frame(frame, frame == 0);
+    return colors(*session);
+}
+
+// A floor that mirrors coloured walls and a sky.
+Shot court(const std::vector<float>& roughness, uint32_t frames) {
+    Model model = striped_floor(roughness);
+    for (int i = 0; i < 6; ++i) {
+        const float r = i % 2 ? 3.0f : 0.2f;
+        model.materials.push_back(shining({r, 1, 3.2f - r}));
+        const double x = -3 + i;
+        model.meshes.push_back(
+            {{to_part(box({x, 0, -1.7}, {x + 1, 1.2, -1.6}), static_cast<int>(model.materials.size()) - 1)}});
+        Node node;
+        node.mesh = static_cast<int>(model.meshes.size()) - 1;
+        model.nodes.push_back(node);
+    }
+    Shot shot = night_shot(model, {64, 36}, frames);
+    shot.camera = {{0, {0, 1.2, 2.2}, {0, 0, -0.4}, {0, 1, 0}}};
+    shot.environment = linear_sky(0.3, 1.5);
+    return shot;
+}
+
+double squared_error(const std::array<std::vector<float>, 3>& image, const PlanarImage& truth) {
+    const std::array<const char*, 3> names{"R", "G", "B"};
+    const auto& receiver = truth.find("receiver")->values;
+    double sum = 0;
+    for (size_t c = 0; c < 3; ++c) {
+        const auto& plane = truth.find(names[c])->values;
+        for (size_t i = 0; i < plane.size(); ++i)
+            if (receiver[i] > 0) sum += std::pow(double(image[c][i]) - plane[i], 2);
+    }
+    return sum;
+}
+
+double gain(const std::string& pipeline, const std::string& rays, const std::string& signal,
+            const Shot& shot) {
+    const PlanarImage truth = truth_of(shot, signal, 1024, shot.frames - 1);
+    return squared_error(last(rays, shot), truth) / squared_error(last(pipeline, shot), truth);
+}
+
+TEST_F(Relax, StandingItsErrorsAreManyTimesLess) {
+    EXPECT_GT(gain("relax", "raw_reflections", "specular", court({0.1f, 0.2f, 0.4f, 0.7f}, 16)), 55);
+    EXPECT_GT(gain("relax_indirect", "raw_indirect", "diffuse", court({0.5f}, 16)), 40);
+}
+
+TEST_F(Relax, InMotionItsErrorsAreManyTimesLess) {
+    Shot shot = court({0.1f, 0.2f, 0.4f, 0.7f}, 12);
+    shot.camera.push_back({12, {0.3, 1.2, 2.2}, {0.2, 0, -0.4}, {0, 1, 0}});
+    EXPECT_GT(gain("relax", "raw_reflections", "specular", shot), 20);
+}
+
+TEST_F(Relax, AMirrorThatStandsIsLeftAlone) {
+    const Shot shot = court({0.0f}, 6);
+    const auto rays = last("raw_reflections", shot), image = last("relax", shot);
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t i = rays[c].size() / 2; i < rays[c].size(); ++i)  // below the walls
+            ASSERT_NEAR(image[c][i], rays[c][i], 2e-3 * rays[c][i]) << "pixel " << i;
+}
+
+// The published acceleration is a radiance; here it is a share.
+TEST_F(Relax, ABrighterImageIsTheSameImage) {
+    Shot shot = night_shot(striped_floor({0.1f, 0.3f, 0.7f}), {64, 36}, 10);
+    shot.environment = linear_sky(0.5, 4);
+    const auto image = last("relax", shot);
+    shot.environment = linear_sky(4, 32);
+    const auto brighter = last("relax", shot);
+    for (size_t i = 0; i < image[1].size(); ++i)
+        ASSERT_NEAR(brighter[1][i], 8 * image[1][i], 1e-2 * brighter[1][i]) << "pixel " << i;
+}
+
+}  // namespace
+}  // namespace penumbra::test
