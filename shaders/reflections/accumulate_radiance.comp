@@ -13,8 +13,8 @@
 #include "reflections/gathered_texel.glsl"
 #include "reflections/past_texel.glsl"
 #include "reflections/drift_texel.glsl"
-#include "reflections/past_places.glsl"
-#include "reflections/same_surface.glsl"
+#include "common/past_places.glsl"
+#include "common/same_surface.glsl"
 
 const float MOST_FRAMES = 63.0, TERM_SIGMAS = 4.0;
 const float SIGMAS = 3.0, SIGMAS_AT_REST = 3.5;  // at rest light alone changes: a past is doubted later

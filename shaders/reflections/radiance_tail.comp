@@ -14,7 +14,7 @@
 #include "common/dithered.glsl"
 #include "reflections/radiance_word.glsl"
 #include "reflections/past_texel.glsl"
-#include "reflections/same_surface.glsl"
+#include "common/same_surface.glsl"
 
 const float KERNEL[2] = float[](0.5, 0.25);
 

@@ -11,8 +11,8 @@
 #include "reflections/gathered_texel.glsl"
 #include "reflections/kept_surface.glsl"
 #include "reflections/past_texel.glsl"
-#include "reflections/past_places.glsl"
-#include "reflections/same_surface.glsl"
+#include "common/past_places.glsl"
+#include "common/same_surface.glsl"
 
 // How far the surface's depth may be off where it was, of the depth, over the cosine of view.
 const float DEPTH_TOLERANCE = 0.02;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which texels around a place of the previous frame saw the surface that is asked for, and what the pasts hold there.
 //
-// Includer has common/camera.glsl, common/corners.glsl, common/cubic.glsl, common/guide_normal.glsl, reflections/same_surface.glsl and
+// Includer has common/camera.glsl, common/corners.glsl, common/cubic.glsl, common/guide_normal.glsl, common/same_surface.glsl and
 // relax/frames.glsl and declares: images view_depth_prev, guide_normal_prev, slow_prev, fast_prev, frames_prev; roughness_prev where
 // HAS_MATERIAL.
 

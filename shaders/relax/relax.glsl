@@ -3,7 +3,7 @@
 // Written from a description of what the published one computes (docs/reflections.md says what was read); no code of theirs is in
 // here. `roughness` is the perceptual one.
 //
-// Includer has reflections/same_surface.glsl and declares: constant LOBE.
+// Includer has common/same_surface.glsl and declares: constant LOBE.
 
 const float PLANE_TOLERANCE = 0.003;  // of the depth: how far off a pixel's plane another one still counts
 

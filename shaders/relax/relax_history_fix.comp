@@ -5,7 +5,7 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
-#include "reflections/same_surface.glsl"
+#include "common/same_surface.glsl"
 #include "relax/relax.glsl"
 #include "relax/frames.glsl"
 

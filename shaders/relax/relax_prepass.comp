@@ -8,7 +8,7 @@
 #include "common/hash.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
-#include "reflections/same_surface.glsl"
+#include "common/same_surface.glsl"
 #include "relax/relax.glsl"
 
 const float SPECULAR_RADIUS_PX = 50.0, DIFFUSE_RADIUS_PX = 30.0;
