@@ -30,7 +30,8 @@ std::vector<ListReader> list_readers(std::string_view name) {
                           list == std::string("facing") ? "facing_args" : "candidate_args"};
     };
     if (name == "covered") return {of("cover", "candidates"), of("beams", "facing")};
-    if (name == "hybrid_shadows") return {trace, of("cover", "candidates"), of("beams", "facing")};
+    if (name == "hybrid_shadows" || name == "lit")
+        return {trace, of("cover", "candidates"), of("beams", "facing")};
     if (name == "shadows")
         return {trace, of("pilots", "candidates"), {"refine", "tile_list", "further_tiles", "further_args"}};
     if (name == "many_rays") return {trace, of("beams", "facing")};
@@ -43,7 +44,7 @@ bool has_beams(std::string_view name) {
 
 // Little enough that some pixels are given up.
 std::vector<std::string> with_budget(std::string_view name, std::vector<std::string> settings) {
-    if (name == "hybrid_shadows") settings.emplace_back("nodes.cover.params.budget=4");
+    if (name == "hybrid_shadows" || name == "lit") settings.emplace_back("nodes.cover.params.budget=4");
     return settings;
 }
 
@@ -61,6 +62,7 @@ std::unique_ptr<Session> open(const std::string& name, const std::vector<std::st
     options.captures = captures;
     for (const std::string& output : checked->output_names()) options.captures.push_back(output);
     if (has_beams(name)) options.captures.emplace_back("proved");
+    if (name == "lit") options.captures.emplace_back("visibility");
     std::vector<std::string> warnings;
     auto session = Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
@@ -178,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, TraceBackends, ::testing::Values("shadows"),
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, Determinism,
                          ::testing::Values("raw", "many_rays", "fidelityfx", "shadows", "covered",
-                                           "hybrid_shadows", "sigma"),
+                                           "hybrid_shadows", "lit", "sigma"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -9,9 +9,9 @@
 namespace penumbra::test {
 namespace {
 
-constexpr const char* pipelines[] = {"raw_reflections", "raw_indirect",   "fidelityfx_reflections",
+constexpr const char* pipelines[] = {"raw_reflections", "raw_indirect", "fidelityfx_reflections",
                                      "relax",           "relax_indirect", "reflections",
-                                     "indirect"};
+                                     "indirect",        "lit"};
 
 class HardRadiance : public GpuTest, public ::testing::WithParamInterface<const char*> {
   protected:
@@ -46,6 +46,11 @@ class HardRadiance : public GpuTest, public ::testing::WithParamInterface<const 
 INSTANTIATE_TEST_SUITE_P(Pipelines, HardRadiance, ::testing::ValuesIn(pipelines),
                          [](const auto& param_info) { return std::string(param_info.param); });
 
+class WhiteFurnace : public HardRadiance {};  // of demodulated signals; of pictures: lit_test.cpp
+INSTANTIATE_TEST_SUITE_P(Signals, WhiteFurnace,
+                         ::testing::ValuesIn(pipelines, pipelines + std::size(pipelines) - 1),
+                         [](const auto& param_info) { return std::string(param_info.param); });
+
 Shot in_motion(Shot shot) {
     shot.camera.push_back({8, {0.8, 1.4, 2.8}, {0.2, 0, 0}, {0, 1, 0}});
     return shot;
@@ -65,7 +70,7 @@ bool deep_inside(const std::vector<float>& plane, int width, size_t pixel, int r
 // No denoiser may lose or make energy where all radiance is one, whatever moves. The published one does,
 // beside the sky and at the image's border: its means over 9x9 and 8x8 pixels count as black what is not
 // there.
-TEST_P(HardRadiance, AWhiteFurnaceStaysWhite) {
+TEST_P(WhiteFurnace, StaysWhite) {
     Shot shot =
         in_motion(night_shot(striped_floor({0, 0.05f, 0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1}), {96, 54}, 9));
     shot.environment = linear_sky(1, 1);
