@@ -105,9 +105,11 @@ void print_text(const CompareArguments& arguments, const Comparison& c) {
 }  // namespace
 
 int run_compare(const CompareArguments& arguments) {
+    if (arguments.signal == "lit" || arguments.signal == "color") return compare_pictures(arguments);
     if (arguments.signal != "visibility") return compare_radiance(arguments);
     Diagnostics diagnostics;
-    const auto comparison = compare_folders(arguments, diagnostics);
+    if (!arguments.picture.empty()) diagnostics.add({}, "--picture", "is of pictures: --signal lit or color");
+    const auto comparison = diagnostics.empty() ? compare_folders(arguments, diagnostics) : std::nullopt;
     if (!comparison) {
         std::cerr << diagnostics.text();
         return exit_wrong;

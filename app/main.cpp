@@ -148,8 +148,10 @@ void add_compare(CLI::App& app, CompareArguments& a) {
         ->allow_extra_args(false);
     c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
     c->add_option("--signal", a.signal,
-                  "what to compare: visibility, transmittance (its colour), specular or diffuse radiance")
-        ->check(CLI::IsMember({"visibility", "transmittance", "specular", "diffuse"}));
+                  "what to compare: visibility, transmittance (its colour), specular or diffuse radiance, or the "
+                  "pictures lit or color")
+        ->check(CLI::IsMember({"visibility", "transmittance", "specular", "diffuse", "lit", "color"}));
+    c->add_option("--picture", a.picture, "PNG: of lit or color, the last frame of both beside each other");
     c->add_option("--light", a.light, "of an image with a mask for each of several lights: whose");
     c->add_option("--mask", a.mask, "EXR; only pixels where its first channel is above 0 are measured");
     c->add_option("--border", a.border, "leave out this many pixels along the image's border");

@@ -3,14 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "app/frame_range.h"
-#include "app/progress.h"
+#include "app/lit_picture.h"
 #include "host/images/image_file.h"
 #include "host/metrics/radiance_error.h"
 
@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 3> colors = {"R", "G", "B"};
 constexpr uint32_t most_frames = 10000;  // that a folder is looked through for
 
 fs::path file_of(const fs::path& folder, const std::string& signal, uint32_t frame) {
@@ -55,33 +54,55 @@ std::span<const float> channel(const PlanarImage& image, const fs::path& file, c
     return {};
 }
 
-bool same_size(const PlanarImage& image, const PlanarImage& truth, const fs::path& file,
-               Diagnostics& diagnostics) {
-    if (image.width == truth.width && image.height == truth.height) return true;
-    diagnostics.add(
-        {file.string(), 0, 0}, "",
-        fmt::format("is {}x{}, the reference {}x{}", image.width, image.height, truth.width, truth.height));
-    return false;
-}
+struct ComparedImages {
+    PlanarImage image, truth;
+    RadiancePlanes shown;
+    RadianceTruth known;
+};
 
-std::optional<RadianceErrorSums> compare_frame(const fs::path& folder, const CompareArguments& arguments,
-                                               uint32_t frame, Diagnostics& diagnostics) {
+std::unique_ptr<ComparedImages> read_frame(const fs::path& folder, const CompareArguments& arguments,
+                                           uint32_t frame, Diagnostics& diagnostics) {
     const fs::path image_file = file_of(folder, arguments.signal, frame),
                    truth_file = file_of(arguments.reference, arguments.signal, frame);
-    const auto image = read_exr(image_file, diagnostics), truth = read_exr(truth_file, diagnostics);
-    if (!image || !truth || !same_size(*image, *truth, image_file, diagnostics)) return std::nullopt;
-    RadiancePlanes planes;
-    RadianceTruth known;
-    for (size_t c = 0; c < 3; ++c) {
-        planes.rgb[c] = channel(*image, image_file, colors[c], diagnostics);
-        known.signal.rgb[c] = channel(*truth, truth_file, colors[c], diagnostics);
+    auto image = read_exr(image_file, diagnostics), truth = read_exr(truth_file, diagnostics);
+    if (!image || !truth) return nullptr;
+    if (image->width != truth->width || image->height != truth->height) {
+        diagnostics.add({image_file.string(), 0, 0}, "",
+                        fmt::format("is {}x{}, the reference {}x{}", image->width, image->height,
+                                    truth->width, truth->height));
+        return nullptr;
     }
-    known.receiver = channel(*truth, truth_file, "receiver", diagnostics);
-    known.roughness = channel(*truth, truth_file, "roughness", diagnostics);
-    known.ray_error = channel(*truth, truth_file, "ray_error", diagnostics);
-    known.noise = channel(*truth, truth_file, "noise", diagnostics);
-    if (!diagnostics.empty()) return std::nullopt;
-    return radiance_errors(planes, known);
+    auto out = std::make_unique<ComparedImages>(std::move(*image), std::move(*truth));
+    const char* colors[] = {"R", "G", "B"};
+    for (size_t c = 0; c < 3; ++c) {
+        out->shown.rgb[c] = channel(out->image, image_file, colors[c], diagnostics);
+        out->known.signal.rgb[c] = channel(out->truth, truth_file, colors[c], diagnostics);
+    }
+    out->known.width = out->truth.width;
+    out->known.receiver = channel(out->truth, truth_file, "receiver", diagnostics);
+    out->known.roughness = channel(out->truth, truth_file, "roughness", diagnostics);
+    out->known.ray_error = channel(out->truth, truth_file, "ray_error", diagnostics);
+    out->known.noise = channel(out->truth, truth_file, "noise", diagnostics);
+    return diagnostics.empty() ? std::move(out) : nullptr;
+}
+
+// Over all frames of a folder; frames that follow on each other also show what flickers.
+RadianceErrorSums compare_folder(const fs::path& folder, const CompareArguments& arguments,
+                                 const std::vector<uint32_t>& frames, Diagnostics& diagnostics) {
+    RadianceErrorSums sums;
+    std::unique_ptr<ComparedImages> before;
+    uint32_t last = 0;
+    for (const uint32_t frame : frames) {
+        auto now = read_frame(folder, arguments, frame, diagnostics);
+        if (!now) continue;
+        const bool follows =
+            before && frame == last + 1 && before->known.receiver.size() == now->known.receiver.size();
+        sums.add(follows ? radiance_errors(now->shown, now->known, before->shown, before->known.signal)
+                         : radiance_errors(now->shown, now->known));
+        before = std::move(now);
+        last = frame;
+    }
+    return sums;
 }
 
 nlohmann::ordered_json or_null(const std::optional<double>& value) {
@@ -110,6 +131,7 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                  {"value", or_null(sums.n_eff(c))}});
         json["relmse"] = or_null(sums.relmse());
         json["bias"] = or_null(sums.bias());
+        json["flicker"] = or_null(sums.flicker());
         json["fireflies"] = sums.fireflies;
         json["nonfinite"] = sums.nonfinite;
         std::cout << json.dump(2) << "\n";
@@ -119,135 +141,80 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                arguments.signal, frames.size(), 1 + arguments.also.size(), sums.pixels());
     fmt::print("n_eff    {}   by roughness, to .05/.15/.3/.5/1:", text_of(sums.n_eff()));
     for (size_t c = 0; c < roughness_classes; ++c) fmt::print(" {}", text_of(sums.n_eff(c)));
-    fmt::print("\nrelmse   {}   bias {}   fireflies {}   nonfinite {}\n", text_of(sums.relmse()),
-               text_of(sums.bias()), sums.fireflies, sums.nonfinite);
+    fmt::print("\nrelmse   {}   bias {}   flicker {}   fireflies {}   nonfinite {}\n", text_of(sums.relmse()),
+               text_of(sums.bias()), text_of(sums.flicker()), sums.fireflies, sums.nonfinite);
 }
 
-// Per channel, over receivers; coloured are those of which the truth says that some channel is not the
-// visibility.
-struct ColorErrors {
-    struct Sum {
-        uint64_t pixels = 0;
-        std::array<double, 3> squares{}, errors{};
-
-        void add(const std::array<double, 3>& error) {
-            ++pixels;
-            for (size_t c = 0; c < 3; ++c) {
-                squares[c] += error[c] * error[c];
-                errors[c] += error[c];
-            }
-        }
-    };
-    Sum all, coloured;
-    uint64_t nonfinite = 0;
-};
-
-constexpr double color_eps = 1e-3;
-
-void add_colors(const fs::path& folder, const CompareArguments& arguments, uint32_t frame, ColorErrors& sums,
-                Diagnostics& diagnostics) {
-    const fs::path image_file = file_of(folder, arguments.signal, frame),
-                   truth_file = file_of(arguments.reference, arguments.signal, frame);
-    const auto image = read_exr(image_file, diagnostics), truth = read_exr(truth_file, diagnostics);
-    if (!image || !truth || !same_size(*image, *truth, image_file, diagnostics)) return;
-    std::array<std::span<const float>, 3> seen, known;
-    for (size_t c = 0; c < 3; ++c) {
-        seen[c] = channel(*image, image_file, colors[c], diagnostics);
-        known[c] = channel(*truth, truth_file, colors[c], diagnostics);
-    }
-    const auto receiver = channel(*truth, truth_file, "receiver", diagnostics),
-               visibility = channel(*truth, truth_file, "visibility", diagnostics);
-    if (!diagnostics.empty()) return;
-    for (size_t p = 0; p < receiver.size(); ++p) {
-        if (!(receiver[p] > 0.5f)) continue;
-        std::array<double, 3> error{};
-        bool finite = true, coloured = false;
-        for (size_t c = 0; c < 3; ++c) {
-            error[c] = double(seen[c][p]) - double(known[c][p]);
-            finite = finite && std::isfinite(error[c]);
-            coloured = coloured || std::abs(double(known[c][p]) - double(visibility[p])) > color_eps;
-        }
-        if (!finite) ++sums.nonfinite;
-        if (!finite) continue;
-        sums.all.add(error);
-        if (coloured) sums.coloured.add(error);
-    }
+std::optional<std::vector<uint32_t>> frames_of(const CompareArguments& arguments, Diagnostics& diagnostics) {
+    for (const auto& [given, option] :
+         {std::pair{!arguments.mask.empty(), "--mask"}, std::pair{arguments.border > 0, "--border"},
+          std::pair{!arguments.whole_rays.empty(), "--whole-rays"}})
+        if (given) diagnostics.add({}, option, "is of visibility, not of radiance");
+    if (!diagnostics.empty()) return std::nullopt;
+    auto frames = frames_to_compare(arguments, diagnostics);
+    return diagnostics.empty() ? std::optional(std::move(frames)) : std::nullopt;
 }
 
-void print(const CompareArguments& arguments, const std::vector<uint32_t>& frames, const ColorErrors& sums) {
-    const auto mean = [](const ColorErrors::Sum& sum, const std::array<double, 3>& of, bool root) {
-        nlohmann::ordered_json out;
-        for (size_t c = 0; c < 3; ++c)
-            out[colors[c]] = sum.pixels == 0
-                                 ? nlohmann::ordered_json()
-                                 : nlohmann::ordered_json(root ? std::sqrt(of[c] / double(sum.pixels))
-                                                               : of[c] / double(sum.pixels));
-        return out;
-    };
-    const auto described = [&](const ColorErrors::Sum& sum) {
-        return nlohmann::ordered_json{{"pixels", sum.pixels},
-                                      {"rmse", mean(sum, sum.squares, true)},
-                                      {"bias", mean(sum, sum.errors, false)}};
-    };
-    nlohmann::ordered_json json = {{"image", arguments.image},   {"reference", arguments.reference},
-                                   {"signal", arguments.signal}, {"frames", frames},
-                                   {"all", described(sums.all)}, {"coloured", described(sums.coloured)},
-                                   {"nonfinite", sums.nonfinite}};
-    if (arguments.json) {
-        std::cout << json.dump(2) << "\n";
-        return;
-    }
-    fmt::print("{} against {}: {}, {} frames\n", arguments.image, arguments.reference, arguments.signal,
-               frames.size());
-    for (const char* of : {"all", "coloured"}) {
-        fmt::print("{:8} {} pixels", of, json[of]["pixels"].dump());
-        for (const char* what : {"rmse", "bias"}) {
-            fmt::print("   {}", what);
-            for (const char* color : colors) {
-                const auto& value = json[of][what][color];
-                fmt::print(" {} {}", color,
-                           value.is_null() ? "-" : fmt::format("{:.4g}", value.get<double>()));
-            }
-        }
-        fmt::print("\n");
-    }
-    fmt::print("defects  not finite {}\n", sums.nonfinite);
+int failed(const Diagnostics& diagnostics) {
+    std::cerr << diagnostics.text();
+    return exit_wrong;
 }
 
 }  // namespace
 
 int compare_radiance(const CompareArguments& arguments) {
     Diagnostics diagnostics;
-    for (const auto& [given, option] :
-         {std::pair{!arguments.mask.empty(), "--mask"}, std::pair{arguments.border > 0, "--border"},
-          std::pair{!arguments.whole_rays.empty(), "--whole-rays"}})
-        if (given) diagnostics.add({}, option, "is of visibility alone");
-    const std::vector<uint32_t> frames =
-        diagnostics.empty() ? frames_to_compare(arguments, diagnostics) : std::vector<uint32_t>{};
+    if (!arguments.picture.empty())
+        diagnostics.add({}, "--picture", "is of signals that are pictures: lit, color");
+    const auto frames = frames_of(arguments, diagnostics);
+    if (!frames) return failed(diagnostics);
     RadianceErrorSums sums;
-    ColorErrors color_errors;
-    const bool of_light = arguments.signal == "transmittance";
     std::vector<fs::path> folders{arguments.image};
     folders.insert(folders.end(), arguments.also.begin(), arguments.also.end());
-    {
-        Progress progress("compare", frames.size() * folders.size());
-        for (const uint32_t frame : frames)
-            for (const fs::path& folder : folders) {
-                if (of_light)
-                    add_colors(folder, arguments, frame, color_errors, diagnostics);
-                else if (const auto one = compare_frame(folder, arguments, frame, diagnostics))
-                    sums.add(*one);
-                progress.step();
-            }
+    for (const fs::path& folder : folders) sums.add(compare_folder(folder, arguments, *frames, diagnostics));
+    if (!diagnostics.empty()) return failed(diagnostics);
+    print(arguments, *frames, sums);
+    return exit_good;
+}
+
+int compare_pictures(const CompareArguments& arguments) {
+    Diagnostics diagnostics;
+    if (!arguments.also.empty()) diagnostics.add({}, "--also", "is of signals, not of pictures");
+    const auto frames = frames_of(arguments, diagnostics);
+    if (!frames) return failed(diagnostics);
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const uint32_t frame : *frames) {
+        const auto image = read_picture(file_of(arguments.image, arguments.signal, frame), diagnostics),
+                   truth = read_picture(file_of(arguments.reference, arguments.signal, frame), diagnostics);
+        if (!image || !truth) return failed(diagnostics);
+        if (image->width != truth->width || image->height != truth->height) {
+            diagnostics.add({arguments.image, 0, 0}, "", "is of another size than the reference");
+            return failed(diagnostics);
+        }
+        const PictureError error = picture_error(*image, *truth);
+        list.push_back({{"frame", frame},
+                        {"relmse", error.relmse},
+                        {"bias", or_null(error.bias)},
+                        {"flip",
+                         {{"mean", error.flip.mean},
+                          {"weighted_median", error.flip.weighted_median},
+                          {"p95", error.flip.p95}}},
+                        {"nonfinite", error.nonfinite}});
+        if (!arguments.json)
+            fmt::print(
+                "frame {}   relmse {:.4g}   bias {}   flip mean {:.4g} weighted median {:.4g} p95 {:.4g}   "
+                "nonfinite {}\n",
+                frame, error.relmse, text_of(error.bias), error.flip.mean, error.flip.weighted_median,
+                error.flip.p95, error.nonfinite);
+        if (!arguments.picture.empty()) write_beside(arguments.picture, *image, *truth);
     }
-    if (!diagnostics.empty()) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
-    if (of_light)
-        print(arguments, frames, color_errors);
-    else
-        print(arguments, frames, sums);
+    if (arguments.json)
+        std::cout << nlohmann::ordered_json{{"image", arguments.image},
+                                            {"reference", arguments.reference},
+                                            {"signal", arguments.signal},
+                                            {"frames", list}}
+                         .dump(2)
+                  << "\n";
     return exit_good;
 }
 

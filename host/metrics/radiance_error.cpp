@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <vector>
 
 namespace penumbra {
 namespace {
@@ -30,6 +31,34 @@ RadianceErrorSums::Class total(const RadianceErrorSums& sums) {
     return all;
 }
 
+std::vector<float> luminances(const RadiancePlanes& planes) {
+    std::vector<float> out;
+    out.reserve(planes.rgb[0].size());
+    for (size_t i = 0; i < planes.rgb[0].size(); ++i)
+        out.push_back(static_cast<float>(luminance(planes.rgb[0][i], planes.rgb[1][i], planes.rgb[2][i])));
+    return out;
+}
+
+// The largest of each value's neighbours along one axis; what is no number is none.
+std::vector<float> largest_along(const std::vector<float>& in, size_t width, bool along_x) {
+    const size_t stride = along_x ? 1 : width, count = along_x ? width : in.size() / width;
+    std::vector<float> out(in.size());
+    for (size_t p = 0; p < in.size(); ++p) {
+        const size_t at = along_x ? p % width : p / width, line = p - at * stride;
+        const size_t first = at - std::min<size_t>(at, firefly_reach),
+                     last = std::min<size_t>(at + firefly_reach, count - 1);
+        for (size_t i = first; i <= last; ++i) out[p] = std::max(out[p], in[line + i * stride]);
+    }
+    return out;
+}
+
+bool finite(const RadiancePlanes& planes, size_t i) {
+    return std::isfinite(planes.rgb[0][i]) && std::isfinite(planes.rgb[1][i]) &&
+           std::isfinite(planes.rgb[2][i]);
+}
+
+constexpr double darkest = 0.01;  // keeps black from dividing by nothing
+
 }  // namespace
 
 size_t roughness_class(float roughness) {
@@ -47,6 +76,8 @@ void RadianceErrorSums::add(const RadianceErrorSums& other) {
         classes[i].truth += other.classes[i].truth;
     }
     relative += other.relative;
+    changes += other.changes;
+    changed += other.changed;
     fireflies += other.fireflies;
     nonfinite += other.nonfinite;
 }
@@ -72,6 +103,11 @@ std::optional<double> RadianceErrorSums::relmse() const {
     return relative / static_cast<double>(pixels());
 }
 
+std::optional<double> RadianceErrorSums::flicker() const {
+    if (changed == 0) return std::nullopt;
+    return std::sqrt(changes / static_cast<double>(changed));
+}
+
 uint64_t RadianceErrorSums::pixels() const {
     return total(*this).pixels;
 }
@@ -82,10 +118,15 @@ RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTru
          {image.rgb[0], image.rgb[1], image.rgb[2], truth.signal.rgb[0], truth.signal.rgb[1],
           truth.signal.rgb[2], truth.roughness, truth.ray_error, truth.noise})
         if (plane.size() != size) throw std::invalid_argument("radiance_errors: planes differ in size");
+    if (truth.width == 0 || size % truth.width != 0)
+        throw std::invalid_argument("radiance_errors: no whole number of rows");
+    const std::vector<float> should_be = luminances(truth.signal),
+                             near = largest_along(largest_along(should_be, truth.width, true), truth.width,
+                                                  false);
     RadianceErrorSums sums;
     for (size_t i = 0; i < size; ++i) {
         const double e[] = {image.rgb[0][i], image.rgb[1][i], image.rgb[2][i]};
-        if (!std::isfinite(e[0]) || !std::isfinite(e[1]) || !std::isfinite(e[2])) {
+        if (!finite(image, i)) {
             ++sums.nonfinite;
             continue;
         }
@@ -102,8 +143,29 @@ RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTru
         c.noise += truth.noise[i];
         c.image += is;
         c.truth += should;
-        sums.relative += square / (should * should + 0.01);
-        sums.fireflies += is > 4 * should + 1;
+        sums.relative += square / (should * should + darkest);
+        sums.fireflies += is_firefly(is, static_cast<double>(near[i]));
+    }
+    return sums;
+}
+
+RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTruth& truth,
+                                  const RadiancePlanes& image_before, const RadiancePlanes& truth_before) {
+    RadianceErrorSums sums = radiance_errors(image, truth);
+    for (const auto* planes : {&image_before, &truth_before})
+        for (const auto& plane : planes->rgb)
+            if (plane.size() != truth.receiver.size())
+                throw std::invalid_argument("radiance_errors: frames differ in size");
+    const std::vector<float> should_be = luminances(truth.signal);
+    for (size_t i = 0; i < should_be.size(); ++i) {
+        if (!(truth.receiver[i] > 0) || !finite(image, i) || !finite(image_before, i)) continue;
+        double square = 0;
+        for (size_t c = 0; c < 3; ++c)
+            square += std::pow(double(image.rgb[c][i]) - truth.signal.rgb[c][i] -
+                                   (double(image_before.rgb[c][i]) - truth_before.rgb[c][i]),
+                               2);
+        sums.changes += square / (std::pow(double(should_be[i]), 2) + darkest);
+        ++sums.changed;
     }
     return sums;
 }

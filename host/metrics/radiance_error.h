@@ -25,6 +25,7 @@ struct RadiancePlanes {
 
 // Planes of the image that `penumbra reference --signal` writes; all of one size.
 struct RadianceTruth {
+    uint32_t width = 0;  // of a row
     RadiancePlanes signal;
     std::span<const float> receiver;   // 1: a surface
     std::span<const float> roughness;  // perceptual
@@ -40,8 +41,11 @@ struct RadianceErrorSums {
     };
     std::array<Class, roughness_classes> classes;
     double relative = 0;     // sum of squares over (luminance^2 + .01)
-    uint64_t fireflies = 0;  // pixels more than 4 times as bright as truth + 1
+    uint64_t fireflies = 0;  // pixels of which is_firefly() holds
     uint64_t nonfinite = 0;  // pixels of the whole image; they count nowhere else
+    // Of what the error has changed since the frame before: squares over (luminance^2 + .01), and pixels.
+    double changes = 0;
+    uint64_t changed = 0;
 
     void add(const RadianceErrorSums& other);
     // Nothing where the class has no pixels or no error that is told from the truth's.
@@ -49,10 +53,24 @@ struct RadianceErrorSums {
     std::optional<double> n_eff() const;
     std::optional<double> bias() const;    // of the mean luminance, relative
     std::optional<double> relmse() const;  // with the truth's noise in it
+    // Root of the mean relative square by which the error changes from frame to frame: what a person sees
+    // crawl. An error that stays is none. Nothing without two frames in a row.
+    std::optional<double> flicker() const;
     uint64_t pixels() const;
 };
 
-// Throws std::invalid_argument where planes differ in size.
+// A pixel is a firefly where its luminance exceeds twice the truth's largest within so many pixels, and that
+// by .1: brighter than anything near it may be, so neither an edge out of place nor a blur is one.
+inline constexpr uint32_t firefly_reach = 4;
+constexpr bool is_firefly(double luminance, double largest_near) {
+    return luminance > 2 * largest_near + 0.1;
+}
+
+// One frame. Throws std::invalid_argument where planes differ in size.
 RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTruth& truth);
+
+// The same with its change since the frame before, whose image and truth have the same size.
+RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTruth& truth,
+                                  const RadiancePlanes& image_before, const RadiancePlanes& truth_before);
 
 }  // namespace penumbra

@@ -36,9 +36,10 @@ struct Experiment {
             noise.push_back(static_cast<float>(3 * variance / rays_of_truth));
         }
     }
-    RadianceErrorSums sums() const {
-        return radiance_errors({{image[0], image[1], image[2]}},
-                               {{{truth[0], truth[1], truth[2]}}, receiver, roughness, ray_error, noise});
+    RadianceErrorSums sums() const { return radiance_errors(shown(), known()); }
+    RadiancePlanes shown() const { return {{image[0], image[1], image[2]}}; }
+    RadianceTruth known() const {
+        return {200, {{truth[0], truth[1], truth[2]}}, receiver, roughness, ray_error, noise};
     }
 };
 
@@ -98,6 +99,46 @@ TEST(RadianceError, SumsOfPartsAreTheWhole) {
     EXPECT_EQ(*both.n_eff(4), *b.n_eff(4));
     EXPECT_NEAR(*both.n_eff(), 2 / (1 / *a.n_eff() + 1 / *b.n_eff()), 1e-9)
         << "a ratio of sums, no mean of ratios";
+}
+
+// Neither what is bright beside a bright truth nor a blur of it is one.
+TEST(RadianceError, FirefliesAreBrighterThanAllAroundThem) {
+    Experiment e(1e9, 1e9, 0.2f);
+    const size_t middle = 100 * 200 + 100;
+    const auto set = [&](auto& planes, size_t at, float value) {
+        for (auto& plane : planes) plane[at] = value;
+    };
+    set(e.image, middle, 100);
+    EXPECT_EQ(e.sums().fireflies, 1u);
+    set(e.truth, middle + 4 + 4 * 200, 60);  // four pixels to the right, four down
+    EXPECT_EQ(e.sums().fireflies, 0u) << "there is something as bright nearby";
+    set(e.truth, middle + 4 + 4 * 200, 10);
+    set(e.truth, middle + 5, 60);
+    EXPECT_EQ(e.sums().fireflies, 1u) << "five pixels are too far";
+    set(e.image, middle, 20);
+    EXPECT_EQ(e.sums().fireflies, 0u) << "not twice as bright";
+}
+
+TEST(RadianceError, FlickerIsWhatTheErrorChanges) {
+    Experiment now(1e9, 1e9, 0.2f), before(1e9, 1e9, 0.2f);
+    EXPECT_FALSE(now.sums().flicker()) << "one frame";
+    const auto flicker = [&] {
+        return *radiance_errors(now.shown(), now.known(), before.shown(), before.known().signal).flicker();
+    };
+    EXPECT_NEAR(flicker(), 0, 1e-3);
+    for (auto* e : {&now, &before})
+        for (auto& plane : e->image)
+            for (float& v : plane) v += 3;
+    EXPECT_NEAR(flicker(), 0, 1e-3) << "an error that stays";
+    for (auto& plane : before.truth)
+        for (float& v : plane) v += 2;
+    for (auto& plane : before.image)
+        for (float& v : plane) v += 2;
+    EXPECT_NEAR(flicker(), 0, 1e-3) << "what the truth changes";
+    for (auto& plane : now.image)
+        for (float& v : plane) v += 0.5f;
+    const double luminance = 0.2126 * 10 + 0.7152 * 11 + 0.0722 * 12;
+    EXPECT_NEAR(flicker(), std::sqrt(0.75 / (luminance * luminance + 0.01)), 1e-3);
 }
 
 TEST(RadianceError, PlanesMustFit) {
