@@ -87,7 +87,7 @@ struct ReferenceArguments {
     ViewArguments view;
     std::string like;  // a folder that `render` has written: its shot, size, frames and jitter
     std::string out, frames, size, light, device;
-    std::string signal = "visibility";  // or specular, diffuse
+    std::string signal = "visibility";  // or specular, diffuse, lit
     uint32_t rays = 1024;               // per pixel
 };
 
@@ -111,6 +111,7 @@ struct CompareArguments {
 struct ReportArguments {
     std::string out;
     std::vector<std::string> shots, pipelines;  // files, or names of shipped ones; empty: all shipped ones
+    std::string signal = "visibility";          // or specular, diffuse
     bool quick = false;
     bool front = false;                           // speed against error alone
     bool again = false;                           // measure what an earlier run has left behind, too
@@ -123,9 +124,10 @@ struct ReportArguments {
 
 struct GatesArguments {
     std::vector<std::string> pipelines;  // files, or names of shipped ones
-    std::vector<std::string> parts{"still", "moving", "jump", "tilted"};
-    std::optional<uint32_t> seeds;   // else the study's
-    std::optional<double> edge_deg;  // else the study's
+    std::string signal = "visibility";   // or specular, diffuse
+    std::vector<std::string> parts;      // empty: all that the signal has
+    std::optional<uint32_t> seeds;       // else the study's
+    std::optional<double> edge_deg;      // else the study's
     std::vector<std::string> node_folders;
     std::string device;
 };

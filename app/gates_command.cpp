@@ -9,6 +9,7 @@
 
 #include "app/commands.h"
 #include "app/gates/gates.h"
+#include "app/gates/radiance_gates.h"
 #include "app/node_folders.h"
 #include "app/progress.h"
 #include "app/report/contenders.h"
@@ -150,6 +151,7 @@ bool print_tables(const Bench& bench, const std::set<std::string>& parts) {
 }  // namespace
 
 int run_gates(const GatesArguments& arguments) {
+    if (arguments.signal != "visibility") return run_radiance_gates(arguments);
     const auto nodes = open_nodes(arguments.node_folders);
     if (!nodes) return exit_wrong;
     Study study;
@@ -158,8 +160,12 @@ int run_gates(const GatesArguments& arguments) {
         study.tilted_seeds = std::min(study.tilted_seeds, study.seeds);
     }
     study.edge_deg = arguments.edge_deg.value_or(study.edge_deg);
-    const std::set<std::string> parts(arguments.parts.begin(), arguments.parts.end());
+    const std::set<std::string> all{"still", "moving", "jump", "tilted"},
+        given(arguments.parts.begin(), arguments.parts.end());
+    const std::set<std::string>& parts = given.empty() ? all : given;
     Diagnostics diagnostics;
+    for (const std::string& part : given)
+        if (!all.contains(part)) diagnostics.add({}, "--parts", part + " is of radiance: --signal specular");
     const fs::path root = shipped_root();
     std::vector<std::pair<std::string, CheckedPipeline>> pipelines;
     for (const std::string& name : arguments.pipelines)

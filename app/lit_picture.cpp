@@ -59,6 +59,17 @@ PictureError picture_error(const Picture& image, const Picture& truth) {
     return out;
 }
 
+PlanarImage planar(const Picture& picture) {
+    PlanarImage out{picture.width, picture.height, {}};
+    const char* names[] = {"R", "G", "B"};
+    for (int c = 0; c < 3; ++c) {
+        std::vector<float> values;
+        for (const glm::vec3& v : picture.rgb) values.push_back(v[c]);
+        out.planes.push_back({names[c], PlaneType::real, std::move(values), {}});
+    }
+    return out;
+}
+
 void write_beside(const std::filesystem::path& file, const Picture& left, const Picture& right) {
     const uint32_t width = left.width + gap_px + right.width;
     std::vector<float> rgb(size_t{3} * width * left.height, 1.0f);

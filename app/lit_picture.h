@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/images/image_file.h"
 #include "host/metrics/flip.h"
 #include "penumbra/diagnostic.h"
 
@@ -28,6 +29,9 @@ struct PictureError {
 };
 // Of the same size, and not empty.
 PictureError picture_error(const Picture& image, const Picture& truth);
+
+// With channels R, G and B, as read_picture() reads them.
+PlanarImage planar(const Picture& picture);
 
 // Both in one PNG, the image on the left. Throws FileError.
 void write_beside(const std::filesystem::path& file, const Picture& left, const Picture& right);

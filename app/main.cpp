@@ -133,8 +133,9 @@ void add_reference(CLI::App& app, ReferenceArguments& a) {
     c->add_option("--size", a.size, "WxH instead of the shot's size");
     c->add_option("--light", a.light, "which of the shot's lights, where it has several");
     c->add_option("--signal", a.signal,
-                  "visibility, or specular or diffuse: radiance that arrives under a surface's lobe")
-        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
+                  "visibility, or specular or diffuse: radiance that arrives under a surface's lobe; or lit: "
+                  "the whole picture")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse", "lit"}));
     c->add_option("--rays", a.rays, "per pixel (visibility: of a penumbra; analytic scenes need none)")
         ->check(CLI::Range(16u, 1u << 24));
     c->add_option("--device", a.device, "part of a device's name");
@@ -171,6 +172,9 @@ void add_report(CLI::App& app, ReportArguments& a) {
     c->add_option("--pipelines", a.pipelines,
                   "files or names of shipped pipelines (default: all that can run)")
         ->delimiter(',');
+    c->add_option("--signal", a.signal,
+                  "what is judged: visibility, or radiance that arrives under the specular or diffuse lobe")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
     CLI::Option* quick =
         c->add_flag("--quick", a.quick, "small, few frames, two shots: minutes on two cores");
     c->add_flag(
@@ -190,13 +194,19 @@ void add_report(CLI::App& app, ReportArguments& a) {
 
 void add_gates(CLI::App& app, GatesArguments& a) {
     CLI::App* c = app.add_subcommand(
-        "gates", "measure pipelines on straight penumbrae with a known answer; prints Markdown tables");
+        "gates",
+        "measure pipelines on straight penumbrae, or radiance in a furnace and a room, with a known answer; "
+        "prints Markdown tables");
     c->add_option("pipelines", a.pipelines, "files or names of shipped pipelines")->required();
-    c->add_option("--parts", a.parts, "of still, moving, jump, tilted (default: all)")
+    c->add_option("--signal", a.signal, "visibility, or specular or diffuse radiance")
+        ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
+    c->add_option("--parts", a.parts,
+                  "of still, moving, jump, tilted; of radiance: furnace, bias, lag, moving (default: all)")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->check(CLI::IsMember({"still", "moving", "jump", "tilted"}));
-    c->add_option("--seeds", a.seeds, "repetitions of every run (default: 16)")->check(CLI::Range(1u, 1024u));
+        ->check(CLI::IsMember({"still", "moving", "jump", "tilted", "furnace", "bias", "lag"}));
+    c->add_option("--seeds", a.seeds, "repetitions of every run (default: 16; of radiance: 4)")
+        ->check(CLI::Range(1u, 1024u));
     c->add_option("--edge-deg", a.edge_deg, "direction of the edge of still, moving and jump (default: 20)")
         ->check(CLI::Range(-360.0, 360.0));
     add_node_folders(c, a.node_folders);

@@ -15,9 +15,9 @@ std::string without_previous(std::string name) {
 
 }  // namespace
 
-std::vector<bool> passes_of_mask(const Plan& plan) {
+std::vector<bool> passes_of_mask(const Plan& plan, const std::string& signal) {
     std::vector<bool> needed(plan.passes.size());
-    std::set<std::string> names{"visibility"};
+    std::set<std::string> names{signal};
     for (bool grown = true; grown;) {
         grown = false;
         for (size_t p = 0; p < plan.passes.size(); ++p) {

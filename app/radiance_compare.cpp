@@ -11,6 +11,8 @@
 
 #include "app/frame_range.h"
 #include "app/lit_picture.h"
+#include "app/radiance_json.h"
+#include "app/radiance_truth.h"
 #include "host/images/image_file.h"
 #include "host/metrics/radiance_error.h"
 
@@ -121,19 +123,7 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                                        {"signal", arguments.signal},
                                        {"frames", frames}};
         json["seeds"] = 1 + arguments.also.size();
-        json["pixels"] = sums.pixels();
-        json["n_eff"] = {{"value", or_null(sums.n_eff())}, {"by_roughness", nlohmann::ordered_json::array()}};
-        for (size_t c = 0; c < roughness_classes; ++c)
-            json["n_eff"]["by_roughness"].push_back(
-                {{"to",
-                  c < roughness_class_ends.size() ? std::round(roughness_class_ends[c] * 100) / 100 : 1},
-                 {"pixels", sums.classes[c].pixels},
-                 {"value", or_null(sums.n_eff(c))}});
-        json["relmse"] = or_null(sums.relmse());
-        json["bias"] = or_null(sums.bias());
-        json["flicker"] = or_null(sums.flicker());
-        json["fireflies"] = sums.fireflies;
-        json["nonfinite"] = sums.nonfinite;
+        json.update(radiance_json(sums));
         std::cout << json.dump(2) << "\n";
         return;
     }

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "app/outputs.h"
 #include "app/reference_pipeline.h"
 #include "host/images/texels.h"
 #include "penumbra/shadow_nodes.h"
@@ -38,28 +39,34 @@ std::vector<std::array<float, 4>> captured_vectors(const Session& session, const
     return vectors;
 }
 
-}  // namespace
+Picture captured_picture(const Session& session, const char* name) {
+    const PlanarImage image = captured_image(session, name);
+    Picture out{image.width, image.height, {}};
+    const RadiancePlanes planes = radiance_planes(image);
+    for (size_t i = 0; i < planes.rgb[0].size(); ++i)
+        out.rgb.emplace_back(planes.rgb[0][i], planes.rgb[1][i], planes.rgb[2][i]);
+    return out;
+}
 
-std::unique_ptr<Session> open_radiance_truth(Device& device, const Shot& shot, const std::string& signal,
-                                             Diagnostics& diagnostics, std::vector<std::string>& warnings,
-                                             const Told& doing) {
+std::unique_ptr<Session> open(Device& device, const Shot& shot, const char* text, const char* name,
+                              const std::vector<std::string>& settings, std::vector<std::string> captures,
+                              Diagnostics& diagnostics, std::vector<std::string>& warnings,
+                              const Told& doing) {
     static const NodeSet nodes = shadow_nodes();  // plans point into it
-    const std::vector<std::string> settings{"nodes.reference.params.lobe=" + signal};
-    const auto pipeline = parse_pipeline(reference_radiance_pipeline_text,
-                                         "pipelines/reference_radiance.json", settings, diagnostics);
+    const auto pipeline = parse_pipeline(text, name, settings, diagnostics);
     const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
     if (!checked) return nullptr;
     SessionOptions options;
     options.size = shot.size;
-    options.captures = {"weighted_sum", "plain_sum"};
+    options.captures = std::move(captures);
     options.jitter = false;
     options.optimum = false;
     options.doing = doing;
     return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
 }
 
-PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uint32_t rays,
-                           const std::function<void(uint32_t)>& step) {
+// All rays of a frozen frame.
+void cast(Session& session, uint32_t frame, uint32_t rays, const std::function<void(uint32_t)>& step) {
     const Extent extent = session.plan().extent;
     const uint64_t pixels = uint64_t{extent.width} * extent.height;
     const auto portion =
@@ -73,6 +80,50 @@ PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uin
             session.repeat_frame();
         if (step) step(std::min(portion, rays - first));
     }
+}
+
+}  // namespace
+
+RadiancePlanes radiance_planes(const PlanarImage& image) {
+    return {{image.find("R")->values, image.find("G")->values, image.find("B")->values}};
+}
+
+RadianceTruth known_of(const PlanarImage& truth) {
+    return {truth.width,
+            radiance_planes(truth),
+            truth.find("receiver")->values,
+            truth.find("roughness")->values,
+            truth.find("ray_error")->values,
+            truth.find("noise")->values};
+}
+
+std::unique_ptr<Session> open_lit_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
+                                        std::vector<std::string>& warnings, const Told& doing) {
+    return open(device, shot, reference_lit_pipeline_text, "pipelines/reference_lit.json", {},
+                {"lit", "specular", "diffuse", "specular_share", "diffuse_share"}, diagnostics, warnings, doing);
+}
+
+LitTruth lit_truth(Session& session, uint32_t frame, uint32_t rays,
+                   const std::function<void(uint32_t)>& step) {
+    cast(session, frame, rays, step);
+    return {captured_picture(session, "lit"), captured_picture(session, "specular"),
+            captured_picture(session, "diffuse"), captured_picture(session, "specular_share"),
+            captured_picture(session, "diffuse_share")};
+}
+
+std::unique_ptr<Session> open_radiance_truth(Device& device, const Shot& shot, const std::string& signal,
+                                             Diagnostics& diagnostics, std::vector<std::string>& warnings,
+                                             const Told& doing) {
+    return open(device, shot, reference_radiance_pipeline_text, "pipelines/reference_radiance.json",
+                {"nodes.reference.params.lobe=" + signal}, {"weighted_sum", "plain_sum"}, diagnostics,
+                warnings, doing);
+}
+
+PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uint32_t rays,
+                           const std::function<void(uint32_t)>& step) {
+    cast(session, frame, rays, step);
+    const Extent extent = session.plan().extent;
+    const uint64_t pixels = uint64_t{extent.width} * extent.height;
     const auto weighted = captured_vectors(session, "weighted_sum", pixels),
                plain = captured_vectors(session, "plain_sum", pixels);
     PlanarImage out{extent.width, extent.height, {}};

@@ -100,7 +100,10 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     std::vector<std::string> warnings;
     Doing doing;
     const Told told = [&](const char* what, double share) { doing(what, share); };
-    const auto session = open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings, told);
+    const bool lit = arguments.signal == "lit";
+    const auto session =
+        lit ? open_lit_truth(device, shot, diagnostics, warnings, told)
+            : open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings, told);
     doing.clear();
     for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
     if (!session) {
@@ -112,8 +115,9 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     if (!job.made_up.empty()) write_file(shot.file, std::as_bytes(std::span(job.made_up)));
     Progress progress("reference", job.frames.size() * uint64_t{arguments.rays});
     for (const uint32_t frame : job.frames) {
-        const PlanarImage truth = radiance_truth(device, *session, frame, arguments.rays,
-                                                 [&](uint32_t rays) { progress.step(rays); });
+        const auto step = [&](uint32_t rays) { progress.step(rays); };
+        const PlanarImage truth = lit ? planar(lit_truth(*session, frame, arguments.rays, step).lit)
+                                      : radiance_truth(device, *session, frame, arguments.rays, step);
         const fs::path file = folder / fmt::format("{}.{:04}.exr", arguments.signal, frame);
         std::vector<float> rgb;
         for (size_t i = 0; i < truth.planes[0].values.size(); ++i)

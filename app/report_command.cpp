@@ -18,6 +18,7 @@
 #include "app/report/measure.h"
 #include "app/report/page.h"
 #include "app/report/parts.h"
+#include "app/report/radiance_report.h"
 #include "host/images/image_file.h"
 
 namespace penumbra {
@@ -247,6 +248,7 @@ void write_text(const fs::path& file, const std::string& text) {
 }  // namespace
 
 int run_report(const ReportArguments& arguments) {
+    if (arguments.signal != "visibility") return run_radiance_report(arguments);
     const auto nodes = open_nodes(arguments.node_folders);
     if (!nodes) return exit_wrong;
     Diagnostics diagnostics;

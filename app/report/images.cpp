@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "app/report/images.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <vector>
 
+#include "app/report/html.h"
 #include "host/images/image_file.h"
 
 namespace penumbra::report {
+std::string file_bytes(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+    if (!stream || bytes.empty()) throw FileError(file.string() + ": cannot be read");
+    return bytes;
+}
 
 void write_mask_image(const std::filesystem::path& file, std::array<uint32_t, 2> size,
                       std::span<const float> mask) {
@@ -34,6 +45,11 @@ void write_error_image(const std::filesystem::path& file, std::array<uint32_t, 2
         rgb.insert(rgb.end(), color.begin(), color.end());
     }
     write_png_color(file, size[0], size[1], rgb);
+}
+
+std::string data_uri(const std::filesystem::path& file) {
+    return fmt::format("data:image/{};base64,{}", file.extension().string().substr(1),
+                       base64(file_bytes(file)));
 }
 
 }  // namespace penumbra::report

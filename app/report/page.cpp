@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <set>
 
@@ -28,22 +27,10 @@ namespace fs = std::filesystem;
 
 constexpr uint32_t largest_magnification = 4;  // of the slider's images
 
-std::string bytes_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(stream)), {});
-    if (!stream || bytes.empty()) throw FileError(file.string() + ": cannot be read");
-    return bytes;
-}
-
-std::string data_uri(const fs::path& file) {
-    return fmt::format("data:image/{};base64,{}", file.extension().string().substr(1),
-                       base64(bytes_of(file)));
-}
-
 // How large errors are, of a picture of this size that write_error_image() has written: how much colour there
 // is. What is right or does not count has none.
 std::vector<uint8_t> errors_of(const fs::path& file, const std::array<uint32_t, 2>& size) {
-    const std::string bytes = bytes_of(file);
+    const std::string bytes = file_bytes(file);
     RgbaImage image;
     try {
         image = decode_image(std::as_bytes(std::span(bytes)), uint64_t{8} * size[0] * size[1]);

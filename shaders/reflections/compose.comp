@@ -32,19 +32,34 @@ vec3 light_of_sun(vec3 n, vec3 v, vec3 base_color, vec2 metal_roughness, vec3 di
     return params.sun_color * (diffuse_share * n_l + glossy);
 }
 
+void store_shares(ivec2 p, Reflectance share) {
+#if HAS_SPECULAR_SHARE
+    imageStore(specular_share, p, vec4(round_to(share.specular, HALF_BITS), 1.0));
+#endif
+#if HAS_DIFFUSE_SHARE
+    imageStore(diffuse_share, p, vec4(round_to(share.diffuse, HALF_BITS), 1.0));
+#endif
+}
+
+vec3 beyond(ivec2 p) {
+    store_shares(p, Reflectance(vec3(0.0), vec3(0.0)));
+    return environment_radiance(-to_viewer(p));
+}
+
 vec3 surface(ivec2 p) {
     const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy), v = to_viewer(p);
     const vec3 base_color = texelFetch(albedo, p, 0).rgb;
     const vec2 metal_roughness = texelFetch(material, p, 0).xy;
     const vec2 brdf = white_and_grazing(dot(n, v), metal_roughness.y);
     const Reflectance share = reflectance(base_color, metal_roughness.x, brdf);
+    store_shares(p, share);
     vec3 light = texelFetch(emissive, p, 0).rgb + share.specular * texelFetch(specular, p, 0).rgb + share.diffuse * texelFetch(diffuse, p, 0).rgb;
     if (HAS_SUN) light += texelFetch(visibility, p, 0).x * light_of_sun(n, v, base_color, metal_roughness, share.diffuse, brdf.x);
     return light;
 }
 
 void for_pixel(ivec2 p) {
-    const vec3 light = storable(imageLoad(view_depth, p).x > 0.0 ? surface(p) : environment_radiance(-to_viewer(p)));
+    const vec3 light = storable(imageLoad(view_depth, p).x > 0.0 ? surface(p) : beyond(p));
     imageStore(lit, p, vec4(round_to(light, HALF_BITS), 1.0));
 }
 

@@ -26,8 +26,8 @@ void main() {
     const float roughness = pixel_roughness(p);
     const Lobe lobe = pixel_lobe(p, decode_receiver_normal(imageLoad(receiver_normal, p).xy), roughness);
     bool turned;
-    const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(ray_index(p)), turned);
-    const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p));
+    const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(ray_index(p, frame.frame_index)), turned);
+    const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p, frame.frame_index));
     const vec4 texel = vec4(light.radiance, light.distance_m);
     imageStore(radiance, p, texel);
     const ivec2 beside = ivec2(p.x ^ 1, p.y), below = ivec2(p.x, p.y ^ 1);

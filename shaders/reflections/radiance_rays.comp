@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One ray per pixel, or in some pixels by turns, into its lobe, shaded where it hits: radiance, distance and direction, all that later passes know of it.
 // Numbers: the R2 sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences") at x + 5 y + 3083 frame:
-// windows of pixels and of frames are both filled evenly.
+// windows of pixels and of frames are both filled evenly. Several rays are numbered as those of as many frames.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
@@ -40,9 +40,18 @@ void for_pixel(ivec2 p) {
         return;
     }
     const Lobe lobe = pixel_lobe(p, unpack_direction(imageLoad(octahedral_normal, p).x), roughness);
-    bool turned;
-    const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(narrow ? ray_index(p) : index_in_turn(p)), turned);
-    const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p));
+    vec4 sum = vec4(0.0);
+    Incident light;
+    vec3 direction;
+    for (uint i = 0u; i < RAYS_PER_PIXEL; ++i) {
+        const uint time = frame.frame_index * RAYS_PER_PIXEL + i;
+        bool turned;
+        direction = sample_lobe(lobe, roughness, lobe_numbers(narrow ? ray_index(p, time) : index_in_turn(p, time)), turned);
+        light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p, time));
+        const float weight = is_mirror(roughness) ? 1.0 : turned ? 0.0 : sample_weight(lobe, direction);
+        sum += weight * vec4(light.radiance, 1.0);
+    }
+    if (RAYS_PER_PIXEL > 1u && sum.w > 0.0) light.radiance = sum.rgb / sum.w;  // one ray has no weight
     store(p, encode_ray(light.radiance, light.distance_m, light.moves), pack_direction(direction));
 }
 

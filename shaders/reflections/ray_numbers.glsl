@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The numbers that a pixel's ray of this frame is drawn with.
+// The numbers that a pixel's ray is drawn with; `index`: the frame's, where it has one ray.
 //
 // Includer has common/hash.glsl and declares: param seed.
 
 const uvec2 R2_STEP = uvec2(3242174889u, 2447445414u);  // 2^32 / p, 2^32 / p^2 with p^3 = p + 1
 
-uint ray_index(ivec2 p) { return uint(p.x) + 5u * uint(p.y) + 3083u * frame.frame_index; }
+// `time`: the frame's index, where a pixel has one ray in a frame.
+uint ray_index(ivec2 p, uint time) { return uint(p.x) + 5u * uint(p.y) + 3083u * time; }
 
 vec2 lobe_numbers(uint index) {
     const uint first = noise_hash(params.seed ^ 0x9E3779B9u), second = noise_hash(first);
@@ -13,7 +14,7 @@ vec2 lobe_numbers(uint index) {
 }
 
 // Independent of those, for the light at what the ray hits.
-vec2 sun_numbers(ivec2 p) {
-    const uint first = noise_hash(uint(p.x) ^ noise_hash(uint(p.y) ^ noise_hash(frame.frame_index ^ noise_hash(params.seed))));
+vec2 sun_numbers(ivec2 p, uint index_in_time) {
+    const uint first = noise_hash(uint(p.x) ^ noise_hash(uint(p.y) ^ noise_hash(index_in_time ^ noise_hash(params.seed))));
     return noise_unit(uvec2(first, noise_hash(first)));
 }

@@ -14,10 +14,10 @@ bool in_turn(ivec2 p) {
 }
 
 // Those that have one are numbered without gaps: every second number of a sequence is a sequence that fills less evenly.
-uint index_in_turn(ivec2 p) {
-    if (RAYS == RAYS_HALF) return ray_index(p) >> 1;  // all are odd or all even
-    if (RAYS == RAYS_QUARTER) return ray_index(p >> 1);
-    return ray_index(p);
+uint index_in_turn(ivec2 p, uint time) {
+    if (RAYS == RAYS_HALF) return ray_index(p, time) >> 1;  // all are odd or all even
+    if (RAYS == RAYS_QUARTER) return ray_index(p >> 1, time);
+    return ray_index(p, time);
 }
 
 // Whether a neighbour's ray says little of a lobe: its mirrored direction is off by as much as the lobe is wide. Such a pixel has a ray

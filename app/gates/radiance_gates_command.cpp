@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// penumbra gates --signal specular or diffuse: Markdown tables beside what is asked (docs/reflections.md).
+#include <fmt/format.h>
+
+#include <iostream>
+#include <set>
+
+#include "app/gates/radiance_gates.h"
+#include "app/node_folders.h"
+#include "app/shipped_files.h"
+#include "app/signal_pipeline.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace gates;
+
+constexpr const char* class_heads = "to .05 | to .15 | to .3 | to .5 | to 1";
+
+std::string text_of(const std::optional<double>& value) {
+    return value ? fmt::format("{:.3g}", *value) : "-";
+}
+
+std::string percent(double share) {
+    return fmt::format("{:.1f} %", 100 * share);
+}
+
+// A diffuse lobe has no roughness: all of it is the last class.
+std::string classes_text(const RadianceErrorSums& sums) {
+    std::string out;
+    for (size_t c = 0; c < roughness_classes; ++c) out += fmt::format(" {} |", text_of(sums.n_eff(c)));
+    return out;
+}
+
+void print_row(const std::string& name, const RadianceErrorSums& sums) {
+    fmt::print("| {} |{} {} | {} | {} | {} |\n", name, classes_text(sums), text_of(sums.n_eff()),
+               sums.bias() ? percent(*sums.bias()) : "-", sums.fireflies, text_of(sums.flicker()));
+    std::fflush(stdout);
+}
+
+bool print_tables(const RadianceBench& bench, const std::set<std::string>& parts) {
+    if (parts.contains("furnace")) {
+        const auto furnace = measure_furnace(bench);
+        if (!furnace) return false;
+        fmt::print(
+            "| white furnace, farthest from 1 by roughness | {} | asked |\n|---|---|---|---|---|---|---|\n| "
+            "|",
+            class_heads);
+        for (const double off : *furnace) fmt::print(" {:.2g} |", off);
+        fmt::print(" <= .001 |\n\n");
+        std::fflush(stdout);
+    }
+    if (parts.contains("still") || parts.contains("moving"))
+        fmt::print(
+            "| N_eff by roughness | {} | all | bias, asked <= 1 % | fireflies | flicker |\n"
+            "|---|---|---|---|---|---|---|---|---|---|\n",
+            class_heads);
+    if (parts.contains("still")) {
+        const auto still = measure_still(bench);
+        if (!still) return false;
+        for (size_t i = 0; i < still->size(); ++i)
+            print_row(fmt::format("standing, after {}", bench.study.after[i]), (*still)[i]);
+    }
+    if (parts.contains("moving")) {
+        const auto moving = measure_moving(bench);
+        if (!moving) return false;
+        print_row(fmt::format("in motion, after {}", bench.study.moving_frames), *moving);
+    }
+    if (parts.contains("lag")) {
+        const auto left = measure_lamp_off(bench);
+        if (!left) return false;
+        fmt::print("\n| frames since the lamp went off |");
+        for (const uint32_t after : bench.study.after_off) fmt::print(" {} |", after);
+        fmt::print(" asked |\n|---|---|---|---|---|---|---|\n| of its light is left |");
+        for (const double share : *left) fmt::print(" {} |", percent(share));
+        fmt::print(" <= 10 % after 12 |\n");
+    }
+    return true;
+}
+
+}  // namespace
+
+int run_radiance_gates(const GatesArguments& arguments) {
+    const auto nodes = open_nodes(arguments.node_folders);
+    if (!nodes) return exit_wrong;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const std::set<std::string> all{"furnace", "still", "moving", "lag"},
+        given(arguments.parts.begin(), arguments.parts.end());
+    for (const std::string& part : given)
+        if (!all.contains(part)) diagnostics.add({}, "--parts", part + " is of visibility, not of radiance");
+    if (arguments.edge_deg) diagnostics.add({}, "--edge-deg", "is of visibility, not of radiance");
+    RadianceStudy study;
+    study.seeds = arguments.seeds.value_or(study.seeds);
+    std::vector<CheckedPipeline> pipelines;
+    for (const std::string& name : arguments.pipelines) {
+        const auto file = shipped_file(name, shipped_root(), shipped_pipelines, diagnostics);
+        auto pipeline =
+            file ? signal_pipeline(*file, arguments.signal, {}, *nodes, diagnostics) : std::nullopt;
+        if (pipeline) pipelines.push_back(std::move(*pipeline));
+    }
+    bool good = diagnostics.empty();
+    if (good) {
+        Device device({arguments.device, false});
+        const RadianceScenes scenes;
+        for (const CheckedPipeline& pipeline : pipelines) {
+            fmt::print("{}{}, {}, {} seeds, {}x{}\n\n", &pipeline == &pipelines.front() ? "" : "\n",
+                       pipeline.name, arguments.signal, study.seeds, study.size[0], study.size[1]);
+            good = good && print_tables({device, *nodes, pipeline, arguments.signal, study, scenes,
+                                         diagnostics, warnings},
+                                        given.empty() ? all : given);
+        }
+    }
+    for (const std::string& warning : std::set(warnings.begin(), warnings.end()))
+        std::cerr << "warning: " << warning << "\n";
+    if (good) return exit_good;
+    std::cerr << diagnostics.text();
+    return exit_wrong;
+}
+
+}  // namespace penumbra
