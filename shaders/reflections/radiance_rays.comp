@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One ray per pixel, or in some pixels by turns, into its lobe, shaded where it hits: radiance, distance and direction, all that later passes know of it.
+// One ray per pixel, or in some pixels by turns, into its lobe, shaded where it hits: radiance, distance and direction, all that
+// later passes know of it.
 // Numbers: the R2 sequence (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences") at x + 5 y + 3083 frame:
 // windows of pixels and of frames are both filled evenly. Several rays are numbered as those of as many frames.
 #include "node.glsl"
@@ -28,30 +29,37 @@ void store(ivec2 p, vec4 ray, uint direction) {
 #endif
 }
 
+Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 direction, out float weight) {
+    const uint index = is_narrow(roughness) ? ray_index(p, time) : index_in_turn(p, time);
+    bool turned;
+    direction = sample_lobe(lobe, roughness, lobe_numbers(index), turned);
+    weight = is_mirror(roughness) ? 1.0 : turned ? 0.0 : sample_weight(lobe, direction);
+    return incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p, time));
+}
+
 void for_pixel(ivec2 p) {
     if (!(imageLoad(view_depth, p).x > 0.0)) {
         store(p, vec4(0.0), 0u);
         return;
     }
     const float roughness = pixel_roughness(p);
-    const bool narrow = is_narrow(roughness);
-    if (!in_turn(p) && !narrow) {
+    if (!in_turn(p) && !is_narrow(roughness)) {
         store(p, vec4(0.0), 0u);
         return;
     }
     const Lobe lobe = pixel_lobe(p, unpack_direction(imageLoad(octahedral_normal, p).x), roughness);
-    vec4 sum = vec4(0.0);
-    Incident light;
+    const uint first = frame.frame_index * RAYS_PER_PIXEL;
     vec3 direction;
-    for (uint i = 0u; i < RAYS_PER_PIXEL; ++i) {
-        const uint time = frame.frame_index * RAYS_PER_PIXEL + i;
-        bool turned;
-        direction = sample_lobe(lobe, roughness, lobe_numbers(narrow ? ray_index(p, time) : index_in_turn(p, time)), turned);
-        light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p, time));
-        const float weight = is_mirror(roughness) ? 1.0 : turned ? 0.0 : sample_weight(lobe, direction);
-        sum += weight * vec4(light.radiance, 1.0);
+    float weight;
+    Incident light = ray_of(p, lobe, roughness, first, direction, weight);
+    if (RAYS_PER_PIXEL > 1u) {  // one has no weight
+        vec4 sum = weight * vec4(light.radiance, 1.0);
+        for (uint i = 1u; i < RAYS_PER_PIXEL; ++i) {
+            light = ray_of(p, lobe, roughness, first + i, direction, weight);
+            sum += weight * vec4(light.radiance, 1.0);
+        }
+        if (sum.w > 0.0) light.radiance = sum.rgb / sum.w;
     }
-    if (RAYS_PER_PIXEL > 1u && sum.w > 0.0) light.radiance = sum.rgb / sum.w;  // one ray has no weight
     store(p, encode_ray(light.radiance, light.distance_m, light.moves), pack_direction(direction));
 }
 

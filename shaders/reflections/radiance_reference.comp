@@ -35,11 +35,13 @@ void for_pixel(ivec2 p) {
         }
         if (params.first != 0u) {
             weighted += imageLoad(weighted_prev, p);
-            plain += imageLoad(plain_prev, p);
+            if (HAS_PLAIN_PREV) plain += imageLoad(plain_prev, p);
         }
     }
     imageStore(weighted_sum, p, weighted);
+#if HAS_PLAIN_SUM
     imageStore(plain_sum, p, plain);
+#endif
 }
 
 void main() { for_each_pixel(); }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "app/outputs.h"
+#include "app/radiance_truth.h"
 #include "host/models/model_builder.h"
 #include "nodes/tables/environment_brdf.h"
 #include "tests/gpu_test.h"
@@ -207,6 +208,39 @@ TEST_F(LitPicture, NothingOfTheSunIsInTheShadow) {
     }
     EXPECT_GT(dark, 200u);
     EXPECT_GT(bright, 200u);
+}
+
+// Converged radiance through the same node: what is reflected of white, and the picture that lit.json makes
+// of one ray is it but for noise.
+TEST_F(LitPicture, TheTruthIsWhatTheMaterialReflects) {
+    const std::vector<Surface> surfaces{{{0.8f, 0.4f, 0.1f}, 0, 0.5f}, {{0.8f, 0.4f, 0.1f}, 1, 0.3f}};
+    const auto truth_of_picture = [](const Shot& shot, uint32_t rays) {
+        Diagnostics diagnostics;
+        std::vector<std::string> warnings;
+        const auto session = open_lit_truth(gpu(), shot, diagnostics, warnings);
+        if (!session) throw std::runtime_error(diagnostics.text());
+        return lit_truth(*session, 0, rays);
+    };
+    const Shot furnace = lit_shot(surfaces, linear_sky(2, 2), {48, 27});
+    const LitTruth white = truth_of_picture(furnace, 16);
+    size_t seen = 0;
+    for (size_t i = 0; i < white.lit.rgb.size(); ++i) {
+        const glm::vec3 share = white.specular_share.rgb[i] + white.diffuse_share.rgb[i];
+        if (share.x == 0) continue;
+        ++seen;
+        for (int c = 0; c < 3; ++c) ASSERT_NEAR(white.lit.rgb[i][c], 2 * share[c], 4e-3);
+    }
+    EXPECT_GT(seen, 300u);
+    Shot shot = lit_shot(surfaces, linear_sky(0.2, 1.5), {48, 27});
+    shot.sun = {{0, glm::normalize(glm::dvec3(0.2, 0.8, -0.7))}};
+    const LitTruth truth = truth_of_picture(shot, 512);
+    const Lit lit(shot, surfaces.size(), 9);
+    double is = 0, should = 0;
+    for (const Pixel& p : lit.floor) {
+        is += p.rgb.y;
+        should += static_cast<double>(truth.lit.rgb[p.index].y);
+    }
+    EXPECT_NEAR(is / should, 1, 5e-3);
 }
 
 }  // namespace
