@@ -6,6 +6,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "app/color_compare.h"
 #include "app/comparison.h"
 #include "app/radiance_compare.h"
 
@@ -106,6 +107,7 @@ void print_text(const CompareArguments& arguments, const Comparison& c) {
 
 int run_compare(const CompareArguments& arguments) {
     if (arguments.signal == "lit" || arguments.signal == "color") return compare_pictures(arguments);
+    if (arguments.signal == "transmittance") return compare_colors(arguments);
     if (arguments.signal != "visibility") return compare_radiance(arguments);
     Diagnostics diagnostics;
     if (!arguments.picture.empty()) diagnostics.add({}, "--picture", "is of pictures: --signal lit or color");

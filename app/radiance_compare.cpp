@@ -9,10 +9,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "app/frame_range.h"
 #include "app/lit_picture.h"
+#include "app/progress.h"
 #include "app/radiance_json.h"
 #include "app/radiance_truth.h"
+#include "app/signal_files.h"
 #include "host/images/image_file.h"
 #include "host/metrics/radiance_error.h"
 
@@ -20,41 +21,6 @@ namespace penumbra {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr uint32_t most_frames = 10000;  // that a folder is looked through for
-
-fs::path file_of(const fs::path& folder, const std::string& signal, uint32_t frame) {
-    return folder / fmt::format("{}.{:04}.exr", signal, frame);
-}
-
-std::vector<uint32_t> frames_to_compare(const CompareArguments& arguments, Diagnostics& diagnostics) {
-    std::vector<uint32_t> frames;
-    if (!arguments.frames.empty()) {
-        const auto range = parse_frames(arguments.frames);
-        for (uint32_t frame = range ? (*range)[0] : 1; range && frame <= (*range)[1]; ++frame)
-            frames.push_back(frame);
-        if (!range) diagnostics.add({}, "--frames", "not A..B: " + arguments.frames);
-        return frames;
-    }
-    for (uint32_t frame = 0; frame < most_frames; ++frame)
-        if (fs::exists(file_of(arguments.reference, arguments.signal, frame)) &&
-            fs::exists(file_of(arguments.image, arguments.signal, frame)))
-            frames.push_back(frame);
-    if (frames.empty())
-        diagnostics.add({arguments.reference, 0, 0}, arguments.signal,
-                        "shares no frame of this signal with " + arguments.image);
-    return frames;
-}
-
-// A channel's values; empty, with an error, where there is none.
-std::span<const float> channel(const PlanarImage& image, const fs::path& file, const char* name,
-                               Diagnostics& diagnostics) {
-    const Plane* plane = image.find(name);
-    if (plane && plane->type != PlaneType::uint) return plane->values;
-    diagnostics.add({file.string(), 0, 0}, name,
-                    plane ? "the channel holds integers" : "there is no such channel");
-    return {};
-}
 
 struct ComparedImages {
     PlanarImage image, truth;
@@ -67,13 +33,7 @@ std::unique_ptr<ComparedImages> read_frame(const fs::path& folder, const Compare
     const fs::path image_file = file_of(folder, arguments.signal, frame),
                    truth_file = file_of(arguments.reference, arguments.signal, frame);
     auto image = read_exr(image_file, diagnostics), truth = read_exr(truth_file, diagnostics);
-    if (!image || !truth) return nullptr;
-    if (image->width != truth->width || image->height != truth->height) {
-        diagnostics.add({image_file.string(), 0, 0}, "",
-                        fmt::format("is {}x{}, the reference {}x{}", image->width, image->height,
-                                    truth->width, truth->height));
-        return nullptr;
-    }
+    if (!image || !truth || !same_size(*image, *truth, image_file, diagnostics)) return nullptr;
     auto out = std::make_unique<ComparedImages>(std::move(*image), std::move(*truth));
     const char* colors[] = {"R", "G", "B"};
     for (size_t c = 0; c < 3; ++c) {
@@ -90,12 +50,14 @@ std::unique_ptr<ComparedImages> read_frame(const fs::path& folder, const Compare
 
 // Over all frames of a folder; frames that follow on each other also show what flickers.
 RadianceErrorSums compare_folder(const fs::path& folder, const CompareArguments& arguments,
-                                 const std::vector<uint32_t>& frames, Diagnostics& diagnostics) {
+                                 const std::vector<uint32_t>& frames, Progress& progress,
+                                 Diagnostics& diagnostics) {
     RadianceErrorSums sums;
     std::unique_ptr<ComparedImages> before;
     uint32_t last = 0;
     for (const uint32_t frame : frames) {
         auto now = read_frame(folder, arguments, frame, diagnostics);
+        progress.step();
         if (!now) continue;
         const bool follows =
             before && frame == last + 1 && before->known.receiver.size() == now->known.receiver.size();
@@ -135,33 +97,22 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                text_of(sums.bias()), text_of(sums.flicker()), sums.fireflies, sums.nonfinite);
 }
 
-std::optional<std::vector<uint32_t>> frames_of(const CompareArguments& arguments, Diagnostics& diagnostics) {
-    for (const auto& [given, option] :
-         {std::pair{!arguments.mask.empty(), "--mask"}, std::pair{arguments.border > 0, "--border"},
-          std::pair{!arguments.whole_rays.empty(), "--whole-rays"}})
-        if (given) diagnostics.add({}, option, "is of visibility, not of radiance");
-    if (!diagnostics.empty()) return std::nullopt;
-    auto frames = frames_to_compare(arguments, diagnostics);
-    return diagnostics.empty() ? std::optional(std::move(frames)) : std::nullopt;
-}
-
-int failed(const Diagnostics& diagnostics) {
-    std::cerr << diagnostics.text();
-    return exit_wrong;
-}
-
 }  // namespace
 
 int compare_radiance(const CompareArguments& arguments) {
     Diagnostics diagnostics;
     if (!arguments.picture.empty())
         diagnostics.add({}, "--picture", "is of signals that are pictures: lit, color");
-    const auto frames = frames_of(arguments, diagnostics);
+    const auto frames = frames_to_compare(arguments, diagnostics);
     if (!frames) return failed(diagnostics);
     RadianceErrorSums sums;
     std::vector<fs::path> folders{arguments.image};
     folders.insert(folders.end(), arguments.also.begin(), arguments.also.end());
-    for (const fs::path& folder : folders) sums.add(compare_folder(folder, arguments, *frames, diagnostics));
+    {
+        Progress progress("compare", frames->size() * folders.size());
+        for (const fs::path& folder : folders)
+            sums.add(compare_folder(folder, arguments, *frames, progress, diagnostics));
+    }
     if (!diagnostics.empty()) return failed(diagnostics);
     print(arguments, *frames, sums);
     return exit_good;
@@ -170,7 +121,7 @@ int compare_radiance(const CompareArguments& arguments) {
 int compare_pictures(const CompareArguments& arguments) {
     Diagnostics diagnostics;
     if (!arguments.also.empty()) diagnostics.add({}, "--also", "is of signals, not of pictures");
-    const auto frames = frames_of(arguments, diagnostics);
+    const auto frames = frames_to_compare(arguments, diagnostics);
     if (!frames) return failed(diagnostics);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const uint32_t frame : *frames) {

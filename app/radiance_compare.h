@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// penumbra compare --signal: rendered radiance, or the colour of light that arrives, against what `penumbra
-// reference` wrote.
+// penumbra compare --signal: rendered radiance against what `penumbra reference` wrote.
 #pragma once
 
 #include "app/commands.h"

@@ -8,6 +8,20 @@
 
 namespace penumbra {
 
+namespace {
+
+// A set of cases of facts has a bit for each (condition.h): more would be cut off without a word.
+std::shared_ptr<const Domain> checked(std::shared_ptr<const Domain> domain) {
+    if (domain && domain->facts.size() > max_facts)
+        throw std::invalid_argument("the domain has " + std::to_string(domain->facts.size()) +
+                                    " facts, and at most " + std::to_string(max_facts) + " are possible");
+    return domain;
+}
+
+}  // namespace
+
+NodeSet::NodeSet(std::shared_ptr<const Domain> domain) : domain_(checked(std::move(domain))) {}
+
 const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& variant,
                                          Diagnostics& diagnostics) {
     const auto found = entry.shaders.find(to_string(variant));
@@ -16,7 +30,7 @@ const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& 
 }
 
 void NodeSet::add(NodeEntry entry) {
-    if (!domain_) domain_ = entry.type.domain;
+    if (!domain_) domain_ = checked(entry.type.domain);
     if (entry.type.domain != domain_)
         throw std::invalid_argument("the node type \"" + entry.type.name + "\" was read with another domain");
     std::string name = entry.type.name;

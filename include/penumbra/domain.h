@@ -22,7 +22,7 @@ inline constexpr uint32_t large_texel_buffer = 1u << 27;
 struct Fact {
     std::string name, doc;
 };
-inline constexpr size_t max_facts = 10;
+inline constexpr size_t max_facts = 11;
 
 // Kinds of what a shader binds. The first four are words of declarations; `bundle` stands for a domain's own
 // words, and `structure` (an acceleration structure) is a kind of host slot alone.

@@ -50,7 +50,8 @@ const std::vector<uint32_t>* find_shader(const NodeEntry& entry, const Variant& 
 class NodeSet {
   public:
     NodeSet() = default;  // of the domain of the first type that is added
-    explicit NodeSet(std::shared_ptr<const Domain> domain) : domain_(std::move(domain)) {}
+    // Throws std::invalid_argument for a domain of more than max_facts facts.
+    explicit NodeSet(std::shared_ptr<const Domain> domain);
 
     // Adds a type, in place of one of the same name. Throws std::invalid_argument for a type of another
     // domain, whose facts mean something else.

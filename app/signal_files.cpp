@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#include "app/signal_files.h"
+
+#include <fmt/format.h>
+
+#include "app/frame_range.h"
+
+namespace penumbra {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr uint32_t most_frames = 10000;  // that a folder is looked through for
+
+std::vector<uint32_t> frames_there(const CompareArguments& arguments, Diagnostics& diagnostics) {
+    std::vector<uint32_t> frames;
+    if (!arguments.frames.empty()) {
+        const auto range = parse_frames(arguments.frames);
+        for (uint32_t frame = range ? (*range)[0] : 1; range && frame <= (*range)[1]; ++frame)
+            frames.push_back(frame);
+        if (!range) diagnostics.add({}, "--frames", "not A..B: " + arguments.frames);
+        return frames;
+    }
+    for (uint32_t frame = 0; frame < most_frames; ++frame)
+        if (fs::exists(file_of(arguments.reference, arguments.signal, frame)) &&
+            fs::exists(file_of(arguments.image, arguments.signal, frame)))
+            frames.push_back(frame);
+    if (frames.empty())
+        diagnostics.add({arguments.reference, 0, 0}, arguments.signal,
+                        "shares no frame of this signal with " + arguments.image);
+    return frames;
+}
+
+}  // namespace
+
+fs::path file_of(const fs::path& folder, const std::string& signal, uint32_t frame) {
+    return folder / fmt::format("{}.{:04}.exr", signal, frame);
+}
+
+std::optional<std::vector<uint32_t>> frames_to_compare(const CompareArguments& arguments,
+                                                       Diagnostics& diagnostics) {
+    for (const auto& [given, option] :
+         {std::pair{!arguments.mask.empty(), "--mask"}, std::pair{arguments.border > 0, "--border"},
+          std::pair{!arguments.whole_rays.empty(), "--whole-rays"}})
+        if (given) diagnostics.add({}, option, "is of visibility alone");
+    if (!diagnostics.empty()) return std::nullopt;
+    auto frames = frames_there(arguments, diagnostics);
+    return diagnostics.empty() ? std::optional(std::move(frames)) : std::nullopt;
+}
+
+std::span<const float> channel(const PlanarImage& image, const fs::path& file, const char* name,
+                               Diagnostics& diagnostics) {
+    const Plane* plane = image.find(name);
+    if (plane && plane->type != PlaneType::uint) return plane->values;
+    diagnostics.add({file.string(), 0, 0}, name,
+                    plane ? "the channel holds integers" : "there is no such channel");
+    return {};
+}
+
+bool same_size(const PlanarImage& image, const PlanarImage& truth, const fs::path& file,
+               Diagnostics& diagnostics) {
+    if (image.width == truth.width && image.height == truth.height) return true;
+    diagnostics.add(
+        {file.string(), 0, 0}, "",
+        fmt::format("is {}x{}, the reference {}x{}", image.width, image.height, truth.width, truth.height));
+    return false;
+}
+
+}  // namespace penumbra
