@@ -148,9 +148,10 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     c->add_option("--also", a.also, "the same images under another seed; may be repeated")
         ->allow_extra_args(false);
     c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
-    c->add_option("--signal", a.signal,
-                  "what to compare: visibility, transmittance (its colour), specular or diffuse radiance, or the "
-                  "pictures lit or color")
+    c->add_option(
+         "--signal", a.signal,
+         "what to compare: visibility, transmittance (its colour), specular or diffuse radiance, or the "
+         "pictures lit or color")
         ->check(CLI::IsMember({"visibility", "transmittance", "specular", "diffuse", "lit", "color"}));
     c->add_option("--picture", a.picture, "PNG: of lit or color, the last frame of both beside each other");
     c->add_option("--light", a.light, "of an image with a mask for each of several lights: whose");

@@ -97,6 +97,11 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                text_of(sums.bias()), text_of(sums.flicker()), sums.fireflies, sums.nonfinite);
 }
 
+int failed(const Diagnostics& diagnostics) {
+    std::cerr << diagnostics.text();
+    return exit_wrong;
+}
+
 }  // namespace
 
 int compare_radiance(const CompareArguments& arguments) {

@@ -100,7 +100,8 @@ RadianceTruth known_of(const PlanarImage& truth) {
 std::unique_ptr<Session> open_lit_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
                                         std::vector<std::string>& warnings, const Told& doing) {
     return open(device, shot, reference_lit_pipeline_text, "pipelines/reference_lit.json", {},
-                {"lit", "specular", "diffuse", "specular_share", "diffuse_share"}, diagnostics, warnings, doing);
+                {"lit", "specular", "diffuse", "specular_share", "diffuse_share"}, diagnostics, warnings,
+                doing);
 }
 
 LitTruth lit_truth(Session& session, uint32_t frame, uint32_t rays,

@@ -227,8 +227,8 @@ constexpr Object resource = {"resource", "A member of `resources`.", resource_ke
 // clang-format on
 
 std::span<const Object* const> objects() {
-    static constexpr const Object* all[] = {&declaration, &port,     &extent,  &count,        &table,
-                                            &param,       &dispatch, &classes, &device_class, &pipeline,
+    static constexpr const Object* all[] = {&declaration, &port,     &extent,   &count,        &table,
+                                            &param,       &dispatch, &classes,  &device_class, &pipeline,
                                             &input,       &node,     &instance, &resource};
     return all;
 }

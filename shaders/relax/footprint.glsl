@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Which texels around a place of the previous frame saw the surface that is asked for, and what the pasts hold there.
 //
-// Includer has common/camera.glsl, common/corners.glsl, common/cubic.glsl, common/guide_normal.glsl, common/same_surface.glsl and
-// relax/frames.glsl and declares: images view_depth_prev, guide_normal_prev, slow_prev, fast_prev, frames_prev; roughness_prev where
+// Includer has common/camera.glsl, common/corners.glsl, common/cubic.glsl, common/receiver_normal.glsl, common/same_surface.glsl and
+// relax/frames.glsl and declares: images view_depth_prev, octahedral_normal_prev, slow_prev, fast_prev, frames_prev; roughness_prev where
 // HAS_MATERIAL.
 
 // What a past must have shown: a depth and its tolerance, and `here`'s normal within an angle of this sine.
@@ -25,7 +25,7 @@ bool was_seen(Shown here, Expected e, ivec2 q) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
     const float z = imageLoad(view_depth_prev, q).x;
     if (!(z > 0.0) || !(abs(z - e.depth) <= e.tolerance)) return false;
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)));
+    const vec3 n = unpack_direction(imageLoad(octahedral_normal_prev, q).x);
     if (!(dot(here.n, n) > 0.0 && length(cross(here.n, n)) <= e.most_sine)) return false;
     if (HAS_MATERIAL && !alike(here.roughness, texelFetch(roughness_prev, q, 0).x)) return false;
     return decode_frames(texelFetch(frames_prev, q, 0).x) > 0.0;

@@ -15,8 +15,10 @@ float lasting_weight(float x) { return 1.0 / (1.0 + 3.0 * abs(x) + 9.0 * x * x);
 // cosine that of the roughest.
 float lobe_tangent(float roughness) { return LOBE == LOBE_DIFFUSE ? 1.0 : roughness * roughness; }
 
-// Between 10-bit unit vectors, less what these bits may make of none.
-float angle_between(vec3 a, vec3 b) { return max(atan(length(cross(a, b)), dot(a, b)) - 2.0 * GUIDE_NORMAL_ERROR, 0.0); }
+const float NORMAL_ERROR = 3e-5;  // of the octahedral words
+
+// Less what the words may make of none.
+float angle_between(vec3 a, vec3 b) { return max(atan(length(cross(a, b)), dot(a, b)) - 2.0 * NORMAL_ERROR, 0.0); }
 
 // Surfaces that could be one, and as rough.
 bool coplanar(Shown here, Shown there) {

@@ -5,10 +5,10 @@
 #include "common/camera.glsl"
 #include "common/corners.glsl"
 #include "common/cubic.glsl"
-#include "common/guide_normal.glsl"
-#include "common/pixels.glsl"
-#include "common/round_store.glsl"
 #include "common/past_places.glsl"
+#include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/round_store.glsl"
 #include "common/same_surface.glsl"
 #include "relax/light.glsl"
 #include "relax/relax.glsl"
@@ -74,7 +74,7 @@ Past surface_past(Shown here, vec2 uv, float facing, float facing_before, ivec2 
 // Normals are geometric: each pixel's mirror is plane as far as they know, so that the published estimate of a curvature has nothing
 // to find. Where the view ray to the image passes through that plane is what the previous frame must have shown.
 Expected expected_mirror(Shown here, vec3 image) {
-    const float sine = min(lobe_tangent(here.roughness) + 2.0 * GUIDE_NORMAL_ERROR, ANOTHER_SIDE);
+    const float sine = min(lobe_tangent(here.roughness) + 2.0 * NORMAL_ERROR, ANOTHER_SIDE);
     if ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u) return Expected(previous_depth(here.x), 1e30, sine);
     const vec3 origin = frame.camera_delta, along = image - origin;
     const float across = dot(here.n, along), t = dot(here.n, here.x - origin) / across;
@@ -87,7 +87,7 @@ float same_mirror(Shown here, vec2 uv, float tangent) {
     if (!in_image(uv)) return 1.0;
     const ivec2 q = previous_texel(uv);
     if (!(imageLoad(view_depth_prev, q).x > 0.0)) return 1.0;
-    const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal_prev, q)));
+    const vec3 n = unpack_direction(imageLoad(octahedral_normal_prev, q).x);
     const float rough = (texelFetch(roughness_prev, q, 0).x - here.roughness) / (0.01 + 0.15 * here.roughness);
     return lasting_weight(angle_between(here.n, n) / max(tangent, 1e-3)) * smooth_weight(rough);
 }

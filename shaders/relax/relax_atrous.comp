@@ -5,9 +5,9 @@
 // Published, and kept: weights are each pixel's own and divided by their sum, which prefers what is frequent and dark.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
 #include "common/hash.glsl"
 #include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
 #include "common/same_surface.glsl"
 #include "relax/light.glsl"

@@ -2,8 +2,8 @@
 // RELAX, history fix: a past of few frames is blurred with 5x5 others, far apart at first and nearer as it grows.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
 #include "common/same_surface.glsl"
 #include "relax/relax.glsl"

@@ -3,8 +3,8 @@
 // alike. Published within the filter's first level, which is the same.
 #include "node.glsl"
 #include "common/camera.glsl"
-#include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
 #include "common/same_surface.glsl"
 #include "relax/light.glsl"

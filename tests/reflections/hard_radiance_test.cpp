@@ -9,9 +9,9 @@
 namespace penumbra::test {
 namespace {
 
-constexpr const char* pipelines[] = {"raw_reflections", "raw_indirect", "fidelityfx_reflections",
-                                     "relax",           "relax_indirect", "reflections",
-                                     "indirect",        "lit"};
+constexpr const char* pipelines[] = {
+    "raw_reflections", "raw_indirect", "fidelityfx_reflections", "relax", "relax_indirect", "reflections",
+    "indirect",        "lit"};
 
 class HardRadiance : public GpuTest, public ::testing::WithParamInterface<const char*> {
   protected:
