@@ -239,6 +239,7 @@ class PipelineMaker {
         for (const std::string& name : nodes_.names())
             definitions[maker_.name("type_" + name)] = node_type(nodes_.find(name)->type);
         definitions[maker_.name("input")] = input();
+        definitions[maker_.name("instance")] = maker_.object(vocabulary::instance);
         definitions[maker_.name("resource")] = maker_.object(vocabulary::resource);
         definitions[maker_.name("node")] = node();
         definitions[maker_.name("pipeline")] = pipeline();

@@ -19,8 +19,9 @@ class ShadowNode {
         pen::Diagnostics errors;
         const auto pipeline = pen::load_pipeline(file, {}, errors);
         const auto checked = pipeline ? pen::check(*pipeline, pen::shadow_nodes(), errors) : std::nullopt;
-        pen::Target target{
-            .extent = extent, .facts = {{"alpha", false}}, .device = pen::device_table(handles)};
+        pen::Target target{.extent = extent,
+                           .facts = {{"alpha", false}, {"translucent", false}},
+                           .device = pen::device_table(handles)};
         pen::CompileOptions options;
         options.outputs["visibility"].host_image = true;  // the engine's graph owns what it passes on
         if (checked)

@@ -191,7 +191,8 @@ static pen::Plan compile(const char* file, pen::Extent extent, const pen::Device
     pen::CompileOptions options;
     if (checked) options.captures = checked->output_names();  // to write them to files
     // This G-buffer's formats; what is not named is as the pipeline has it. Nothing here has holes in it.
-    pen::Target target{.extent = extent, .facts = {{"alpha", false}}, .device = table};
+    pen::Target target{
+        .extent = extent, .facts = {{"alpha", false}, {"translucent", false}}, .device = table};
     if (checked)
         for (const pen::HostInput& input : checked->inputs)
             if (input.name == "normal") target.inputs["normal"] = {pen::Format::rgba32f, extent};

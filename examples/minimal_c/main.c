@@ -206,7 +206,8 @@ static void release(const resource* r) {
 /* --- Penumbra. ----------------------------------------------------------------------------------------- */
 static penumbra_plan* compile(char** argv, const penumbra_device* host) {
     static const char* const outputs[] = {"visibility"}; /* to write it to a file */
-    const penumbra_fact facts[] = {{.struct_size = sizeof *facts, .name = "alpha", .holds = VK_FALSE}};
+    const penumbra_fact facts[] = {{.struct_size = sizeof *facts, .name = "alpha", .holds = VK_FALSE},
+                                   {.struct_size = sizeof *facts, .name = "translucent", .holds = VK_FALSE}};
     const uint32_t width = (uint32_t)atoi(argv[2]), height = (uint32_t)atoi(argv[3]);
     const penumbra_input inputs[] = {
         {.struct_size = sizeof *inputs, .name = "normal", .format = "rgba32f", .width = width, .height = height}};
@@ -218,7 +219,7 @@ static penumbra_plan* compile(char** argv, const penumbra_device* host) {
                                            .captures = outputs,
                                            .capture_count = 1,
                                            .facts = facts,
-                                           .fact_count = 1,
+                                           .fact_count = 2,
                                            .inputs = inputs,
                                            .input_count = 1};
     penumbra_plan* plan;
