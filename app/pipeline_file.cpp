@@ -21,9 +21,12 @@ bool has_lights(const Pipeline& pipeline) {
            pipeline.instances.end();
 }
 
-// An instance for each light. What a light of the model is like is known when the model has been read: until
-// then it has a size and moves.
+}  // namespace
+
+// What a light of the model is like is known when the model has been read: until then it has a size and
+// moves.
 void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted, Diagnostics& diagnostics) {
+    if (!has_lights(pipeline)) return;
     const std::vector<std::string> names = choose_lights(shot, wanted, diagnostics);
     std::erase_if(pipeline.instances,
                   [](const PipelineInstance& instance) { return instance.family == lights_family; });
@@ -45,15 +48,13 @@ void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted
     }
 }
 
-}  // namespace
-
 std::optional<CheckedPipeline> open_pipeline(const std::string& file,
                                              const std::vector<std::string>& settings, const NodeSet& nodes,
                                              const Shot* shot, const std::string& light) {
     Diagnostics diagnostics;
     const auto found = shipped_file(file, shipped_root(), shipped_pipelines, diagnostics);
     auto pipeline = found ? load_pipeline(*found, settings, diagnostics) : std::nullopt;
-    if (pipeline && shot && has_lights(*pipeline)) name_lights(*pipeline, *shot, light, diagnostics);
+    if (pipeline && shot) name_lights(*pipeline, *shot, light, diagnostics);
     if (!diagnostics.empty()) pipeline.reset();
     auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
     if (!checked) std::cerr << diagnostics.text();

@@ -11,8 +11,11 @@
 
 namespace penumbra {
 
-// `shot`: whose lights stand in the place of those that the file names of its family "lights", if it has
-// one; `light`: only the one of this name, if any.
+// Puts a shot's lights into the place of those that a pipeline names of its family "lights", if it has one:
+// all, or the one that is wanted by its name.
+void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted, Diagnostics& diagnostics);
+
+// `shot`: whose lights are named, all or `light` alone.
 std::optional<CheckedPipeline> open_pipeline(const std::string& file,
                                              const std::vector<std::string>& settings, const NodeSet& nodes,
                                              const Shot* shot = nullptr, const std::string& light = {});

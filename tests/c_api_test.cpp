@@ -92,7 +92,9 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL of_a_lesser_driver(VkInstance instance,
 }
 
 TEST_F(CApiGpu, WhatADeviceLacksIsListedWhereThereIsRoom) {
-    const penumbra_plan_request request = request_of(text);
+    const penumbra_plan_request request =
+        request_of(R"({ "penumbra": 1, "name": "c", "inputs": { "depth": {}, "normal": {} },
+        "outputs": ["guide_normal"], "nodes": { "guides": { "type": "guides" } } })");
     ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
     penumbra_device device = host_device();
     device.get_instance_proc_addr = of_a_lesser_driver;

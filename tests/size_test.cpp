@@ -9,6 +9,7 @@
 #include "app/session.h"
 #include "app/truth.h"
 #include "tests/gpu_test.h"
+#include "tests/shot_pipeline.h"
 #include "tests/sized_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -24,7 +25,8 @@ using Outputs = std::vector<std::map<std::string, Bytes>>;  // by frame
 
 Outputs run(const std::string& name, std::array<uint32_t, 2> of_size,
             std::optional<std::array<uint32_t, 2>> in, uint32_t frames) {
-    const CheckedPipeline pipeline = shadow_pipeline_file(name);
+    const Shot shot = plaza_shot(of_size, frames);
+    const CheckedPipeline pipeline = pipeline_for(shot, name);
     SessionOptions options;
     options.size = of_size;
     options.largest = in;
@@ -32,7 +34,6 @@ Outputs run(const std::string& name, std::array<uint32_t, 2> of_size,
     options.poison = 0;  // what lies outside of the frame is no number
     options.optimum = options.pass_costs = false;
     options.cascade_size = 64;
-    const Shot shot = plaza_shot(of_size, frames);
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session = Session::open(gpu(), test_nodes(), pipeline, shot, options, diagnostics, warnings);

@@ -73,7 +73,7 @@ void Panels::left(const Live& live) {
     ImGui::Begin("left", nullptr, fixed);
     ImGui::SetNextItemWidth(-1);
     const bool open =
-        ImGui::BeginCombo("##pipeline", live.wish().pipeline.c_str(), ImGuiComboFlags_HeightLarge);
+        ImGui::BeginCombo("##pipeline", live.wish().pipeline.c_str(), ImGuiComboFlags_HeightLargest);
     mark("pipeline");
     if (open) {
         for (const std::string& name : pipelines_) {

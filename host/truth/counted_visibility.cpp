@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "host/generated/noise.h"
 #include "host/truth/concentric_disc.h"
@@ -58,15 +59,18 @@ struct Lines {
             if (height < 0) line[i] = -line[i];
         }
     }
+    glm::dvec3 weights(const glm::dvec3& d) const {
+        return {glm::dot(line[0], d), glm::dot(line[1], d), glm::dot(line[2], d)};
+    }
 };
 
-// Where a direction meets the triangle ahead: the weights of its corners.
-std::optional<std::array<double, 3>> hit_weights(const std::array<glm::dvec3, 3>& lines,
-                                                 const glm::dvec3& d) {
-    const glm::dvec3 w(glm::dot(lines[0], d), glm::dot(lines[1], d), glm::dot(lines[2], d));
-    if (!(w.x >= 0 && w.y >= 0 && w.z >= 0)) return std::nullopt;
-    const double sum = w.x + w.y + w.z;
-    return std::array{w.x / sum, w.y / sum, w.z / sum};
+// The triangle is met ahead.
+bool is_inside(const glm::dvec3& weights) {
+    return weights.x >= 0 && weights.y >= 0 && weights.z >= 0;
+}
+std::array<double, 3> of_corners(const glm::dvec3& weights) {
+    const double sum = weights.x + weights.y + weights.z;
+    return {weights.x / sum, weights.y / sum, weights.z / sum};
 }
 
 double height_over_origin(const Corners& v) {
@@ -99,6 +103,21 @@ std::vector<glm::dvec3> directions(const SunStrata& sun) {
         out.push_back(axes * glm::dvec3(disc * (h * std::sqrt(2 * (2 - v))), 1 - v));
     }
     return out;
+}
+
+// Nothing where the triangle lies beside the whole sun, or in a plane with the point: no direction has to be
+// asked.
+std::optional<Lines> lines_before(const Triangle& triangle, const glm::dvec3& at, const SunStrata& sun,
+                                  double sine) {
+    const Corners v = corners_from(triangle, at);
+    const double height = height_over_origin(v);
+    if (in_plane_of_origin(v, height, at)) return std::nullopt;
+    const Lines lines(v, height);
+    const auto beside = [&](const glm::dvec3& line) {
+        return glm::dot(line, sun.to_sun) < -sine * glm::length(line);
+    };
+    if (std::ranges::any_of(lines.line, beside)) return std::nullopt;
+    return lines;
 }
 
 }  // namespace
@@ -169,56 +188,47 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
     return out;
 }
 
-std::vector<CountedVisibility::Before> CountedVisibility::before(const Tree& tree, const SurfacePoint& point,
-                                                                 const SunStrata& sun,
-                                                                 std::optional<uint32_t> except) {
+std::vector<uint32_t> CountedVisibility::Tree::before(const SurfacePoint& point, const SunStrata& sun,
+                                                      std::optional<uint32_t> except) const {
     const TreeCone cone{point.at, sun.to_sun, std::cos(sun.angular_radius), std::sin(sun.angular_radius)};
-    std::vector<Before> out;
-    tree.walk([&](const TreeBox& box) { return cone.may_touch(box); },
-              [&](uint32_t index) {
-                  if (index == except) return;
-                  const Corners v = corners_from(tree.triangles[index], point.at);
-                  const double height = height_over_origin(v);
-                  if (in_plane_of_origin(v, height, point.at)) return;
-                  const Lines lines(v, height);
-                  // Beside the whole sun: no direction has to be asked.
-                  if (std::ranges::any_of(lines.line, [&](const glm::dvec3& line) {
-                          return glm::dot(line, sun.to_sun) < -cone.sine * glm::length(line);
-                      }))
-                      return;
-                  out.push_back({index, lines.line});
-              });
+    std::vector<uint32_t> out;
+    walk([&](const TreeBox& box) { return cone.may_touch(box); },
+         [&](uint32_t index) {
+             if (index != except) out.push_back(index);
+         });
     return out;
 }
 
 CountedVisibility::Seen CountedVisibility::seen(const SurfacePoint& point, const SunStrata& sun) const {
     const double sine = std::sin(sun.angular_radius), leaves_by = glm::dot(point.normal, sun.to_sun);
     if (leaves_by <= -sine) return {0, glm::dvec3(0)};
-    const std::vector<Before> opaque = before(opaque_, point, sun, point.triangle);
-    const std::vector<Before> coloured =
-        translucents_ ? before(translucent_, point, sun, std::nullopt) : std::vector<Before>{};
+    const std::vector<uint32_t> opaque = opaque_.before(point, sun, point.triangle);
+    const std::vector<uint32_t> coloured =
+        translucents_ ? translucent_.before(point, sun, std::nullopt) : std::vector<uint32_t>{};
     if (opaque.empty() && coloured.empty() && leaves_by > sine) return {1, glm::dvec3(1)};
 
     std::vector<glm::dvec3> free = directions(sun);
     const auto all = static_cast<double>(free.size());
     std::erase_if(free, [&](const glm::dvec3& d) { return glm::dot(point.normal, d) <= 0; });
-    for (const Before& triangle : opaque) {
-        const uint32_t record = alpha_ ? alpha_->record_of[triangle.index] : 0;
+    for (const uint32_t index : opaque) {
+        const auto lines = lines_before(opaque_.triangles[index], point.at, sun, sine);
+        if (!lines) continue;
+        const uint32_t record = alpha_ ? alpha_->record_of[index] : 0;
         std::erase_if(free, [&](const glm::dvec3& d) {
-            const auto w = hit_weights(triangle.lines, d);
-            return w && (record == 0 || alpha_->blocks(record - 1, *w));
+            const glm::dvec3 w = lines->weights(d);
+            return is_inside(w) && (record == 0 || alpha_->blocks(record - 1, of_corners(w)));
         });
         if (free.empty()) break;
     }
-    Seen out{static_cast<double>(free.size()) / all, glm::dvec3(0)};
-    for (const glm::dvec3& d : free) {
-        glm::dvec3 light(1);
-        for (const Before& triangle : coloured)
-            if (const auto w = hit_weights(triangle.lines, d))
-                light *= translucents_->transmittance(triangle.index, *w);
-        out.transmittance += light / all;
-    }
-    return out;
+    const double visibility = static_cast<double>(free.size()) / all;
+    if (coloured.empty()) return {visibility, glm::dvec3(visibility)};
+    std::vector<glm::dvec3> light(free.size(), glm::dvec3(1));
+    for (const uint32_t index : coloured)
+        if (const auto lines = lines_before(translucent_.triangles[index], point.at, sun, sine))
+            for (size_t i = 0; i < free.size(); ++i)
+                if (const glm::dvec3 w = lines->weights(free[i]); is_inside(w))
+                    light[i] *= translucents_->transmittance(index, of_corners(w));
+    return {visibility, std::accumulate(light.begin(), light.end(), glm::dvec3(0)) / all};
 }
 
 }  // namespace penumbra

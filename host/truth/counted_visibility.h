@@ -74,14 +74,10 @@ class CountedVisibility {
         // visit(index) of every triangle in boxes that touches(box) says it touches.
         template <class Touches, class Visit>
         void walk(const Touches& touches, Visit&& visit) const;
+        // Those that may stand before a part of the sun, from the point.
+        std::vector<uint32_t> before(const SurfacePoint& point, const SunStrata& sun,
+                                     std::optional<uint32_t> except) const;
     };
-    // A triangle that may stand before a part of the sun, from the point.
-    struct Before {
-        uint32_t index = 0;
-        std::array<glm::dvec3, 3> lines;
-    };
-    static std::vector<Before> before(const Tree& tree, const SurfacePoint& point, const SunStrata& sun,
-                                      std::optional<uint32_t> except);
 
     Tree opaque_;
     std::optional<SceneAlpha> alpha_;
