@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -84,10 +85,13 @@ std::vector<Texels> captured_texels(const Session& session, const std::string& n
     throw FileError(fmt::format("\"{}\" was not captured", name));
 }
 
-// What the files of a layer are called, after their resource: by its light where each is of one.
+// What the files of a layer are called, after their resource: by its light where each is of one, of a
+// pipeline that takes them all in one input.
 std::string name_of_layer(const Session& session, size_t layer, size_t layers) {
     const std::vector<std::string>& lights = session.host().light_names();
-    if (lights.size() == layers) return "." + lights[layer];
+    const bool of_lights =
+        std::ranges::find(session.plan().slots, "lights", &HostSlot::name) != session.plan().slots.end();
+    if (of_lights && lights.size() == layers) return "." + lights[layer];
     return layers == 1 ? "" : fmt::format(".{}", layer);
 }
 
