@@ -391,9 +391,10 @@ TEST_F(Gather, KeepsTwoReceiversApart) {
     EXPECT_GT(with.n_eff(), 15);
 }
 
-// A ledge over a floor: what hides the floor from the sun lies below the ledge.
+// A ledge over a floor: what hides the floor from the sun lies below the ledge. The sun stands straight
+// above, so that both see it through the same place.
 TEST_F(Gather, AsksNobodyOnAnotherPlane) {
-    Setting setting{.edges = {{distance_for(12), 90}}};
+    Setting setting{.edges = {{distance_for(12), 90}}, .sun_elevation_deg = 90};
     setting.above = [](int x, int) { return x < 44; };
     setting.step_m = [&](int x, int y) { return setting.above(x, y) ? 0.3 : 0.0; };
     for (setting.seed = 1; setting.seed <= 3; ++setting.seed) {
