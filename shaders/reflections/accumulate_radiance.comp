@@ -180,7 +180,8 @@ void for_pixel(ivec2 p) {
     imageStore(accumulated, p, uvec4(kept.x));
     imageStore(frames, p, vec4(byte_texel(kept.y)));
     const float of_past2 = (best.worth * best.worth * best.drift.of_past2 + own * variance) / (n * n);
-    imageStore(deviation, p, vec4(min(sqrt(around.variance / n * max(1.0, 4.0 / n)), 65504.0)));
+    const float expected2 = max(around.variance / n, around.samples < 2.0 ? 0.0 : of_past2);
+    imageStore(deviation, p, vec4(min(sqrt(expected2 * max(1.0, 4.0 / n)), 65504.0)));
     // A past that is left behind takes its drift along.
     const Drift kept_drift = best.worth > 0.0 ? Drift(best.drift.mean, best.drift.of_mean2, of_past2) : Drift(vec3(0.0), 0.0, of_past2);
     if (keeps_drift(p)) imageStore(drift, p / 2, uvec4(encode_drift(kept_drift), 0u, 0u));
