@@ -12,6 +12,7 @@ const float MISS_M = 65504.0;  // a distance that stands for "nothing": the larg
 struct Incident {
     vec3 radiance;   // not negative, at most MAX_RADIANCE
     float distance_m;  // at most MISS_M, which is no hit or one as far
+    vec3 normal;     // of what it hit, 0 without a hit
     bool moves;      // what it hit stands elsewhere than in the previous frame
 };
 
@@ -33,8 +34,8 @@ vec3 light_of_sun(HitSurface hit, float distance_m, vec2 u) {
 // `origin` in the scene's frame, `direction` a unit vector; `u`: where on the sun's disc the shadow ray goes.
 Incident incident(vec3 origin, vec3 direction, vec2 u) {
     const ClosestHit ray = closest_hit(origin, direction, 0.0, FARTHEST_M);
-    if (!ray.found) return Incident(storable(environment_radiance(direction)), MISS_M, false);
+    if (!ray.found) return Incident(storable(environment_radiance(direction)), MISS_M, vec3(0.0), false);
     const HitSurface hit = hit_surface(ray.triangle, origin + ray.t * direction, direction);
     const vec3 light = params.ambient + light_of_sun(hit, ray.t, u);
-    return Incident(storable(hit.emissive + hit.base_color * light), min(ray.t, MISS_M), hit.moves);
+    return Incident(storable(hit.emissive + hit.base_color * light), min(ray.t, MISS_M), hit.normal, hit.moves);
 }

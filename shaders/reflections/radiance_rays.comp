@@ -8,6 +8,7 @@
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
+#include "common/rounded.glsl"
 #include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
 #include "common/finite.glsl"
@@ -19,6 +20,7 @@
 #include "reflections/lobe.glsl"
 #include "reflections/pixel_lobe.glsl"
 #include "reflections/ray_texel.glsl"
+#include "reflections/ray_word.glsl"
 #include "reflections/ray_numbers.glsl"
 #include "reflections/ray_turns.glsl"
 
@@ -60,7 +62,8 @@ void for_pixel(ivec2 p) {
         }
         if (sum.w > 0.0) light.radiance = sum.rgb / sum.w;
     }
-    store(p, encode_ray(light.radiance, light.distance_m, light.moves), pack_direction(direction));
+    const vec4 ray = encode_ray(light.radiance, light.distance_m, light.moves);
+    store(p, ray, encode_ray_word(RayWord(direction, missed(ray) ? -direction : light.normal), roughness));
 }
 
 void main() { for_each_pixel_in_turn(); }

@@ -26,7 +26,7 @@ float lobe_weight(float turned2, float roughness) {
 
 // How many deviations a difference may have.
 float tolerance(float roughness) {
-    return LOBE == LOBE_DIFFUSE ? 6.0 : 1.0 + 5.0 * clamp(5.0 * (roughness - 0.2), 0.0, 1.0);
+    return LOBE == LOBE_DIFFUSE ? 4.0 : 1.0 + 3.0 * clamp(2.0 * (roughness - 0.2), 0.0, 1.0);
 }
 
 // The same whichever of the two asks.
@@ -53,7 +53,7 @@ void for_pixel(ivec2 p) {
         return;
     }
     vec3 gained = vec3(0.0);
-    float kept = 1.0, variance = 0.0;
+    float kept = 1.0, variance = 0.0, deviations = 0.0;
     for (int i = 0; i < 9; ++i) {
         if (i == 4) continue;
         const ivec2 o = ivec2(i % 3, i / 3) - 1, q = p + o * int(STEP);
@@ -63,9 +63,13 @@ void for_pixel(ivec2 p) {
         const float weight = KERNEL[abs(o.x)] * KERNEL[abs(o.y)] * pair_weight(here, there, own, other);
         gained += weight * (other.rgb - own.rgb);
         variance += weight * weight * other.w * other.w;
+        deviations += weight * other.w;
         kept -= weight;
     }
     variance += kept * kept * own.w * own.w;
+    deviations += kept * own.w;
+    const float common_share = STEP == 1u ? 0.7 : STEP == 2u ? 0.4 : STEP == 4u ? 0.15 : 0.0;
+    variance = mix(variance, deviations * deviations, common_share);
     imageStore(filtered, p, vec4(round_to(own.rgb + gained, HALF_BITS), min(sqrt(variance), 65504.0)));
 }
 

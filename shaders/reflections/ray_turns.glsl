@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Which pixels have a ray in a frame where not all have one: every second on a checkerboard, or one of 2x2, another in each of four
-// frames. In a workgroup of 8x8 those that have one come first, so that whole subgroups end at once.
+// frames. Where the specular lobe has its turn the diffuse one has not, so that half of the rays for either is one ray per pixel.
+// In a workgroup of 8x8 those that have one come first, so that whole subgroups end at once.
 //
 // Includer has common/pixels.glsl, reflections/lobe.glsl and reflections/ray_numbers.glsl and declares: constant RAYS.
 
+const uint TURN_OF_LOBE = LOBE == LOBE_DIFFUSE ? 1u : 0u;
+
 // Of the one pixel of 2x2: x, and y in the second bit. Opposite corners first.
-uint quarter_in_turn() { return uint[](0u, 3u, 1u, 2u)[frame.frame_index & 3u]; }
+uint quarter_in_turn() { return uint[](0u, 3u, 1u, 2u)[frame.frame_index + TURN_OF_LOBE & 3u]; }
 
 bool in_turn(ivec2 p) {
-    if (RAYS == RAYS_HALF) return ((uint(p.x + p.y) + frame.frame_index) & 1u) == 0u;
+    if (RAYS == RAYS_HALF) return (uint(p.x + p.y) + frame.frame_index + TURN_OF_LOBE & 1u) == 0u;
     if (RAYS == RAYS_QUARTER) return (uint(p.x & 1) | uint(p.y & 1) << 1) == quarter_in_turn();
     return true;
 }
@@ -31,7 +34,7 @@ bool is_narrow(float roughness) {
 uvec2 pixel_of_lane(uint lane) {
     const uint turn = RAYS == RAYS_HALF ? lane >> 5 : lane >> 4, k = RAYS == RAYS_HALF ? lane & 31u : lane & 15u;
     const uint column = 2u * (k & 3u), row = k >> 2;
-    if (RAYS == RAYS_HALF) return uvec2(column + (row + frame.frame_index + turn & 1u), row);
+    if (RAYS == RAYS_HALF) return uvec2(column + (row + frame.frame_index + TURN_OF_LOBE + turn & 1u), row);
     const uint offset = quarter_in_turn() ^ turn;
     return uvec2(column + (offset & 1u), 2u * row + (offset >> 1));
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The reconnection gather: what a neighbour's ray found is a sample of this pixel's integral too, with this pixel's response
 // and all neighbours' densities. Pairwise multiple importance weights (Bitterli et al. 2020 for reservoirs; here over rays),
-// normalised by their sum: the result is demodulated, and a constant stays what it is.
+// normalised: the result is demodulated, and a constant stays what it is.
 //   w_j = F_p(Q_j) / ((M-1) q_j(Q_j) + q_p(Q_j)),  w_p = mean over k of F_p(Q_p) / ((M-1) q_k(Q_p) + q_p(Q_p))
-// with densities per area at the hit point Q, cosine at the hit left out: it is in all of them.
+// with densities per area at the hit point Q. Without its normal the cosine there is left out, as if it were the same for all of them:
+// close by, where it is not, what lies along a wall then counts too much.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
@@ -14,6 +15,7 @@
 #include "reflections/lobe.glsl"
 #include "reflections/pixel_lobe.glsl"
 #include "reflections/ray_texel.glsl"
+#include "reflections/ray_word.glsl"
 #include "reflections/radiance_word.glsl"
 #include "reflections/gathered_texel.glsl"
 
@@ -26,20 +28,31 @@ ivec2 tap(int i) { return ivec2(i % SIDE, i / SIDE) - REACH; }
 // A point that a ray found, or the direction that it left in.
 struct Found {
     vec3 at;  // camera-relative, or a unit vector
+    vec3 normal;
     bool far;
+    float m, cosine;  // how far away and how steeply the ray met it
 };
 
-Found found(vec3 x, vec4 ray, vec3 direction) {
-    const bool far = missed(ray);
-    return Found(far ? direction : x + abs(ray.w) * direction, far);
+const float LEAST_COSINE = 0.005;  // a normal is off by less
+
+float cosine_at(vec3 normal, vec3 direction) {
+    const float cosine = -dot(normal, direction);
+    return cosine < -LEAST_COSINE ? 0.0 : max(cosine, LEAST_COSINE);
 }
 
-// Density and response of a lobe at x for what was found, times the squared distance that it was found at.
-vec2 at_found(Lobe lobe, vec3 x, Found f, float found_m) {
+Found found(vec3 x, vec4 ray, RayWord word) {
+    const bool far = missed(ray);
+    return Found(far ? word.direction : x + abs(ray.w) * word.direction, word.hit_normal, far, abs(ray.w),
+                 max(cosine_at(word.hit_normal, word.direction), LEAST_COSINE));
+}
+
+// Density and response of a lobe at x for what was found: per area there, in units of what its own ray saw.
+vec2 at_found(Lobe lobe, vec3 x, Found f) {
     if (f.far) return density_and_response(lobe, f.at);
     const vec3 to = f.at - x;
     const float d2 = max(dot(to, to), 1e-10);
-    return density_and_response(lobe, to * inversesqrt(d2)) * (found_m * found_m / d2);
+    const vec3 direction = to * inversesqrt(d2);
+    return density_and_response(lobe, direction) * (f.m * f.m * cosine_at(f.normal, direction) / (d2 * f.cosine));
 }
 
 struct Sums {
@@ -122,35 +135,45 @@ void for_pixel(ivec2 p) {
     }
 
     const float others = float(bitCount(kept));
-    const vec3 own_direction = unpack_direction(texelFetch(ray_direction, p, 0).x);
-    const Found own_found = found(x, own, own_direction);
-    const vec2 own_lobe = density_and_response(lobe, own_direction);
+    const RayWord own_word = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness);
+    const Found own_found = found(x, own, own_word);
+    const vec2 own_lobe = density_and_response(lobe, own_word.direction);
     Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
+    vec4 around = vec4(0.0);  // response over density of each ray in its own pixel, and of that times L
     float own_weight = 0.0;
     for (int i = 0; i < TAPS; ++i) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
         const ivec2 q = p + tap(i);
         const vec3 x_q = position(q, imageLoad(view_depth, q).x);
-        const Lobe lobe_q = pixel_lobe(q, normal_at(q), pixel_roughness(q));
+        const float roughness_q = pixel_roughness(q);
+        const Lobe lobe_q = pixel_lobe(q, normal_at(q), roughness_q);
         const vec4 ray = texelFetch(radiance, q, 0);
-        const vec3 direction = unpack_direction(texelFetch(ray_direction, q, 0).x);
-        const vec2 here = at_found(lobe, x, found(x_q, ray, direction), abs(ray.w));
-        const float there = density_and_response(lobe_q, direction).x;
-        add(sums, here.y / max(others * there + here.x, 1e-30), ray);
+        const RayWord word = decode_ray_word(texelFetch(ray_direction, q, 0).x, roughness_q);
+        const vec2 here = at_found(lobe, x, found(x_q, ray, word)), there = density_and_response(lobe_q, word.direction);
+        add(sums, here.y / max(others * there.x + here.x, 1e-30), ray);
+        around += there.y / max(there.x, 1e-30) * vec4(ray.rgb, 1.0);
         if (!ray_here) continue;
-        const float of_own = at_found(lobe_q, x_q, own_found, abs(own.w)).x;
+        const float of_own = at_found(lobe_q, x_q, own_found).x;
         own_weight += own_lobe.y / max(others * of_own + own_lobe.x, 1e-30);
     }
-    if (ray_here) add(sums, own_weight / others, own);
+    if (ray_here) {
+        add(sums, own_weight / others, own);
+        around += own_lobe.y / max(own_lobe.x, 1e-30) * vec4(own.rgb, 1.0);
+    }
     if (!(sums.weight > 1e-20)) {
         store_alone(p, x, lobe.n, z, own);
         return;
     }
 
-    const vec3 g = sums.radiance / sums.weight;
+    // Weights sum up to the response's integral in the mean, which neighbours' rays tell well: what the sum lacks or has too much
+    // of is their mean radiance. Divided by their sum instead, what only some pixels find well is too faint, in every frame.
+    const bool whole = ray_here && is_wide(roughness) && around.w > 0.0;
+    const float integral = whole ? around.w / (others + 1.0) : sums.weight;
+    const vec3 lacking = whole ? around.rgb / around.w * (integral - sums.weight) : vec3(0.0);
+    const vec3 g = max((sums.radiance + lacking) / integral, 0.0);
     const float samples = sums.weight * sums.weight / sums.squares;
     const float spread = sums.of_squares2 - 2.0 * dot(g, sums.of_squares) + dot(g, g) * sums.squares;
-    const float variance = max(spread, 0.0) / (sums.weight * sums.weight) * samples / max(samples - 1.0, 0.5);
+    const float variance = max(spread, 0.0) / (integral * integral) * samples / max(samples - 1.0, 0.5);
     store(p, g, sums.weight / sums.inverse_m, sums.moving > 0.1 * sums.weight, sqrt(variance), samples);
 }
 

@@ -29,7 +29,10 @@ struct Images {
 };
 Images run(bool turned) {
     const Shot shot = moving_shot();
-    const auto session = open_shipped("reflections", shot, {}, {"radiance", "ray_direction"});
+    const auto session =
+        open_shipped("reflections", shot,
+                     {"nodes.rays.params.hit_normals=false", "nodes.reconnect.params.hit_normals=false"},
+                     {"radiance", "ray_direction"});
     ViewRunOptions options;
     options.formats = {{"depth", Format::r32f},
                        {"normal", Format::rgba32f},

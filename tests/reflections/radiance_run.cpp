@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 
@@ -113,11 +114,16 @@ double mean_accumulated(const Session& session) {
     return sum / (3.0 * static_cast<double>(words.size()));
 }
 
-double mean_gathered(const Session& session) {
+std::vector<double> gathered(const Session& session) {
+    std::vector<double> means;
     const auto words = captured<std::array<uint32_t, 2>>(session.view(), "gathered");
-    double sum = 0;
-    for (const auto& [radiance, rest] : words) sum += sum_of_word(radiance, 0);
-    return sum / (3.0 * static_cast<double>(words.size()));
+    for (const auto& [radiance, rest] : words) means.push_back(sum_of_word(radiance, 0) / 3);
+    return means;
+}
+
+double mean_gathered(const Session& session) {
+    const auto pixels = gathered(session);
+    return std::reduce(pixels.begin(), pixels.end()) / static_cast<double>(pixels.size());
 }
 
 std::array<std::vector<float>, 3> colors(const Session& session) {

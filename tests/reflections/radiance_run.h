@@ -39,6 +39,7 @@ std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& s
 // mantissa in `frames`, or of `gathered`. Both captured.
 double mean_accumulated(const Session& session);
 double mean_gathered(const Session& session);
+std::vector<double> gathered(const Session& session);  // each pixel's, over its channels
 
 // The colour planes of the pipeline's only output.
 std::array<std::vector<float>, 3> colors(const Session& session);

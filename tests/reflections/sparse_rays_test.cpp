@@ -95,10 +95,32 @@ TEST_F(SparseRays, AWhiteFurnaceStaysWhite) {
         }
 }
 
+// Rays of half of the pixels for either lobe are one ray in each.
+TEST_F(SparseRays, OneLobePerPixel) {
+    Shot shot = floor_in_motion({0.3f}, 4);
+    shot.environment = linear_sky(1, 1);
+    const auto session = open_shipped("lit_fast", shot, {}, {"radiance", "diffuse_radiance"});
+    for (uint32_t frame = 0; frame < shot.frames; ++frame) {
+        session->run_frame(frame, frame == 0);
+        const auto specular = captured<std::array<uint16_t, 4>>(session->view(), "radiance"),
+                   diffuse = captured<std::array<uint16_t, 4>>(session->view(), "diffuse_radiance");
+        size_t surfaces = 0;
+        for (size_t i = 0; i < specular.size(); ++i) {
+            const int rays = (specular[i][3] != 0) + (diffuse[i][3] != 0);
+            ASSERT_LE(rays, 1) << "pixel " << i << ", frame " << frame;
+            surfaces += static_cast<size_t>(rays);
+        }
+        EXPECT_GT(surfaces, 1000u);
+    }
+}
+
 TEST_F(SparseRays, AHostMayCastWhereItLikes) {
     Shot shot = floor_in_motion({0, 0.1f, 0.3f, 0.8f}, 4);
     shot.environment = linear_sky(1, 1);
-    const auto session = open_shipped("reflections", shot, {}, {"radiance", "ray_direction"});
+    const auto session =
+        open_shipped("reflections", shot,
+                     {"nodes.rays.params.hit_normals=false", "nodes.reconnect.params.hit_normals=false"},
+                     {"radiance", "ray_direction"});
     ViewRunOptions options;
     options.formats = {{"depth", Format::r32f},
                        {"normal", Format::rgba32f},
