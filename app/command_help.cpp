@@ -5,9 +5,11 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
+#include "app/shipped_files.h"
 #include "app/view_source.h"
 #include "penumbra/diagnostic.h"
 
@@ -82,28 +84,65 @@ std::vector<std::string> option_names(const CLI::App& command) {
     return names;
 }
 
+// What can stand after an option or as a command's argument; nothing where that is anything, or a file.
+std::vector<std::string> values_of(const CLI::Option& option) {
+    const std::string name = option.get_name(), type = option.get_type_name();
+    if (name == "--shot" || name == "--shots") return shipped_names(shipped_root(), shipped_shots);
+    if (name == "pipeline" || name == "pipelines" || name == "files" || name == "--pipelines")
+        return shipped_names(shipped_root(), shipped_pipelines);
+    std::vector<std::string> values;  // of CLI::IsMember: TEXT:{a,b}
+    if (const size_t at = type.find('{'); at != type.npos) {
+        std::istringstream list(type.substr(at + 1, type.find('}') - at - 1));
+        for (std::string value; std::getline(list, value, ',');) values.push_back(value);
+    }
+    return values;
+}
+
 std::string bash_script(const CLI::App& app) {
     std::vector<std::string> commands;
-    std::string cases;
+    std::string cases, values;
+    const auto add = [&](const std::string& pattern, const std::vector<std::string>& list) {
+        if (!list.empty())
+            values += fmt::format("        {}) words='{}' ;;\n", pattern, fmt::join(list, " "));
+    };
     for (const CLI::App* command : app.get_subcommands({})) {
         commands.push_back(command->get_name());
         cases += fmt::format("        {}) words='{}' ;;\n", command->get_name(),
                              fmt::join(option_names(*command), " "));
+        for (const CLI::Option* option : command->get_options())
+            if (!option->get_positional())
+                add(command->get_name() + ":" + option->get_name(), values_of(*option));
+        // After an option that takes a value stands that; an option without one is no different from a file.
+        std::vector<std::string> valued;
+        for (const CLI::Option* option : command->get_options())
+            if (!option->get_positional() && option->get_items_expected_max() > 0)
+                for (const std::string& name : option->get_lnames()) valued.push_back("--" + name);
+        for (const CLI::Option* option : command->get_options())
+            if (const auto list = values_of(*option); option->get_positional() && !list.empty()) {
+                for (std::string& name : valued) name = command->get_name() + ":" + name;
+                if (!valued.empty()) values += fmt::format("        {}) ;;\n", fmt::join(valued, "|"));
+                add(command->get_name() + ":*", list);
+            }
     }
-    return fmt::format(R"(# Completion of penumbra's commands and options; file names elsewhere.
+    return fmt::format(R"(# Completion of penumbra's commands, options and their values; file names elsewhere.
 _penumbra() {{
     local word=${{COMP_WORDS[COMP_CWORD]}} words=
     if [[ $COMP_CWORD == 1 ]]; then
         COMPREPLY=($(compgen -W '{}' -- "$word"))
         return
     fi
-    case ${{COMP_WORDS[1]}} in
-{}    esac
-    [[ $word == -* ]] && COMPREPLY=($(compgen -W "$words" -- "$word"))
+    if [[ $word == -* ]]; then
+        case ${{COMP_WORDS[1]}} in
+{}        esac
+    else
+        case ${{COMP_WORDS[1]}}:${{COMP_WORDS[COMP_CWORD - 1]}} in
+{}        esac
+    fi
+    COMPREPLY=($(compgen -W "$words" -- "$word"))
 }}
 complete -o default -F _penumbra penumbra
 )",
-                       fmt::join(commands, " "), cases);
+                       fmt::join(commands, " "), cases, values);
 }
 
 std::string quoted(std::string text) {
@@ -112,14 +151,21 @@ std::string quoted(std::string text) {
 }
 
 std::string fish_script(const CLI::App& app) {
-    std::string text = "# Completion of penumbra's commands and options.\n";
+    std::string text = "# Completion of penumbra's commands, options and their values.\n";
     for (const CLI::App* command : app.get_subcommands({})) {
+        const std::string of =
+            "complete -c penumbra -n '__fish_seen_subcommand_from " + command->get_name() + "'";
         text += fmt::format("complete -c penumbra -n __fish_use_subcommand -a {} -d {}\n",
                             command->get_name(), quoted(command->get_description()));
-        for (const CLI::Option* option : command->get_options())
+        for (const CLI::Option* option : command->get_options()) {
+            const auto values = values_of(*option);
+            const std::string list = values.empty() ? "" : fmt::format(" -a '{}'", fmt::join(values, " "));
+            if (option->get_positional() && !list.empty()) text += of + list + "\n";
             for (const std::string& name : option->get_lnames())
-                text += fmt::format("complete -c penumbra -n '__fish_seen_subcommand_from {}' -l {} -d {}\n",
-                                    command->get_name(), name, quoted(option->get_description()));
+                text += fmt::format("{} -l {}{}{} -d {}\n", of, name,
+                                    option->get_items_expected_max() > 0 ? " -r" : "", list,
+                                    quoted(option->get_description()));
+        }
     }
     return text;
 }

@@ -65,45 +65,43 @@ uint32_t steps_of(const Study& study, const std::set<std::string>& parts) {
     return runs;
 }
 
-bool print_still(const Bench& bench) {
-    fmt::print(
+bool print_still(const Bench& bench, const Progress& progress) {
+    progress.print(fmt::format(
         "| penumbra, px | first frame | asked | frame {} | asked | flicker of the penumbra / 255 | of all | "
-        "asked |\n",
-        bench.study.still_frames - 1);
-    fmt::print("|---|---|---|---|---|---|---|---|\n");
+        "asked |\n|---|---|---|---|---|---|---|---|\n",
+        bench.study.still_frames - 1));
     for (const double width : bench.study.widths_px) {
         const auto still = measure_still(bench, width);
         if (!still) return false;
-        fmt::print("| {:g} | {} | {} | {} | {} | {} | {} | {} |\n", width, text_of(still->first),
-                   asked_text(width, &Asked::first), text_of(still->last), asked_text(width, &Asked::last),
-                   text_of(still->flicker), text_of(still->flicker_all), asked_text(width, &Asked::flicker));
-        std::fflush(stdout);
+        progress.print(fmt::format(
+            "| {:g} | {} | {} | {} | {} | {} | {} | {} |\n", width, text_of(still->first),
+            asked_text(width, &Asked::first), text_of(still->last), asked_text(width, &Asked::last),
+            text_of(still->flicker), text_of(still->flicker_all), asked_text(width, &Asked::flicker)));
     }
     return true;
 }
 
-bool print_moving(const Bench& bench) {
-    fmt::print("\n| penumbra, px |");
-    for (const double speed : bench.study.speeds_px) fmt::print(" {:g} |", speed);
-    fmt::print(" worst | asked |\n|---|---|---|");
-    for (size_t i = 0; i < bench.study.speeds_px.size(); ++i) fmt::print("---|");
-    fmt::print("\n");
+bool print_moving(const Bench& bench, const Progress& progress) {
+    std::string head = "\n| penumbra, px |";
+    for (const double speed : bench.study.speeds_px) head += fmt::format(" {:g} |", speed);
+    head += " worst | asked |\n|---|---|---|";
+    for (size_t i = 0; i < bench.study.speeds_px.size(); ++i) head += "---|";
+    progress.print(head + "\n");
     for (const double width : bench.study.widths_px) {
         const auto moving = measure_moving(bench, width);
         if (!moving) return false;
-        fmt::print("| {:g} |", width);
-        for (const Moving& m : *moving) fmt::print(" {:.3g} |", m.n_eff.median);
+        std::string row = fmt::format("| {:g} |", width);
+        for (const Moving& m : *moving) row += fmt::format(" {:.3g} |", m.n_eff.median);
         const auto worst =
             std::ranges::min_element(*moving, {}, [](const Moving& m) { return m.n_eff.median; });
-        fmt::print(" {} at {:g} | {} |\n", text_of(worst->n_eff), worst->speed_px,
-                   asked_text(width, &Asked::moving));
-        std::fflush(stdout);
+        progress.print(row + fmt::format(" {} at {:g} | {} |\n", text_of(worst->n_eff), worst->speed_px,
+                                         asked_text(width, &Asked::moving)));
     }
     return true;
 }
 
-bool print_jump(const Bench& bench) {
-    fmt::print(
+bool print_jump(const Bench& bench, const Progress& progress) {
+    progress.print(
         "\n| penumbra, px | the sun moves the shadow by | k90, frames | asked | N_eff a frame later | "
         "left after 0, 1, ... frames |\n"
         "|---|---|---|---|---|---|\n");
@@ -114,38 +112,38 @@ bool print_jump(const Bench& bench) {
             std::string left;
             for (size_t k = 0; k < std::min<size_t>(jump->left.size(), 6); ++k)
                 left += fmt::format("{}{:.3f}", k ? " " : "", jump->left[k]);
-            fmt::print("| {:g} | {:g}{} | {} | {} | {} | {} |\n", width, way * bench.study.jump_px,
-                       told ? "" : ", untold", text_of(jump->k90), asked_text(width, &Asked::k90),
-                       text_of(jump->n_eff), left);
-            std::fflush(stdout);
+            progress.print(fmt::format("| {:g} | {:g}{} | {} | {} | {} | {} |\n", width,
+                                       way * bench.study.jump_px, told ? "" : ", untold", text_of(jump->k90),
+                                       asked_text(width, &Asked::k90), text_of(jump->n_eff), left));
         }
     return true;
 }
 
-bool print_tilted(const Bench& bench) {
-    fmt::print("\n| receiver tilted by |");
-    for (const double width : bench.study.tilted_widths_px) fmt::print(" {:g} px | worst edge |", width);
-    fmt::print("\n|---|");
-    for (size_t i = 0; i < bench.study.tilted_widths_px.size(); ++i) fmt::print("---|---|");
-    fmt::print("\n");
+bool print_tilted(const Bench& bench, const Progress& progress) {
+    std::string head = "\n| receiver tilted by |";
+    for (const double width : bench.study.tilted_widths_px)
+        head += fmt::format(" {:g} px | worst edge |", width);
+    head += "\n|---|";
+    for (size_t i = 0; i < bench.study.tilted_widths_px.size(); ++i) head += "---|---|";
+    progress.print(head + "\n");
     for (const double tilt : bench.study.tilts_deg) {
-        fmt::print("| {:g} |", tilt);
+        std::string row = fmt::format("| {:g} |", tilt);
         for (const double width : bench.study.tilted_widths_px) {
             const auto tilted = measure_tilted(bench, width, tilt);
             if (!tilted) return false;
-            fmt::print(" {:.3g} | {:.3g} at {:g} |", tilted->mean, tilted->worst, tilted->worst_edge_deg);
-            std::fflush(stdout);
+            row += fmt::format(" {:.3g} | {:.3g} at {:g} |", tilted->mean, tilted->worst,
+                               tilted->worst_edge_deg);
         }
-        fmt::print("\n");
+        progress.print(row + "\n");
     }
     return true;
 }
 
-bool print_tables(const Bench& bench, const std::set<std::string>& parts) {
-    return (!parts.contains("still") || print_still(bench)) &&
-           (!parts.contains("moving") || print_moving(bench)) &&
-           (!parts.contains("jump") || print_jump(bench)) &&
-           (!parts.contains("tilted") || print_tilted(bench));
+bool print_tables(const Bench& bench, const std::set<std::string>& parts, const Progress& progress) {
+    return (!parts.contains("still") || print_still(bench, progress)) &&
+           (!parts.contains("moving") || print_moving(bench, progress)) &&
+           (!parts.contains("jump") || print_jump(bench, progress)) &&
+           (!parts.contains("tilted") || print_tilted(bench, progress));
 }
 
 }  // namespace
@@ -178,12 +176,13 @@ int run_gates(const GatesArguments& arguments) {
         Device device({arguments.device, false});
         Progress progress("gates", static_cast<uint32_t>(pipelines.size()) * steps_of(study, parts));
         for (const auto& [name, pipeline] : pipelines) {
-            fmt::print("{}{}, {} seeds, {}x{}, edge at {:g} degrees\n\n",
-                       &name == &pipelines.front().first ? "" : "\n", name, study.seeds, study.size[0],
-                       study.size[1], study.edge_deg);
+            progress.print(fmt::format("{}{}, {} seed{}, {}x{}, edge at {:g} degrees\n\n",
+                                       &name == &pipelines.front().first ? "" : "\n", name, study.seeds,
+                                       study.seeds == 1 ? "" : "s", study.size[0], study.size[1],
+                                       study.edge_deg));
             good = good && print_tables({device, *nodes, pipeline, study, [&] { progress.step(); },
                                          diagnostics, warnings},
-                                        parts);
+                                        parts, progress);
         }
     }
     for (const std::string& warning : std::set(warnings.begin(), warnings.end()))

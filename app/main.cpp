@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <new>
 
@@ -27,7 +28,7 @@ void add_node_folders(CLI::App* command, std::vector<std::string>& folders) {
 CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
     CLI::Option* shot = command->add_option("--shot", a.shot, "shot: a file, or the name of a shipped one");
     command->add_option("--model", a.models,
-                        "glTF 2.0 files (.glb, .gltf) instead, seen as `penumbra shot` says");
+                        "glTF 2.0 files (.glb, .gltf, .vrm) instead, seen as `penumbra shot` says");
     command->add_flag("--ground", a.ground, "put a ground below the model");
     return shot;
 }
@@ -217,7 +218,8 @@ void add_gates(CLI::App& app, GatesArguments& a) {
 void add_shot(CLI::App& app, ShotArguments& a) {
     CLI::App* c =
         app.add_subcommand("shot", "write the shot that `render MODEL` makes up, as a start for your own");
-    c->add_option("models", a.view.models, "glTF 2.0 files (.glb, .gltf), each where it says")->required();
+    c->add_option("models", a.view.models, "glTF 2.0 files (.glb, .gltf, .vrm), each where it says")
+        ->required();
     c->add_option("--out", a.out, "file to write (default: NAME.shot.json here)");
     c->add_flag("--ground", a.view.ground, "put a ground below the model");
 }
@@ -396,6 +398,8 @@ int main(int argc, char** argv) {
         code = run(argc, argv);
     } catch (const std::bad_alloc&) {
         std::cerr << "penumbra: there is not enough memory\n";
+    } catch (const std::filesystem::filesystem_error& e) {
+        std::cerr << e.path1().string() << ": cannot be made or written: " << e.code().message() << "\n";
     } catch (const std::exception& e) {  // DeviceError and VulkanError among them: their texts are for people
         std::cerr << "penumbra: " << e.what() << "\n";
     }

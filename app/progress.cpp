@@ -45,6 +45,13 @@ void Progress::say(const std::string& text) const {
     if (visible_) draw();
 }
 
+void Progress::print(const std::string& lines) const {
+    if (visible_) fmt::print(stderr, "\r\x1b[K");
+    fmt::print("{}", lines);
+    std::fflush(stdout);
+    if (visible_) draw();
+}
+
 std::string Progress::left() const {
     const std::chrono::duration<double> so_far = std::chrono::steady_clock::now() - start_;
     return time_left(so_far.count(), done_, total_);

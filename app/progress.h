@@ -19,6 +19,8 @@ class Progress {
     void note(const std::string& text) const;
     // A line of its own, above the bar where there is one.
     void say(const std::string& text) const;
+    // Whole lines on standard output, which may be the terminal that the bar is on.
+    void print(const std::string& lines) const;
 
   private:
     void draw() const;

@@ -125,6 +125,7 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
         write_png_color(fs::path(file).replace_extension(".png"), truth.width, truth.height, rgb);
         write_exr(file, truth);
     }
+    progress.print(fmt::format("written to {}\n", (folder / "").string()));
     return exit_good;
 }
 
@@ -183,6 +184,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
             lost, frames_of_lost, job.frames.size());
     if (!info.exact) info.rays = rays_cast(arguments.rays);
     write_reference_info(folder, info);
+    fmt::print("written to {}\n", (folder / "").string());
     return exit_good;
 }
 

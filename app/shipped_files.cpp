@@ -2,6 +2,7 @@
 #include "app/shipped_files.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -21,32 +22,65 @@ fs::path shipped_root() {
     return {};
 }
 
-std::vector<fs::path> shipped_files(const fs::path& root, const ShippedKind& kind) {
+namespace {
+
+std::vector<fs::path> with_suffix(const fs::path& folder, const ShippedKind& kind) {
     std::vector<fs::path> files;
     std::error_code failure;
-    if (!root.empty())
-        for (const auto& entry : fs::directory_iterator(root / kind.folder, failure))
-            if (const std::string name = entry.path().filename().string();
-                name.ends_with(kind.suffix) && name.find(".schema.") == std::string::npos)
-                files.push_back((root == "." ? fs::path(kind.folder) : root / kind.folder) / name);
+    for (const auto& entry : fs::directory_iterator(folder, failure))
+        if (const std::string name = entry.path().filename().string();
+            name.ends_with(kind.suffix) && name.find(".schema.") == std::string::npos)
+            files.push_back(folder / name);
     std::sort(files.begin(), files.end());
     return files;
+}
+
+// By name: `lamp`, and of a folder inside `lights/interior`.
+std::vector<std::pair<std::string, fs::path>> named_files(const fs::path& root, const ShippedKind& kind) {
+    std::vector<std::pair<std::string, fs::path>> named;
+    const auto add = [&](const fs::path& folder, const std::string& before) {
+        for (const fs::path& file : with_suffix(folder, kind)) {
+            std::string name = file.filename().string();
+            name.resize(name.size() - std::string_view(kind.suffix).size());
+            named.emplace_back(before + name, file);
+        }
+    };
+    if (root.empty()) return named;
+    const fs::path folder = root == "." ? fs::path(kind.folder) : root / kind.folder;
+    add(folder, "");
+    std::vector<fs::path> inside;
+    std::error_code failure;
+    for (const auto& entry : fs::directory_iterator(folder, failure))
+        if (entry.is_directory(failure)) inside.push_back(entry.path());
+    std::sort(inside.begin(), inside.end());
+    for (const fs::path& one : inside) add(one, one.filename().string() + "/");
+    return named;
+}
+
+}  // namespace
+
+std::vector<fs::path> shipped_files(const fs::path& root, const ShippedKind& kind) {
+    if (root.empty()) return {};
+    return with_suffix(root == "." ? fs::path(kind.folder) : root / kind.folder, kind);
+}
+
+std::vector<std::string> shipped_names(const fs::path& root, const ShippedKind& kind) {
+    std::vector<std::string> names;
+    for (const auto& [name, file] : named_files(root, kind)) names.push_back(name);
+    return names;
 }
 
 std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& root, const ShippedKind& kind,
                                      Diagnostics& diagnostics) {
     std::error_code failure;
     if (fs::exists(wanted, failure)) return fs::path(wanted);  // a folder: whoever reads it says so
-    std::vector<std::string> names;
-    for (const fs::path& file : shipped_files(root, kind)) {
-        std::string name = file.filename().string();
-        name.resize(name.size() - std::string_view(kind.suffix).size());
+    for (const auto& [name, file] : named_files(root, kind))
         if (name == wanted) return file;
-        names.push_back(name);
-    }
+    const std::vector<std::string> names = shipped_names(root, kind);
+    std::string hint = did_you_mean(wanted, names);
+    if (hint.empty() && !names.empty()) hint = fmt::format("; there are {}", fmt::join(names, ", "));
     diagnostics.add({wanted}, "",
-                    fmt::format("no such file, and no {} of that name is shipped{}", kind.what,
-                                did_you_mean(wanted, names)));
+                    fmt::format("no such file, and no {} of that name is shipped{}", kind.what, hint));
     return std::nullopt;
 }
 

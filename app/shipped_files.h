@@ -27,7 +27,9 @@ std::filesystem::path shipped_root();
 std::optional<std::filesystem::path> shipped_file(const std::string& wanted,
                                                   const std::filesystem::path& root, const ShippedKind& kind,
                                                   Diagnostics& diagnostics);
-// All files of a kind, by name.
+// All files of a kind, by name; without those of folders inside, which no list has by itself.
 std::vector<std::filesystem::path> shipped_files(const std::filesystem::path& root, const ShippedKind& kind);
+// The names that shipped_file() knows, those of folders inside (`lights/interior`) among them.
+std::vector<std::string> shipped_names(const std::filesystem::path& root, const ShippedKind& kind);
 
 }  // namespace penumbra

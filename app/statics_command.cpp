@@ -92,7 +92,8 @@ int run_statics(const StaticsArguments& arguments) {
     try {
         device = std::make_unique<Device>(DeviceOptions{.name = arguments.device, .statistics = true});
     } catch (const DeviceError& e) {  // one that was asked for by name is the command's mistake
-        std::cerr << "penumbra: " << e.what() << "\n";
+        std::cerr << "penumbra: " << e.what() << "\n"
+                  << "Mesa's compiler for a card that is not there answers as well: docs/gpu.md\n";
         return arguments.device.empty() ? exit_failed : exit_wrong;
     }
     // Its class and features choose the shaders; of its memory nothing is asked, since there may be none.

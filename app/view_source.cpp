@@ -58,6 +58,12 @@ nlohmann::ordered_json scene_of(const std::vector<std::string>& files, const fs:
     return list;
 }
 
+// Messages name the files as they were given; from the shot's folder the way there may be a long one.
+void name_as_given(Shot& shot, const std::vector<std::string>& files) {
+    if (shot.models.empty()) shot.model = files[0];
+    for (size_t i = 0; i < shot.models.size(); ++i) shot.models[i].file = files[i];
+}
+
 std::optional<ViewSource> open_models(const std::vector<std::string>& files, bool ground,
                                       const fs::path& folder, Diagnostics& diagnostics) {
     const fs::path shot_file = folder / (fs::path(files[0]).stem().string() + ".shot.json");
@@ -65,7 +71,8 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
     for (const std::string& file : files)
         if (!fs::exists(file)) diagnostics.add({file, 0, 0}, "", "no such file");
     if (!diagnostics.empty()) return std::nullopt;
-    const std::optional<Shot> models = models_alone(scene, shot_file, diagnostics);
+    std::optional<Shot> models = models_alone(scene, shot_file, diagnostics);
+    if (models) name_as_given(*models, files);
     Doing doing;
     doing(reading_models);
     const auto model = models ? load_models(*models, diagnostics) : std::nullopt;
@@ -77,6 +84,7 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
     made.text = shot_text(json);
     auto shot = parse_shot(made.text, shot_file, diagnostics);
     if (!shot) return std::nullopt;
+    name_as_given(*shot, files);
     const auto& [low, high] = made.bounds;
     fmt::print(stderr, "{}: {} triangles, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n",
                fmt::join(files, ", "), model->triangle_count(), low.x, high.x, low.y, high.y, low.z, high.z);
@@ -126,7 +134,7 @@ bool is_model_file(const std::string& name) {
     std::string ending = fs::path(name).extension().string();
     std::ranges::transform(ending, ending.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending == ".glb" || ending == ".gltf";
+    return ending == ".glb" || ending == ".gltf" || ending == ".vrm";  // of avatars: a .glb
 }
 
 std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, const ViewArguments& view,
@@ -137,14 +145,26 @@ std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, cons
             given.view.models.push_back(file);
             continue;
         }
+        if (file.ends_with(".shot.json") && given.view.shot.empty()) {
+            given.view.shot = file;
+            continue;
+        }
+        std::error_code none;
+        if (fs::is_regular_file(file, none) && fs::path(file).has_extension() &&
+            fs::path(file).extension() != ".json")
+            diagnostics.add({file}, "",
+                            "is neither a pipeline or a shot (.json) nor a model (.glb, .gltf, .vrm)");
         if (!given.pipeline.empty())
             diagnostics.add(
                 {}, "",
                 fmt::format("\"{}\" and \"{}\": one pipeline and one shot at a time", given.pipeline, file));
         given.pipeline = file;
     }
+    if (given.pipeline.empty())
+        given.pipeline = "hybrid_shadows";
+    else if (diagnostics.empty())  // before anybody asks for a shot: the word may be one, or a model
+        shipped_file(given.pipeline, shipped_root(), shipped_pipelines, diagnostics);
     if (!diagnostics.empty()) return std::nullopt;
-    if (given.pipeline.empty()) given.pipeline = "hybrid_shadows";
     return given;
 }
 
@@ -158,7 +178,10 @@ std::string view_name(const ViewArguments& arguments) {
 std::optional<ViewSource> open_view(const ViewArguments& arguments, const fs::path& folder,
                                     Diagnostics& diagnostics) {
     if (arguments.shot.empty() == arguments.models.empty()) {
-        diagnostics.add({}, "", "give a model, or a shot by --shot: one of the two");
+        diagnostics.add({}, "",
+                        arguments.models.empty()
+                            ? "give a model, or a shot by --shot: `model.glb`, or `--shot lamp`"
+                            : "give a model, or a shot by --shot: one of the two");
         return std::nullopt;
     }
     if (!arguments.models.empty())

@@ -92,6 +92,29 @@ TEST_F(FirstUse, AModelIsEnough) {
     expect(run("shot " + model + " --out " + in("c/mine.shot.json")), 2, "is there already");
     expect(run("render raw --shot colonnade --ground --out " + in("e")), 2, "--ground");
     expect(run("render raw --out " + in("e")), 2, "give a model, or a shot");
+    expect(run("render raw " + model + " --shot lamp --out " + in("e")), 2, "one of the two");
+}
+
+// What a name can be: avatars are .glb files under another ending, a shot needs no --shot, shots in folders
+// are known with them, and whatever is none of these is told what it could have been.
+TEST_F(FirstUse, FilesAreTakenForWhatTheyAre) {
+    const std::string small = " --size 48x32 --frames 0 --out " + in("o");
+    fs::copy_file(PENUMBRA_SOURCE_DIR "/scenes/lamp.glb", folder_ / "avatar.vrm");
+    const Result avatar = run("render raw " + in("avatar.vrm") + small);
+    expect(avatar, 0, in("avatar.vrm") + ": 5");
+    ASSERT_EQ(run("render raw scenes/lamp.shot.json" + small).code, 0);
+    ASSERT_EQ(run("render light --light panel --shot lights/interior" + small).code, 0);
+    fs::remove_all(folder_ / "o");
+    expect(run("render README.md" + small), 2, "README.md: is neither a pipeline or a shot");
+    const Result unknown = run("render nosuch" + small);
+    expect(unknown, 2, "nosuch: no such file, and no pipeline of that name is shipped; there are ");
+    EXPECT_EQ(unknown.err.find("give a model"), std::string::npos)
+        << "of one mistake one line: " << unknown.err;
+    expect(run("render raw --shot interieur" + small), 2, "lights/interior");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+    const std::string away = file("away.gltf", R"({"asset": {"version": 0.8}, "meshes": {}})");
+    expect(run("render raw " + away + small), 2, away + ": is glTF 0.8; this program reads glTF 2.0");
+    expect(run("render raw " + file("older.gltf", R"({"meshes": {}})") + small), 2, "is glTF 1.0 or older");
 }
 
 // A shot may leave its camera and its sun to the model, and mistakes in what it does say keep their places.
@@ -240,10 +263,21 @@ TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
     }
     EXPECT_EQ(commands, 14u);
     const std::string file_name = file("completion", script.out);
-    const std::string ask = "bash -c 'source " + file_name +
-                            "; COMP_WORDS=(penumbra reference --lik); COMP_CWORD=2; _penumbra; test "
-                            "\"${COMPREPLY[*]}\" = --like'";
-    EXPECT_EQ(std::system(ask.c_str()), 0);
+    const auto completed = [&](const std::string& line, const std::string& to) {
+        const std::string ask =
+            "bash -c 'source " + file_name + "; COMP_WORDS=(penumbra " + line +
+            "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _penumbra; test \"${COMPREPLY[*]}\" = \"" + to + "\"'";
+        EXPECT_EQ(std::system(ask.c_str()), 0) << line;
+    };
+    completed("reference --lik", "--like");
+    completed("render many", "many_rays");
+    completed("render raw --shot la", "lamp");
+    completed("render --shot lights/int", "lights/interior");
+    completed("render --shot lamp many", "many_rays");
+    completed("view --ground many", "many_rays");
+    completed("report --signal s", "specular");
+    completed("render --out many", "");  // a folder, which the shell knows
+    completed("devices many", "");
     expect(run("completion csh"), 2, "csh");
     EXPECT_EQ(run("completion fish").out.find("complete -c penumbra -n __fish_use_subcommand -a") ==
                   std::string::npos,
@@ -273,6 +307,19 @@ TEST_F(FirstUse, ErrorsAreColouredOnATerminalAlone) {
     };
     EXPECT_NE(on_terminal("").find("\x1b[31mnosuch"), std::string::npos) << read_file(seen);
     EXPECT_EQ(on_terminal("NO_COLOR=1").find('\x1b'), std::string::npos) << read_file(seen);
+}
+
+// Where the bar and a table are on one terminal, no row begins behind the bar.
+TEST_F(FirstUse, RowsBeginOnALineOfTheirOwn) {
+    const std::string command = "script -qec \"'" PENUMBRA_PROGRAM
+                                "' gates raw --parts still --seeds 1\" /dev/null >'" +
+                                in("seen") + "' </dev/null";
+    ASSERT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
+    const std::string seen = read_file(in("seen"));
+    size_t rows = 0;
+    for (size_t at = 0; (at = seen.find("| 8 |", at)) != std::string::npos; ++at, ++rows)
+        EXPECT_EQ(seen.substr(at - 3, 3), "\x1b[K") << seen.substr(at - 20, 40);
+    EXPECT_EQ(rows, 1u);
 }
 
 // What is being done and how far it has come is said on a terminal, also before the first frame.

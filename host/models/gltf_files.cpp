@@ -102,7 +102,7 @@ bool is_binary(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     std::ranges::transform(extension, extension.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".glb";
+    return extension == ".glb" || extension == ".vrm";
 }
 
 }  // namespace

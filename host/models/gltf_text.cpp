@@ -77,9 +77,15 @@ std::string old_version(const std::vector<unsigned char>& bytes) {
     const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (all.starts_with("glTF")) return bytes.size() >= 8 && bytes[4] == 1 ? "1.0" : "";
     const Json json = Json::parse(all, nullptr, false);
-    if (!json.is_object() || !json.contains("asset") || !json["asset"].is_object()) return "";
+    if (!json.is_object()) return "";
+    // Lists were objects then, and the version could be left out, or a number.
+    const bool of_objects = json.contains("meshes") && json["meshes"].is_object();
+    const std::string guess = of_objects ? "1.0 or older" : "";
+    if (!json.contains("asset") || !json["asset"].is_object()) return guess;
     const auto version = json["asset"].find("version");
-    if (version == json["asset"].end() || !version->is_string()) return "";
+    if (version == json["asset"].end()) return guess;
+    if (version->is_number() && version->get<double>() < 2) return version->dump();
+    if (!version->is_string()) return "";
     const std::string text = version->get<std::string>();
     return text.starts_with("2.") ? "" : text;
 }
