@@ -311,15 +311,19 @@ TEST_F(FirstUse, ErrorsAreColouredOnATerminalAlone) {
 
 // Where the bar and a table are on one terminal, no row begins behind the bar.
 TEST_F(FirstUse, RowsBeginOnALineOfTheirOwn) {
-    const std::string command = "script -qec \"'" PENUMBRA_PROGRAM
-                                "' gates raw --parts still --seeds 1\" /dev/null >'" +
-                                in("seen") + "' </dev/null";
-    ASSERT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
-    const std::string seen = read_file(in("seen"));
-    size_t rows = 0;
-    for (size_t at = 0; (at = seen.find("| 8 |", at)) != std::string::npos; ++at, ++rows)
-        EXPECT_EQ(seen.substr(at - 3, 3), "\x1b[K") << seen.substr(at - 20, 40);
-    EXPECT_EQ(rows, 1u);
+    for (const auto& [arguments, row] :
+         {std::pair{"gates raw --parts still --seeds 1", "| 8 |"},
+          {"gates raw_reflections --signal specular --parts furnace --seeds 1", "| white furnace"}}) {
+        const std::string command = std::string("script -qec \"'" PENUMBRA_PROGRAM "' ") + arguments +
+                                    "\" /dev/null >'" + in("seen") + "' </dev/null";
+        ASSERT_EQ(WEXITSTATUS(std::system(command.c_str())), 0);
+        const std::string seen = read_file(in("seen"));
+        const size_t at = seen.find(row);
+        ASSERT_NE(at, std::string::npos) << seen;
+        EXPECT_EQ(seen.substr(at - 3, 3), "\x1b[K")
+            << "nothing is left before it: " << seen.substr(at - 20, 40);
+        EXPECT_NE(seen.rfind(" %", at), std::string::npos) << "how far it has come is told: " << seen;
+    }
 }
 
 // What is being done and how far it has come is said on a terminal, also before the first frame.

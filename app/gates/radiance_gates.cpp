@@ -14,7 +14,7 @@ namespace {
 using Look = std::function<void(uint32_t frame, const PlanarImage& image)>;
 
 // Shows all frames, for one seed after the other.
-bool run(const RadianceBench& bench, const Shot& shot, const Look& look) {
+bool run(const RadianceBench& bench, const char* what, const Shot& shot, const Look& look) {
     SessionOptions options;
     options.size = shot.size;
     options.captures = {bench.signal};
@@ -27,6 +27,9 @@ bool run(const RadianceBench& bench, const Shot& shot, const Look& look) {
     for (uint32_t seed = 1; seed <= bench.study.seeds; ++seed) {
         session->set_param("seed", seed);
         for (uint32_t frame = 0; frame < shot.frames; ++frame) {
+            if (bench.told)
+                bench.told(what,
+                           ((seed - 1) * shot.frames + frame) / double(bench.study.seeds * shot.frames));
             session->run_frame(frame, frame == 0);
             look(frame, captured_image(*session, bench.signal));
         }
@@ -37,6 +40,7 @@ bool run(const RadianceBench& bench, const Shot& shot, const Look& look) {
 // The truth of some frames of a shot; empty after an error.
 std::vector<PlanarImage> truths(const RadianceBench& bench, const Shot& shot,
                                 const std::vector<uint32_t>& frames, uint32_t rays) {
+    if (bench.told) bench.told("the truth", 0);
     const auto session =
         open_radiance_truth(bench.device, shot, bench.signal, bench.diagnostics, bench.warnings);
     std::vector<PlanarImage> out;
@@ -77,7 +81,7 @@ std::optional<std::array<double, roughness_classes>> measure_furnace(const Radia
             }
         }
     };
-    if (truth.empty() || !run(bench, shot, look)) return std::nullopt;
+    if (truth.empty() || !run(bench, "white furnace", shot, look)) return std::nullopt;
     return worst;
 }
 
@@ -98,7 +102,7 @@ std::optional<std::vector<RadianceErrorSums>> measure_still(const RadianceBench&
         }
         before = image;
     };
-    if (truth.empty() || !run(bench, shot, look)) return std::nullopt;
+    if (truth.empty() || !run(bench, "standing still", shot, look)) return std::nullopt;
     return out;
 }
 
@@ -110,7 +114,7 @@ std::optional<RadianceErrorSums> measure_moving(const RadianceBench& bench) {
         if (frame + 1 == shot.frames)
             out.add(radiance_errors(radiance_planes(image), known_of(truth.front())));
     };
-    if (truth.empty() || !run(bench, shot, look)) return std::nullopt;
+    if (truth.empty() || !run(bench, "in motion", shot, look)) return std::nullopt;
     return out;
 }
 
@@ -123,7 +127,7 @@ std::optional<std::vector<double>> measure_lamp_off(const RadianceBench& bench) 
     const auto look = [&](uint32_t frame, const PlanarImage& image) {
         means[frame] += mean_of(image, known_of(truth.front()).receiver);
     };
-    if (truth.empty() || !run(bench, shot, look)) return std::nullopt;
+    if (truth.empty() || !run(bench, "lamp that goes off", shot, look)) return std::nullopt;
     std::vector<double> left;
     for (const uint32_t after : study.after_off)
         left.push_back((means[lamp_off_frame - 1 + after] - means.back()) /

@@ -4,6 +4,8 @@
 // (host/metrics/radiance_error.h).
 #pragma once
 
+#include <functional>
+
 #include "app/commands.h"
 #include "app/gates/radiance_room.h"
 #include "app/session.h"
@@ -29,6 +31,7 @@ struct RadianceBench {
     const RadianceScenes& scenes;
     Diagnostics& diagnostics;
     std::vector<std::string>& warnings;
+    std::function<void(const std::string& what, double share)> told;  // what is being done; may be empty
 };
 
 // Each is absent after an error, which is a diagnostic.

@@ -7,6 +7,7 @@
 
 #include "app/gates/radiance_gates.h"
 #include "app/node_folders.h"
+#include "app/progress.h"
 #include "app/shipped_files.h"
 #include "app/signal_pipeline.h"
 
@@ -33,48 +34,52 @@ std::string classes_text(const RadianceErrorSums& sums) {
     return out;
 }
 
-void print_row(const std::string& name, const RadianceErrorSums& sums) {
-    fmt::print("| {} |{} {} | {} | {} | {} |\n", name, classes_text(sums), text_of(sums.n_eff()),
-               sums.bias() ? percent(*sums.bias()) : "-", sums.fireflies, text_of(sums.flicker()));
+// Whole lines, after what was being done.
+void print(const Doing& doing, const std::string& lines) {
+    doing.clear();
+    fmt::print("{}", lines);
     std::fflush(stdout);
 }
 
-bool print_tables(const RadianceBench& bench, const std::set<std::string>& parts) {
+std::string row_of(const std::string& name, const RadianceErrorSums& sums) {
+    return fmt::format("| {} |{} {} | {} | {} | {} |\n", name, classes_text(sums), text_of(sums.n_eff()),
+                       sums.bias() ? percent(*sums.bias()) : "-", sums.fireflies, text_of(sums.flicker()));
+}
+
+bool print_tables(const RadianceBench& bench, const std::set<std::string>& parts, const Doing& doing) {
     if (parts.contains("furnace")) {
         const auto furnace = measure_furnace(bench);
         if (!furnace) return false;
-        fmt::print(
-            "| white furnace, farthest from 1 by roughness | {} | asked |\n|---|---|---|---|---|---|---|\n| "
-            "|",
-            class_heads);
-        for (const double off : *furnace) fmt::print(" {:.2g} |", off);
-        fmt::print(" <= .001 |\n\n");
-        std::fflush(stdout);
+        std::string row = "| |";
+        for (const double off : *furnace) row += fmt::format(" {:.2g} |", off);
+        print(doing, fmt::format("| white furnace, farthest from 1 by roughness | {} | asked |\n"
+                                 "|---|---|---|---|---|---|---|\n{} <= .001 |\n\n",
+                                 class_heads, row));
     }
     if (parts.contains("still") || parts.contains("moving"))
-        fmt::print(
-            "| N_eff by roughness | {} | all | bias, asked <= 1 % | fireflies | flicker |\n"
-            "|---|---|---|---|---|---|---|---|---|---|\n",
-            class_heads);
+        print(doing,
+              fmt::format("| N_eff by roughness | {} | all | bias, asked <= 1 % | fireflies | flicker |\n"
+                          "|---|---|---|---|---|---|---|---|---|---|\n",
+                          class_heads));
     if (parts.contains("still")) {
         const auto still = measure_still(bench);
         if (!still) return false;
         for (size_t i = 0; i < still->size(); ++i)
-            print_row(fmt::format("standing, after {}", bench.study.after[i]), (*still)[i]);
+            print(doing, row_of(fmt::format("standing, after {}", bench.study.after[i]), (*still)[i]));
     }
     if (parts.contains("moving")) {
         const auto moving = measure_moving(bench);
         if (!moving) return false;
-        print_row(fmt::format("in motion, after {}", bench.study.moving_frames), *moving);
+        print(doing, row_of(fmt::format("in motion, after {}", bench.study.moving_frames), *moving));
     }
     if (parts.contains("lag")) {
         const auto left = measure_lamp_off(bench);
         if (!left) return false;
-        fmt::print("\n| frames since the lamp went off |");
-        for (const uint32_t after : bench.study.after_off) fmt::print(" {} |", after);
-        fmt::print(" asked |\n|---|---|---|---|---|---|---|\n| of its light is left |");
-        for (const double share : *left) fmt::print(" {} |", percent(share));
-        fmt::print(" <= 10 % after 12 |\n");
+        std::string head = "\n| frames since the lamp went off |", row = "| of its light is left |";
+        for (const uint32_t after : bench.study.after_off) head += fmt::format(" {} |", after);
+        for (const double share : *left) row += fmt::format(" {} |", percent(share));
+        print(doing,
+              fmt::format("{} asked |\n|---|---|---|---|---|---|---|\n{} <= 10 % after 12 |\n", head, row));
     }
     return true;
 }
@@ -104,12 +109,16 @@ int run_radiance_gates(const GatesArguments& arguments) {
     if (good) {
         Device device({arguments.device, false});
         const RadianceScenes scenes;
+        Doing doing;
         for (const CheckedPipeline& pipeline : pipelines) {
-            fmt::print("{}{}, {}, {} seeds, {}x{}\n\n", &pipeline == &pipelines.front() ? "" : "\n",
-                       pipeline.name, arguments.signal, study.seeds, study.size[0], study.size[1]);
+            print(doing,
+                  fmt::format("{}{}, {}, {} seed{}, {}x{}\n\n", &pipeline == &pipelines.front() ? "" : "\n",
+                              pipeline.name, arguments.signal, study.seeds, study.seeds == 1 ? "" : "s",
+                              study.size[0], study.size[1]));
+            const auto told = [&](const std::string& what, double share) { doing(what, share); };
             good = good && print_tables({device, *nodes, pipeline, arguments.signal, study, scenes,
-                                         diagnostics, warnings},
-                                        given.empty() ? all : given);
+                                         diagnostics, warnings, told},
+                                        given.empty() ? all : given, doing);
         }
     }
     for (const std::string& warning : std::set(warnings.begin(), warnings.end()))
