@@ -26,7 +26,8 @@ void add_node_folders(CLI::App* command, std::vector<std::string>& folders) {
 
 // What to look at; the first is for commands whose help says more.
 CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
-    CLI::Option* shot = command->add_option("--shot", a.shot, "shot: a file, or the name of a shipped one");
+    CLI::Option* shot = command->add_option(
+        "--shot", a.shot, "shot: a file, or the name of a shipped one: lamp, lights/interior ..");
     command->add_option("--model", a.models,
                         "glTF 2.0 files (.glb, .gltf, .vrm) instead, seen as `penumbra shot` says");
     command->add_flag("--ground", a.ground, "put a ground below the model");

@@ -56,7 +56,8 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     const auto facts = parse_facts(arguments.facts, *nodes.domain());
     if (!size || !frames || !facts) return std::nullopt;
     // A model that stands still is one picture, which the frames before it only make smooth.
-    if (!view->made_up.empty() && arguments.frames.empty() && !moves(shot)) (*frames)[0] = (*frames)[1];
+    if (!view->made_up.empty() && arguments.frames.empty() && !moves(shot) && shot.animation.empty())
+        (*frames)[0] = (*frames)[1];
     Job job{std::move(*pipeline),
             std::move(view->shot),
             std::move(view->made_up),

@@ -95,6 +95,18 @@ TEST_F(FirstUse, AModelIsEnough) {
     expect(run("render raw " + model + " --shot lamp --out " + in("e")), 2, "one of the two");
 }
 
+// All frames of a model's own animation are written, though neither camera nor objects of the shot have keys.
+TEST_F(FirstUse, AnAnimatedModelIsAllItsFrames) {
+    const Result moving = run("render raw --size 48x32 --capture depth --out " + in("a") +
+                              " /usr/share/assimp/models/glTF2/glTF-Sample-Models/AnimatedMorphCube-glTF/"
+                              "AnimatedMorphCube.gltf");
+    ASSERT_EQ(moving.code, 0) << moving.err;
+    const Json shot = Json::parse(read_file(in("a/AnimatedMorphCube.shot.json")));
+    EXPECT_GT(shot["frames"], 16);
+    EXPECT_EQ(Json::parse(read_file(in("a/report.json")))["frames"], (Json{0, int(shot["frames"]) - 1}));
+    EXPECT_FALSE(read_file(in("a/depth.0001.exr")) == read_file(in("a/depth.0031.exr")));
+}
+
 // What a name can be: avatars are .glb files under another ending, a shot needs no --shot, shots in folders
 // are known with them, and whatever is none of these is told what it could have been.
 TEST_F(FirstUse, FilesAreTakenForWhatTheyAre) {
