@@ -139,6 +139,32 @@ TEST_F(Budget, AChangeWhereAllHadSettledIsSeen) {
     }
 }
 
+// Beside a penumbra a shadow may arrive at any time, unless nothing can move: only then nobody needs a ray
+// for what has long been so.
+TEST_F(Budget, WhatMayChangeIsNeverKnownForCertain) {
+    for (const bool may_move : {true, false}) {
+        SCOPED_TRACE(may_move);
+        Shot shot = shot_named("lamp");
+        for (auto& [name, motion] : shot.objects) {
+            motion.keys = {object_at(motion, 0)};
+            if (!may_move) continue;
+            motion.keys.push_back(motion.keys.front());  // after all that is looked at
+            motion.keys.back().frame = 100;
+            motion.keys.push_back({101, {1, 0, 0}, {}});
+        }
+        ShotRun run(shot, "shadows", {}, {"known"});
+        for (uint32_t frame = 0; frame < 40; ++frame) run.frame(frame, frame == 0);
+        const auto known = run.words("known");
+        uint64_t certain = 0;
+        for (size_t i = 3; i < known.size(); i += 4) certain += uint64_t(std::popcount(known[i]));
+        if (may_move) {
+            EXPECT_EQ(certain, 0u);
+        } else {
+            EXPECT_GT(certain, 1000u);
+        }
+    }
+}
+
 // After a cut no past knows anything of a pixel: one without a ray has no part in what its cell is sure of.
 TEST_F(Budget, WhoeverHasNoRayAfterACutIsNotTested) {
     ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0.1"},

@@ -157,6 +157,31 @@ TEST_P(TaaOurs, AMovingSurfaceKeepsItsHistory) {
     }
 }
 
+// Interpolation blurs the history once more in every frame: where it falls midway between texels few frames
+// may count, or a texture that moves along would fade away.
+TEST_P(TaaOurs, ATextureThatMovesStaysSharp) {
+    Taa taa({48, 36}, GetParam(), robust);
+    const double step = 0.5;  // px a frame, along both axes
+    double kept = 0, whole = 0;
+    for (int frame = 0; frame < 40; ++frame) {
+        const auto wave = [&](glm::dvec2 p) {
+            return std::sin(2 * M_PI / 4 * (p.x + p.y - 2 * step * frame));
+        };
+        const Picture picture = [&](glm::dvec2 p) {
+            const double moved = frame ? -step : 0;
+            return Sample{glm::dvec3(0.3 + 0.1 * wave(p)), 10, {moved, moved, 0}};
+        };
+        const auto out = taa.frame(picture, frame == 0);
+        for (size_t i = 0; frame >= 20 && i < out.size(); ++i) {
+            const glm::dvec2 p = taa.centre(i);
+            if (p.x < 24 || p.y < 24) continue;  // what came in later than twenty frames ago
+            kept += (out[i].x - 0.3) * wave(p);
+            whole += 0.1 * wave(p) * wave(p);
+        }
+    }
+    EXPECT_GT(kept / whole, 0.3);  // .14 where every frame counts
+}
+
 // A floor seen at grazing angles from a camera that moves forward and turns, rasterised with jitter: its
 // depth changes by many metres from row to row, and every pixel that was on the screen still finds itself.
 // Half of the frames say nothing in the motion's third component, which hosts may leave out.
