@@ -34,7 +34,9 @@ std::unique_ptr<ComparedImages> read_frame(const fs::path& folder, const Compare
                    truth_file = file_of(arguments.reference, arguments.signal, frame);
     auto image = read_exr(image_file, diagnostics), truth = read_exr(truth_file, diagnostics);
     if (!image || !truth || !same_size(*image, *truth, image_file, diagnostics)) return nullptr;
-    auto out = std::make_unique<ComparedImages>(std::move(*image), std::move(*truth));
+    auto out = std::make_unique<ComparedImages>();
+    out->image = std::move(*image);
+    out->truth = std::move(*truth);
     const char* colors[] = {"R", "G", "B"};
     for (size_t c = 0; c < 3; ++c) {
         out->shown.rgb[c] = channel(out->image, image_file, colors[c], diagnostics);
