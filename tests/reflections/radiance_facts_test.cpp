@@ -8,6 +8,7 @@
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/reflections/radiance_run.h"
+#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -108,6 +109,31 @@ TEST_F(RadianceFacts, ABlackSkyIsLeftOut) {
         EXPECT_EQ(std::ranges::count(session->plan().slots, "environment", &HostSlot::name), up > 0);
         session->run_frame(0, true);
         EXPECT_EQ(*std::ranges::max_element(colors(*session)[0]) > 0, up > 0);
+    }
+}
+
+// A ceiling that shines the same everywhere goes along itself: no ray can tell, but what it hits says that it
+// moves, and that no past expects it there.
+TEST_F(RadianceFacts, WhatRaysHitAndMovesHasNoLongPast) {
+    Model model = striped_floor({0.4f});
+    model.materials.push_back(shining({1, 1, 1}));
+    model.meshes.push_back({{to_part(box({-900, 9, -900}, {900, 9.1, 900}), 1)}});
+    Node node;
+    node.mesh = static_cast<int>(model.meshes.size()) - 1;
+    node.name = "ceiling";
+    model.nodes.push_back(node);
+    for (const double step_m : {0.0, 0.1}) {
+        Shot shot = night_shot(model, {64, 36}, 9);
+        shot.objects["ceiling"].keys = {{0, {0, 0, 0}, {}}, {8, {8 * step_m, 0, 0}, {}}};
+        const auto session = open_shipped("reflections", shot, {}, {"frames"}, {}, false);
+        for (uint32_t frame = 0; frame < 9; ++frame) session->run_frame(frame, frame == 0);
+        size_t floor = 0, of_long = 0;
+        for (const uint8_t byte : captured<uint8_t>(session->view(), "frames")) {
+            floor += (byte & 31) != 0;
+            of_long += (byte & 31) > 6;  // two frames: past_texel.glsl
+        }
+        EXPECT_GT(floor, 1000u);
+        EXPECT_NEAR(double(of_long) / double(floor), step_m > 0 ? 0 : 1, 0.02);
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What the nodes of reflections.json do to the mean of the light: nothing.
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "app/outputs.h"
 #include "host/models/model_builder.h"
@@ -63,6 +64,44 @@ TEST_F(RadianceMean, ThePastKeepsIt) {
         given += mean_gathered(*session) / 64;
     }
     EXPECT_NEAR(mean_accumulated(*session) / given, 1, 2e-3);
+}
+
+// Just below a power of two the largest mantissa would round up beyond its nine bits, and steps twice as
+// large are taken instead.
+TEST_F(RadianceMean, BelowAPowerOfTwoItIsKept) {
+    for (const double value : {0.9993, 0.4997, 0.75}) {
+        Shot shot = night_shot(striped_floor({0.6f}), {64, 36}, 1);
+        shot.camera = {{0, {0, 1.6, 1.2}, {0, 0, 0.2}, {0, 1, 0}}};
+        shot.environment = linear_sky(value, value);
+        const auto session = open_shipped("reflections", shot, {}, {"gathered"});
+        session->run_frame(0, true);
+        EXPECT_NEAR(mean_gathered(*session) / value, 1, 3e-4);
+    }
+}
+
+// Two slopes that count as one surface where they meet, for one of two pixels and perhaps not for the other.
+TEST_F(RadianceMean, TheTailKeepsItAcrossABend) {
+    Material matte;
+    matte.base_color = {1, 1, 1, 1};
+    ModelBuilder builder({matte, shining({40, 40, 40})});
+    for (const double side : {-1.0, 1.0}) {
+        Shape slope = ground(3, 4, 1, 1);
+        glm::dmat4 place = glm::rotate(glm::dmat4(1), side * glm::radians(-11.0), glm::dvec3(0, 0, 1));
+        place = place * glm::translate(glm::dmat4(1), glm::dvec3(3 * side, 0, 0));
+        slope.transform(place);
+        builder.solid("slope", slope, 0);
+    }
+    for (int i = 0; i < 5; ++i)
+        builder.solid("lamp", box({-1.2 + 0.5 * i, 1.7, -0.6}, {-1.1 + 0.5 * i, 1.8, -0.5}), 1);
+    Shot shot = night_shot(builder.take(), {64, 36}, 4);
+    shot.camera = {{0, {0, 1.4, 1}, {0, 0, -0.1}, {0, 1, 0}}};
+    shot.environment = linear_sky(0.1, 0.4);
+    const auto session = open_shipped("indirect", shot, {}, {"accumulated", "frames"});
+    for (uint32_t frame = 0; frame < 3; ++frame) {
+        session->run_frame(frame, frame == 0);
+        const double before = mean_accumulated(*session), after = mean(captured_image(*session, "diffuse"));
+        EXPECT_NEAR(after / before, 1, 6e-5) << "frame " << frame;
+    }
 }
 
 }  // namespace

@@ -198,5 +198,54 @@ TEST_F(RadianceTruth, AHitIsLitByTheSunThatItSees) {
     }
 }
 
+// A sheet has two sides, and each is lit as it faces the sun, however its corners are ordered. Its plane
+// holds no round numbers, so that the points of hits lie off it on either side: none of them is in its own
+// shadow.
+TEST_F(RadianceTruth, EitherSideOfASheetIsLitAsItFacesTheSun) {
+    Material mirror, white;
+    mirror.roughness = 0;
+    white.base_color = {1, 1, 1, 1};
+    for (const auto& [turned, backend] : {std::pair{false, "bvh"}, {true, "bvh"}, {true, "ray_query"}}) {
+        SCOPED_TRACE(testing::Message() << backend << turned);
+        if (backend == std::string("ray_query") && !gpu().caps().ray_query) continue;
+        ModelBuilder builder({mirror, white});
+        builder.solid("floor", ground(4, 3, 1, 1), 0);
+        Shape sheet;
+        const glm::dvec3 tilt(0.0731, 1, -0.317);
+        for (const double x : {-7.13, 7.19}) {
+            sheet.positions.emplace_back(glm::dvec3(x, -0.37, -3.217));
+            sheet.positions.emplace_back(glm::dvec3(x, -0.37, -3.217) + 9.0 * tilt);
+        }
+        sheet.indices =
+            turned ? std::vector<uint32_t>{0, 1, 2, 2, 1, 3} : std::vector<uint32_t>{0, 2, 1, 2, 3, 1};
+        builder.solid("sheet", sheet, 1);
+        Shot shot = night_shot(builder.take(), {64, 36});
+        const glm::dvec3 to_sun = glm::normalize(glm::dvec3(0.1, 0.7, 0.6));
+        shot.sun = {{0, to_sun}};
+        shot.sun_angular_radius_deg = 0;
+        const auto session = open_shipped(
+            "raw_reflections", shot,
+            {std::string("nodes.rays.params.backend=") + backend, "nodes.rays.params.ambient=[0,0,0]"});
+        session->run_frame(0, true);
+        const auto image = colors(*session);
+        const glm::dvec3 n = glm::normalize(glm::cross(glm::dvec3(1, 0, 0), tilt));
+        const double expected = 3 * glm::dot(n, to_sun);
+        ASSERT_GT(expected, 0);
+        const Camera camera = camera_at(shot, 0, 64.0 / 36);
+        size_t looked_at = 0;
+        for (size_t i = 0; i < image[0].size(); ++i) {
+            glm::dvec3 origin;
+            const glm::dvec3 direction = mirrored(camera, shot.size, i, origin);
+            if (!(direction.y > 0) || std::abs(origin.x) > 2.9 || std::abs(origin.z) > 2.9) continue;
+            const double way = glm::dot(n, glm::dvec3(0, -0.37, -3.217) - origin) / glm::dot(n, direction);
+            const glm::dvec3 hit = origin + way * direction;
+            if (!(way > 0) || hit.y > 8 || std::abs(hit.x) > 6) continue;
+            ++looked_at;
+            EXPECT_NEAR(image[0][i], expected, 5e-3 * expected) << i;
+        }
+        EXPECT_GT(looked_at, 300u);
+    }
+}
+
 }  // namespace
 }  // namespace penumbra::test
