@@ -131,6 +131,8 @@ const char* word_of(VkDescriptorType type) {
             return "storage_image";
         case VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER:
             return "texel_buffer";
+        case VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER:
+            return "storage_texel_buffer";
         case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:
             return "uniform_buffer";
         case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
@@ -254,8 +256,7 @@ OrderedJson binding_json(const PlanBinding& b) {
     const bool indexed = b.source == BindingSource::resource || b.source == BindingSource::host ||
                          b.source == BindingSource::table;
     const bool texels = b.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER ||
-                        b.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE ||
-                        b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+                        b.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE || b.is_texels();
     const bool sampled = b.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
     return {{"set", b.set},
             {"binding", b.binding},

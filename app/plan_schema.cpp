@@ -81,8 +81,8 @@ Schema definitions() {
     d["binding"] = object(
         {{"set", number},
          {"binding", number},
-         {"type", words({"sampled_image", "storage_image", "texel_buffer", "uniform_buffer", "storage_buffer",
-                         "acceleration_structure"})},
+         {"type", words({"sampled_image", "storage_image", "texel_buffer", "storage_texel_buffer",
+                         "uniform_buffer", "storage_buffer", "acceleration_structure"})},
          {"source", doc(words({"resource", "slot", "table", "frame_block", "counters", "nothing"}),
                         "what fills it; nothing: anything of its type and format, which is never read")},
          {"index", or_null(doc(number, "of resources, slots or tables"))},

@@ -16,7 +16,9 @@ VkDescriptorType descriptor_type(PortKind kind, bool storage, bool output) {
         case PortKind::image:
             return storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
         case PortKind::texels:
-            return output ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+            return output    ? VK_DESCRIPTOR_TYPE_STORAGE_BUFFER
+                   : storage ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
+                             : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
         case PortKind::block:
             return VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
         case PortKind::structure:
@@ -41,7 +43,7 @@ Use input_use(const PlanPass& pass, const Port& port) {
     if (pass.kind == PassKind::host)
         return {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT, false};
     Use use{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_STORAGE_READ_BIT, false};
-    if ((port.kind == PortKind::image && !port.storage) || port.kind == PortKind::texels)
+    if ((port.kind == PortKind::image || port.kind == PortKind::texels) && !port.storage)
         use.access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
     if (port.indirect) {
         use.stages |= VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
@@ -150,7 +152,7 @@ void Compiler::bind_slot(const BoundNode& node, const Port& port, HostSlot slot,
     PlanBinding b = binding_of(port, binding);
     b.set = 1;
     b.source = BindingSource::host;
-    b.type = descriptor_type(slot.kind, false, false);
+    b.type = descriptor_type(slot.kind, slot.kind == PortKind::texels && port.storage, false);
     if (slot.kind == PortKind::buffer) b.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
     b.format = slot.format;
     const auto same = std::ranges::find_if(plan_.slots, [&](const HostSlot& s) {
@@ -179,9 +181,20 @@ void Compiler::bind_slot(const BoundNode& node, const Port& port, HostSlot slot,
 }
 
 bool Compiler::exists(const Bundle::Part& part) const {
+    if (!part.fact.empty() && !plan_.facts.at(part.fact)) return false;
     const bool many = target_.device.max_texel_elements >= large_texel_buffer;
-    return (part.fact.empty() || plan_.facts.at(part.fact)) &&
-           (part.on == Bundle::Texels::any || many == (part.on == Bundle::Texels::many));
+    switch (part.on) {
+        case Bundle::Texels::few:
+            return !many;
+        case Bundle::Texels::many:
+            return many;
+        case Bundle::Texels::fetched:
+            return many && !target_.device.loads_texels;
+        case Bundle::Texels::loaded:
+            return many && target_.device.loads_texels;
+        default:
+            return true;
+    }
 }
 
 void Compiler::bind_bundle(const BoundNode& node, const BoundPort& bound, uint32_t binding, bool present) {
@@ -194,14 +207,15 @@ void Compiler::bind_bundle(const BoundNode& node, const BoundPort& bound, uint32
         Port shape = port;  // a port of the part's own kind
         shape.kind = part.kind;
         shape.formats = {part.format};
+        shape.storage = part.on == Bundle::Texels::loaded;
         if (!present || !exists(part)) {
             bind_nothing(node.type(), shape, at);
             continue;
         }
         const std::string& input = pipeline_.inputs[*pipeline_.resources[bound.resource].input].name;
-        HostSlot slot{.name = part.name.empty() ? input : fmt::format("{}.{}", input, part.name),
+        HostSlot slot{.name = part.name.empty() ? input : fmt::format("{}.{}", input, part.slot_name()),
                       .input = input,
-                      .part = part.name,
+                      .part = part.slot_name(),
                       .kind = part.kind,
                       .format = part.format,
                       .extent = target_.extent,

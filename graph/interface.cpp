@@ -90,7 +90,10 @@ std::string declare_bundle(const Port& port, const Variant& variant, uint32_t b)
         const uint32_t binding = b++;
         if (!part.backend.empty() && part.backend != backend_of(variant, *port.bundle).name) continue;
         const std::string name = part.name.empty() ? port.name : port.name + "_" + part.name;
-        if (part.kind == PortKind::texels)
+        if (part.kind == PortKind::texels && part.on == Bundle::Texels::loaded)
+            text += fmt::format("layout(set = 0, binding = {}, {}) readonly uniform {}imageBuffer {};\n",
+                                binding, info(part.format).glsl, prefix(part.format), name);
+        else if (part.kind == PortKind::texels)
             text += fmt::format("layout(set = 0, binding = {}) uniform {}samplerBuffer {};\n", binding,
                                 prefix(part.format), name);
         else if (part.kind == PortKind::buffer)

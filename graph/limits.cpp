@@ -42,7 +42,8 @@ void need_of_pass(const Plan& plan, const PlanPass& pass, Needs& needs) {
     needs.at_least("maxPerStageDescriptorSampledImages", count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER] +
                                                              count[VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER]);
     needs.at_least("maxPerStageDescriptorSamplers", count[VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER]);
-    needs.at_least("maxPerStageDescriptorStorageImages", count[VK_DESCRIPTOR_TYPE_STORAGE_IMAGE]);
+    needs.at_least("maxPerStageDescriptorStorageImages",
+                   count[VK_DESCRIPTOR_TYPE_STORAGE_IMAGE] + count[VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER]);
     needs.at_least("maxPerStageDescriptorStorageBuffers", count[VK_DESCRIPTOR_TYPE_STORAGE_BUFFER]);
     needs.at_least("maxPerStageDescriptorUniformBuffers", count[VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER]);
     needs.at_least("maxPerStageResources", pass.bindings.size());

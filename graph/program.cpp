@@ -121,13 +121,12 @@ void ProgramState::make_absent() {
                 continue;
             }
             if (!absent_buffer_.get())
-                absent_buffer_ =
-                    MappedBuffer(*device_, absent_bytes,
-                                 VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                     VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
-                                 what);
-            if (b.type != VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER || absent_texels_.contains(b.format))
-                continue;
+                absent_buffer_ = MappedBuffer(
+                    *device_, absent_bytes,
+                    VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                        VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT,
+                    what);
+            if (!b.is_texels() || absent_texels_.contains(b.format)) continue;
             VkBufferViewCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
             create.buffer = absent_buffer_.get();
             create.format = info(b.format).vk;

@@ -92,6 +92,8 @@ void need_of_binding(const PlanBinding& b, const std::string& name, Needs& needs
     if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_IMAGE) features = VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT;
     if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
         features = VK_FORMAT_FEATURE_UNIFORM_TEXEL_BUFFER_BIT;
+    if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER)
+        features = VK_FORMAT_FEATURE_STORAGE_TEXEL_BUFFER_BIT;
     if (b.type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER) {
         features = VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
         if (b.linear) features |= VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;

@@ -156,7 +156,7 @@ VkImageView ViewState::view_of(const PlanBinding& b, uint32_t parity, uint32_t l
 }
 
 void ViewState::write_absent(VkDescriptorSet set, const PlanBinding& b) {
-    if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
+    if (b.is_texels())
         writer_.texels(set, b, program_.absent_texels(b.format));
     else if (b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER || b.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER)
         writer_.buffer(set, b, {program_.absent_buffer(), 0, VK_WHOLE_SIZE});
@@ -243,6 +243,7 @@ void ViewState::write_slot_bindings(const Slot& slot) {
                     writer_.structure(slot.sets[p], b, value.structure);
                     break;
                 case VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER:
+                case VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER:
                     writer_.texels(slot.sets[p], b, value.texels);
                     break;
                 case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:

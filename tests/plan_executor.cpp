@@ -193,7 +193,7 @@ struct PlanExecutor::Parts : PlanObjects {
                 buffer.buffer = counters.get();
             } else {
                 buffer.buffer = nothing.get();
-                if (b["type"] == "texel_buffer") {
+                if (b["type"] == "texel_buffer" || b["type"] == "storage_texel_buffer") {
                     Owned<VkBufferView>& view = no_texels[b["format"]];
                     if (!view) view = texels_of(nothing.get(), b["format"]);
                     texels = view.get();

@@ -25,14 +25,13 @@ PlanObjects::PlanObjects(const std::filesystem::path& folder) {
     nearest = make_sampler(VK_FILTER_NEAREST);
     linear = make_sampler(VK_FILTER_LINEAR);
     for (const Json& pass : plan["passes"]) passes.push_back(make_pass(pass, folder));
-    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1000},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1000},
-                                          {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1000},
-                                          {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1000},
-                                          {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1000}};
+    const VkDescriptorPoolSize sizes[] = {
+        {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1000}, {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1000},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 1000},   {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, 1000},
+        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1000},         {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1000}};
     VkDescriptorPoolCreateInfo create{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
     create.maxSets = 1000;
-    create.poolSizeCount = 5;
+    create.poolSizeCount = 6;
     create.pPoolSizes = sizes;
     VkDescriptorPool handle = VK_NULL_HANDLE;
     check(vkCreateDescriptorPool(device(), &create, nullptr, &handle), "vkCreateDescriptorPool", "");
@@ -43,7 +42,8 @@ PlanObjects::PlanObjects(const std::filesystem::path& folder) {
                                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "counters");
     nothing = make_host_buffer(gpu(), 16384,
                                VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                   VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
+                                   VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                                   VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT,
                                "nothing");
 }
 

@@ -59,6 +59,7 @@ inline const std::map<std::string, VkDescriptorType> descriptor_types = {
     {"sampled_image", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
     {"storage_image", VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
     {"texel_buffer", VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER},
+    {"storage_texel_buffer", VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER},
     {"uniform_buffer", VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
     {"storage_buffer", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER}};
 

@@ -3,6 +3,7 @@
 // on a CPU; both give the same hit words, except where double precision says that a ray meets an edge.
 #include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 
 #include "app/commands.h"
@@ -71,6 +72,37 @@ TEST(TraceBackend, AutoIsRayQueryWhereTheDeviceHasItAndIsNotACpu) {
                 EXPECT_NE(to_text(*plan).find(queries ? "backend ray_query" : "backend bvh"),
                           std::string::npos);
             }
+}
+
+// A device that loads texels faster than it fetches them reads the same buffers otherwise: the host binds
+// what it always does.
+TEST(TraceBackend, TheTreeIsFetchedOrLoadedFromTheSameSlots) {
+    for (const bool loads : {false, true}) {
+        SCOPED_TRACE(loads);
+        DeviceTable device = table(true, false);
+        device.loads_texels = loads;
+        Diagnostics diagnostics;
+        const CheckedPipeline raw = raw_with("bvh");
+        const auto plan =
+            compile(raw, standalone_target(raw, device, {64, 32}, {{"alpha", false}}), {}, diagnostics);
+        ASSERT_TRUE(plan) << diagnostics.text();
+        std::vector<std::string> slots = scene_slots_of(*plan), wanted = tree_slots;
+        std::ranges::sort(slots);
+        std::ranges::sort(wanted);
+        EXPECT_EQ(slots, wanted);
+        size_t bound = 0;
+        for (const PlanPass& pass : plan->passes)
+            for (const PlanBinding& b : pass.bindings) {
+                if (b.source != BindingSource::host || plan->slots[b.index].kind != PortKind::texels)
+                    continue;
+                ++bound;
+                EXPECT_EQ(b.type, loads ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER
+                                        : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER);
+                EXPECT_TRUE(plan->slots[b.index].use.access & (loads ? VK_ACCESS_2_SHADER_STORAGE_READ_BIT
+                                                                     : VK_ACCESS_2_SHADER_SAMPLED_READ_BIT));
+            }
+        EXPECT_EQ(bound, 2u);
+    }
 }
 
 TEST(TraceBackend, ForcingRayQueriesOnADeviceWithoutThemIsAnError) {

@@ -83,7 +83,7 @@ inline Buffer make_buffer(VkDeviceSize size, VkFormat texels) {
     create.size = size;
     create.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
                    VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                   VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+                   VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
     must(vkCreateBuffer(device, &create, nullptr, &b.handle), "vkCreateBuffer");
     VkMemoryRequirements need;
     vkGetBufferMemoryRequirements(device, b.handle, &need);

@@ -124,7 +124,8 @@ static Resource load(const pen::HostSlot& slot, const std::vector<char>& bytes, 
     VkBufferCreateInfo buffer{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     buffer.size = bytes.size();
     buffer.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
+                   VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                   VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
     must(vkCreateBuffer(device, &buffer, nullptr, &r.buffer), "vkCreateBuffer");
     VkMemoryRequirements need;
     vkGetBufferMemoryRequirements(device, r.buffer, &need);

@@ -143,7 +143,8 @@ static resource load(const penumbra_slot* slot, const char* bytes, size_t size, 
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = size,
         .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT};
+                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                 VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT};
     must(vkCreateBuffer(device, &buffer, NULL, &r.buffer), "vkCreateBuffer");
     VkMemoryRequirements need;
     vkGetBufferMemoryRequirements(device, r.buffer, &need);

@@ -201,6 +201,10 @@ GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBuffe
 
 namespace {
 
+// Read in either way, as a device is faster (DeviceTable::loads_texels).
+constexpr VkBufferUsageFlags texel_usage =
+    VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT;
+
 GpuTexels with_view(const Device& device, GpuBuffer buffer, VkFormat format, VkDeviceSize bytes,
                     std::string_view what) {
     GpuTexels out{std::move(buffer), {}};
@@ -222,13 +226,11 @@ GpuTexels upload_texels(Device& device, std::span<const std::byte> data, VkForma
     if (texels > device.limits().maxTexelBufferElements)
         throw DeviceError(fmt::format("{} need {} texels, the device's texel buffers hold {}", what, texels,
                                       device.limits().maxTexelBufferElements));
-    return with_view(device, upload_buffer(device, data, VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what),
-                     format, data.size(), what);
+    return with_view(device, upload_buffer(device, data, texel_usage, what), format, data.size(), what);
 }
 
 GpuTexels make_host_texels(const Device& device, VkDeviceSize bytes, VkFormat format, std::string_view what) {
-    return with_view(device, make_host_buffer(device, bytes, VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, what),
-                     format, bytes, what);
+    return with_view(device, make_host_buffer(device, bytes, texel_usage, what), format, bytes, what);
 }
 
 GpuTexels upload_texels_as(TexelsAs as, Device& device, std::span<const std::byte> data, VkFormat format,

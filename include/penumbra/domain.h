@@ -41,10 +41,12 @@ struct Bundle {
         std::string glsl;       // what its shaders begin with
     };
     // Which devices a part exists on, by how many texels their buffers hold (large_texel_buffer): what may exceed
-    // those of some comes as two parts, one of texels and one a buffer.
-    enum class Texels : uint8_t { any, many, few };
+    // those of some comes as two parts, one of texels and one a buffer. Of many texels a shader may fetch them or,
+    // where that is faster (DeviceTable::loads_texels), load them as an image's: two parts of one slot.
+    enum class Texels : uint8_t { any, few, many, fetched, loaded };
     struct Part {
         std::string name;  // the slot is PORT.name, PORT_name in GLSL; empty: PORT itself
+        std::string slot;  // where it is not that of `name`
         PortKind kind = PortKind::texels;
         Format format = Format::r8;  // texels
         std::string element;         // block: the struct's name; buffer: as in declarations
@@ -53,6 +55,7 @@ struct Bundle {
         Texels on = Texels::any;     // exists on these devices alone. HAS_PORT_NAME in GLSL
 
         bool always() const { return fact.empty() && on == Texels::any; }
+        const std::string& slot_name() const { return slot.empty() ? name : slot; }
     };
     std::string kind, doc;  // kind: the word in declarations
     std::string param;      // of this name, with values of the backends' and "auto"

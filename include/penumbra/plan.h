@@ -48,6 +48,7 @@ struct DeviceTable {
     bool cpu = false;                   // device class: selects the declarations' overrides
     uint32_t max_image_extent = 16384;  // pixels per axis
     uint32_t max_texel_elements = 1u << 27;
+    bool loads_texels = false;              // imageLoad() of a texel buffer takes it less than texelFetch()
     uint32_t max_storage_bytes = 1u << 27;  // of one buffer binding
     // The rest of its limits, by the names of their members in Vulkan's structs; what is not named bounds
     // nothing.
@@ -190,6 +191,11 @@ struct PlanBinding {
     Format format = Format::r8;  // images and texels
     std::string port;            // as the shader names it; empty: the graph's own
     bool output = false;
+
+    bool is_texels() const {
+        return type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER ||
+               type == VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER;
+    }
 };
 
 // One image that starts to use its memory: UNDEFINED -> GENERAL.
