@@ -11,11 +11,13 @@
 // blurs it every time. Where nothing moves, a pixel's history is its own.
 //
 // An invocation goes down a column: of the 3x3 pixels around each only the lower three are new.
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
 #include "common/branch.glsl"
 #include "common/camera.glsl"
 #include "common/finite.glsl"
 #include "common/guide_normal.glsl"
+#include "common/lanes_in_a_row.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
 #include "common/rounded.glsl"
@@ -74,24 +76,27 @@ vec4 published(Box box, Reprojection there, vec2 v) {
 }
 
 void main() {
-    const int x = int(gl_GlobalInvocationID.x), first = int(gl_GlobalInvocationID.y * PER_THREAD_Y);
-    if (x >= int(frame.size.x)) return;
+    const int x = column(), first = int(gl_GlobalInvocationID.y * PER_THREAD_Y);
     const int end = min(first + int(PER_THREAD_Y), int(frame.size.y));
     const Cameras cameras = cameras();
-    ColorRow color_above = color_row(x, first - 1), color_here = color_row(x, first);
-    DepthRow depth_above = depth_row(x, first - 1), depth_here = depth_row(x, first);
+    vec3 color_sides = vec3(0.0);
+    float depth_sides = 0.0;
+    ColorRow color_above = color_row(x, first - 1, 0, color_sides), color_here = color_row(x, first, 1, color_sides);
+    DepthRow depth_above = depth_row(x, first - 1, 0, depth_sides), depth_here = depth_row(x, first, 1, depth_sides);
     for (int y = first; y < end; ++y) {
         const ivec2 p = ivec2(x, y);
-        const ColorRow color_below = color_row(x, y + 1);
-        const DepthRow depth_below = depth_row(x, y + 1);
-        const Box box = box_of(color_above, color_here, color_below);
-        const Around around = around_of(p, depth_above, depth_here, depth_below);
-        const vec3 v = HAS_MOTION ? texelFetch(motion, around.nearest, 0).xyz : vec3(0.0);
-        const Reprojection there = reproject(p, v.xy);
-        if (HAS_GUIDE_NORMAL)
-            imageStore(color, p, robust(p, box, around, cameras, there, v));
-        else
-            imageStore(color, p, published(box, there, v.xy));
+        const ColorRow color_below = color_row(x, y + 1, y + 2 - first, color_sides);
+        const DepthRow depth_below = depth_row(x, y + 1, y + 2 - first, depth_sides);
+        if (x < int(frame.size.x)) {  // who stands beside the image has rows to load
+            const Box box = box_of(color_above, color_here, color_below);
+            const Around around = around_of(p, depth_above, depth_here, depth_below);
+            const vec3 v = HAS_MOTION ? texelFetch(motion, around.nearest, 0).xyz : vec3(0.0);
+            const Reprojection there = reproject(p, v.xy);
+            if (HAS_GUIDE_NORMAL)
+                imageStore(color, p, robust(p, box, around, cameras, there, v));
+            else
+                imageStore(color, p, published(box, there, v.xy));
+        }
         color_above = color_here;
         color_here = color_below;
         depth_above = depth_here;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The colours around a pixel as a box, and the history limited to it.
 //
-// Includer has compress(), finite.glsl and the image lit.
+// Includer has compress(), finite.glsl, lanes_in_a_row.glsl and the image lit.
 
 // Luma and chroma vary independently of each other more often than red, green and blue do: a box along these axes is the
 // tighter one. Malvar and Sullivan 2003, YCoCg.
@@ -26,9 +26,18 @@ struct ColorRow {
     vec3 sum, squares;  // weighted, along the box's axes
 };
 
-ColorRow color_row(int x, int y) {
-    const vec3 shown = current(ivec2(x, y));
-    const vec3 l = to_box_axes(current(ivec2(x - 1, y))), c = to_box_axes(shown), r = to_box_axes(current(ivec2(x + 1, y)));
+// `row` is counted from the first one that is asked for, and `sides` goes from row to row.
+ColorRow color_row(int x, int y, int row, inout vec3 sides) {
+    const vec3 shown = current(ivec2(x, y)), c = to_box_axes(shown);
+    vec3 l, r;
+    if (IN_A_ROW) {
+        BRANCH_IF(sides_are_due(row)) sides = to_box_axes(current(beside_row(x, y)));
+        l = left_of(c, sides, row);
+        r = right_of(c, sides, row);
+    } else {
+        l = to_box_axes(current(ivec2(x - 1, y)));
+        r = to_box_axes(current(ivec2(x + 1, y)));
+    }
     return ColorRow(shown, c + SIDE * (l + r), c * c + SIDE * (l * l + r * r));
 }
 

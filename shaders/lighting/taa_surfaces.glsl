@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Which of the history showed what is seen around a pixel now.
 //
-// Includer has branch.glsl, camera.glsl, guide_normal.glsl, pixels.glsl, rounded.glsl and taa_history.glsl, and declares the images
-// history and view_depth and, where things move, motion, guide_normal and view_depth_prev.
+// Includer has branch.glsl, camera.glsl, guide_normal.glsl, lanes_in_a_row.glsl, pixels.glsl, rounded.glsl and taa_history.glsl, and
+// declares the images history and view_depth and, where things move, motion, guide_normal and view_depth_prev.
 #include "common/corners.glsl"
 #include "common/view_rays.glsl"
 #include "lighting/taa_memory.glsl"
@@ -15,21 +15,35 @@ struct DepthRow {
     bool sky;
 };
 
-DepthRow depth_row(int x, int y) {
-    DepthRow row = DepthRow(1e30, 0.0, x, x, false);
-    if (y < 0 || y >= int(frame.size.y)) return row;
-    for (int i = -1; i <= 1; ++i) {
-        const int at = x + i;
-        const bool there = at >= 0 && at < int(frame.size.x);
-        const float z = imageLoad(view_depth, ivec2(clamp(at, 0, int(frame.size.x) - 1), y)).x;
-        const bool nearer = there && z > 0.0 && z < row.nearest, farther = there && z > row.farthest;
-        row.nearest_x = nearer ? at : row.nearest_x;
-        row.nearest = nearer ? z : row.nearest;
-        row.farthest_x = farther ? at : row.farthest_x;
-        row.farthest = farther ? z : row.farthest;
-        row.sky = row.sky || there && !(z > 0.0);
+float depth_within(ivec2 p) { return imageLoad(view_depth, clamp(p, ivec2(0), ivec2(frame.size) - 1)).x; }
+
+// `row` and `sides` as color_row() has them.
+DepthRow depth_row(int x, int y, int row, inout float sides) {
+    const float own = depth_within(ivec2(x, y));
+    float l, r;
+    if (IN_A_ROW) {
+        BRANCH_IF(sides_are_due(row)) sides = depth_within(beside_row(x, y));
+        l = left_of(own, sides, row);
+        r = right_of(own, sides, row);
+    } else {
+        l = depth_within(ivec2(x - 1, y));
+        r = depth_within(ivec2(x + 1, y));
     }
-    return row;
+    const vec3 depths = vec3(l, own, r);
+    DepthRow found = DepthRow(1e30, 0.0, x, x, false);
+    const bool in_image = y >= 0 && y < int(frame.size.y);
+    for (int i = 0; i < 3; ++i) {
+        const int at = x + i - 1;
+        const float z = depths[i];
+        const bool there = in_image && at >= 0 && at < int(frame.size.x);
+        const bool nearer = there && z > 0.0 && z < found.nearest, farther = there && z > found.farthest;
+        found.nearest_x = nearer ? at : found.nearest_x;
+        found.nearest = nearer ? z : found.nearest;
+        found.farthest_x = farther ? at : found.farthest_x;
+        found.farthest = farther ? z : found.farthest;
+        found.sky = found.sky || there && !(z > 0.0);
+    }
+    return found;
 }
 
 // Of 3x3 pixels: an edge takes its history from what is in front. Depths are 0 and the pixel p where all is sky.
