@@ -165,11 +165,12 @@ void for_pixel(ivec2 p) {
         return;
     }
 
-    // Weights sum up to the response's integral in the mean, which neighbours' rays tell well: what the sum lacks or has too much
-    // of is their mean radiance. Divided by their sum instead, what only some pixels find well is too faint, in every frame.
+    // Weights sum up to the response's integral in the mean, which neighbours' rays tell well. Divided by their sum instead, what only
+    // some pixels find well is too faint, in every frame; so what the sum lacks or has too much of is their mean radiance. By half, since
+    // that may be more than there is, and what is cut off at 0 is too bright in the mean.
     const bool whole = ray_here && is_wide(roughness) && around.w > 0.0;
     const float integral = whole ? around.w / (others + 1.0) : sums.weight;
-    const vec3 lacking = whole ? around.rgb / around.w * (integral - sums.weight) : vec3(0.0);
+    const vec3 lacking = whole ? 0.5 * (around.rgb / around.w + sums.radiance / sums.weight) * (integral - sums.weight) : vec3(0.0);
     const vec3 g = max((sums.radiance + lacking) / integral, 0.0);
     const float samples = sums.weight * sums.weight / sums.squares;
     const float spread = sums.of_squares2 - 2.0 * dot(g, sums.of_squares) + dot(g, g) * sums.squares;
