@@ -77,6 +77,7 @@ vec4 published(Box box, Reprojection there, vec2 v) {
 
 void main() {
     const int x = column(), first = int(gl_GlobalInvocationID.y * PER_THREAD_Y);
+    if (!IN_A_ROW && x >= int(frame.size.x)) return;
     const int end = min(first + int(PER_THREAD_Y), int(frame.size.y));
     const Cameras cameras = cameras();
     vec3 color_sides = vec3(0.0);
@@ -87,7 +88,7 @@ void main() {
         const ivec2 p = ivec2(x, y);
         const ColorRow color_below = color_row(x, y + 1, y + 2 - first, color_sides);
         const DepthRow depth_below = depth_row(x, y + 1, y + 2 - first, depth_sides);
-        if (x < int(frame.size.x)) {  // who stands beside the image has rows to load
+        if (!IN_A_ROW || x < int(frame.size.x)) {  // who stands beside the image has rows to load
             const Box box = box_of(color_above, color_here, color_below);
             const Around around = around_of(p, depth_above, depth_here, depth_below);
             const vec3 v = HAS_MOTION ? texelFetch(motion, around.nearest, 0).xyz : vec3(0.0);

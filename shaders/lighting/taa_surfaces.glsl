@@ -19,6 +19,9 @@ float depth_within(ivec2 p) { return imageLoad(view_depth, clamp(p, ivec2(0), iv
 
 // `row` and `sides` as color_row() has them.
 DepthRow depth_row(int x, int y, int row, inout float sides) {
+    DepthRow found = DepthRow(1e30, 0.0, x, x, false);
+    const bool in_image = y >= 0 && y < int(frame.size.y);
+    if (!IN_A_ROW && !in_image) return found;
     const float own = depth_within(ivec2(x, y));
     float l, r;
     if (IN_A_ROW) {
@@ -30,8 +33,6 @@ DepthRow depth_row(int x, int y, int row, inout float sides) {
         r = depth_within(ivec2(x + 1, y));
     }
     const vec3 depths = vec3(l, own, r);
-    DepthRow found = DepthRow(1e30, 0.0, x, x, false);
-    const bool in_image = y >= 0 && y < int(frame.size.y);
     for (int i = 0; i < 3; ++i) {
         const int at = x + i - 1;
         const float z = depths[i];
