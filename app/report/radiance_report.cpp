@@ -66,8 +66,8 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     job.results.study = *study;
     std::vector<std::string> pipelines = arguments.pipelines, shots = arguments.shots;
     if (pipelines.empty() && arguments.signal == "specular")
-        pipelines = {"fidelityfx_reflections", "reflections"};
-    if (pipelines.empty()) pipelines = {"indirect"};
+        pipelines = {"fidelityfx_reflections", "relax", "reflections"};
+    if (pipelines.empty()) pipelines = {"relax_indirect", "indirect"};
     if (shots.empty()) shots = {"polished"};
     if (arguments.shots.empty() && !arguments.quick) shots = {"polished", "chrome", "street"};
     auto contenders = radiance_contenders(pipelines, arguments.signal, *study, root, nodes, diagnostics);

@@ -166,12 +166,12 @@ void for_pixel(ivec2 p) {
     }
 
     // Weights sum up to the response's integral in the mean, which neighbours' rays tell well. Divided by their sum instead, what only
-    // some pixels find well is too faint, in every frame; so what the sum lacks or has too much of is their mean radiance. By half, since
-    // that may be more than there is, and what is cut off at 0 is too bright in the mean.
+    // some pixels find well is too faint, in every frame; so what the sum lacks or has too much of is their mean radiance. For glossy lobes
+    // by half, since it may be more than there is, and what is cut off at 0 is too bright in the mean.
     const bool whole = ray_here && is_wide(roughness) && around.w > 0.0;
     const float integral = whole ? around.w / (others + 1.0) : sums.weight;
-    const vec3 lacking = whole ? 0.5 * (around.rgb / around.w + sums.radiance / sums.weight) * (integral - sums.weight) : vec3(0.0);
-    const vec3 g = max((sums.radiance + lacking) / integral, 0.0);
+    const vec3 mean = whole ? mix(sums.radiance / sums.weight, around.rgb / around.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5) : vec3(0.0);
+    const vec3 g = max((sums.radiance + mean * (integral - sums.weight)) / integral, 0.0);
     const float samples = sums.weight * sums.weight / sums.squares;
     const float spread = sums.of_squares2 - 2.0 * dot(g, sums.of_squares) + dot(g, g) * sums.squares;
     const float variance = max(spread, 0.0) / (integral * integral) * samples / max(samples - 1.0, 0.5);
