@@ -63,8 +63,11 @@ Format buffer_format(const PlanResource& r) {
     return Format::r32ui;
 }
 
-// One for each layer.
-std::vector<Texels> captured_texels(const Session& session, const std::string& name) {
+struct Layers {
+    std::vector<Texels> texels;
+    bool layered = false;  // of an array, be it of one layer
+};
+Layers captured_texels(const Session& session, const std::string& name) {
     const Plan& plan = session.plan();
     for (const PlanPass& pass : plan.passes) {
         if (pass.kind != PassKind::capture || pass.node != name) continue;
@@ -73,10 +76,10 @@ std::vector<Texels> captured_texels(const Session& session, const std::string& n
         const Extent extent = image ? r.extent : buffer_extent(plan, r);
         const Format format = image ? r.format : buffer_format(r);
         const std::span<const std::byte> all = session.view().captured(name);
-        std::vector<Texels> layers;
+        Layers layers{{}, r.layered};
         for (uint32_t layer = 0; layer < r.layers; ++layer) {
             const auto bytes = all.subspan(layer * (all.size() / r.layers), all.size() / r.layers);
-            layers.push_back(
+            layers.texels.push_back(
                 {decode_texels(format, extent.width, extent.height, bytes, channel_names(name, format)),
                  fnv1a(bytes)});
         }
@@ -87,12 +90,13 @@ std::vector<Texels> captured_texels(const Session& session, const std::string& n
 
 // What the files of a layer are called, after their resource: by its light where each is of one, of a
 // pipeline that takes them all in one input.
-std::string name_of_layer(const Session& session, size_t layer, size_t layers) {
+std::string name_of_layer(const Session& session, size_t layer, const Layers& layers) {
+    if (!layers.layered) return "";
     const std::vector<std::string>& lights = session.host().light_names();
     const bool of_lights =
         std::ranges::find(session.plan().slots, "lights", &HostSlot::name) != session.plan().slots.end();
-    if (of_lights && lights.size() == layers) return "." + lights[layer];
-    return layers == 1 ? "" : fmt::format(".{}", layer);
+    if (of_lights && lights.size() == layers.texels.size()) return "." + lights[layer];
+    return layers.texels.size() == 1 ? "" : fmt::format(".{}", layer);
 }
 
 // Reverse-Z depth to metres along the view axis, 0 = sky. The last element of a projection tells the two
@@ -178,7 +182,7 @@ bool is_host_image(const std::string& name) {
 }
 
 PlanarImage captured_image(const Session& session, const std::string& resource) {
-    return captured_texels(session, resource).front().image;
+    return captured_texels(session, resource).texels.front().image;
 }
 
 PlanarImage host_image(Device& device, const Session& session, const std::string& name) {
@@ -188,9 +192,9 @@ PlanarImage host_image(Device& device, const Session& session, const std::string
 void OutputWriter::write(const Session& session, const std::string& resource, uint32_t frame) {
     if (is_host_image(resource))
         return write(host_texels(device_, session, resource), resource, resource, frame);
-    const std::vector<Texels> layers = captured_texels(session, resource);
-    for (size_t i = 0; i < layers.size(); ++i)
-        write(layers[i], resource, resource + name_of_layer(session, i, layers.size()), frame);
+    const Layers layers = captured_texels(session, resource);
+    for (size_t i = 0; i < layers.texels.size(); ++i)
+        write(layers.texels[i], resource, resource + name_of_layer(session, i, layers), frame);
 }
 
 void OutputWriter::write(const Texels& texels, const std::string& resource, const std::string& name,

@@ -64,6 +64,11 @@ bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
 }
 
+bool needs_input(const CheckedPipeline& pipeline, std::string_view name) {
+    const auto input = std::ranges::find(pipeline.inputs, name, &HostInput::name);
+    return input != pipeline.inputs.end() && !input->optional;
+}
+
 // Of a light whose name a slot's ends in, where a pipeline has nodes for each of them.
 std::string slot_of(const std::string& light) {
     return "light_" + light;
@@ -172,7 +177,8 @@ Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& dev
         return std::ranges::find(pipeline.inputs, input.first, &HostInput::name) == pipeline.inputs.end();
     });
     for (const HostInput& input : pipeline.inputs)
-        if (input.optional && !standalone_has_input(input.name)) target.left_out.insert(input.name);
+        if (input.optional && (!standalone_has_input(input.name) || input.name == "lights"))
+            target.left_out.insert(input.name);
     return target;
 }
 
@@ -183,12 +189,17 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     const auto takes_input = [&](const char* name) {
         return std::ranges::find(pipeline.inputs, name, &HostInput::name) != pipeline.inputs.end();
     };
-    const bool several = takes_input("lights"), near = takes_input("light");
+    // A pipeline that can do without lamps is of the sun and of all lamps that there are: of the sun alone,
+    // too.
+    const bool near = takes_input("light"), needs_lamps = needs_input(pipeline, "lights");
+    const bool beside_sun =
+        takes_input("lights") && !needs_lamps && !shot.lights.empty() && options.light != "sun";
+    const bool several = needs_lamps || beside_sun;
     std::vector<std::string> lights = lights_with_inputs(pipeline, shot);
     const bool each = !lights.empty();
     if (several) lights = choose_lights(shot, near ? "" : options.light, diagnostics);
     if (several && lights.empty()) return nullptr;
-    const auto chosen = each || (several && !near && !takes_input("sun"))
+    const auto chosen = each || (beside_sun && !near) || (several && !near && !takes_input("sun"))
                             ? ChosenLight{}
                             : choose_light(shot, several && !near ? "" : options.light, diagnostics,
                                            near ? LightsFor::near : LightsFor::sun);
@@ -258,7 +269,10 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     Target target =
         standalone_target(pipeline, table, options.largest.value_or(options.size), facts,
                           {options.cascade_size, options.cascade_size}, session->host_->cascade_layers());
-    if (several) target.inputs["lights"] = {Format::rgba32ui, {5, static_cast<uint32_t>(lights.size())}};
+    if (several) {
+        target.inputs["lights"] = {Format::rgba32ui, {5, static_cast<uint32_t>(lights.size())}};
+        target.left_out.erase("lights");
+    }
     const auto beyond = std::ranges::find(pipeline.inputs, "environment", &HostInput::name);
     if (environment && beyond->optional && is_black(*environment)) {
         target.left_out.insert("environment");

@@ -139,7 +139,7 @@ bool standalone_has_input(std::string_view name);
 std::set<std::string> features_of(const Device& device);
 
 // The pipeline's inputs that the standalone host provides, in the formats it renders; optional ones that it
-// does not know are left out.
+// does not know are left out, and so are lamps until somebody brings them.
 Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& device,
                          std::array<uint32_t, 2> size, const Facts& facts,
                          Extent cascade_extent = {1024, 1024}, uint32_t cascades = 1);

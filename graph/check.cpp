@@ -102,6 +102,7 @@ class Checker {
         }
         BoundNode bound{.id = node.id, .entry = entry, .place = node.place};
         bind_params(node, bound);
+        find_with(node, bound);
         check_ports(node, entry->type, node.in, false);
         check_ports(node, entry->type, node.out, true);
         for (const Port& port : entry->type.ports)
@@ -133,6 +134,25 @@ class Checker {
                     parse_param_value(bound.type().params[i], member.value, path, diagnostics_))
                 bound.params[i] = *value;
         }
+    }
+
+    void find_with(const PipelineNode& node, BoundNode& bound) {
+        if (node.with.empty()) return;
+        const std::string path = "nodes." + node.id + ".with";
+        std::vector<std::string> optional;
+        for (uint32_t i = 0; i < result_.inputs.size(); ++i) {
+            const HostInput& input = result_.inputs[i];
+            if (input.optional) optional.push_back(input.name);
+            if (input.name != node.with) continue;
+            bound.with = i;
+            if (!input.optional)
+                error(node.with_place, path,
+                      fmt::format("the host never leaves out \"{}\": give the input \"optional\": true",
+                                  node.with));
+        }
+        if (!bound.with)
+            error(node.with_place, path,
+                  fmt::format("no input \"{}\"{}", node.with, did_you_mean(node.with, optional)));
     }
 
     // A node that runs under no facts stays: its names and wires are checked as any other's, and it gets in

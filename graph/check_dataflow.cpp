@@ -107,10 +107,25 @@ class DataflowChecker {
         }
     }
 
-    // When something is needed and nobody writes it.
-    std::optional<std::string> missing_writer(const ResourceUse& use, FactCases needed) const {
-        for (const PortUse& writer : use.writers) needed &= ~writer.bound->cases;
+    std::optional<uint32_t> with(const PortUse& use) const { return nodes_[use.node].with; }
+
+    // When something is needed and nobody writes it. Who may be left out with an input writes for those that
+    // are left out with the same one: `with`.
+    std::optional<std::string> missing_writer(const ResourceUse& use, FactCases needed,
+                                              std::optional<uint32_t> reader_with) const {
+        FactCases left_out;
+        std::optional<uint32_t> input;
+        for (const PortUse& writer : use.writers) {
+            if (!with(writer) || with(writer) == reader_with) {
+                needed &= ~writer.bound->cases;
+                continue;
+            }
+            left_out |= writer.bound->cases;
+            input = with(writer);
+        }
         if (needed.none()) return std::nullopt;
+        if (const FactCases may_be_left_out = needed & left_out; may_be_left_out == needed)
+            return fmt::format("where the host leaves out \"{}\"", dataflow_.pipeline.inputs[*input].name);
         const std::string facts = describe(needed, *dataflow_.pipeline.domain);
         return facts.empty() ? "with these parameters" : "where " + facts;
     }
@@ -132,12 +147,18 @@ class DataflowChecker {
         return {};
     }
 
+    // Whether the reader is left out where the input is.
+    bool stands_with(const PortUse& reader, const HostInput& input) const {
+        const auto i = with(reader);
+        return i && dataflow_.pipeline.inputs[*i].name == input.name;
+    }
+
     void check_presence(const std::string& name, const ResourceUse& use) {
         for (const PortUse& reader : use.readers) {
             const FactCases cases = needed(reader);
             if (reader.bound->port->optional && cases.none()) continue;
             if (use.host) {
-                if (use.host->optional)
+                if (use.host->optional && !stands_with(reader, *use.host))
                     error(
                         reader,
                         fmt::format("the host may leave out \"{}\" (\"optional\": true), but the port is not "
@@ -146,7 +167,7 @@ class DataflowChecker {
                 continue;
             }
             if (use.writers.empty()) continue;  // reported where the name was looked up
-            if (const auto when = missing_writer(use, cases))
+            if (const auto when = missing_writer(use, cases, with(reader)))
                 error(reader, fmt::format("nobody writes \"{}\" {}, and the port is not optional{}", name,
                                           *when, beside(reader)));
         }
@@ -207,7 +228,7 @@ class DataflowChecker {
             const ResourceUse* found = dataflow_.find(output.name);
             if (!found || found->host || found->writers.empty())
                 continue;  // reported where the name was looked up
-            if (const auto when = missing_writer(*found, all_cases()))
+            if (const auto when = missing_writer(*found, all_cases(), std::nullopt))
                 diagnostics_.add(output.place, output_path(output),
                                  fmt::format("nobody writes \"{}\" {}", output.name, *when));
         }

@@ -197,6 +197,8 @@ class PipelineReader {
         if (const Json* condition = reader.find("if"))
             if (expect(*condition, Json::Kind::string, reader.path("if"), diagnostics_))
                 node.condition = *condition;
+        node.with = reader.text("with");
+        if (const Json* with = reader.find("with")) node.with_place = with->place;
         node.doc = reader.text("doc");
         read_family(reader, node.instances, node.instances_place);
         pipeline_.nodes.push_back(std::move(node));

@@ -25,6 +25,10 @@ class Selector {
             runs_[i] = pipeline_.nodes[i].cases[facts_];
             if (!runs_[i] && !pipeline_.nodes[i].added)
                 selection_.culled.push_back({pipeline_.nodes[i].id, "if", pipeline_.nodes[i].condition});
+            if (const auto with = pipeline_.nodes[i].with; runs_[i] && with && left_out_[*with]) {
+                runs_[i] = false;
+                selection_.culled.push_back({pipeline_.nodes[i].id, "with", pipeline_.inputs[*with].name});
+            }
         }
         index_producers([](const BoundPort& bound, Source) { return bound.resource != no_resource; });
         for (size_t i = 0; i < runs_.size(); ++i)

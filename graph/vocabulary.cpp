@@ -197,6 +197,7 @@ constexpr auto node_keys = std::to_array<Key>({
     {"out", Holds::wires, "port: the name of what it writes; null: unbound"},
     {"params", Holds::values, "parameter: value"},
     {"if", Holds::condition, "the node runs only where this holds"},
+    {"with", Holds::id, "an optional input of the pipeline: where the host leaves it out, so is the node"},
     {"doc", Holds::line, "why it is there"},
     {"instances", Holds::id, "a family: there is one for each of its members"},
 });

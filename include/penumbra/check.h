@@ -35,6 +35,7 @@ struct BoundNode {
     std::vector<FactCases> tables;   // parallel to the type's: in which they exist
     FactCases cases = all_cases();   // in which it runs: "if", with its comparisons settled
     std::string condition;           // "if", as text
+    std::optional<uint32_t> with;    // of CheckedPipeline::inputs: where it is left out, so is the node
     Place place;
     bool added = false;  // not by the pipeline's text: not worth a word where it does not run
 

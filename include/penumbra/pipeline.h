@@ -47,8 +47,9 @@ struct PipelineNode {
     std::vector<Wire> in, out;
     std::vector<JsonMember> params;
     std::optional<Json> condition;  // which check() parses: facts are the node set's
+    std::string with;               // an input without which the node does not run, or empty
     std::string doc;
-    Place place, type_place;
+    Place place, type_place, with_place;
     std::string instances;  // a family: the node exists once for each of its members
     Place instances_place;
 };

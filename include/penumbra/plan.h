@@ -280,8 +280,8 @@ struct ResetAction {
 
 struct Culled {
     std::string node;
-    std::string why;   // "unused" | "if"
-    std::string cond;  // the condition, for "if"
+    std::string why;   // "unused" | "if" | "with"
+    std::string cond;  // the condition, for "if"; the input that the host leaves out, for "with"
 };
 
 struct PlanOutput {

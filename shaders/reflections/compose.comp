@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The lit picture of one metallic-roughness surface per pixel: sun, glossy and diffuse surroundings, what it sheds. An engine with
+// The lit picture of one metallic-roughness surface per pixel: sun, lamps, glossy and diffuse surroundings, what it sheds. An engine with
 // materials of its own multiplies the signals by what these reflect instead.
 #include "node.glsl"
 #include "common/bilinear.glsl"
@@ -55,6 +55,7 @@ vec3 surface(ivec2 p) {
     store_shares(p, share);
     vec3 light = texelFetch(emissive, p, 0).rgb + share.specular * texelFetch(specular, p, 0).rgb + share.diffuse * texelFetch(diffuse, p, 0).rgb;
     if (HAS_SUN) light += texelFetch(visibility, p, 0).x * light_of_sun(n, v, base_color, metal_roughness, share.diffuse, brdf.x);
+    if (HAS_ILLUMINANCE) light += share.diffuse * (params.exposure * 0.31830989 * texelFetch(illuminance, p, 0).rgb);
     return light;
 }
 

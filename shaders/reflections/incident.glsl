@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-// What arrives along a ray: the light that leaves the surface it hits, or the environment. A hit surface is a Lambert one of
-// its base colour, metal or not, under the sun with a shadow ray, shines, and gets a constant in place of further bounces: the
-// integrand of truth and of every denoised ray alike.
+// What arrives along a ray: the light that leaves the surface it hits, or the environment. A hit surface is a Lambert one of its base
+// colour, metal or not, under the sun and the lamps, with a shadow ray each, shines, and gets a constant in place of further bounces:
+// the integrand of truth and of every denoised ray alike.
 //
-// Includer has reflections/closest_hit.glsl, hit_surface.glsl and environment.glsl, common/sun_sample.glsl and
-// common/finite.glsl and declares: block sun, where HAS_SUN; params sun_color, ambient.
+// Includer has reflections/closest_hit.glsl, hit_surface.glsl and environment.glsl, common/sun_sample.glsl, common/hash.glsl and
+// common/finite.glsl and declares: block sun, where HAS_SUN; texels lights, where HAS_LIGHTS; params sun_color, exposure, ambient.
+#include "common/lights.glsl"
+#include "common/illuminance.glsl"
+#include "reflections/lamps_at_hit.glsl"
 
 const float FARTHEST_M = 1e30;
 const float MISS_M = 65504.0;  // a distance that stands for "nothing": the largest half
@@ -22,20 +25,27 @@ vec3 leave_hit(vec3 point, vec3 normal, float distance_m) {
     return point + normal * (16.0 * 1.1920929e-7 * (size.x + size.y + size.z + distance_m));
 }
 
-vec3 light_of_sun(HitSurface hit, float distance_m, vec2 u) {
+vec3 light_of_sun(HitSurface hit, vec3 start, vec2 u) {
     if (!HAS_SUN) return vec3(0.0);
     const vec3 to_sun = sun_direction(sun.to_sun, sun.angular_radius, u);
     const float cosine = dot(hit.normal, to_sun);
     if (!(cosine > 0.0)) return vec3(0.0);
-    if (occluded(leave_hit(hit.point, hit.normal, distance_m), to_sun, 0.0, FARTHEST_M)) return vec3(0.0);
+    if (occluded(start, to_sun, 0.0, FARTHEST_M)) return vec3(0.0);
     return params.sun_color * cosine;
 }
 
-// `origin` in the scene's frame, `direction` a unit vector; `u`: where on the sun's disc the shadow ray goes.
+vec3 light_of_lamps(HitSurface hit, vec3 start, vec2 u) {
+    return params.exposure * 0.31830989 * lux_of_lamps(start, hit.normal, lamp_numbers(u));
+}
+
+// `origin` in the scene's frame, `direction` a unit vector; `u`: where on the sun's disc the shadow ray goes, and what the lamp's is
+// drawn with.
 Incident incident(vec3 origin, vec3 direction, vec2 u) {
     const ClosestHit ray = closest_hit(origin, direction, 0.0, FARTHEST_M);
     if (!ray.found) return Incident(storable(environment_radiance(direction)), MISS_M, vec3(0.0), false);
     const HitSurface hit = hit_surface(ray.triangle, origin + ray.t * direction, direction);
-    const vec3 light = params.ambient + light_of_sun(hit, ray.t, u);
-    return Incident(storable(hit.emissive + hit.base_color * light), min(ray.t, MISS_M), hit.normal, hit.moves);
+    const vec3 start = leave_hit(hit.point, hit.normal, ray.t);
+    vec3 arriving = params.ambient + light_of_sun(hit, start, u);
+    if (HAS_LIGHTS) arriving += light_of_lamps(hit, start, u);
+    return Incident(storable(hit.emissive + hit.base_color * arriving), min(ray.t, MISS_M), hit.normal, hit.moves);
 }

@@ -7,10 +7,8 @@
 #include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
 #include "visibility/sun_point.glsl"
-// The lights, one after the other, stand in the place of the one that other nodes have.
 const bool HAS_LIGHT = true;
-Light light;
-#include "common/light.glsl"
+#include "common/lights.glsl"
 #include "common/illuminance.glsl"
 #include "common/finite.glsl"
 #include "common/tiles.glsl"
@@ -26,15 +24,6 @@ Light light;
 #define WALK_BUDGET BUDGET
 #include "visibility/light_walk.glsl"
 #endif
-
-int light_count() { return textureSize(lights) / 5; }
-
-Light light_at(int i) {
-    const uvec4 a = texelFetch(lights, 5 * i), b = texelFetch(lights, 5 * i + 1), c = texelFetch(lights, 5 * i + 2),
-                d = texelFetch(lights, 5 * i + 3), e = texelFetch(lights, 5 * i + 4);
-    const vec4 u = uintBitsToFloat(b), v = uintBitsToFloat(c), facing = uintBitsToFloat(d);
-    return Light(uintBitsToFloat(a.xyz), a.w, u.xyz, u.w, v.xyz, v.w, facing.xyz, facing.w, uintBitsToFloat(e.xyz), e.w);
-}
 
 // Whether it may reach a point of a box, which is empty if `lower` is above `upper`. A hundred-thousandth is left to rounding.
 bool light_may_reach(vec3 lower, vec3 upper) {

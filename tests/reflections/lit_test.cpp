@@ -137,6 +137,41 @@ TEST_F(LitPicture, AMirrorUnderALinearSky) {
         ASSERT_NEAR(p.rgb[0], radiance(-p.to_viewer.y), 1.5e-3 * radiance(-p.to_viewer.y)) << p.index;
 }
 
+// A point, of which the diffuse lobe alone reflects, and what a plate hides of it. Nothing is indirect here:
+// the floor sees the sky and the plate, which are black.
+TEST_F(LitPicture, ALampOnTheFloorIsTheFormula) {
+    const std::vector<Surface> surfaces{
+        {{0.8f, 0.4f, 0.2f}, 0, 0.6f}, {{0.8f, 0.4f, 0.2f}, 0, 0.2f}, {{0.8f, 0.4f, 0.2f}, 1, 0.6f}};
+    Shot shot = lit_shot(surfaces, linear_sky(0, 0), {64, 36});
+    ShotLight lamp;
+    lamp.strength = 700;
+    lamp.color = {1, 0.5, 2};
+    lamp.keys = {{0, {0.4, 1.6, 0.3}}};
+    shot.lights["lamp"] = lamp;
+    const Lit lit(shot, surfaces.size());
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto truth_session = open_lit_truth(gpu(), shot, diagnostics, warnings);
+    ASSERT_TRUE(truth_session) << diagnostics.text();
+    const Picture truth = lit_truth(*truth_session, 0, 4).lit;
+    EXPECT_GT(lit.floor.size(), 400u);
+    for (const Pixel& p : lit.floor) {
+        const Surface& s = surfaces[p.strip];
+        const glm::dvec3 eye(0, 1.5, 3), point = eye - p.to_viewer * (1.5 / p.to_viewer.y),
+                                         to_lamp = lamp.keys[0].position - point;
+        const double d = glm::length(to_lamp), lux = lamp.strength * to_lamp.y / (d * d * d);
+        const EnvironmentBrdf b =
+            environment_brdf(p.to_viewer.y, std::round(255 * double(s.roughness)) / 255);
+        for (int c = 0; c < 3; ++c) {
+            const double base = std::round(255 * double(s.base_color[size_t(c)])) / 255,
+                         diffuse = s.metallic > 0 ? 0 : base * (1 - mirrored_share(0.04, b)),
+                         expected = diffuse * 0.01 / std::numbers::pi * lux * lamp.color[c];
+            ASSERT_NEAR(p.rgb[c], expected, 1e-2 * expected) << "strip " << p.strip << ", pixel " << p.index;
+            ASSERT_NEAR(truth.rgb[p.index][c], expected, 1e-2 * expected) << "truth, pixel " << p.index;
+        }
+    }
+}
+
 // Alone under a black sky. Cook and Torrance 1982 with GGX and Schlick's Fresnel term, in double precision.
 TEST_F(LitPicture, TheSunOnDiffuseAndGlossySurfaces) {
     const std::vector<Surface> surfaces{{{0.8f, 0.4f, 0.2f}, 0, 1},

@@ -65,6 +65,36 @@ TEST(RadiancePlan, LeavesOutWhatTheSceneDoesNotHave) {
     EXPECT_LT(mirrors.memory.heap_bytes, all.memory.heap_bytes);
 }
 
+// A host without lamps, and one that has some.
+TEST(RadiancePlan, LampsThatAreNotThereTakeNothing) {
+    const auto plan_with = [](const char* name, bool lamps, const std::vector<std::string>& settings) {
+        static const NodeSet nodes = shadow_nodes();
+        Diagnostics diagnostics;
+        const auto pipeline = load_pipeline(std::string(PENUMBRA_SOURCE_DIR "/pipelines/") + name + ".json",
+                                            settings, diagnostics);
+        const auto checked = check(*pipeline, nodes, diagnostics);
+        Target target = standalone_target(*checked, reference_device(), full_hd, {});
+        if (lamps && target.left_out.erase("lights")) target.inputs["lights"] = {Format::rgba32ui, {5, 3}};
+        return *compile(*checked, target, {}, diagnostics);
+    };
+    for (const char* name : {"lit", "lit_fast", "reference_lit"}) {
+        const Plan with = plan_with(name, true, {}), without = plan_with(name, false, {}),
+                   never = plan_with(name, false, {"nodes.lamps=null", "nodes.lamps_by_rays=null"});
+        EXPECT_EQ(passes_of(with, "cover_lights"), 1u) << name;
+        EXPECT_EQ(passes_of(without, "cover_lights"), 0u) << name;
+        EXPECT_EQ(without.memory.heap_bytes, never.memory.heap_bytes) << name;
+        EXPECT_EQ(without.memory.unaliased_bytes, never.memory.unaliased_bytes) << name;
+        EXPECT_EQ(without.passes.size(), never.passes.size()) << name;
+        EXPECT_EQ(with.memory.unaliased_bytes - without.memory.unaliased_bytes, uint64_t{1920} * 1080 * 8)
+            << name;
+        EXPECT_EQ(with.memory.persistent_bytes, without.memory.persistent_bytes) << name;
+    }
+    for (const char* name : {"reflections", "indirect", "raw_reflections", "relax", "fidelityfx_reflections",
+                             "reference_radiance"})
+        EXPECT_EQ(plan_with(name, true, {}).memory.heap_bytes, plan_with(name, false, {}).memory.heap_bytes)
+            << name;
+}
+
 class RadianceFacts : public GpuTest {
   protected:
     // All images with what the scene says and with the fact taken for true.

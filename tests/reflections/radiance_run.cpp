@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <glm/gtc/type_ptr.hpp>
 #include <numeric>
 #include <span>
 #include <stdexcept>
@@ -74,6 +75,17 @@ Model striped_floor(const std::vector<float>& roughness) {
         builder.solid("strip", strip, static_cast<int>(i));
     }
     return builder.take();
+}
+
+glm::dvec3 mirrored(const Camera& camera, std::array<uint32_t, 2> size, size_t pixel, glm::dvec3& origin) {
+    const double x = 2 * (static_cast<double>(pixel % size[0]) + 0.5) / size[0] - 1,
+                 y = 2 * (static_cast<double>(pixel / size[0]) + 0.5) / size[1] - 1;
+    const auto& m = camera.clip_from_view;
+    const glm::dmat3 world_from_view = glm::make_mat3(camera.world_from_view.data());
+    const glm::dvec3 direction = glm::normalize(world_from_view * glm::dvec3(x / m[0], y / m[5], -1));
+    const glm::dvec3 eye = glm::make_vec3(camera.position.data());
+    origin = eye - direction * (eye.y / direction.y);
+    return {direction.x, -direction.y, direction.z};
 }
 
 std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,

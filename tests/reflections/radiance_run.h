@@ -28,6 +28,10 @@ Model striped_floor(const std::vector<float>& roughness);
 // Material of a surface that shines and reflects nothing.
 Material shining(std::array<float, 3> radiance);
 
+// Where the camera ray through the middle of a pixel goes on after the plane y = 0, from `origin` on it; NaN
+// where it misses the plane.
+glm::dvec3 mirrored(const Camera& camera, std::array<uint32_t, 2> size, size_t pixel, glm::dvec3& origin);
+
 // `also`: resources that are captured besides the outputs; `facts`: instead of what the scene says.
 std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& shot,
                                       const std::vector<std::string>& settings = {},

@@ -14,19 +14,6 @@ namespace {
 
 class RadianceTruth : public GpuTest {};
 
-// Radiance that a camera ray through the middle of each pixel brings, mirrored by the plane y = 0; NaN where
-// it misses.
-glm::dvec3 mirrored(const Camera& camera, std::array<uint32_t, 2> size, size_t pixel, glm::dvec3& origin) {
-    const double x = 2 * (static_cast<double>(pixel % size[0]) + 0.5) / size[0] - 1,
-                 y = 2 * (static_cast<double>(pixel / size[0]) + 0.5) / size[1] - 1;
-    const auto& m = camera.clip_from_view;
-    const glm::dmat3 world_from_view = glm::make_mat3(camera.world_from_view.data());
-    const glm::dvec3 direction = glm::normalize(world_from_view * glm::dvec3(x / m[0], y / m[5], -1));
-    const glm::dvec3 eye = glm::make_vec3(camera.position.data());
-    origin = eye - direction * (eye.y / direction.y);
-    return {direction.x, -direction.y, direction.z};
-}
-
 TEST_F(RadianceTruth, AWhiteFurnaceIsOneForEveryRoughness) {
     Shot shot = night_shot(striped_floor({0, 0.05f, 0.1f, 0.2f, 0.4f, 0.6f, 0.8f, 1}), {64, 36});
     shot.environment = linear_sky(1, 1);
