@@ -194,46 +194,56 @@ Packing pack(std::span<const Interval> intervals, uint32_t period) {
     if (intervals.size() > most_compared) return scan_packing(intervals, period);
     Placer placer(intervals, period);
     Packing best;
-    std::vector<uint32_t> order;
+    struct Start {
+        Score score;
+        std::vector<uint32_t> order;
+    };
+    std::vector<Start> starts;  // by their scores
     for (const std::vector<uint32_t>& candidate : greedy_orders(intervals, period))
         for (Gap gap : {Gap::lowest, Gap::tightest}) {
             Packing packing = placer.place(candidate, gap);
-            if (order.empty() || score(packing, intervals) < score(best, intervals)) {
-                best = std::move(packing);
-                order = candidate;
-            }
+            const Score found = score(packing, intervals);
+            if (starts.empty() || found < starts.front().score) best = std::move(packing);
+            starts.insert(std::ranges::upper_bound(starts, found, {}, &Start::score), {found, candidate});
             if (good(best)) return best;
         }
 
     // One step costs about n^2 operations, hence the count. Intervals at the top of the heap move to an
-    // earlier place in the order; every fourth step moves any interval anywhere, to leave local minima.
+    // earlier place in the order; every fourth step moves any interval anywhere, to leave local minima. What
+    // is still far off then starts from other orders as well.
     const uint64_t n = intervals.size();
     const uint64_t steps = std::min<uint64_t>(1000, 400'000'000 / (n * n));
+    constexpr size_t most_starts = 4;
     Sequence random;
-    Packing current = placer.place(order, Gap::lowest);
-    Score current_score = score(current, intervals);
-    std::vector<uint32_t> at_top;
-    for (uint64_t step = 0; step < steps && !good(best); ++step) {
-        at_top.clear();
-        for (uint32_t place = 0; place < order.size(); ++place)
-            if (current.offsets[order[place]] + intervals[order[place]].size == current.heap)
-                at_top.push_back(place);
-        const bool anywhere = step % 4 == 3;
-        const uint32_t from = anywhere ? random.below(order.size()) : at_top[random.below(at_top.size())];
-        const uint32_t to = random.below(anywhere ? order.size() : from + 1);
+    for (size_t s = 0; s < most_starts && (s == 0 || best.heap - bound > bound / 50); ++s) {
+        std::vector<uint32_t> order = std::move(starts[s].order);
+        Packing current = placer.place(order, Gap::lowest);
+        Score current_score = score(current, intervals);
+        std::vector<uint32_t> at_top;
+        for (uint64_t step = 0; step < steps && !good(best); ++step) {
+            at_top.clear();
+            for (uint32_t place = 0; place < order.size(); ++place)
+                if (current.offsets[order[place]] + intervals[order[place]].size == current.heap)
+                    at_top.push_back(place);
+            const bool anywhere = step % 4 == 3;
+            const uint32_t from = anywhere ? random.below(order.size()) : at_top[random.below(at_top.size())];
+            const uint32_t to = random.below(anywhere ? order.size() : from + 1);
 
-        std::vector<uint32_t> candidate = order;
-        candidate.erase(candidate.begin() + from);
-        candidate.insert(candidate.begin() + to, order[from]);
-        Packing packing = placer.place(candidate, Gap::lowest);
-        const Score candidate_score = score(packing, intervals);
-        if (candidate_score > current_score) continue;
-        order = std::move(candidate);
-        current = std::move(packing);
-        current_score = candidate_score;
-        if (current.heap < best.heap) best = current;
+            std::vector<uint32_t> candidate = order;
+            candidate.erase(candidate.begin() + from);
+            candidate.insert(candidate.begin() + to, order[from]);
+            Packing packing = placer.place(candidate, Gap::lowest);
+            const Score candidate_score = score(packing, intervals);
+            if (candidate_score > current_score) continue;
+            order = std::move(candidate);
+            current = std::move(packing);
+            current_score = candidate_score;
+            if (current.heap < best.heap) best = current;
+        }
+        if (s == 0 && !good(best))
+            best = search_packing(intervals, period, std::move(best), small_search_nodes).best;
     }
-    return good(best) ? best : search_packing(intervals, period, std::move(best), small_search_nodes).best;
+    return best;
 }
 
 }  // namespace penumbra
