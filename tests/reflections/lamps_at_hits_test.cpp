@@ -162,15 +162,16 @@ TEST_F(LampsAtHits, WhatIsHiddenOrOffLightsNothing) {
     }
 }
 
-// Of one colour, whichever is drawn brings the light of both; of two colours the mean does.
-TEST_F(LampsAtHits, TwoLampsAddUp) {
+// Of one colour, whichever is drawn brings the light of all; of several colours the mean does.
+TEST_F(LampsAtHits, LampsAddUp) {
     Room room;
     room.lights["a"] = lamp_at({-2, 1.5, -1.5});
     room.lights["b"] = lamp_at({1, 0.8, -2});
     room.lights["b"].strength = 30;
+    room.lights["c"] = lamp_at({2.5, 2, -1.2});
     for (const bool colored : {false, true}) {
         if (colored) room.lights["b"].color = {0.1, 2, 4};
-        const ShotLight &a = room.lights["a"], &b = room.lights["b"];
+        if (colored) room.lights["c"].color = {3, 0.2, 0.5};
         const Shot shot = room.shot();
         const auto session = open_shipped("raw_reflections", shot, without_ambient);
         const uint32_t frames = colored ? 64 : 1;
@@ -181,12 +182,13 @@ TEST_F(LampsAtHits, TwoLampsAddUp) {
             const auto image = colors(*session);
             for (const auto& [pixel, point] : seen)
                 for (int c = 0; c < 3; ++c) {
-                    const double both =
-                        radiance_of(lux_of(a, point) + b.color[c] * lux_of(b, point), size_t(c));
+                    double all = 0;
+                    for (const auto& [name, lamp] : room.lights)
+                        all += radiance_of(lamp.color[c] * lux_of(lamp, point), size_t(c));
                     if (!colored) {
-                        ASSERT_NEAR(image[size_t(c)][pixel], both, 3e-3 * both) << pixel;
+                        ASSERT_NEAR(image[size_t(c)][pixel], all, 3e-3 * all) << pixel;
                     }
-                    const double relative = double(image[size_t(c)][pixel]) / both;
+                    const double relative = double(image[size_t(c)][pixel]) / all;
                     sum[c] += relative;
                     squares[c] += relative * relative;
                     expected[c] += 1;
