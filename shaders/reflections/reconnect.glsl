@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+// The reconnection gather: what a neighbour's ray found is a sample of this pixel's integral too, with this pixel's response
+// and all neighbours' densities. Pairwise multiple importance weights (Bitterli et al. 2020 for reservoirs; here over rays),
+// normalised: the result is demodulated, and a constant stays what it is.
+//   w_j = F_p(Q_j) / ((M-1) q_j(Q_j) + q_p(Q_j)),  w_p = mean over k of F_p(Q_p) / ((M-1) q_k(Q_p) + q_p(Q_p))
+// with densities per area at the hit point Q. Without its normal the cosine there is left out, as if it were the same for all of them:
+// close by, where it is not, what lies along a wall then counts too much.
+//
+// What a neighbour's ray found is taken to be seen from here. With ASKS one ray of the pixel asks, of the neighbour that makes most of a
+// difference: what is hidden counts nothing.
+//
+// Includer has node.glsl and defines ASKS.
+#include "common/camera.glsl"
+#include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/rounded.glsl"
+#include "common/dithered.glsl"
+#include "common/sun_sample.glsl"
+#include "reflections/lobe.glsl"
+#include "reflections/pixel_lobe.glsl"
+#include "reflections/ray_texel.glsl"
+#include "reflections/ray_word.glsl"
+#include "reflections/radiance_word.glsl"
+#include "reflections/gathered_texel.glsl"
+#if ASKS
+#include "common/hash.glsl"
+#include "common/ray_origin.glsl"
+#if BACKEND == BACKEND_RAY_QUERY
+#include "common/ray_query.glsl"
+#else
+#include "common/bvh.glsl"
+#endif
+#endif
+
+const int REACH = int(RADIUS), SIDE = 2 * REACH + 1, TAPS = SIDE * SIDE;
+
+vec3 normal_at(ivec2 p) { return unpack_direction(imageLoad(octahedral_normal, p).x); }
+
+ivec2 tap(int i) { return ivec2(i % SIDE, i / SIDE) - REACH; }
+
+// A point that a ray found, or the direction that it left in.
+struct Found {
+    vec3 at;  // camera-relative, or a unit vector
+    vec3 normal;
+    bool far;
+    float m, cosine;  // how far away and how steeply the ray met it
+};
+
+const float LEAST_COSINE = 0.005;  // a normal is off by less
+
+float cosine_at(vec3 normal, vec3 direction) {
+    const float cosine = -dot(normal, direction);
+    return cosine < -LEAST_COSINE ? 0.0 : max(cosine, LEAST_COSINE);
+}
+
+Found found(vec3 x, vec4 ray, RayWord word) {
+    const bool far = missed(ray);
+    return Found(far ? word.direction : x + abs(ray.w) * word.direction, word.hit_normal, far, abs(ray.w),
+                 max(cosine_at(word.hit_normal, word.direction), LEAST_COSINE));
+}
+
+// Density and response of a lobe at x for what was found: per area there, in units of what its own ray saw.
+vec2 at_found(Lobe lobe, vec3 x, Found f) {
+    if (f.far) return density_and_response(lobe, f.at);
+    const vec3 to = f.at - x;
+    const float d2 = max(dot(to, to), 1e-10);
+    const vec3 direction = to * inversesqrt(d2);
+    return density_and_response(lobe, direction) * (f.m * f.m * cosine_at(f.normal, direction) / (d2 * f.cosine));
+}
+
+struct Sums {
+    float weight, squares;      // of w, of w^2
+    vec3 radiance;              // of w L
+    vec3 of_squares;            // of w^2 L
+    float of_squares2;          // of w^2 |L|^2
+    float inverse_m, moving;    // of w / distance, of w where the hit moves
+};
+
+void add(inout Sums s, float w, vec4 ray) {
+    const float w2 = w * w;
+    s.weight += w;
+    s.squares += w2;
+    s.radiance += w * ray.rgb;
+    s.of_squares += w2 * ray.rgb;
+    s.of_squares2 += w2 * dot(ray.rgb, ray.rgb);
+    s.inverse_m += w / abs(ray.w);
+    s.moving += ray.w < 0.0 ? w : 0.0;
+}
+
+const float MOST_SCALE = 1e6;  // its square is far from infinity
+
+void scale(inout Sums s, float by) {
+    const float by2 = by * by;
+    s = Sums(s.weight * by, s.squares * by2, s.radiance * by, s.of_squares * by2, s.of_squares2 * by2, s.inverse_m * by, s.moving * by);
+}
+
+void store(ivec2 p, vec3 g, float distance_m, bool moving, float deviation, float samples) {
+    const uvec2 words = encode_gathered(Gathered(g, distance_m, moving, deviation, samples), thresholds_at(p));
+    imageStore(gathered, p, uvec4(words, 0u, 0u));
+}
+
+bool near_plane(vec3 x, vec3 n, float z, ivec2 q, float z_q) {
+    return dot(n, normal_at(q)) > 0.9 && abs(dot(n, position(q, z_q) - x)) < 0.01 * z;
+}
+
+// Which neighbours with a ray show the same surface, as bits; mirrors have nothing to give.
+uint kept_taps(ivec2 p, vec3 x, vec3 n, float z) {
+    uint kept = 0u;
+    for (int i = 0; i < TAPS; ++i) {
+        const ivec2 q = p + tap(i);
+        if (q == p || !inside_frame(q)) continue;
+        const float z_q = imageLoad(view_depth, q).x;
+        if (!(z_q > 0.0) || is_mirror(pixel_roughness(q)) || !has_ray(texelFetch(radiance, q, 0))) continue;
+        if (near_plane(x, n, z, q, z_q)) kept |= 1u << uint(i);
+    }
+    return kept;
+}
+
+// No ray but the pixel's own tells of its lobe. Has it none, what its surface sees around it stands in, as no sample at all.
+void store_alone(ivec2 p, vec3 x, vec3 n, float z, vec4 own) {
+    if (has_ray(own)) {
+        store(p, own.rgb, abs(own.w), own.w < 0.0, 0.0, 1.0);
+        return;
+    }
+    vec3 sum = vec3(0.0);
+    float inverse_m = 0.0, count = 0.0;
+    for (int i = 0; i < TAPS; ++i) {
+        const ivec2 q = p + tap(i);
+        if (!inside_frame(q)) continue;
+        const float z_q = imageLoad(view_depth, q).x;
+        const vec4 ray = texelFetch(radiance, q, 0);
+        if (!(z_q > 0.0) || !has_ray(ray) || !near_plane(x, n, z, q, z_q)) continue;
+        sum += ray.rgb;
+        inverse_m += 1.0 / abs(ray.w);
+        count += 1.0;
+    }
+    store(p, sum / max(count, 1.0), count / max(inverse_m, 1e-10), false, 0.0, 0.0);
+}
+
+// A neighbour, drawn in proportion to what it makes of a difference.
+struct Choice {
+    float u, sum;
+    int tap;
+};
+
+void offer(inout Choice choice, int i, float difference) {
+    choice.sum += difference;
+    const float share = difference / max(choice.sum, 1e-30);
+    if (choice.u < share) {
+        choice.tap = i;
+        choice.u /= share;
+    } else {
+        choice.u = (choice.u - share) / max(1.0 - share, 1e-6);
+    }
+}
+
+// Sums over the pixel's ray and those of the neighbours that are kept but not hidden; these count as densities all the same, since they
+// could have found what is seen. `around`: response over density of each ray in its own pixel, and of that times L.
+Sums gather(ivec2 p, uint kept, uint hidden, vec3 x, Lobe lobe, float roughness, vec4 own, out vec4 around, inout Choice choice) {
+    const float others = float(bitCount(kept));
+    const bool ray_here = has_ray(own);
+    const RayWord own_word = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness);
+    const Found own_found = found(x, own, own_word);
+    const vec2 own_lobe = density_and_response(lobe, own_word.direction);
+    Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
+    around = vec4(0.0);
+    float own_weight = 0.0;
+    for (int i = 0; i < TAPS; ++i) {
+        if ((kept >> uint(i) & 1u) == 0u) continue;
+        const ivec2 q = p + tap(i);
+        const vec3 x_q = position(q, imageLoad(view_depth, q).x);
+        const float roughness_q = pixel_roughness(q);
+        const Lobe lobe_q = pixel_lobe(q, normal_at(q), roughness_q);
+        const vec4 ray = texelFetch(radiance, q, 0);
+        const RayWord word = decode_ray_word(texelFetch(ray_direction, q, 0).x, roughness_q);
+        const vec2 here = at_found(lobe, x, found(x_q, ray, word)), there = density_and_response(lobe_q, word.direction);
+        const float w = here.y / max(others * there.x + here.x, 1e-30);
+        if (ASKS == 0 || (hidden >> uint(i) & 1u) == 0u) add(sums, w, ray);
+        if (ASKS == 1) offer(choice, i, w * length(ray_here ? ray.rgb - own.rgb : ray.rgb));
+        around += there.y / max(there.x, 1e-30) * vec4(ray.rgb, 1.0);
+        if (!ray_here) continue;
+        const float of_own = at_found(lobe_q, x_q, own_found).x;
+        own_weight += own_lobe.y / max(others * of_own + own_lobe.x, 1e-30);
+    }
+    if (ray_here) {
+        add(sums, own_weight / others, own);
+        around += own_lobe.y / max(own_lobe.x, 1e-30) * vec4(own.rgb, 1.0);
+    }
+    return sums;
+}
+
+#if ASKS
+Found found_by(ivec2 q, vec3 x_q) {
+    return found(x_q, texelFetch(radiance, q, 0), decode_ray_word(texelFetch(ray_direction, q, 0).x, pixel_roughness(q)));
+}
+
+// Whether something hides from the pixel what a ray found, and how far away that may be. A hit is known less well than its surface is
+// thin: its direction has 10 bits and its distance 11. So the ray ends short of it, and off its surface where that is known.
+bool hides(ivec2 p, vec3 n, Found f, out float blocker_m) {
+    const float OFF = 0.005, WAY = 0.97;
+    const RayStart start = ray_start(p, n);
+    const vec3 target = f.at + scene.camera_from_origin + OFF * f.m * f.normal;
+    const vec3 origin = f.far ? ray_origin(start, n, f.at) : ray_origin_to(start, n, target), way = f.far ? f.at : target - origin;
+    float t = 0.0;
+    const bool hidden = occluded_at(origin, way, 0.0, f.far ? 1e30 : WAY, t);
+    blocker_m = t * length(way);
+    return hidden;
+}
+
+// Where the pixel does not see what the chosen neighbour found: the neighbours of which it is taken to see nothing, as bits. Those are
+// who found what is near that, and all on that side if what hides it stands beside the pixel, as a wall does on which it borders.
+uint hidden_with(ivec2 p, uint kept, int chosen, vec3 x, vec3 n) {
+    const float NEAR = 0.5, ON_SIDE = 0.25, BESIDE = 4.0;
+    const ivec2 asked = p + tap(chosen);
+    const vec3 x_asked = position(asked, imageLoad(view_depth, asked).x), way = x_asked - x;
+    const Found there = found_by(asked, x_asked);
+    float blocker_m;
+    if (!hides(p, n, there, blocker_m)) return 0u;
+    const bool beside = blocker_m < BESIDE * length(way);
+    const float reach = NEAR * (there.far ? 1.0 : distance(there.at, x));
+    uint hidden = 1u << uint(chosen);
+    for (int i = 0; i < TAPS; ++i) {
+        if ((kept >> uint(i) & 1u) == 0u) continue;
+        const ivec2 q = p + tap(i);
+        const vec3 x_q = position(q, imageLoad(view_depth, q).x);
+        const Found f = found_by(q, x_q);
+        const bool near = f.far == there.far && distance(f.at, there.at) < reach;
+        if (near || beside && dot(x_q - x, way) > ON_SIDE * dot(way, way)) hidden |= 1u << uint(i);
+    }
+    return hidden;
+}
+#endif
+
+void for_pixel(ivec2 p) {
+    const float z = imageLoad(view_depth, p).x;
+    if (!(z > 0.0)) {
+        store(p, vec3(0.0), 0.0, false, 0.0, 0.0);
+        return;
+    }
+    const vec4 own = texelFetch(radiance, p, 0);
+    const float roughness = pixel_roughness(p);
+    const Lobe lobe = pixel_lobe(p, normal_at(p), roughness);
+    const vec3 x = position(p, z);
+    const bool ray_here = has_ray(own);
+    const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, x, lobe.n, z);
+    if (kept == 0u) {
+        store_alone(p, x, lobe.n, z, own);
+        return;
+    }
+
+    vec4 around;
+    Choice choice = Choice(0.0, 0.0, -1);
+#if ASKS
+    const uint number = noise_hash(uint(p.x) ^ noise_hash(uint(p.y) ^ noise_hash(frame.frame_index)));
+    choice.u = noise_unit(uvec2(number)).x;
+#endif
+    Sums sums = gather(p, kept, 0u, x, lobe, roughness, own, around, choice);
+#if ASKS
+    const uint hidden = is_wide(roughness) && choice.tap >= 0 ? hidden_with(p, kept, choice.tap, x, lobe.n) : 0u;
+    if (hidden != 0u) {  // what the pixel sees in its place is like the rest of what it sees
+        const float all = sums.weight;
+        sums = gather(p, kept, hidden, x, lobe, roughness, own, around, choice);
+        scale(sums, min(all / max(sums.weight, 1e-20), MOST_SCALE));
+    }
+#endif
+    if (!(sums.weight > 1e-20)) {
+        store_alone(p, x, lobe.n, z, own);
+        return;
+    }
+
+    // Weights sum up to the response's integral in the mean, which neighbours' rays tell well. Divided by their sum instead, what only
+    // some pixels find well is too faint, in every frame; so what the sum lacks or has too much of is their mean radiance. For glossy lobes
+    // by half, since it may be more than there is, and what is cut off at 0 is too bright in the mean.
+    const bool whole = ray_here && is_wide(roughness) && around.w > 0.0;
+    const float integral = whole ? around.w / (float(bitCount(kept)) + 1.0) : sums.weight;
+    const vec3 mean = whole ? mix(sums.radiance / sums.weight, around.rgb / around.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5) : vec3(0.0);
+    const vec3 g = max((sums.radiance + mean * (integral - sums.weight)) / integral, 0.0);
+    const float samples = sums.weight * sums.weight / sums.squares;
+    const float spread = sums.of_squares2 - 2.0 * dot(g, sums.of_squares) + dot(g, g) * sums.squares;
+    const float variance = max(spread, 0.0) / (integral * integral) * samples / max(samples - 1.0, 0.5);
+    store(p, g, sums.weight / sums.inverse_m, sums.moving > 0.1 * sums.weight, sqrt(variance), samples);
+}
