@@ -17,7 +17,7 @@
 #include "common/camera.glsl"
 #include "common/finite.glsl"
 #include "common/guide_normal.glsl"
-#include "common/lanes_in_a_row.glsl"
+#include "lighting/lanes_in_a_row.glsl"
 #include "common/pixels.glsl"
 #include "common/round_store.glsl"
 #include "common/rounded.glsl"
