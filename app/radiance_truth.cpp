@@ -16,8 +16,11 @@ namespace penumbra {
 namespace {
 
 constexpr uint64_t rays_per_pass = 1u << 21;
-// As in truth.cpp: what Mesa 22's lavapipe lets one invocation walk. Such a ray is followed by a second one.
-constexpr uint64_t rays_per_invocation = 64;
+// As in truth.cpp: what Mesa 22's lavapipe lets one invocation walk. Such a ray is followed by a second one,
+// to the sun; lamps add a third, and the environment's lots as many again.
+uint64_t rays_per_invocation(const Plan& plan) {
+    return uint64_t{64} >> (plan.slot("lights") ? 1 : 0) >> (plan.slot("environment_lots") ? 1 : 0);
+}
 
 std::vector<float> roughness_of(Device& device, const Session& session, size_t pixels) {
     const GpuImage& material = session.host().images().material;
@@ -69,8 +72,8 @@ std::unique_ptr<Session> open(Device& device, const Shot& shot, const char* text
 void cast(Session& session, uint32_t frame, uint32_t rays, const std::function<void(uint32_t)>& step) {
     const Extent extent = session.plan().extent;
     const uint64_t pixels = uint64_t{extent.width} * extent.height;
-    const auto portion =
-        static_cast<uint32_t>(std::clamp<uint64_t>(rays_per_pass / pixels, 1, rays_per_invocation));
+    const auto portion = static_cast<uint32_t>(
+        std::clamp<uint64_t>(rays_per_pass / pixels, 1, rays_per_invocation(session.plan())));
     for (uint32_t first = 0; first < rays; first += portion) {
         session.set_param("first", first);
         session.set_param("count", std::min(portion, rays - first));

@@ -12,6 +12,7 @@
 
 #include "app/commands.h"
 #include "app/validate.h"
+#include "host/materials/environment_lots.h"
 #include "host/shots/model_lights.h"
 
 namespace penumbra {
@@ -51,6 +52,7 @@ const std::vector<std::string> known_slots = {"depth",
                                               "material",
                                               "emissive",
                                               "environment",
+                                              "environment_lots",
                                               "surfaces",
                                               "surface_texels",
                                               "translucents",
@@ -62,6 +64,11 @@ const std::vector<std::string> known_slots = {"depth",
 
 bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::any_of(plan.slots, [&](const HostSlot& s) { return s.name == slot; });
+}
+
+// Optional inputs that are left out until a session has something to bring.
+bool brought_if_there(std::string_view name) {
+    return name == "lights" || name == "environment_lots";
 }
 
 bool needs_input(const CheckedPipeline& pipeline, std::string_view name) {
@@ -177,7 +184,7 @@ Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& dev
         return std::ranges::find(pipeline.inputs, input.first, &HostInput::name) == pipeline.inputs.end();
     });
     for (const HostInput& input : pipeline.inputs)
-        if (input.optional && (!standalone_has_input(input.name) || input.name == "lights"))
+        if (input.optional && (!standalone_has_input(input.name) || brought_if_there(input.name)))
             target.left_out.insert(input.name);
     return target;
 }
@@ -287,6 +294,12 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
             return nullptr;
         }
     }
+    std::vector<std::array<uint32_t, 4>> lots;
+    if (environment && takes_input("environment_lots")) lots = environment_lots(*environment);
+    if (!lots.empty() && lots.size() <= table.max_texel_elements) {
+        target.inputs["environment_lots"] = {Format::rgba32ui, {static_cast<uint32_t>(lots.size()), 1}};
+        target.left_out.erase("environment_lots");
+    }
     std::optional<CheckedPipeline> validating;
     if (options.validate) {
         validating = with_validation(pipeline, nodes, diagnostics);
@@ -330,6 +343,10 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (needs("translucents") || needs("translucent_texels"))
         session->translucents_ = std::make_unique<TranslucentTree>(device, session->host_->scene(), 0);
     if (needs("environment")) session->environment_ = upload_environment(device, *environment);
+    if (needs("environment_lots"))
+        session->environment_lots_ =
+            upload_texels_as(TexelsAs::texels, device, std::as_bytes(std::span(lots)),
+                             VK_FORMAT_R32G32B32A32_UINT, "what rays to the environment are drawn by");
     if (needs("cascade_maps") || needs("cascade_bounds"))
         session->cascade_maps_ =
             std::make_unique<CascadeMaps>(device, session->host_->scene(), options.cascade_size,
@@ -385,6 +402,7 @@ std::vector<SlotBinding> Session::bind_slots() const {
         if (slot.name == "material") b.image = images.material.view.get();
         if (slot.name == "emissive") b.image = images.emissive.view.get();
         if (slot.name == "environment") b.image = environment_.view.get();
+        if (slot.name == "environment_lots") b.texels = environment_lots_.view.get();
         if (slot.name == "surfaces") b.texels = surfaces_->surfaces();
         if (slot.name == "surface_texels") b.texels = surfaces_->texels();
         if (slot.name == "translucents") b.texels = translucents_->tree();

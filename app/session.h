@@ -124,6 +124,7 @@ class Session {
     std::array<double, 2>
         surfaces_moments_{};  // what `surfaces_` was made for: the frame's and its previous one's
     GpuBuffer sun_, sun_prev_, light_, light_prev_, scene_, cascades_;
+    GpuTexels environment_lots_;
     GpuTexels lights_;
     struct OwnLight {
         GpuBuffer now, before;

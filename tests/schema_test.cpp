@@ -271,6 +271,7 @@ const std::set<std::string> beyond_schemas = {
     "two_writers.json",
     "unknown_names.json",
     "updated_twice.json",
+    "with_input.json",
     // literals of one condition that exclude each other, and which parameters it may ask for
     "contradictory_condition.json",
     "decl_conditions.node.json",

@@ -25,16 +25,17 @@ vec3 leave_hit(vec3 point, vec3 normal, float distance_m) {
     return point + normal * (16.0 * 1.1920929e-7 * (size.x + size.y + size.z + distance_m));
 }
 
-vec3 light_of_sun(HitSurface hit, vec3 start, vec2 u) {
+vec3 light_of_sun(HitSurface hit, float distance_m, vec2 u) {
     if (!HAS_SUN) return vec3(0.0);
     const vec3 to_sun = sun_direction(sun.to_sun, sun.angular_radius, u);
     const float cosine = dot(hit.normal, to_sun);
     if (!(cosine > 0.0)) return vec3(0.0);
-    if (occluded(start, to_sun, 0.0, FARTHEST_M)) return vec3(0.0);
+    if (occluded(leave_hit(hit.point, hit.normal, distance_m), to_sun, 0.0, FARTHEST_M)) return vec3(0.0);
     return params.sun_color * cosine;
 }
 
-vec3 light_of_lamps(HitSurface hit, vec3 start, vec2 u) {
+vec3 light_of_lamps(HitSurface hit, float distance_m, vec2 u) {
+    const vec3 start = leave_hit(hit.point, hit.normal, distance_m);
     return params.exposure * 0.31830989 * lux_of_lamps(start, hit.normal, lamp_numbers(u));
 }
 
@@ -44,8 +45,7 @@ Incident incident(vec3 origin, vec3 direction, vec2 u) {
     const ClosestHit ray = closest_hit(origin, direction, 0.0, FARTHEST_M);
     if (!ray.found) return Incident(storable(environment_radiance(direction)), MISS_M, vec3(0.0), false);
     const HitSurface hit = hit_surface(ray.triangle, origin + ray.t * direction, direction);
-    const vec3 start = leave_hit(hit.point, hit.normal, ray.t);
-    vec3 arriving = params.ambient + light_of_sun(hit, start, u);
-    if (HAS_LIGHTS) arriving += light_of_lamps(hit, start, u);
+    vec3 arriving = params.ambient + light_of_sun(hit, ray.t, u);
+    if (HAS_LIGHTS) arriving += light_of_lamps(hit, ray.t, u);
     return Incident(storable(hit.emissive + hit.base_color * arriving), min(ray.t, MISS_M), hit.normal, hit.moves);
 }

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The truth of radiance against closed forms: a white furnace, a mirror, a Lambert plane under a constant and
 // under a linear sky, and mirrors that see triangles, against double precision.
+#include "app/radiance_truth.h"
+
+#include <unistd.h>
+
 #include <cmath>
+#include <filesystem>
 #include <glm/gtc/type_ptr.hpp>
+#include <numbers>
 #include <random>
 
+#include "host/images/image_decode.h"
 #include "host/models/model_builder.h"
+#include "nodes/tables/environment_brdf.h"
 #include "tests/gpu_test.h"
 #include "tests/reflections/radiance_run.h"
 
@@ -66,6 +74,102 @@ TEST_F(RadianceTruth, ALambertPlaneUnderALinearSky) {
         }
         EXPECT_NEAR(sum / receivers, expected, 5 * std::sqrt(noise) / receivers + 1e-3);
     }
+}
+
+// One texel of a dark sky, which is bilinear around it.
+class BrightSpot {
+  public:
+    static constexpr uint32_t width = 128, height = 64, x = 40, y = 12;
+    static constexpr float radiance = 5000;
+
+    static std::filesystem::path write() {
+        PlanarImage image{width, height, {}};
+        for (const char* name : {"R", "G", "B"})
+            image.planes.push_back(
+                {name, PlaneType::real, std::vector<float>(size_t{width} * height, 0.0f), {}});
+        for (Plane& plane : image.planes) plane.values[y * width + x] = radiance;
+        const auto file =
+            std::filesystem::temp_directory_path() / ("penumbra_spot_" + std::to_string(getpid()) + ".exr");
+        write_exr(file, image);
+        return file;
+    }
+
+    // The integral of f(direction) times radiance over the four texels' worth of sky that it lights.
+    template <class F>
+    static double integral(const F& f) {
+        constexpr int n = 64;
+        const double step = std::numbers::pi / height;
+        double sum = 0;
+        for (int i = 0; i < n * n; ++i) {
+            const double u = 2 * (i % n + 0.5) / n - 1, v = 2 * (int(i / n) + 0.5) / n - 1;
+            const double longitude = (x + 0.5 + u) * 2 * std::numbers::pi / width,
+                         polar = (y + 0.5 + v) * step;
+            const glm::dvec3 direction(std::sin(polar) * std::cos(longitude), std::cos(polar),
+                                       std::sin(polar) * std::sin(longitude));
+            sum += f(direction) * (1 - std::abs(u)) * (1 - std::abs(v)) * std::sin(polar);
+        }
+        return double(radiance) * sum * (2.0 / n) * (2.0 / n) * step * 2 * std::numbers::pi / width;
+    }
+};
+
+// Response of the GGX lobe of a floor, without its Fresnel term.
+double ggx_response(const glm::dvec3& v, const glm::dvec3& l, double roughness) {
+    const double a2 = std::pow(roughness, 4);
+    const glm::dvec3 h = glm::normalize(v + l);
+    const double d = a2 / (std::numbers::pi * std::pow(h.y * h.y * (a2 - 1) + 1, 2));
+    const auto lambda = [&](double c) { return 0.5 * std::sqrt(1 + a2 * (1 - c * c) / (c * c)) - 0.5; };
+    return d / (4 * v.y * (1 + lambda(v.y) + lambda(l.y)));
+}
+
+// A spot of a thousandth of the sky that has all of its light. Sixteen rays of the lobe find it here and
+// there; with as many from the sky's lots every pixel knows it.
+TEST_F(RadianceTruth, ABrightSpotOfADarkSkyIsFoundByFewRays) {
+    const std::vector<float> roughness{0.4f, 0.7f, 1};
+    Shot shot = night_shot(striped_floor(roughness), {48, 27});
+    shot.environment = EnvironmentFile{BrightSpot::write(), 1};
+    const Camera camera = camera_at(shot, 0, 48.0 / 27);
+    for (const char* signal : {"diffuse", "specular"}) {
+        const PlanarImage truth = truth_of(shot, signal, 16);
+        double squares = 0, ratios = 0, receivers = 0;
+        for (size_t i = 0; i < truth.planes[0].values.size(); ++i) {
+            if (truth.planes[3].values[i] == 0) continue;
+            glm::dvec3 origin;
+            const glm::dvec3 direction = mirrored(camera, shot.size, i, origin);
+            const glm::dvec3 v(-direction.x, direction.y, -direction.z);
+            const double along = (origin.x + 4) / 8 * 3, within = along - std::floor(along);
+            if (std::abs(origin.x) > 3.9 || std::abs(origin.z) > 2.9 || within < 0.05 || within > 0.95)
+                continue;
+            double expected = 0;
+            if (signal == std::string("diffuse")) {
+                expected = BrightSpot::integral([](const glm::dvec3& l) { return l.y / std::numbers::pi; });
+            } else {
+                const double r = std::round(255 * double(roughness[size_t(along)])) / 255;
+                expected = BrightSpot::integral([&](const glm::dvec3& l) { return ggx_response(v, l, r); }) /
+                           environment_brdf(v.y, r).white;
+            }
+            const double ratio = double(truth.planes[0].values[i]) / expected;
+            squares += (ratio - 1) * (ratio - 1);
+            ratios += ratio;
+            ++receivers;
+        }
+        EXPECT_GT(receivers, 300) << signal;
+        EXPECT_LT(std::sqrt(squares / receivers), 0.35) << signal;
+        EXPECT_NEAR(ratios / receivers, 1, 0.03) << signal;
+    }
+    std::filesystem::remove(std::get<EnvironmentFile>(shot.environment).path);
+}
+
+// Where the sky is even a lobe's own rays are left alone.
+TEST_F(RadianceTruth, AnEvenSkyHasNoLots) {
+    Shot shot = night_shot(striped_floor({1}), {16, 9});
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    for (const bool spot : {false, true}) {
+        if (spot) shot.environment = EnvironmentFile{BrightSpot::write(), 1};
+        const auto session = open_radiance_truth(gpu(), shot, "diffuse", diagnostics, warnings);
+        EXPECT_EQ(std::ranges::count(session->plan().slots, "environment_lots", &HostSlot::name), spot);
+    }
+    std::filesystem::remove(std::get<EnvironmentFile>(shot.environment).path);
 }
 
 struct Soup {
