@@ -113,6 +113,7 @@ const std::vector<Exception>& exceptions() {
         {"navi21", "worth", "LDS bytes per 64 lanes", 10240},
         {"navi21", "taa", "VGPRs", 123},
         {"navi21", "taa", "waves per SIMD", 8},
+        {"navi21", "reconnect", "waves per SIMD", 10},
         {"polaris10", "beams", "spilled SGPRs", 22},
         {"polaris10", "beams", "VGPRs", 111},
         {"polaris10", "beams", "waves per SIMD", 2},
@@ -130,6 +131,8 @@ const std::vector<Exception>& exceptions() {
         {"polaris10", "radiance_reference", "VGPRs", 109},
         {"polaris10", "radiance_reference", "waves per SIMD", 2},
         {"polaris10", "taa", "VGPRs", 127},
+        {"polaris10", "radiance_rays", "waves per SIMD", 2},
+        {"polaris10", "reconnect", "waves per SIMD", 2},
         {"polaris10", "taa", "waves per SIMD", 2},
     };
     return list;
