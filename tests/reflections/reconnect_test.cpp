@@ -115,7 +115,7 @@ TEST_F(Reconnect, AskingKeepsLightBehindAWall) {
         std::printf("%s: %.4f leak, %.4f where rays ask; %.3f and %.3f on the lit side\n", pipeline,
                     leaks(trusting), leaks(asked), lit(trusting), lit(asked));
         EXPECT_GT(leaks(trusting), 0.03);
-        EXPECT_LT(leaks(asked), 0.25 * leaks(trusting));
+        EXPECT_LT(leaks(asked), 0.3 * leaks(trusting));
         EXPECT_NEAR(lit(asked), lit(trusting), 0.03 * lit(trusting));
         EXPECT_EQ(asked[dark + 2], 0);
     }
