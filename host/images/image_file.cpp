@@ -193,6 +193,8 @@ void write_exr(const std::filesystem::path& path, const PlanarImage& image) {
             file.writePixels(static_cast<int>(image.height));
         }  // the table of lines is written here
         bytes = stream.str();
+    } catch (const std::bad_alloc&) {
+        throw;
     } catch (const std::exception& error) {
         throw FileError(fmt::format("{}: the EXR cannot be encoded: {}", path.string(), error.what()));
     }
@@ -246,6 +248,8 @@ std::optional<PlanarImage> read_exr(const std::filesystem::path& path, Diagnosti
         file.setFrameBuffer(frame);
         file.readPixels(window.min.y, window.max.y);
         return image;
+    } catch (const std::bad_alloc&) {
+        throw;  // the file is not to blame
     } catch (const std::exception& error) {
         diagnostics.add(place, "", error.what());
         return std::nullopt;

@@ -429,7 +429,7 @@ class Loader {
 }  // namespace
 
 std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics) {
-    // Malformed JSON and absurd sizes reach us as exceptions of the JSON library and of the allocator.
+    // Malformed JSON reaches us as exceptions of the JSON library.
     try {
         std::optional<GltfFiles> files = read_gltf_files(path, diagnostics);
         if (!files) return std::nullopt;
@@ -439,6 +439,8 @@ std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& d
         if (!files->warnings.empty()) model.warnings.push_back(files->warnings);
         Loader(*files, model).load();
         return model;
+    } catch (const std::bad_alloc&) {
+        throw;  // the file is not to blame
     } catch (const std::exception& error) {
         diagnostics.add({path.string(), 0, 0}, "", error.what());
         return std::nullopt;
