@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "app/shipped_files.h"
 
+#include <dirent.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <memory>
 
 namespace penumbra {
 
@@ -24,14 +26,25 @@ fs::path shipped_root() {
 
 namespace {
 
+// In their order; none of a folder that is not there. libstdc++'s directory_iterator ends the program where
+// memory does.
+std::vector<fs::path> entries_of(const fs::path& folder) {
+    std::vector<fs::path> entries;
+    const auto close = [](DIR* open) { ::closedir(open); };
+    const std::unique_ptr<DIR, decltype(close)> open(::opendir(folder.c_str()), close);
+    while (const dirent* entry = open ? ::readdir(open.get()) : nullptr)
+        if (const std::string name = entry->d_name; name != "." && name != "..")
+            entries.push_back(folder / name);
+    std::sort(entries.begin(), entries.end());
+    return entries;
+}
+
 std::vector<fs::path> with_suffix(const fs::path& folder, const ShippedKind& kind) {
-    std::vector<fs::path> files;
-    std::error_code failure;
-    for (const auto& entry : fs::directory_iterator(folder, failure))
-        if (const std::string name = entry.path().filename().string();
-            name.ends_with(kind.suffix) && name.find(".schema.") == std::string::npos)
-            files.push_back(folder / name);
-    std::sort(files.begin(), files.end());
+    std::vector<fs::path> files = entries_of(folder);
+    std::erase_if(files, [&](const fs::path& file) {
+        const std::string name = file.filename().string();
+        return !name.ends_with(kind.suffix) || name.find(".schema.") != std::string::npos;
+    });
     return files;
 }
 
@@ -48,12 +61,9 @@ std::vector<std::pair<std::string, fs::path>> named_files(const fs::path& root, 
     if (root.empty()) return named;
     const fs::path folder = root == "." ? fs::path(kind.folder) : root / kind.folder;
     add(folder, "");
-    std::vector<fs::path> inside;
     std::error_code failure;
-    for (const auto& entry : fs::directory_iterator(folder, failure))
-        if (entry.is_directory(failure)) inside.push_back(entry.path());
-    std::sort(inside.begin(), inside.end());
-    for (const fs::path& one : inside) add(one, one.filename().string() + "/");
+    for (const fs::path& one : entries_of(folder))
+        if (fs::is_directory(one, failure)) add(one, one.filename().string() + "/");
     return named;
 }
 
