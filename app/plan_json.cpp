@@ -358,6 +358,7 @@ OrderedJson to_json(const Plan& plan) {
         json["tables"].push_back({{"name", plan.tables[i].name},
                                   {"format", info(plan.tables[i].format).name},
                                   {"size", plan.tables[i].extent},
+                                  {"storage", plan.tables[i].storage},
                                   {"file", table_file(i)}});
     json["heaps"] = OrderedJson::array();
     for (const Heap& heap : plan.heaps)

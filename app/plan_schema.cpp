@@ -203,6 +203,7 @@ nlohmann::ordered_json plan_schema() {
          {"tables", list_of(object({{"name", text},
                                     {"format", use("format")},
                                     {"size", use("size")},
+                                    {"storage", doc(flag, "as a storage image, else as a sampled one")},
                                     {"file", doc(text, "its texels, beside this file")}}))},
          {"heaps", list_of(object({{"kind", words({"images", "buffers"})},
                                    {"bytes", number},

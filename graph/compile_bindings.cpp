@@ -229,7 +229,8 @@ void Compiler::bind_tables(const BoundNode& node) {
     for (size_t t = 0; t < node.type().tables.size(); ++t) {
         const Table& table = node.type().tables[t];
         PlanBinding b{.binding = binding++,
-                      .type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                      .type = table.storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
+                                            : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
                       .source = BindingSource::table,
                       .format = table.format,
                       .port = table.name};
@@ -244,7 +245,7 @@ void Compiler::bind_tables(const BoundNode& node) {
                 const auto data = std::ranges::find(all, table.name, &TableData::name);
                 const size_t bytes = size_t{table.extent[0]} * table.extent[1] * info(table.format).bytes;
                 if (data != all.end() && data->texels.size() == bytes)
-                    plan_.tables.push_back({full, table.format, table.extent, {node.entry, &data->texels}});
+                    plan_.tables.push_back({full, table.format, table.extent, table.storage, {node.entry, &data->texels}});
                 else if (!node.entry->shaders.empty() || node.entry->supplier)
                     error(node.place, "nodes." + node.id,
                           fmt::format("table {} does not hold {} bytes", full, bytes));

@@ -51,10 +51,10 @@ const char* texel_element_glsl(Format format) {
     }
 }
 
-std::string declare_image(const Port& port, const std::string& name, Format format, const char* access,
+std::string declare_image(bool storage, bool layers, const std::string& name, Format format, const char* access,
                           uint32_t b) {
-    const char* dim = port.layers ? "2DArray" : "2D";
-    if (!port.storage)
+    const char* dim = layers ? "2DArray" : "2D";
+    if (!storage)
         return fmt::format("layout(set = 0, binding = {}) uniform {}sampler{} {};\n", b, prefix(format), dim,
                            name);
     return fmt::format("layout(set = 0, binding = {}, {}) uniform {}{}image{} {};\n", b, info(format).glsl,
@@ -64,8 +64,8 @@ std::string declare_image(const Port& port, const std::string& name, Format form
 // The level that is written, and the finer one that it is made from (its own in level 0, where nobody may
 // read it).
 std::string declare_chain(const Port& port, const std::string& name, Format format, uint32_t b) {
-    return declare_image(port, name, format, "writeonly ", b) +
-           declare_image(port, name + "_finer", format, "readonly ", b + 1);
+    return declare_image(true, port.layers, name, format, "writeonly ", b) +
+           declare_image(true, port.layers, name + "_finer", format, "readonly ", b + 1);
 }
 
 uint32_t binding_count(const Port& port) {
@@ -117,7 +117,7 @@ std::string declare_port(const NodeType& type, const Port& port, const Variant& 
     switch (what.kind) {
         case PortKind::image: {
             if (port.output && what.levels) return declare_chain(what, port.name, format, b);
-            return declare_image(what, port.name, format, access, b);
+            return declare_image(what.storage, what.layers, port.name, format, access, b);
         }
         case PortKind::texels:
             if (!port.output)
@@ -391,8 +391,7 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
     }
     uint32_t table_binding = first_table_binding(type);
     for (const Table& table : type.tables)
-        text += fmt::format("layout(set = 0, binding = {}) uniform {}sampler2D {};\n", table_binding++,
-                            prefix(table.format), table.name);
+        text += declare_image(table.storage, false, table.name, table.format, "readonly ", table_binding++);
     return text + declare_params(type, variant) + declare_counters(type);
 }
 

@@ -84,6 +84,7 @@ class DeclarationReader {
                 reader.error("file", fmt::format("\"{}\" leads out of the declaration's folder", table.file));
             table.format = reader.format("format").value_or(table.format);
             table.extent = reader.pair("extent", table.extent);
+            table.storage = reader.word("as") == 1;
             if (const Json* condition = reader.find("if"))
                 table.condition = read_condition(*condition, reader.path("if"), type_, diagnostics_);
             type_.tables.push_back(std::move(table));

@@ -98,8 +98,9 @@ StaticImage ProgramState::make_image(Format format, std::array<uint32_t, 2> exte
 void ProgramState::make_tables() {
     for (const PlanTable& table : plan_->tables) {
         TableImage& t = tables_.emplace_back();
-        t.image = make_image(table.format, table.extent,
-                             VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, false, table.name);
+        const VkImageUsageFlags usage = table.storage ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_SAMPLED_BIT;
+        t.image = make_image(table.format, table.extent, usage | VK_IMAGE_USAGE_TRANSFER_DST_BIT, false,
+                             table.name);
         t.staging =
             MappedBuffer(*device_, table.texels->size(), VK_BUFFER_USAGE_TRANSFER_SRC_BIT, table.name);
         std::memcpy(t.staging.data(), table.texels->data(), table.texels->size());
@@ -209,9 +210,7 @@ void ProgramState::record_uploads(VkCommandBuffer cmd) const {
                           VK_ACCESS_2_NONE},
         filled{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
                VK_ACCESS_2_TRANSFER_WRITE_BIT},
-        table{VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-              VK_ACCESS_2_SHADER_SAMPLED_READ_BIT},
-        absent{VK_IMAGE_LAYOUT_GENERAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+        read{VK_IMAGE_LAYOUT_GENERAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
     const auto bring = [&](VkImage image, Format format, const Stand& from, const Stand& to) {
         VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
@@ -237,9 +236,9 @@ void ProgramState::record_uploads(VkCommandBuffer cmd) const {
         copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
         copy.imageExtent = {plan.extent[0], plan.extent[1], 1};
         device_->vk().vkCmdCopyBufferToImage(cmd, tables_[i].staging.get(), image, filled.layout, 1, &copy);
-        bring(image, plan.format, filled, table);
+        bring(image, plan.format, filled, read);
     }
-    for (const auto& [key, stand_in] : absent_images_) bring(stand_in.image.get(), key.format, fresh, absent);
+    for (const auto& [key, stand_in] : absent_images_) bring(stand_in.image.get(), key.format, fresh, read);
 }
 
 uint64_t ProgramState::bytes() const {

@@ -129,8 +129,7 @@ VkDescriptorSet ViewState::make_internal_set(size_t p, uint32_t parity, uint32_t
         const VkSampler sampler = program_.sampler(b.linear);
         const uint32_t of = b.previous ? 1 - parity : parity;
         if (b.source == BindingSource::table)
-            writer_.image(set, b,
-                          {sampler, program_.table(b.index), VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+            writer_.image(set, b, {sampler, program_.table(b.index), VK_IMAGE_LAYOUT_GENERAL});
         else if (b.source == BindingSource::nothing)
             write_absent(set, b);
         else if (const ResourceHandles& r = memory_.at(b.index, of); r.image)

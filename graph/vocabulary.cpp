@@ -116,6 +116,7 @@ constexpr auto table_keys = std::to_array<Key>({
     {"format", Holds::storable, "of its texels", {.required = true}},
     {"extent", Holds::wholes, "in texels",
      {.required = true, .least = 1, .greatest = 16384, .min_items = 2, .max_items = 2}},
+    {"as", Holds::word, "how the shader sees it; default: sampled", {.words = "sampled storage"}},
     {"if", Holds::condition, "the table exists only where this holds; GLSL gets HAS_TABLE"},
 });
 

@@ -187,6 +187,7 @@ struct PlanExecutor::Parts : PlanObjects {
                 texels = slot_texels[s].view.get();
             } else if (source == "table") {
                 image.imageView = tables[b["index"]].view.get();
+                image.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
             } else if (source == "frame_block") {
                 buffer.buffer = block.get();
             } else if (source == "counters") {

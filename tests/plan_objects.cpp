@@ -19,8 +19,15 @@ PlanObjects::PlanObjects(const std::filesystem::path& folder) {
     for (const Json& table : plan["tables"]) {
         const VkExtent2D size{table["size"][0], table["size"][1]};
         tables.push_back(make_image(gpu(), formats.at(table["format"]), size, 1,
-                                    VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, "table"));
+                                    (table["storage"] ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_SAMPLED_BIT) |
+                                        VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                                    "table"));
+        const GpuImage& image = tables.back();
         upload_image(gpu(), tables.back(), read_bytes(folder / table["file"].get<std::string>()));
+        gpu().run([&](VkCommandBuffer commands) {
+            full_barrier(commands, image.get(), image.format, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                         VK_IMAGE_LAYOUT_GENERAL);
+        });
     }
     nearest = make_sampler(VK_FILTER_NEAREST);
     linear = make_sampler(VK_FILTER_LINEAR);

@@ -122,6 +122,7 @@ struct Table {
     std::string file;
     Format format = Format::r8;
     std::array<uint32_t, 2> extent{1, 1};
+    bool storage = false;  // "as": a storage image instead of a sampled one
     Condition condition;  // "if": the table exists only where this holds
 };
 

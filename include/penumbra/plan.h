@@ -268,6 +268,7 @@ struct PlanTable {
     std::string name;  // "node type/table"
     Format format = Format::r8;
     std::array<uint32_t, 2> extent{1, 1};
+    bool storage = false;  // bound as a storage image instead of as a sampled one; in GENERAL either way
     std::shared_ptr<const std::vector<std::byte>> texels;
 };
 

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: MIT
 // Alpha-tested triangles of the scene: the records and masks that host/scene/scene_alpha.h lays out.
 //
-// Includer declares: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map; buffers of the same words, scene_alpha_uv_words,
-// scene_alpha_map_words; const bool HAS_ each of the first two of either.
+// Includer declares: uniform usamplerBuffer scene_alpha_uv, scene_alpha_map; uniform uimageBuffer scene_loaded_alpha_uv,
+// scene_loaded_alpha_map; buffers of the same words, scene_alpha_uv_words, scene_alpha_map_words; const bool HAS_ each of them.
 #include "common/mask_texel.glsl"
 
-const bool HAS_SCENE_ALPHA = HAS_SCENE_ALPHA_UV || HAS_SCENE_ALPHA_UV_WORDS;
+const bool HAS_SCENE_ALPHA = HAS_SCENE_ALPHA_UV || HAS_SCENE_LOADED_ALPHA_UV || HAS_SCENE_ALPHA_UV_WORDS;
 
 uvec4 scene_alpha_texel(int texel) {
+    if (HAS_SCENE_LOADED_ALPHA_UV) return imageLoad(scene_loaded_alpha_uv, texel);
     if (HAS_SCENE_ALPHA_UV_WORDS) return scene_alpha_uv_words[texel];
     return texelFetch(scene_alpha_uv, texel);
 }
 
 uint scene_alpha_mask(int word) {
+    if (HAS_SCENE_LOADED_ALPHA_MAP) return imageLoad(scene_loaded_alpha_map, word).x;
     if (HAS_SCENE_ALPHA_MAP_WORDS) return scene_alpha_map_words[word];
     return texelFetch(scene_alpha_map, word).x;
 }

@@ -10,7 +10,7 @@
 // Rounding: with u = 2^-24 and r, s the distances of an edge's corners, V is off by 4 u r, an edge V x W by 12 u r s, and the line across the light
 // by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
 //
-// Includer has common/bvh.glsl, common/light.glsl and light_mask.glsl and declares: block light; uniform sampler2D light_samples.
+// Includer has common/bvh.glsl, common/light.glsl and light_mask.glsl and declares: block light; uniform image2D light_samples.
 #include "common/branch.glsl"
 
 const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24

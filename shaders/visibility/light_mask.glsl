@@ -3,7 +3,7 @@
 // direction and by how many samples it cuts off. The other side is the exact complement, so that two triangles at an edge leave no
 // crack between them, whatever rounding did to the edge.
 //
-// Includer has common/light.glsl and declares: block light; uniform sampler2D light_samples; usampler2D half_planes_64, half_planes_128, half_planes_256; const uint SAMPLES.
+// Includer has common/light.glsl and declares: block light; uniform image2D light_samples; uimage2D half_planes_64, half_planes_128, half_planes_256; const uint SAMPLES.
 #include "common/rounded.glsl"
 
 const uint LIGHT_SAMPLES = SAMPLES <= 64u ? 64u : SAMPLES <= 128u ? 128u : 256u;
@@ -103,7 +103,7 @@ vec3 to_sample(LightShape shape, vec2 point) {
 }
 
 vec2 sample_point(LightShape shape, int index) {
-    return texelFetch(light_samples, ivec2(index, HAS_LIGHT && shape.square ? SAMPLES_ROW + SQUARE_SAMPLES : SAMPLES_ROW), 0).xy;
+    return imageLoad(light_samples, ivec2(index, HAS_LIGHT && shape.square ? SAMPLES_ROW + SQUARE_SAMPLES : SAMPLES_ROW)).xy;
 }
 
 // A line across the light: where e . (x, y, 1) >= 0.
@@ -149,11 +149,11 @@ bool none_negative(LightLine line) { return line.entry.x == (line.flip ? 0 : int
 
 LightMask positive_side(LightLine line) {
     LightMask mask = NO_SAMPLES;
-    if (LIGHT_SAMPLES == 64u) mask.lo.xy = texelFetch(half_planes_64, line.entry, 0).xy;
-    if (LIGHT_SAMPLES == 128u) mask.lo = texelFetch(half_planes_128, line.entry, 0);
+    if (LIGHT_SAMPLES == 64u) mask.lo.xy = imageLoad(half_planes_64, line.entry).xy;
+    if (LIGHT_SAMPLES == 128u) mask.lo = imageLoad(half_planes_128, line.entry);
     if (LIGHT_SAMPLES == 256u) {
-        mask.lo = texelFetch(half_planes_256, line.entry * ivec2(2, 1), 0);
-        mask.hi = texelFetch(half_planes_256, line.entry * ivec2(2, 1) + ivec2(1, 0), 0);
+        mask.lo = imageLoad(half_planes_256, line.entry * ivec2(2, 1));
+        mask.hi = imageLoad(half_planes_256, line.entry * ivec2(2, 1) + ivec2(1, 0));
     }
     return mask_flipped(mask, line.flip);
 }
