@@ -186,8 +186,6 @@ bool Compiler::exists(const Bundle::Part& part) const {
     switch (part.on) {
         case Bundle::Texels::few:
             return !many;
-        case Bundle::Texels::many:
-            return many;
         case Bundle::Texels::fetched:
             return many && !target_.device.loads_texels;
         case Bundle::Texels::loaded:

@@ -77,16 +77,19 @@ TEST(TraceBackend, AutoIsRayQueryWhereTheDeviceHasItAndIsNotACpu) {
 // A device that loads texels faster than it fetches them reads the same buffers otherwise: the host binds
 // what it always does.
 TEST(TraceBackend, TheTreeIsFetchedOrLoadedFromTheSameSlots) {
-    for (const bool loads : {false, true}) {
+    for (const auto& [loads, alpha] : {std::pair{false, false}, {true, false}, {false, true}, {true, true}}) {
         SCOPED_TRACE(loads);
+        SCOPED_TRACE(alpha);
         DeviceTable device = table(true, false);
         device.loads_texels = loads;
         Diagnostics diagnostics;
         const CheckedPipeline raw = raw_with("bvh");
         const auto plan =
-            compile(raw, standalone_target(raw, device, {64, 32}, {{"alpha", false}}), {}, diagnostics);
+            compile(raw, standalone_target(raw, device, {64, 32}, {{"alpha", alpha}}), {}, diagnostics);
         ASSERT_TRUE(plan) << diagnostics.text();
-        EXPECT_EQ(scene_slots_of(*plan), tree_slots);
+        std::set<std::string> slots = tree_slots;
+        if (alpha) slots.insert({"scene.alpha_map", "scene.alpha_uv"});
+        EXPECT_EQ(scene_slots_of(*plan), slots);
         size_t bound = 0;
         for (const PlanPass& pass : plan->passes)
             for (const PlanBinding& b : pass.bindings) {
@@ -98,7 +101,7 @@ TEST(TraceBackend, TheTreeIsFetchedOrLoadedFromTheSameSlots) {
                 EXPECT_TRUE(plan->slots[b.index].use.access & (loads ? VK_ACCESS_2_SHADER_STORAGE_READ_BIT
                                                                      : VK_ACCESS_2_SHADER_SAMPLED_READ_BIT));
             }
-        EXPECT_EQ(bound, 2u);
+        EXPECT_EQ(bound, alpha ? 4u : 2u);
     }
 }
 

@@ -41,9 +41,9 @@ struct Bundle {
         std::string glsl;       // what its shaders begin with
     };
     // Which devices a part exists on, by how many texels their buffers hold (large_texel_buffer): what may exceed
-    // those of some comes as two parts, one of texels and one a buffer. Of many texels a shader may fetch them or,
-    // where that is faster (DeviceTable::loads_texels), load them as an image's: two parts of one slot.
-    enum class Texels : uint8_t { any, few, many, fetched, loaded };
+    // those of some comes as a buffer there. Of many texels a shader fetches them or, where that is faster
+    // (DeviceTable::loads_texels), loads them as an image's: two parts of one slot.
+    enum class Texels : uint8_t { any, few, fetched, loaded };
     struct Part {
         std::string name;  // the slot is PORT.name, PORT_name in GLSL; empty: PORT itself
         std::string slot;  // where it is not that of `name`
