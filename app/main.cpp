@@ -211,7 +211,11 @@ void add_gates(CLI::App& app, GatesArguments& a) {
     c->add_option("--seeds", a.seeds, "repetitions of every run (default: 16; of radiance: 4)")
         ->check(CLI::Range(1u, 1024u));
     c->add_option("--edge-deg", a.edge_deg, "direction of the edge of still, moving and jump (default: 20)")
-        ->check(CLI::Range(-360.0, 360.0));
+        ->check(CLI::Range(-360.0, 360.0))
+        ->check([](const std::string& text) {  // which lies in no range, and outside of none
+            return text.find("nan") == text.npos && text.find("NaN") == text.npos ? ""
+                                                                                  : text + " is no number";
+        });
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
 }

@@ -16,6 +16,7 @@
 #include "host/models/joined_models.h"
 #include "host/shots/model_shot.h"
 #include "host/shots/shot_text.h"
+#include "penumbra/json_text.h"
 
 namespace penumbra {
 
@@ -100,6 +101,9 @@ std::string text_of(const fs::path& file) {
 
 // What is made up goes behind the first brace, on its line: errors of all that is written keep their lines.
 std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagnostics, std::string* parsed) {
+    // First of all, since this reads no folder, and of what never ends no more than it may.
+    const auto read = read_json(file, diagnostics);
+    if (!read) return std::nullopt;
     std::string text = text_of(file);
     if (parsed) *parsed = text;
     const auto json = nlohmann::json::parse(text, nullptr, false);

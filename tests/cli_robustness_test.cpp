@@ -100,6 +100,17 @@ TEST_F(CliRobustness, ValuesThatAreNearlyRightAreRefused) {
     expect(run(folders + " --frames 2..1"), 2, "--frames");
 }
 
+// A folder opens as a file does, and a device need not end.
+TEST_F(CliRobustness, WhatIsNoFileOfTextIsRefused) {
+    for (const std::string command :
+         {"render raw --shot ", "view --headless v.png --shot ", "bench raw --shots "}) {
+        expect(run(command + folder_.string()), 2, "cannot be read");
+        expect(run(command + "/dev/zero"), 2, "has more than");
+    }
+    expect(run("explain --out c.svg --costs " + folder_.string()), 2, "is a folder");
+    expect(run("gates raw --edge-deg nan"), 2, "is no number");
+}
+
 // operator new fails at the call of one number (tests/failing_new.cpp): whatever was under way ends with a
 // word.
 TEST_F(CliRobustness, AnAllocationThatFailsEndsWithAWord) {

@@ -212,6 +212,12 @@ TEST(GltfFeatures, AShotTakesTheFilesLamps) {
     EXPECT_FALSE(place_model_lights(*unknown, Scene(model, *unknown), diagnostics));
     EXPECT_NE(diagnostics.text().find("no light named \"dask\"; did you mean \"desk\"?"), std::string::npos)
         << diagnostics.text();
+
+    Model many = model;
+    for (int i = 0; i < 1000; ++i) many.lights.push_back(model.lights[0]);
+    Diagnostics short_of;
+    EXPECT_FALSE(place_model_lights(*unknown, Scene(many, *unknown), short_of));
+    EXPECT_NE(short_of.text().find("desk and 969 more"), std::string::npos) << short_of.text();
 }
 
 TEST(GltfFeatures, LampsWithoutANameHaveTheirNodesAndWrongOnesAreErrors) {

@@ -136,6 +136,44 @@ TEST(Shot, ObjectsMustNameOneNode) {
 }
 
 // 16 distinct offsets that fill one pixel without a bias.
+// What is told of a list, and what is looked for, grows with the list and not with its square.
+TEST(Shot, ListsAreBounded) {
+    const auto said = [](size_t models, size_t lights) {
+        std::string list, lamps;
+        for (size_t i = 0; i < models; ++i) list += std::string(i ? "," : "") + R"({"file": "a.glb"})";
+        for (size_t i = 0; i < lights; ++i)
+            lamps += (i ? ",\"" : "\"") + std::to_string(i) +
+                     R"(": {"kind": "point", "intensity": 1, "keys": [{"frame": 0, "position": [0, 0, 0]}]})";
+        Diagnostics diagnostics;
+        const auto shot =
+            parse_shot(R"({"penumbra_shot": 1, "scene": [)" + list + R"(], "lights": {)" + lamps +
+                           R"(}, "camera": {"keys": [{"frame": 0, "position": [0, 0, 1],
+                                         "target": [0, 0, 0]}]}})",
+                       "s.shot.json", diagnostics);
+        EXPECT_EQ(shot.has_value(), diagnostics.empty());
+        return diagnostics.text();
+    };
+    EXPECT_EQ(said(1, 256), "");
+    EXPECT_NE(said(1, 257).find("expected an object of 1 to 256 lights"), std::string::npos);
+    EXPECT_NE(said(1025, 1).find("expected a list of 1 to 1024 models"), std::string::npos);
+    const std::string same = said(1000, 1);
+    EXPECT_EQ(std::ranges::count(same, '\n'), 999) << "one for each of a name that another has";
+
+    Model model;
+    Shot shot;
+    for (int i = 0; i < 1000; ++i) {
+        model.nodes.emplace_back().name = "node" + std::to_string(i);
+        shot.objects["mode" + std::to_string(i)];
+    }
+    Diagnostics diagnostics;
+    EXPECT_FALSE(check_objects(shot, model, diagnostics));
+    const std::string text = diagnostics.text();
+    EXPECT_EQ(diagnostics.size(), 1000u);
+    size_t suggested = 0;
+    for (size_t at = text.find("mean"); at != text.npos; at = text.find("mean", at + 1)) ++suggested;
+    EXPECT_EQ(suggested, 16u);
+}
+
 TEST(Jitter, CoversOnePixel) {
     std::set<std::array<double, 2>> seen;
     std::array<double, 2> low{1, 1}, high{-1, -1}, sum{0, 0};

@@ -7,9 +7,13 @@
 #include <numbers>
 
 #include "host/images/image_file.h"
+#include "host/images/input_limit.h"
 
 namespace penumbra {
 namespace {
+
+// Four floats, and what environment_lots() makes of them: three doubles, an index, four words.
+constexpr uint64_t bytes_per_texel = 60;
 
 // Bilinear in the polar angle, a sky of this height is off by (pi / 1024)^2 / 8 of its curvature: 1e-6.
 constexpr uint32_t sky_width = 4, sky_height = 1024;
@@ -32,7 +36,14 @@ std::optional<EnvironmentMap> from_file(const EnvironmentFile& file, Diagnostics
     const auto image = read_exr(file.path, diagnostics);
     if (!image) return std::nullopt;
     EnvironmentMap map{image->width, image->height, {}};
-    map.rgba.assign(size_t{4} * image->width * image->height, 1);
+    const size_t texels = size_t{image->width} * image->height;
+    if (texels * bytes_per_texel > input_limit()) {
+        diagnostics.add(
+            {file.path.string()}, "",
+            fmt::format("an environment of {}x{} takes {}", image->width, image->height, over_input_limit()));
+        return std::nullopt;
+    }
+    map.rgba.assign(4 * texels, 1);
     size_t c = 0;
     for (const char* name : {"R", "G", "B"}) {
         const Plane* plane = image->find(name);

@@ -139,8 +139,10 @@ const char* name_of(LightKind kind) {
 void read_lights(Reader& reader, const Json& root, Shot& shot) {
     const Json* lights = root.find("lights");
     if (!lights) return;
-    if (lights->kind != Json::Kind::object || lights->members.empty()) {
-        reader.error(lights->place, "lights", "expected an object of at least one light by its name");
+    constexpr size_t most = 256;  // each is looked at in every frame
+    if (lights->kind != Json::Kind::object || lights->members.empty() || lights->members.size() > most) {
+        reader.error(lights->place, "lights",
+                     fmt::format("expected an object of 1 to {} lights by their names", most));
         return;
     }
     for (const JsonMember& member : lights->members) {

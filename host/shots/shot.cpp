@@ -8,6 +8,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "host/models/model.h"
@@ -119,18 +120,24 @@ bool objects_move(const Shot& shot) {
 
 bool check_objects(const Shot& shot, const Model& model, Diagnostics& diagnostics) {
     const size_t before = diagnostics.size();
-    std::vector<std::string> names;
+    std::map<std::string, size_t> nodes;
     for (const Node& node : model.nodes)
-        if (!node.name.empty()) names.push_back(node.name);
+        if (!node.name.empty()) ++nodes[node.name];
+    std::vector<std::string> names;
+    for (const auto& [name, matches] : nodes) names.push_back(name);
     for (const auto& [name, motion] : shot.objects) {
-        const auto matches = std::ranges::count(names, name);
+        const auto found = nodes.find(name);
         const std::string path = "objects." + name;
-        if (matches == 0) {
-            diagnostics.add(motion.place, path,
-                            "the scene has no node named \"" + name + "\"" + did_you_mean(name, names));
-        } else if (matches > 1) {
-            diagnostics.add(motion.place, path,
-                            "the scene has " + std::to_string(matches) + " nodes named \"" + name + "\"");
+        if (found == nodes.end()) {
+            // Who gets many names wrong reads the first suggestions: each looks at all nodes.
+            const bool suggest = diagnostics.size() - before < 16;
+            diagnostics.add(
+                motion.place, path,
+                "the scene has no node named \"" + name + "\"" + (suggest ? did_you_mean(name, names) : ""));
+        } else if (found->second > 1) {
+            diagnostics.add(
+                motion.place, path,
+                "the scene has " + std::to_string(found->second) + " nodes named \"" + name + "\"");
         }
     }
     return diagnostics.size() == before;

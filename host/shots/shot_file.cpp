@@ -128,11 +128,10 @@ void read_model(Reader& reader, const Json& json, const std::string& path, Shot&
                  name->string.find('/') != std::string::npos))
         return reader.error(name->place, Reader::join(path, "name"), "expected a name without \"/\"");
     if (name) model.name = name->string;
-    for (size_t i = 0; i + 1 < shot.models.size(); ++i)
-        if (shot.models[i].name == model.name)
-            reader.error(
-                name ? name->place : json.place, Reader::join(path, "name"),
-                fmt::format("\"{}\" is the name of another model already: give one of its own", model.name));
+    if (std::ranges::count(shot.models, model.name, &PlacedModel::name) > 1)
+        reader.error(
+            name ? name->place : json.place, Reader::join(path, "name"),
+            fmt::format("\"{}\" is the name of another model already: give one of its own", model.name));
     if (const Json* v = json.find("translation"))
         reader.vector(*v, Reader::join(path, "translation"), model.place.translation);
     if (const Json* v = json.find("rotation_deg"))
@@ -142,7 +141,9 @@ void read_model(Reader& reader, const Json& json, const std::string& path, Shot&
 }
 
 void read_models(Reader& reader, const Json& list, Shot& shot) {
-    if (list.items.empty()) reader.error(list.place, "scene", "expected at least one model");
+    constexpr size_t most = 1024;
+    if (list.items.empty() || list.items.size() > most)
+        return reader.error(list.place, "scene", fmt::format("expected a list of 1 to {} models", most));
     for (size_t i = 0; i < list.items.size(); ++i)
         read_model(reader, list.items[i], fmt::format("scene[{}]", i), shot);
 }

@@ -184,6 +184,17 @@ TEST_F(Materials, EnvironmentsAreRead) {
     expect_error("B: an environment needs this channel");
     EXPECT_FALSE(make_environment(*shot(R"({ "file": "none.exr" })"), diagnostics_));
     expect_error("none.exr");
+
+    // The image is within the limit, and not what becomes of it.
+    image = {256, 128, {}};
+    for (const char* name : {"R", "G", "B"})
+        image.planes.push_back({name, PlaneType::real, std::vector<float>(256 * 128), {}});
+    write_exr(folder_ / "sky.exr", image);
+    EXPECT_TRUE(make_environment(*good, diagnostics_));
+    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "1", 1);
+    EXPECT_FALSE(make_environment(*good, diagnostics_));
+    ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
+    expect_error("sky.exr: an environment of 256x128 takes more than 1 MiB");
 }
 
 TEST_F(Materials, EnvironmentsOfShotsAreChecked) {
