@@ -340,6 +340,9 @@ TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
     completed("render --out many", "");  // a folder, which the shell knows
     completed("devices many", "");
     expect(run("completion csh"), 2, "csh");
+    const std::string zsh = run("completion zsh").out;
+    EXPECT_LT(zsh.find("&& compinit -i"), zsh.find("&& bashcompinit"))
+        << "without the first the second fails";
     EXPECT_EQ(run("completion fish").out.find("complete -c penumbra -n __fish_use_subcommand -a") ==
                   std::string::npos,
               false);
