@@ -209,7 +209,11 @@ void add_examples(CLI::App& app) {
 
 std::string completion_script(const CLI::App& app, const std::string& shell) {
     if (shell == "fish") return fish_script(app);
-    return (shell == "zsh" ? "autoload -U +X bashcompinit && bashcompinit\n" : "") + bash_script(app);
+    // bashcompinit stands on compinit, which a shell without a .zshrc has not called.
+    constexpr const char* zsh =
+        "(( $+functions[compdef] )) || { autoload -Uz compinit && compinit -i }\n"
+        "autoload -U +X bashcompinit && bashcompinit\n";
+    return (shell == "zsh" ? zsh : "") + bash_script(app);
 }
 
 }  // namespace penumbra

@@ -338,10 +338,16 @@ int explain_pixel(const ExplainArguments& arguments) {
         return exit_wrong;
     }
     if (arguments.budget) return draw_budget(arguments, *session);
+    doing("rendering the frame");
     session->run_frame(arguments.frame, true);
-    if (arguments.beams) return draw_beams(arguments, *job, {*session, arguments.frame});
-    if (arguments.gather) return draw_gather(arguments, *job, {*session, arguments.frame});
-    return draw(arguments, *job, {*session, nodes, arguments.frame, arguments.samples});
+    doing("reading the scene back");
+    const auto drawn = [&](auto figure, auto&& of) {
+        doing.clear();
+        return figure(arguments, *job, of);
+    };
+    if (arguments.beams) return drawn(draw_beams, TileBeams{*session, arguments.frame});
+    if (arguments.gather) return drawn(draw_gather, RayGatherer{*session, arguments.frame});
+    return drawn(draw, Explanation{*session, nodes, arguments.frame, arguments.samples});
 }
 
 int explain_costs(const ExplainArguments& arguments) {

@@ -78,7 +78,7 @@ void write_beside(const std::filesystem::path& file, const Picture& left, const 
             for (uint32_t x = 0; x < picture->width; ++x)
                 for (int c = 0; c < 3; ++c)
                     rgb[3 * (size_t{y} * width + at + x) + size_t(c)] =
-                        picture->rgb[size_t{y} * picture->width + x][c];
+                        exposed(picture->rgb[size_t{y} * picture->width + x][c]);
     write_png_color(file, width, left.height, rgb);
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -42,6 +43,12 @@ std::vector<std::string> channel_names(const std::string& resource, Format forma
     const bool vectors =
         resource == "motion" || resource == "normal" || resource == "guide_normal" || resource == "moments";
     return vectors ? std::vector<std::string>{"X", "Y", "Z"} : std::vector<std::string>{"R", "G", "B"};
+}
+
+// Three channels of floats that are no vectors are radiance; but for what is a share of it.
+bool is_light(const std::string& resource, Format format) {
+    return info(format).kind == FormatClass::real && channel_names(resource, format)[0] == "R" &&
+           resource != "transmittance";
 }
 
 // The image that a buffer of words stands for: tiles of 8x4 or 8x8 pixels where the count says so, else one
@@ -82,6 +89,7 @@ Layers captured_texels(const Session& session, const std::string& name) {
             layers.texels.push_back(
                 {decode_texels(format, extent.width, extent.height, bytes, channel_names(name, format)),
                  fnv1a(bytes)});
+            layers.texels.back().image.light = is_light(name, format);
         }
         return layers;
     }
@@ -155,7 +163,7 @@ void write_png(const std::filesystem::path& path, const PlanarImage& image) {
     std::vector<float> rgb(3 * first.values.size());
     for (size_t i = 0; i < first.values.size(); ++i)
         for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = image.planes[c].values[i];
-    write_png_color(path, image.width, image.height, rgb);
+    (image.light ? write_png_light : write_png_color)(path, image.width, image.height, rgb);
 }
 
 void summarise(const PlanarImage& image, WrittenOutput& out) {
@@ -177,8 +185,13 @@ void summarise(const PlanarImage& image, WrittenOutput& out) {
 
 }  // namespace
 
+std::span<const std::string> host_image_names() {
+    static const std::array<std::string, 4> names{"depth", "normal", "motion", "albedo"};
+    return names;
+}
+
 bool is_host_image(const std::string& name) {
-    return name == "depth" || name == "normal" || name == "motion" || name == "albedo";
+    return std::ranges::count(host_image_names(), name) > 0;
 }
 
 PlanarImage captured_image(const Session& session, const std::string& resource) {

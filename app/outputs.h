@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct WrittenOutput {
 };
 
 // Host inputs that can be captured beside the graph's own resources.
+std::span<const std::string> host_image_names();
 bool is_host_image(const std::string& name);
 
 // A captured resource of the frame that has just completed, of one with layers the first.

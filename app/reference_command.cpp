@@ -122,7 +122,7 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
         std::vector<float> rgb;
         for (size_t i = 0; i < truth.planes[0].values.size(); ++i)
             for (size_t c = 0; c < 3; ++c) rgb.push_back(truth.planes[c].values[i]);
-        write_png_color(fs::path(file).replace_extension(".png"), truth.width, truth.height, rgb);
+        write_png_light(fs::path(file).replace_extension(".png"), truth.width, truth.height, rgb);
         write_exr(file, truth);
     }
     progress.print(fmt::format("written to {}\n", (folder / "").string()));

@@ -2,6 +2,7 @@
 // penumbra render: executes a pipeline on a shot frame by frame and writes outputs and captures. report.json
 // comes last, so that a folder with a report is a complete one.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <iostream>
@@ -69,10 +70,25 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
             {}};
     job.graph_captures = job.pipeline.output_names();
     for (const std::string& name : arguments.captures) {
+        if (!is_host_image(name) && !job.pipeline.resource(name)) {
+            std::vector<std::string> known(host_image_names().begin(), host_image_names().end());
+            for (const CheckedResource& resource : job.pipeline.resources) known.push_back(resource.name);
+            fmt::print(stderr, "--capture: {} has no \"{}\"{}\n", job.pipeline.name, name,
+                       did_you_mean(name, known));
+            return std::nullopt;
+        }
         auto& list = is_host_image(name) ? job.host_captures : job.graph_captures;
         if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(name);
     }
     return job;
+}
+
+// Of a model whose lamps this pipeline knows nothing of: nobody would miss them in the picture of the sun.
+std::string lamps_left_out(const Session& session, const std::vector<std::string>& lamps) {
+    const auto takes = [](const HostSlot& slot) { return slot.name.starts_with("light"); };
+    if (lamps.empty() || std::ranges::any_of(session.plan().slots, takes)) return "";
+    return fmt::format("{}: the light of {} is left out; `lights` draws it, and `lit` beside the sun's",
+                       session.plan().pipeline, fmt::join(lamps, ", "));
 }
 
 int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
@@ -90,6 +106,9 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.jitter = !arguments.no_jitter;
     options.validate = arguments.validate;
     options.facts = job.facts;
+    std::vector<std::string> lamps;
+    for (const auto& [name, lamp] : job.shot.lights)
+        if (!job.made_up.empty()) lamps.push_back(name);
     Doing doing;
     options.doing = [&](const char* what, double share) { doing(what, share); };
     const auto session =
@@ -100,6 +119,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
+    if (const std::string left = lamps_left_out(*session, lamps); !left.empty())
+        std::cerr << "warning: " << left << "\n";
     const fs::path& folder = job.folder;
     fs::create_directories(folder);
     fs::remove(folder / "report.json");

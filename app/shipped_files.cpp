@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 
 namespace penumbra {
@@ -80,15 +81,22 @@ std::vector<std::string> shipped_names(const fs::path& root, const ShippedKind& 
     return names;
 }
 
+bool is_shipped(const std::string& name, const fs::path& root, const ShippedKind& kind) {
+    return std::ranges::count(shipped_names(root, kind), name) > 0;
+}
+
 std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& root, const ShippedKind& kind,
                                      Diagnostics& diagnostics) {
     std::error_code failure;
     if (fs::exists(wanted, failure)) return fs::path(wanted);  // a folder: whoever reads it says so
     for (const auto& [name, file] : named_files(root, kind))
         if (name == wanted) return file;
-    const std::vector<std::string> names = shipped_names(root, kind);
+    std::vector<std::string> names = shipped_names(root, kind);
     std::string hint = did_you_mean(wanted, names);
-    if (hint.empty() && !names.empty()) hint = fmt::format("; there are {}", fmt::join(names, ", "));
+    const auto holds = [&](const std::string& name) { return name.find(wanted) != std::string::npos; };
+    if (hint.empty() && std::ranges::any_of(names, holds)) std::erase_if(names, std::not_fn(holds));
+    if (hint.empty() && !names.empty() && !fs::path(wanted).has_extension())
+        hint = fmt::format("; there are {}", fmt::join(names, ", "));
     diagnostics.add({wanted}, "",
                     fmt::format("no such file, and no {} of that name is shipped{}", kind.what, hint));
     return std::nullopt;

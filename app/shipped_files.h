@@ -31,5 +31,6 @@ std::optional<std::filesystem::path> shipped_file(const std::string& wanted,
 std::vector<std::filesystem::path> shipped_files(const std::filesystem::path& root, const ShippedKind& kind);
 // The names that shipped_file() knows, those of folders inside (`lights/interior`) among them.
 std::vector<std::string> shipped_names(const std::filesystem::path& root, const ShippedKind& kind);
+bool is_shipped(const std::string& name, const std::filesystem::path& root, const ShippedKind& kind);
 
 }  // namespace penumbra

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -83,12 +84,21 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
     auto json = nlohmann::ordered_json::parse(made.text);
     json["scene"] = scene;
     made.text = shot_text(json);
-    auto shot = parse_shot(made.text, shot_file, diagnostics);
-    if (!shot) return std::nullopt;
-    name_as_given(*shot, files);
     const auto& [low, high] = made.bounds;
-    fmt::print(stderr, "{}: {} triangles, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n",
-               fmt::join(files, ", "), model->triangle_count(), low.x, high.x, low.y, high.y, low.z, high.z);
+    Diagnostics of_made_up;  // of a file that nobody wrote
+    auto shot = parse_shot(made.text, shot_file, of_made_up);
+    if (!shot) {
+        diagnostics.add(
+            {files[0]}, "",
+            fmt::format("is {:.3g} m large, up to {:.3g} m from the origin: no shot has a camera for "
+                        "that; scale the model",
+                        glm::length(high - low), std::max(glm::length(low), glm::length(high))));
+        return std::nullopt;
+    }
+    name_as_given(*shot, files);
+    fmt::print(stderr, "{}: {} triangle{}, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n",
+               fmt::join(files, ", "), model->triangle_count(), model->triangle_count() == 1 ? "" : "s",
+               low.x, high.x, low.y, high.y, low.z, high.z);
     return ViewSource{std::move(*shot), made.text, made.text};
 }
 
@@ -149,11 +159,14 @@ std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, cons
             given.view.models.push_back(file);
             continue;
         }
-        if (file.ends_with(".shot.json") && given.view.shot.empty()) {
+        std::error_code none;
+        const bool named_shot = is_shipped(file, shipped_root(), shipped_shots) &&
+                                !is_shipped(file, shipped_root(), shipped_pipelines) &&
+                                !fs::exists(file, none);
+        if ((file.ends_with(".shot.json") || named_shot) && given.view.shot.empty()) {
             given.view.shot = file;
             continue;
         }
-        std::error_code none;
         if (fs::is_regular_file(file, none) && fs::path(file).has_extension() &&
             fs::path(file).extension() != ".json")
             diagnostics.add({file}, "",

@@ -2,10 +2,13 @@
 // What somebody types on the first day: names instead of paths, a model instead of a shot, and README's own
 // sequence.
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
+#include "host/images/image_decode.h"
 #include "host/images/image_file.h"
 #include "tests/cli_run.h"
+#include "tests/gltf_glb.h"
 
 namespace penumbra::test {
 namespace {
@@ -54,6 +57,10 @@ TEST_F(FirstUse, NamesOfShippedFilesAreLookedUp) {
     EXPECT_EQ(run("check raw").code, 0);
     EXPECT_EQ(run("plan fidelityfx --size 64x64").code, 0);
     expect(run("check hybrid_shadow"), 2, "did you mean \"hybrid_shadows\"?");
+    expect(run("check sky.json"), 2, "sky.json: no such file, and no pipeline of that name is shipped\n");
+    expect(run("check hybrid"), 2, "; there are hybrid_cascades, ");
+    EXPECT_EQ(run("check hybrid").err.find("covered"), std::string::npos) << "names that hold the word";
+    expect(run("render raw --shot lamp --capture depht --out " + in("o")), 2, "did you mean \"depth\"?");
     expect(run("render raw --shot colonade --out " + in("o")), 2, "did you mean \"colonnade\"?");
     expect(run("render raw one_ray --shot colonnade --out " + in("o")), 2, "one pipeline");
     EXPECT_FALSE(fs::exists(folder_ / "o"));
@@ -115,6 +122,7 @@ TEST_F(FirstUse, FilesAreTakenForWhatTheyAre) {
     const Result avatar = run("render raw " + in("avatar.vrm") + small);
     expect(avatar, 0, in("avatar.vrm") + ": 5");
     ASSERT_EQ(run("render raw scenes/lamp.shot.json" + small).code, 0);
+    ASSERT_EQ(run("render raw lamp" + small).code, 0) << "a shipped shot needs no --shot either";
     ASSERT_EQ(run("render light --light panel --shot lights/interior" + small).code, 0);
     fs::remove_all(folder_ / "o");
     expect(run("render README.md" + small), 2, "README.md: is neither a pipeline or a shot");
@@ -246,6 +254,47 @@ TEST_F(FirstUse, AModelIsFramed) {
     }
 }
 
+// Of white in the sun nothing is left where a picture is cut off at 1, and where the sun stands at equal
+// angles to two sides of a box the edge between them is gone.
+TEST_F(FirstUse, TheSidesOfAWhiteBoxAreToldApart) {
+    const auto box_of = [&](double half, const char* name, const std::string& more) {
+        std::vector<float> at;
+        for (int i = 0; i < 8; ++i)
+            for (int axis = 0; axis < 3; ++axis) at.push_back(float(half * ((i >> axis & 1) ? 1 : -1)));
+        Glb glb;
+        const std::vector<uint16_t> sides{0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                                          2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
+        const int indices = glb.accessor(glb.view(sides.data(), 72), 5123, 36, "SCALAR");
+        glb.json["meshes"] = {
+            {{"primitives",
+              {{{"attributes", {{"POSITION", glb.floats(at, "VEC3", 3)}}}, {"indices", indices}}}}}};
+        glb.json["nodes"] = {{{"mesh", 0}}};
+        if (!more.empty()) glb.json.merge_patch(Json::parse(more));
+        return glb.save(std::to_string(getpid()) + name).string();
+    };
+    ASSERT_EQ(run("render " + box_of(1, "box.glb", "") + " --size 96x54 --out " + in("a")).code, 0);
+    const std::string png = read_file(folder_ / "a/color.0015.png");
+    const RgbaImage picture = decode_png(std::as_bytes(std::span(png)), 1 << 20);
+    std::map<int, int> greys;  // to eight levels
+    for (size_t p = 0; p < picture.rgba.size(); p += 4)
+        if (std::abs(picture.rgba[p] - picture.rgba[p + 2]) < 24) ++greys[picture.rgba[p] / 8];
+    std::erase_if(greys, [](const auto& grey) { return grey.second < 40; });
+    EXPECT_GE(greys.size(), 3u);
+    EXPECT_LT(greys.rbegin()->first, 31) << "none is cut off";
+
+    for (const double half : {1e-14, 3e11})
+        expect(run("render " + box_of(half, "far.glb", "") + " --out " + in("b")), 2, "scale the model");
+    const std::string lamp = box_of(1, "lamp.glb", R"({"extensionsUsed": ["KHR_lights_punctual"],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "name": "bulb"}]}},
+        "nodes": [{"mesh": 0, "children": [1]}, {"translation": [2, 3, 2],
+                   "extensions": {"KHR_lights_punctual": {"light": 0}}}]})");
+    const std::string left_out = "the light of bulb is left out";
+    expect(run("render raw " + lamp + " --size 48x32 --out " + in("c")), 0, left_out);
+    const Result lit = run("render lights " + lamp + " --size 48x32 --out " + in("d"));
+    ASSERT_EQ(lit.code, 0) << lit.err;
+    EXPECT_EQ(lit.err.find(left_out), std::string::npos);
+}
+
 TEST_F(FirstUse, FilesWithoutAPictureAreRefused) {
     const std::string empty =
         file("empty.gltf", R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": []}], "scene": 0})");
@@ -291,6 +340,9 @@ TEST_F(FirstUse, HelpAndCompletionFollowTheCommands) {
     completed("render --out many", "");  // a folder, which the shell knows
     completed("devices many", "");
     expect(run("completion csh"), 2, "csh");
+    const std::string zsh = run("completion zsh").out;
+    EXPECT_LT(zsh.find("&& compinit -i"), zsh.find("&& bashcompinit"))
+        << "without the first the second fails";
     EXPECT_EQ(run("completion fish").out.find("complete -c penumbra -n __fish_use_subcommand -a") ==
                   std::string::npos,
               false);
@@ -359,50 +411,11 @@ TEST_F(FirstUse, ProgressIsShownOnATerminalAlone) {
     EXPECT_NE(on_terminal("view raw --shot lamp --size 48x32 --frames 2 --headless " + in("view.png"))
                   .find("building the tree of triangles ... 30 %"),
               std::string::npos);
-    EXPECT_NE(on_terminal("explain --shot lamp --size 48x32 --out " + in("sun.svg")).find("explain ["),
-              std::string::npos);
+    const std::string explained = on_terminal("explain --shot lamp --size 48x32 --out " + in("sun.svg"));
+    for (const char* what : {"rendering the frame ...", "reading the scene back ...", "explain ["})
+        EXPECT_NE(explained.find(what), std::string::npos) << what;
     ASSERT_EQ(run("reference --like " + in("a") + " --rays 16 --out " + in("t")).err, "");
     EXPECT_NE(on_terminal("compare " + in("a") + " " + in("t")).find("compare ["), std::string::npos);
-}
-
-// docs/first_steps.md from its first block to its last: files are written under their names, commands are
-// run.
-class FirstSteps : public Cli {};
-
-TEST_F(FirstSteps, EveryStepWorks) {
-    std::istringstream page(read_file(fs::path(PENUMBRA_SOURCE_DIR) / "docs/first_steps.md"));
-    std::string line, name, text;
-    bool inside = false, shell = false;
-    int files = 0, commands = 0;
-    while (std::getline(page, line)) {
-        if (line.starts_with("```") && !inside) {
-            inside = true;
-            shell = line == "```sh";
-            name = shell ? "" : line.substr(line.find(' ') + 1);
-            text.clear();
-        } else if (line.starts_with("```")) {
-            inside = false;
-            if (shell) continue;
-            fs::create_directories((folder_ / name).parent_path());
-            std::ofstream(folder_ / name) << text;
-            ++files;
-        } else if (inside && shell) {
-            ASSERT_TRUE(line.starts_with("penumbra ")) << line;
-            const std::string command = "cd '" + folder_.string() + "' && '" PENUMBRA_PROGRAM "'" +
-                                        line.substr(8) + " >said 2>errors";
-            EXPECT_EQ(std::system(command.c_str()), 0) << line << "\n" << read_file(folder_ / "errors");
-            ++commands;
-        } else if (inside) {
-            text += line + "\n";
-        }
-    }
-    EXPECT_EQ(files, 4);
-    EXPECT_GE(commands, 6);
-    const Json report = Json::parse(read_file(folder_ / "out/darker/report.json"));
-    const Json& outputs = report["outputs"];
-    ASSERT_EQ(outputs.size(), 2u);
-    EXPECT_EQ(outputs[0]["min"], 0) << "there is full shadow";
-    EXPECT_EQ(outputs[1]["min"], 0.25) << "of which the node lets a quarter through";
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "app/session.h"
 #include "app/shipped_files.h"
 #include "app/view/controls.h"
+#include "app/view/cost_mean.h"
 #include "app/view/dataflow.h"
 #include "app/view/file_watch.h"
 #include "app/view/flight.h"
@@ -342,6 +343,20 @@ std::array<int, 3> texel(const Picture& p, uint32_t x) {
 
 using Rgb = std::array<int, 3>;
 
+// A mean from the first frame on would show seconds of compiling for a dozen frames more.
+TEST(ViewCosts, TheFrameThatCompilesIsForgotten) {
+    CostMean mean;
+    mean.add({{"trace", "trace", 900, 950}}, 2000);
+    EXPECT_EQ(mean.cpu_ms(), 2000) << "better than nothing";
+    for (int frame = 0; frame < 4; ++frame) mean.add({{"trace", "trace", 4, {}}}, 5);
+    EXPECT_NEAR(mean.cpu_ms(), 5, 1e-9);
+    EXPECT_NEAR(*mean.passes()[0].ms, 4, 1e-9);
+    mean.add({{"trace", "trace", 14, 3}}, 15);
+    EXPECT_NEAR(mean.cpu_ms(), 6.5, 1e-9) << "a frame is a part of it";
+    EXPECT_NEAR(*mean.passes()[0].ms, 5.5, 1e-9);
+    EXPECT_EQ(mean.passes()[0].cpu_ms, 3) << "of what is known";
+}
+
 TEST(ViewPicture, NumbersOfEveryKindAreSeen) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const Picture mask = picture_of(image_of({{"Y", {0, 0.5f, 1, nan}}}));
@@ -358,6 +373,11 @@ TEST(ViewPicture, NumbersOfEveryKindAreSeen) {
     EXPECT_EQ(texel(flat, 0), (Rgb{255, 255, 255}));
     const Picture color = picture_of(image_of({{"R", {0.5f}}, {"G", {0}}, {"B", {9}}}));
     EXPECT_EQ(texel(color, 0), (Rgb{188, 0, 255}));
+    PlanarImage light = image_of({{"R", {0.01f, 2, 4}}, {"G", {0.01f, 2, 4}}, {"B", {0.01f, 2, 4}}});
+    light.light = true;
+    const Picture bright = picture_of(light);
+    EXPECT_EQ(texel(bright, 0)[0], 25) << "what is dark is as it is";
+    EXPECT_LT(texel(bright, 1)[0] + 8, texel(bright, 2)[0]) << "and what is bright is not cut off";
     const Picture vectors = picture_of(image_of({{"X", {-1}}, {"Y", {1}}, {"Z", {0}}}));
     EXPECT_EQ(texel(vectors, 0), (Rgb{0, 255, 128}));
     PlanarImage words{2, 1, {{"W", PlaneType::uint, {}, {0xffffffffu, 0x1u}}}};

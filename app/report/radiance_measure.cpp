@@ -110,7 +110,7 @@ std::string write_picture(const RadianceBench& bench, const std::string& name, c
     const std::string file = "images/" + name + ".png";
     std::vector<float> rgb;
     for (const glm::vec3& v : picture.rgb) rgb.insert(rgb.end(), {v.x, v.y, v.z});
-    write_png_color(bench.folder / file, picture.width, picture.height, rgb);
+    write_png_light(bench.folder / file, picture.width, picture.height, rgb);
     return file;
 }
 

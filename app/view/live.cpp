@@ -32,12 +32,6 @@ bool puts_out(const Stage& stage, const std::string& name) {
                                [&](const PlanOutput& output) { return output.name == name; });
 }
 
-// Of what the last frames cost: smooth enough to be read, quick enough to follow a change.
-void blend(std::optional<double>& mean, const std::optional<double>& value) {
-    if (!value) return;
-    mean = mean ? 0.85 * *mean + 0.15 * *value : *value;
-}
-
 }  // namespace
 
 Live::Live(Device& device, Shot shot, StageWish wish)
@@ -63,8 +57,7 @@ bool Live::restage(const StageWish& wish) {
     if (!stage) return false;
     main_ = std::move(stage);
     wish_ = wish;
-    costs_.clear();
-    cpu_ms_ = 0;
+    costs_ = {};
     const std::vector<std::string> lost = turn_again(*main_->session, main_->controls, turned_);
     for (const std::string& name : lost) turned_.erase(name);
     if (!lost.empty())
@@ -256,13 +249,9 @@ void Live::count_costs(const FrameCost& cost) {
     for (size_t p = 0; p < plan().passes.size(); ++p) {
         const PlanPass& pass = plan().passes[p];
         if (pass.kind == PassKind::capture) continue;
-        PassCost& entry = now.emplace_back(PassCost{pass.node, pass.type, {}, {}});
-        if (now.size() <= costs_.size()) entry = costs_[now.size() - 1];
-        blend(entry.ms, cost.passes[p].ms);
-        blend(entry.cpu_ms, cost.pass_cpu_ms[p]);
+        now.push_back({pass.node, pass.type, cost.passes[p].ms, cost.pass_cpu_ms[p]});
     }
-    costs_ = std::move(now);
-    cpu_ms_ = cpu_ms_ > 0 ? 0.85 * cpu_ms_ + 0.15 * cost.cpu_ms : cost.cpu_ms;
+    costs_.add(std::move(now), cost.cpu_ms);
 }
 
 std::string Live::shown() const {

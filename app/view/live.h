@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/truth.h"
+#include "app/view/cost_mean.h"
 #include "app/view/file_watch.h"
 #include "app/view/flight.h"
 #include "app/view/flight_record.h"
@@ -21,12 +22,6 @@ namespace penumbra::viewer {
 // What is on the right of the split.
 enum class Beside { nothing, raw, published, truth, error };
 inline constexpr std::array<const char*, 5> beside_names{"nothing", "raw", "published", "truth", "error"};
-
-struct PassCost {
-    std::string node, type;
-    std::optional<double> ms,
-        cpu_ms;  // of the device's timestamps, of the process; mean over the last frames
-};
 
 // How good the mask is where the truth is known.
 struct Judgement {
@@ -65,8 +60,8 @@ class Live {
     const StageWish& wish() const { return wish_; }
     const Stage& stage() const { return *main_; }
     const Plan& plan() const { return main_->session->plan(); }
-    const std::vector<PassCost>& costs() const { return costs_; }
-    double cpu_ms() const { return cpu_ms_; }  // of all passes, mean over the last frames
+    const std::vector<PassCost>& costs() const { return costs_.passes(); }
+    double cpu_ms() const { return costs_.cpu_ms(); }  // of all passes, mean over the last frames
     Beside beside() const { return beside_; }
     std::array<uint32_t, 2> size() const;  // of the frames
     uint32_t divisor() const { return divisor_; }
@@ -110,8 +105,7 @@ class Live {
     uint32_t divisor_ = 1, index_ = 0, reloads_ = 0;
     Stance stance_;
     bool still_ = false;
-    std::vector<PassCost> costs_;
-    double cpu_ms_ = 0;
+    CostMean costs_;
     std::string error_;
     std::vector<std::string> warnings_;
 };

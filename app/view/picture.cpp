@@ -15,19 +15,25 @@ uint8_t byte_of(float value) {
     return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
 }
 
-// A table, since a power per channel and frame would cost more than the copy from the device.
-uint8_t srgb_byte(float value) {
-    constexpr int steps = 4096;
-    static const std::vector<uint8_t> table = [] {
-        std::vector<uint8_t> t;
-        for (int i = 0; i <= steps; ++i) {
-            const float v = static_cast<float>(i) / steps;
-            t.push_back(byte_of(v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f));
+// Values that are sRGB-encoded. Tables, since a power per channel and frame would cost more than the copy
+// from the device.
+class Encoding {
+  public:
+    explicit Encoding(bool light) : greatest_(light ? 8 : 1) {
+        for (int i = 0; i <= steps * greatest_; ++i) {
+            const float value = static_cast<float>(i) / steps, v = light ? exposed(value) : value;
+            table_.push_back(byte_of(v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f));
         }
-        return t;
-    }();
-    return table[static_cast<size_t>(std::clamp(value, 0.0f, 1.0f) * steps + 0.5f)];
-}
+    }
+    uint8_t operator()(float value) const {
+        return table_[static_cast<size_t>(std::clamp(value, 0.0f, float(greatest_)) * steps + 0.5f)];
+    }
+
+  private:
+    static constexpr int steps = 4096;
+    int greatest_;  // 8 is white to a half of a step of 255
+    std::vector<uint8_t> table_;
+};
 
 void put(Picture& picture, size_t i, uint8_t r, uint8_t g, uint8_t b) {
     uint8_t* p = picture.rgba.data() + 4 * i;
@@ -94,6 +100,8 @@ Picture picture_of(const PlanarImage& image) {
         return picture;
     }
     const bool color = first.name == "R";
+    static const Encoding of_color(false), of_light(true);
+    const Encoding& encode = image.light ? of_light : of_color;
     if (!color) picture.note = "-1 .. 1 as 0 .. 1";
     for (size_t i = 0; i < first.values.size(); ++i) {
         std::array<float, 3> v{};
@@ -101,7 +109,7 @@ Picture picture_of(const PlanarImage& image) {
         if (std::isnan(v[0]) || std::isnan(v[1]) || std::isnan(v[2]))
             put(picture, i, 255, 0, 255);
         else if (color)
-            put(picture, i, srgb_byte(v[0]), srgb_byte(v[1]), srgb_byte(v[2]));
+            put(picture, i, encode(v[0]), encode(v[1]), encode(v[2]));
         else
             put(picture, i, byte_of(0.5f + 0.5f * v[0]), byte_of(0.5f + 0.5f * v[1]),
                 image.planes.size() > 2 ? byte_of(0.5f + 0.5f * v[2]) : 0);

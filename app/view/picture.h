@@ -20,9 +20,9 @@ struct Picture {
     uint8_t* at(uint32_t x, uint32_t y) { return rgba.data() + 4 * (size_t{y} * width + x); }
 };
 
-// Colour ("R", "G", "B" ..) sRGB-encoded; vectors ("X", "Y" ..) from -1 .. 1; words by the share of their
-// bits that are set; one channel as grey: 0 .. 1 as it is, and where any value lies outside, from the least
-// to the greatest, as `note` says. NaN is magenta.
+// Colour ("R", "G", "B" ..) sRGB-encoded, radiance exposed; vectors ("X", "Y" ..) from -1 .. 1; words by the
+// share of their bits that are set; one channel as grey: 0 .. 1 as it is, and where any value lies outside,
+// from the least to the greatest, as `note` says. NaN is magenta.
 Picture picture_of(const PlanarImage& image);
 
 // A mask 0 .. 1. `known`: 0 where nothing is known yet, which is shown as a dark pattern; empty: all is.

@@ -262,6 +262,10 @@ std::vector<std::byte> png_of_rgba(uint32_t width, uint32_t height, std::span<co
     return png_of(width, height, 4, rgba);
 }
 
+float exposed(float radiance) {
+    return std::isnan(radiance) ? radiance : -std::expm1(-std::max(radiance, 0.0f));
+}
+
 void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t height,
                      std::span<const float> rgb) {
     const size_t texels = size_t(width) * height;
@@ -277,6 +281,13 @@ void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t
         }
     }
     write_file(path, png_of(width, height, 3, bytes));
+}
+
+void write_png_light(const std::filesystem::path& path, uint32_t width, uint32_t height,
+                     std::span<const float> rgb) {
+    std::vector<float> shown(rgb.begin(), rgb.end());
+    for (float& value : shown) value = exposed(value);
+    write_png_color(path, width, height, shown);
 }
 
 void write_png_linear(const std::filesystem::path& path, uint32_t width, uint32_t height,

@@ -35,6 +35,7 @@ struct Plane {
 struct PlanarImage {
     uint32_t width = 0, height = 0;
     std::vector<Plane> planes;
+    bool light = false;  // "R", "G", "B" are radiance, of which there is no largest
 
     const Plane* find(std::string_view name) const;
 };
@@ -45,8 +46,16 @@ void write_exr(const std::filesystem::path& path, const PlanarImage& image);
 // Any scan-line or tiled EXR; planes in the file's (alphabetical) order. Sub-sampled channels are an error.
 std::optional<PlanarImage> read_exr(const std::filesystem::path& path, Diagnostics& diagnostics);
 
+// What a screen shows of radiance, as a film takes it: 1 - e^-x. Small values are as they are, none is cut
+// off.
+float exposed(float radiance);
+
 // 8-bit PNG of linear RGB triples, sRGB-encoded and clamped. NaN is shown as magenta, so that it is seen.
 void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t height,
+                     std::span<const float> rgb);
+
+// The same of radiance, exposed.
+void write_png_light(const std::filesystem::path& path, uint32_t width, uint32_t height,
                      std::span<const float> rgb);
 
 // 8-bit PNG, grey = value * 255 without a transfer curve (visibility). NaN is shown as magenta.

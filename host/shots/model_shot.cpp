@@ -130,7 +130,7 @@ ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
     json["fps"] = fps;
     json["camera"] = model.cameras.empty() ? framing_camera(out.bounds, size)
                                            : camera_of(scene, model.cameras[0], frames, size);
-    glm::dvec3 to_sun(-0.75, 0.8, 0.15);
+    glm::dvec3 to_sun(-0.6, 0.85, 0.15);  // three sides of a box that are seen are of three brightnesses
     if (!model.suns.empty())
         to_sun = glm::normalize(glm::dvec3(scene.transforms(0)[static_cast<size_t>(model.suns[0])][2]));
     json["sun"] = {{"angular_radius_deg", 0.2665},
