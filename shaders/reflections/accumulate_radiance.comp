@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Each pixel's past receives what was gathered, weighted by how far it can be believed: the drift between the two, averaged
 // over 5x5 similar pixels and over time, less what noise alone would show, is the past's bias; with 1 / frames it is its error
-// in units of the gather's, and the better of the two pasts wins. Nothing is clamped beyond this.
+// in units of the gather's, and of the two pasts that of the smaller drift wins. Nothing is clamped beyond this.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
@@ -59,7 +59,8 @@ Around look_around(ivec2 p, float weights[25]) {
 // What a past would leave.
 struct Candidate {
     vec3 history;
-    float worth;  // N', 0 without a past
+    float worth;   // N', 0 without a past
+    float error2;  // expected, noise of the drift and all: both candidates are compared with the same gather
     Drift drift;
 };
 
@@ -105,7 +106,7 @@ float far_drift(ivec2 then, uint kept, float variance, float sigmas) {
 
 Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samples, float variance, uint far, bool moving) {
     const vec4 own = past(image_past, p);
-    if (!(own.w > 0.0)) return Candidate(own.rgb, 0.0, Drift(vec3(0.0), 0.0, 0.0));
+    if (!(own.w > 0.0)) return Candidate(own.rgb, 0.0, 1e30, Drift(vec3(0.0), 0.0, 0.0));
     const ivec2 then = previous_texel(uv);
     const Drift carried = drift_at(then);
     const bool few = moving && samples < 4.0;
@@ -124,7 +125,7 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samp
         sum += weights[i] * term * (size > limit ? limit / size : 1.0);
         sums += weights[i];
     }
-    if (!(sums > 0.0)) return Candidate(own.rgb, min(own.w, MOST_FRAMES), carried);
+    if (!(sums > 0.0)) return Candidate(own.rgb, min(own.w, MOST_FRAMES), 0.0, carried);
     const float share = few ? 1.0 : DRIFT_SHARE;
     const Drift drift = Drift(mix(carried.mean, sum / sums, share), (1.0 - share) * (1.0 - share) * carried.of_mean2 + share * share * variance, few ? variance / own.w : carried.of_past2);
     const float independent = samples < 3.0 ? 6.0 : 25.0;
@@ -136,7 +137,7 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samp
     // V = 1 / N + b^2 / sigma^2, its inverse without a quotient by a sigma of 0.
     float worth = min(sigma2 * own.w / max(sigma2 + bias2 * own.w, 1e-30), MOST_FRAMES);
     if (sigma2 == 0.0) worth = bias2 == 0.0 ? min(own.w, MOST_FRAMES) : 0.0;
-    return Candidate(own.rgb, worth, drift);
+    return Candidate(own.rgb, worth, dot(drift.mean, drift.mean) + sigma2 / own.w, drift);
 }
 
 // Which of 2x2 pixels keeps their drift: the first that shows a surface, or the first.
@@ -170,7 +171,7 @@ void for_pixel(ivec2 p) {
     Candidate best = judge(false, p, of_surface, weights, around.samples, variance, far, moving);
     if (HAS_PAST_IMAGE) {
         const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around.samples, variance, far, moving);
-        if (other.worth > best.worth) best = other;
+        if (other.error2 < best.error2) best = other;
     }
     // What moves is elsewhere in the mirror than any past expects.
     if (g.moving) best.worth = min(best.worth, MOVING_HIT_FRAMES);
