@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Each pixel's past receives what was gathered, weighted by how far it can be believed: the drift between the two, averaged
 // over 5x5 similar pixels and over time, less what noise alone would show, is the past's bias; with 1 / frames it is its error
-// in units of the gather's, and the better of the two pasts wins. Nothing is clamped beyond this.
+// in units of the gather's, and of the two pasts that of the smaller drift wins. Nothing is clamped beyond this.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
@@ -18,6 +18,7 @@
 
 const float MOST_FRAMES = 63.0, TERM_SIGMAS = 4.0;
 const float SIGMAS = 3.0, SIGMAS_AT_REST = 3.5;  // at rest light alone changes: a past is doubted later
+const float FEW = 2.0;          // samples of a gather, in motion
 const float DRIFT_SHARE = 0.4;  // of the new value in the running mean
 const int FAR_STEP = 5;  // px between taps of far_drift(): a gather's window, so that no two share a ray
 const float KERNEL[3] = float[](6.0, 4.0, 1.0);
@@ -59,7 +60,8 @@ Around look_around(ivec2 p, float weights[25]) {
 // What a past would leave.
 struct Candidate {
     vec3 history;
-    float worth;  // N', 0 without a past
+    float worth;   // N', 0 without a past
+    float error2;  // expected, noise of the drift and all: both candidates are compared with the same gather
     Drift drift;
 };
 
@@ -103,13 +105,22 @@ float far_drift(ivec2 then, uint kept, float variance, float sigmas) {
     return dot(sum, sum) / (sums * sums) - sigmas * sigmas * max(variances / sums, variance) / sums;
 }
 
-Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samples, float variance, uint far, bool moving) {
+// In motion few samples show next to no variance, and what the past knows of it is of what has moved on. What their neighbours' spread
+// shows is noise where a lobe is as wide as the mirrored directions of two pixels lie apart, and what is mirrored where it is narrower.
+float variance_of_few(Around around, float roughness) {
+    const float apart = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? 0.0 : frame.pixel_angle;
+    const float wide = min(roughness * roughness / max(apart, 1e-6), 1.0);
+    return max(around.variance, around.spread * wide * wide * wide * wide);
+}
+
+// `least2`: variance of a frame, at least.
+Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samples, float variance, float least2, uint far, bool moving) {
     const vec4 own = past(image_past, p);
-    if (!(own.w > 0.0)) return Candidate(own.rgb, 0.0, Drift(vec3(0.0), 0.0, 0.0));
+    if (!(own.w > 0.0)) return Candidate(own.rgb, 0.0, 1e30, Drift(vec3(0.0), 0.0, 0.0));
     const ivec2 then = previous_texel(uv);
     const Drift carried = drift_at(then);
-    const bool few = moving && samples < 4.0;
-    const float sigma2 = max(variance, few ? 0.0 : carried.of_past2 * own.w);
+    const bool few = moving && samples < FEW;
+    const float sigma2 = max(least2, few ? 0.0 : carried.of_past2 * own.w);
     const float limit = few ? 1e30 : TERM_SIGMAS * sqrt(sigma2);
     vec3 sum = vec3(0.0);
     float sums = 0.0;
@@ -124,7 +135,7 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samp
         sum += weights[i] * term * (size > limit ? limit / size : 1.0);
         sums += weights[i];
     }
-    if (!(sums > 0.0)) return Candidate(own.rgb, min(own.w, MOST_FRAMES), carried);
+    if (!(sums > 0.0)) return Candidate(own.rgb, min(own.w, MOST_FRAMES), 0.0, carried);
     const float share = few ? 1.0 : DRIFT_SHARE;
     const Drift drift = Drift(mix(carried.mean, sum / sums, share), (1.0 - share) * (1.0 - share) * carried.of_mean2 + share * share * variance, few ? variance / own.w : carried.of_past2);
     const float independent = samples < 3.0 ? 6.0 : 25.0;
@@ -136,7 +147,7 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samp
     // V = 1 / N + b^2 / sigma^2, its inverse without a quotient by a sigma of 0.
     float worth = min(sigma2 * own.w / max(sigma2 + bias2 * own.w, 1e-30), MOST_FRAMES);
     if (sigma2 == 0.0) worth = bias2 == 0.0 ? min(own.w, MOST_FRAMES) : 0.0;
-    return Candidate(own.rgb, worth, drift);
+    return Candidate(own.rgb, worth, dot(drift.mean, drift.mean) + sigma2 / own.w, drift);
 }
 
 // Which of 2x2 pixels keeps their drift: the first that shows a surface, or the first.
@@ -167,10 +178,11 @@ void for_pixel(ivec2 p) {
     const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
     // Few samples at rest know less of their variance than their neighbours show.
     const float variance = !moving && around.samples < 6.0 ? max(around.variance, around.spread) : around.variance;
-    Candidate best = judge(false, p, of_surface, weights, around.samples, variance, far, moving);
+    const float least2 = moving && around.samples < FEW ? variance_of_few(around, here.roughness) : variance;
+    Candidate best = judge(false, p, of_surface, weights, around.samples, variance, least2, far, moving);
     if (HAS_PAST_IMAGE) {
-        const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around.samples, variance, far, moving);
-        if (other.worth > best.worth) best = other;
+        const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around.samples, variance, least2, far, moving);
+        if (other.error2 < best.error2) best = other;
     }
     // What moves is elsewhere in the mirror than any past expects.
     if (g.moving) best.worth = min(best.worth, MOVING_HIT_FRAMES);
