@@ -36,9 +36,9 @@ CLI::Option* add_view(CLI::App* command, ViewArguments& a) {
 
 // What runs on what, for commands that take both (sort_files()).
 void add_files(CLI::App* command, std::vector<std::string>& files, ViewArguments& view) {
-    command->add_option(
-        "files", files,
-        "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows), models, or both");
+    command->add_option("files", files,
+                        "a pipeline (a file, or the name of a shipped one; default: hybrid_shadows, or "
+                        "lights where there is no sun), models, or both");
     add_view(command, view);
 }
 

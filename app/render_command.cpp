@@ -48,8 +48,8 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
         arguments.out.empty() ? fs::path("out") / view_name(given->view) : fs::path(arguments.out);
     auto view = open_view(given->view, folder, diagnostics);
     if (!view) std::cerr << diagnostics.text();
-    auto pipeline = open_pipeline(given->pipeline, arguments.settings, nodes, view ? &view->shot : nullptr,
-                                  arguments.light);
+    const Shot* const of = view ? &view->shot : nullptr;
+    auto pipeline = open_pipeline(pipeline_for(*given, of), arguments.settings, nodes, of, arguments.light);
     if (!pipeline || !view) return std::nullopt;
     const Shot& shot = view->shot;
     const auto size = arguments.size.empty() ? std::optional(shot.size) : parse_size(arguments.size);

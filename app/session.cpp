@@ -139,8 +139,8 @@ void check_light(const Plan& plan, const CheckedPipeline& pipeline, const Chosen
     if (!near && reads(plan, "sun"))
         diagnostics.add(
             place, "inputs",
-            fmt::format("\"{}\" knows the sun alone, and the shot's light is {}; a variant for lights that "
-                        "are near has \"inputs\": {{ \"light\": {{}} }}, as light.json",
+            fmt::format("\"{}\" knows the sun alone, and the shot's light is {}, which `light` and `lights` "
+                        "draw; a variant of another pipeline has \"inputs\": {{ \"light\": {{}} }}",
                         pipeline.name, light));
     if (near) check_nodes(plan, {"light"}, light, place, diagnostics);
 }

@@ -177,12 +177,16 @@ std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, cons
                 fmt::format("\"{}\" and \"{}\": one pipeline and one shot at a time", given.pipeline, file));
         given.pipeline = file;
     }
-    if (given.pipeline.empty())
-        given.pipeline = "hybrid_shadows";
-    else if (diagnostics.empty())  // before anybody asks for a shot: the word may be one, or a model
+    if (!given.pipeline.empty() &&
+        diagnostics.empty())  // before anybody asks for a shot: the word may be one, or a model
         shipped_file(given.pipeline, shipped_root(), shipped_pipelines, diagnostics);
     if (!diagnostics.empty()) return std::nullopt;
     return given;
+}
+
+std::string pipeline_for(const GivenFiles& given, const Shot* shot) {
+    if (!given.pipeline.empty()) return given.pipeline;
+    return shot && !shot->has_sun ? "lights" : "hybrid_shadows";
 }
 
 std::string view_name(const ViewArguments& arguments) {

@@ -24,12 +24,15 @@ struct ViewSource {
 // What somebody names without saying what it is: a pipeline, a model, or both, beside what --shot and --model
 // say.
 struct GivenFiles {
-    std::string pipeline;  // hybrid_shadows, where none is named
+    std::string pipeline;  // may be none
     ViewArguments view;
 };
 // Two of a kind are an error.
 std::optional<GivenFiles> sort_files(const std::vector<std::string>& files, const ViewArguments& view,
                                      Diagnostics& diagnostics);
+
+// The pipeline that is named, else hybrid_shadows; or lights, for a shot that has no sun.
+std::string pipeline_for(const GivenFiles& given, const Shot* shot);
 
 // `folder`: where a made-up shot will stand. Errors go to `diagnostics`; what is to be said about a model
 // goes to stderr.

@@ -155,6 +155,13 @@ TEST_F(FirstUse, AShotWithoutACameraOrASunGetsTheModels) {
                  "[0, 0, 0] }] } }");
     ASSERT_EQ(run("render raw --shot " + own + " --size 96x54 --out " + in("c")).code, 0);
     EXPECT_NE(read_file(folder_ / "c/visibility.0000.exr"), read_file(folder_ / "b/visibility.0015.exr"));
+    // Where there is no sun either, lamps light it: hybrid_shadows, which is taken else, knows none.
+    const std::string lamps =
+        file("lamps.shot.json", "{ \"penumbra_shot\": 1, " + scene +
+                                    R"(, "lights": {"l": {"kind": "point", "intensity": 90,
+                                    "keys": [{"frame": 0, "position": [0, 4, 4]}]}}})");
+    expect(run("render --shot " + lamps + " --size 48x32 --out " + in("l")), 0, "");
+    EXPECT_EQ(Json::parse(read_file(folder_ / "l/report.json"))["pipeline"], "lights");
     expect(run("render raw --shot " +
                file("wrong.shot.json", "{ \"penumbra_shot\": 1, " + scene + ",\n  \"frames\": -1 }") +
                " --out " + in("d")),

@@ -69,7 +69,7 @@ std::optional<Job> prepare(const ViewCommandArguments& a) {
     }
     Job job{std::move(*source), "", {}, {}, Beside::nothing, {(*window)[0], (*window)[1]}, folder};
     job.base = job.source.text;
-    job.wish.pipeline = given->pipeline;
+    job.wish.pipeline = pipeline_for(*given, &job.source.shot);
     job.wish.settings = a.settings;
     job.wish.node_folders = a.node_folders;
     job.wish.size = *size;
