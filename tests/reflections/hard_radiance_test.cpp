@@ -2,6 +2,7 @@
 // Hard cases for radiance, through every pipeline that ships: what must hold whatever the denoiser.
 #include <cmath>
 
+#include "host/generated/noise.h"
 #include "host/models/model_builder.h"
 #include "tests/gpu_test.h"
 #include "tests/reflections/radiance_run.h"
@@ -12,6 +13,47 @@ namespace {
 constexpr const char* pipelines[] = {
     "raw_reflections", "raw_indirect", "fidelityfx_reflections", "relax", "relax_indirect", "reflections",
     "indirect",        "lit"};
+
+void add_part(Model& model, Shape shape, int material) {
+    model.meshes.push_back({{to_part(std::move(shape), material)}});
+    Node& node = model.nodes.emplace_back();
+    node.mesh = static_cast<int>(model.meshes.size()) - 1;
+}
+
+// A floor before a wall at its feet and a block 1000 km away, with sky beside them; all shine.
+Model near_far_and_nothing(float radiance) {
+    Model model = striped_floor({0.02f, 0.3f, 0.9f});
+    model.materials.push_back(shining({}));
+    for (Material& material : model.materials) material.emissive = {radiance, radiance, radiance};
+    add_part(model, box({-4, 0, -0.5}, {4, 0.4, -0.4999}), 3);
+    add_part(model, box({-9e5, 1e5, -1e6}, {0, 9e5, -9.9e5}), 3);
+    return model;
+}
+
+// Facets of a pixel's width that lean every way by up to 20 degrees: what a normal map makes of a floor.
+Model speckled_normals(float roughness) {
+    Shape facets;
+    constexpr int side = 60;
+    constexpr double width = 0.06;
+    uint32_t state = 1;
+    const auto tilt = [&] { return 0.36 * width * ((state = pcg(state)) * 0x1p-32 - 0.5); };
+    for (int z = 0; z < side; ++z)
+        for (int x = 0; x < side; ++x) {
+            const glm::dvec3 corner((x - side / 2) * width, 0, (z - side / 2) * width);
+            const double a = tilt(), b = tilt();
+            const auto first = static_cast<uint32_t>(facets.positions.size());
+            for (const auto& [u, v] : {std::pair{0, 0}, {0, 1}, {1, 1}, {1, 0}})
+                facets.positions.emplace_back(corner + glm::dvec3(u * width, u * a + v * b, v * width));
+            for (const uint32_t i : {0u, 1u, 2u, 0u, 2u, 3u}) facets.indices.push_back(first + i);
+        }
+    facets.uv.resize(facets.positions.size());
+    Model model = striped_floor({roughness});
+    model.materials[0].emissive = {1, 1, 1};
+    model.nodes.clear();
+    model.meshes.clear();
+    add_part(model, facets, 0);
+    return model;
+}
 
 class HardRadiance : public GpuTest, public ::testing::WithParamInterface<const char*> {
   protected:
@@ -89,6 +131,42 @@ TEST_P(WhiteFurnace, StaysWhite) {
     EXPECT_GT(ones, published ? 500u : 9 * 1000u);
 }
 
+// Facets of a pixel's width that look every way and shine as bright as the sky: a neighbour's ray is of
+// another lobe, or of no like plane at all.
+TEST_P(WhiteFurnace, StaysWhiteOverSpeckledNormals) {
+    if (GetParam() == std::string("fidelityfx_reflections")) GTEST_SKIP() << "counts the sky beside it as black";
+    for (const float roughness : {0.05f, 0.3f, 1.0f}) {
+        Shot shot = in_motion(night_shot(speckled_normals(roughness), {48, 27}, 3));
+        shot.environment = linear_sky(1, 1);
+        size_t ones = 0;
+        run(shot, 3, [&](uint32_t frame, const auto& image) {
+            for (size_t i = 0; i < image[0].size(); ++i) {
+                if (image[0][i] == 0) continue;  // sky
+                ++ones;
+                ASSERT_NEAR(image[0][i], 1, 1e-3) << "pixel " << i << ", frame " << frame;
+            }
+        });
+        EXPECT_GT(ones, 3 * 400u);
+    }
+}
+
+// What shines at a surface's feet, 1000 km away and the sky between them are one all alike: neither distances
+// nor that a ray misses beside one that hits may be seen.
+TEST_P(WhiteFurnace, StaysWhiteWhateverTheDistance) {
+    if (GetParam() == std::string("fidelityfx_reflections")) GTEST_SKIP() << "counts the sky beside it as black";
+    Shot shot = in_motion(night_shot(near_far_and_nothing(1), {48, 27}, 4));
+    shot.environment = linear_sky(1, 1);
+    size_t ones = 0;
+    run(shot, 4, [&](uint32_t frame, const auto& image) {
+        for (size_t i = 0; i < image[0].size(); ++i) {
+            if (image[0][i] == 0) continue;  // sky
+            ++ones;
+            ASSERT_NEAR(image[0][i], 1, 1e-3) << "pixel " << i << ", frame " << frame;
+        }
+    });
+    EXPECT_GT(ones, 4 * 400u);
+}
+
 TEST_P(HardRadiance, AMirrorBesideTheRoughestIsFinite) {
     expect_sane(in_motion(night_shot(striped_floor({0, 1, 0, 1, 0.02f, 0.98f}), {48, 27}, 4)), 4);
 }
@@ -104,10 +182,7 @@ TEST_P(HardRadiance, AGrazingViewIsFinite) {
 TEST_P(HardRadiance, HugeRadianceIsHeldAndNotSpread) {
     Model model = striped_floor({0.1f, 0.5f, 1});
     model.materials.push_back(shining({1e6f, 1e6f, 1e6f}));
-    model.meshes.push_back({{to_part(box({-0.2, 0.5, -1}, {0.2, 0.9, -0.6}), 3)}});
-    Node node;
-    node.mesh = static_cast<int>(model.meshes.size()) - 1;
-    model.nodes.push_back(node);
+    add_part(model, box({-0.2, 0.5, -1}, {0.2, 0.9, -0.6}), 3);
     Shot shot = in_motion(night_shot(model, {48, 27}, 6));
     shot.environment = linear_sky(0, 0);
     expect_sane(shot, 6);
@@ -125,16 +200,7 @@ TEST_P(HardRadiance, NoLightIsBlack) {
 
 // Rays of one surface hit at once and 1000 km away, and miss, side by side.
 TEST_P(HardRadiance, HitsAtOnceAndAThousandKilometresAway) {
-    Model model = striped_floor({0.02f, 0.3f, 0.9f});
-    model.materials.push_back(shining({2, 2, 2}));
-    for (const auto& [low, high] : {std::pair{glm::dvec3(-4, 0, -0.5), glm::dvec3(4, 0.4, -0.4999)},
-                                    std::pair{glm::dvec3(-9e5, 1e5, -1e6), glm::dvec3(0, 9e5, -9.9e5)}}) {
-        model.meshes.push_back({{to_part(box(low, high), 3)}});
-        Node node;
-        node.mesh = static_cast<int>(model.meshes.size()) - 1;
-        model.nodes.push_back(node);
-    }
-    expect_sane(in_motion(night_shot(model, {48, 27}, 4)), 4);
+    expect_sane(in_motion(night_shot(near_far_and_nothing(2), {48, 27}, 4)), 4);
 }
 
 // What a cut leaves behind is nothing: its frame is the first frame of a shot that begins there.
@@ -166,10 +232,7 @@ TEST_P(HardRadiance, ThinGeometryIsFinite) {
     Model model = striped_floor({0.2f});
     for (int i = 0; i < 20; ++i) {
         const double x = -2 + 0.2 * i;
-        model.meshes.push_back({{to_part(box({x, 0, 0}, {x + 0.01, 1, 0.01}), 0)}});
-        Node node;
-        node.mesh = static_cast<int>(model.meshes.size()) - 1;
-        model.nodes.push_back(node);
+        add_part(model, box({x, 0, 0}, {x + 0.01, 1, 0.01}), 0);
     }
     expect_sane(in_motion(night_shot(model, {48, 27}, 4)), 4);
 }
