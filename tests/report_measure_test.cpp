@@ -111,8 +111,8 @@ TEST_F(ReportMeasure, ALampIsMeasuredAsTheSunIs) {
     results_.contenders = std::move(contenders->list);
     results_.study.light = "panel";
     results_.study.after_cut = {};
-    auto shot = open_report_shot(PENUMBRA_SOURCE_DIR "/scenes/lights/interior.shot.json", folder_ / "shots", 0,
-                                 diagnostics);
+    auto shot = open_report_shot(PENUMBRA_SOURCE_DIR "/scenes/lights/interior.shot.json", folder_ / "shots",
+                                 0, diagnostics);
     ASSERT_TRUE(shot && keep_light_alone("panel", *shot, diagnostics)) << diagnostics.text();
     ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
     for (const Row& row : results_.rows) {
