@@ -116,6 +116,7 @@ struct ReportArguments {
     bool front = false;                           // speed against error alone
     bool again = false;                           // measure what an earlier run has left behind, too
     std::string size;                             // "WxH"; empty: the study's
+    std::string light;                            // a lamp of the shots; empty: the sun
     std::optional<uint32_t> seeds, rounds, rays;  // else the study's
     std::vector<std::string> node_folders;
     std::string device;

@@ -185,6 +185,8 @@ void add_report(CLI::App& app, ReportArguments& a) {
          "speed against error alone: frame 15 of each shot as it moves, 640x360 unless --size says else")
         ->excludes(quick);
     c->add_option("--size", a.size, "WxH of the shots");
+    c->add_option("--light", a.light,
+                  "a light of the shots that is near, whose masks are measured instead of the sun's");
     c->add_option("--seeds", a.seeds, "repetitions of every run")->check(CLI::Range(1u, 64u));
     c->add_option("--rounds", a.rounds, "times that every pass is timed; the least counts")
         ->check(CLI::Range(1u, 64u));

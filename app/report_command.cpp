@@ -49,6 +49,8 @@ std::optional<Study> study_of(const ReportArguments& arguments) {
     if (arguments.seeds) study.seeds = *arguments.seeds;
     if (arguments.rounds) study.rounds = *arguments.rounds;
     if (arguments.rays) study.rays = *arguments.rays;
+    study.light = arguments.light;
+    if (!study.light.empty()) study.edge_widths_px.clear();  // whose edges are the sun's
     return study;
 }
 
@@ -81,7 +83,8 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     std::vector<std::string> pipelines = arguments.pipelines;
     if (pipelines.empty() && arguments.quick)
         pipelines.assign(std::begin(quick_pipelines), std::end(quick_pipelines));
-    auto contenders = open_contenders(pipelines, root, nodes, diagnostics, arguments.front);
+    auto contenders =
+        open_contenders(pipelines, root, nodes, diagnostics, arguments.front, !study->light.empty());
     std::vector<LeftOut> cut_shots;
     const std::vector<fs::path> files = shot_files(arguments, root, cut_shots, diagnostics);
     if (!contenders || !diagnostics.empty()) return std::nullopt;
@@ -92,7 +95,8 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     const uint32_t still_frames = study->after_cut.empty() ? 0 : study->after_cut.back();
     for (const fs::path& file : files)
         if (auto shot = open_report_shot(file, job.folder / "shots", still_frames, diagnostics))
-            job.shots.push_back(std::move(*shot));
+            if (study->light.empty() || keep_light_alone(study->light, *shot, diagnostics))
+                job.shots.push_back(std::move(*shot));
     for (const double width : study->edge_widths_px)
         for (const double speed : study->edge_speeds_px)
             job.edges.push_back(

@@ -423,7 +423,7 @@ class DeclarationMaker {
 
 nlohmann::ordered_json pipeline_schema(const NodeSet& nodes) {
     Schema definitions = common_definitions(*nodes.domain(), true);
-    definitions["value"] = text("^[a-z][a-z0-9_]{0,63}(@-1)?$");
+    definitions["value"] = text("^[a-z][a-z0-9_]{0,63}(@(-1|before|last))?$");
     definitions["previous"] = text("^[a-z][a-z0-9_]{0,63}@-1$");
     PipelineMaker(nodes, File::pipeline).define(definitions);
     PipelineMaker(nodes, File::patch).define(definitions);

@@ -29,6 +29,7 @@ class Writer {
             members_[instance.family].push_back(&instance);
         check_families();
         find_own_names();
+        check_members();
         for (const HostInput& input : pipeline_.inputs)
             each(input.instances, [&](const PipelineInstance* instance) {
                 add(out.inputs, input, input.name, instance, &HostInput::name, "inputs.");
@@ -131,6 +132,24 @@ class Writer {
         }
     }
 
+    // Who asks for another member's thing asks for one that each has; the member before is one of the node's
+    // own family.
+    void check_members() {
+        for (const PipelineNode& node : pipeline_.nodes)
+            for (const Wire& wire : node.in) {
+                if (wire.member == Wire::Member::own || wire.resource.empty()) continue;
+                const std::string path = fmt::format("nodes.{}.in.{}", node.id, wire.port);
+                const std::string family = family_of(wire.resource);
+                if (family.empty())
+                    error(wire.place, path,
+                          fmt::format("no family has a \"{}\" for each of its members", wire.resource));
+                else if (wire.member == Wire::Member::before && node.instances != family)
+                    error(wire.place, path,
+                          fmt::format("\"{}\" is of \"{}\", of which the node is none; there is \"{}@last\"",
+                                      wire.resource, family, wire.resource));
+            }
+    }
+
     std::string family_of(const std::string& name) const {
         const auto found = result_.own_names.find(name);
         return found == result_.own_names.end() ? "" : found->second;
@@ -161,10 +180,22 @@ class Writer {
         PipelineNode& added =
             add(result_.pipeline.nodes, node, node.id, instance, &PipelineNode::id, "nodes.");
         result_.of.push_back(instance);
-        if (!instance) return;
         const size_t index = result_.of.size() - 1;
         for (std::vector<Wire>* wires : {&added.in, &added.out})
-            for (Wire& wire : *wires) wire.resource = result_.name(index, wire.resource);
+            for (Wire& wire : *wires)
+                wire.resource = wire.member == Wire::Member::own ? result_.name(index, wire.resource)
+                                                                 : others(wire, instance);
+    }
+
+    // What another member has of a name; nothing before the first.
+    std::string others(const Wire& wire, const PipelineInstance* instance) const {
+        const auto found = members_.find(family_of(wire.resource));
+        if (found == members_.end()) return {};  // which has been said
+        const std::vector<const PipelineInstance*>& members = found->second;
+        const auto own = std::ranges::find(members, instance);
+        if (wire.member == Wire::Member::last || own == members.end())
+            return name_of(wire.resource, *members.back());
+        return own == members.begin() ? "" : name_of(wire.resource, **(own - 1));
     }
 
     const Pipeline& pipeline_;

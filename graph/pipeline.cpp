@@ -229,16 +229,19 @@ class PipelineReader {
         wire.resource = json.string.substr(0, at);
         if (!expect_id(wire.resource, json.place, path, diagnostics_)) return false;
         if (at == std::string::npos) return true;
-        wire.previous = true;
-        const std::string frame = json.string.substr(at + 1);
+        const std::string which = json.string.substr(at + 1);
+        wire.previous = which == "-1";
+        if (which == "before") wire.member = Wire::Member::before;
+        if (which == "last") wire.member = Wire::Member::last;
+        const bool known = wire.previous || wire.member != Wire::Member::own;
         if (!in)
             error(json.place, path,
                   fmt::format("an output is this frame's value; write \"{}\"", wire.resource));
-        else if (frame != "-1")
+        else if (!known)
             error(json.place, path,
-                  fmt::format("\"@{}\": only the previous frame's value is kept; write \"{}@-1\"", frame,
+                  fmt::format("\"@{}\": only the previous frame's value is kept; write \"{}@-1\"", which,
                               wire.resource));
-        return in && frame == "-1";
+        return in && known;
     }
 
     void read_resource(const JsonMember& member) {

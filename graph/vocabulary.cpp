@@ -194,7 +194,7 @@ constexpr auto input_keys = std::to_array<Key>({
 
 constexpr auto node_keys = std::to_array<Key>({
     {"type", Holds::node_type, "a declaration's", {.required = true}},
-    {"in", Holds::wires, "port: the resource that it reads, or its value @-1; null: unbound"},
+    {"in", Holds::wires, "port: the resource that it reads, or its value @-1; @before, @last: another member's; null: unbound"},
     {"out", Holds::wires, "port: the name of what it writes; null: unbound"},
     {"params", Holds::values, "parameter: value"},
     {"if", Holds::condition, "the node runs only where this holds"},

@@ -119,6 +119,35 @@ TEST_F(Instances, ConditionsAskForTheirOwnNodesParameters) {
               "nodes.guides.if: no node \"filter0\"; did you mean \"filter0_a\"?");
 }
 
+// A sum over a family: each member's node adds to what the one before it has, and the last one's is of all.
+TEST_F(Instances, AMemberReadsTheOneBeforeAndAnyoneTheLast) {
+    const std::string all =
+        R"(nodes.all={"type": "filter", "in": {"signal": "SIGNAL"}, "out": {"filtered": "whole"}})";
+    const auto with_signal = [&](const std::string& signal) {
+        return std::string(all).replace(all.find("SIGNAL"), 6, signal);
+    };
+    const auto checked =
+        run(pipeline(), {R"(instances.c={"of": "lights"})", R"(nodes.filter0.in.meta="meta@before")",
+                         R"(nodes.filter1.in.meta="meta@last")", with_signal("visibility@last")});
+    ASSERT_TRUE(checked) << diagnostics_.text();
+    EXPECT_EQ(bound_to(*checked, "filter0_a", "meta"), "");
+    EXPECT_EQ(bound_to(*checked, "filter0_b", "meta"), "meta_a");
+    EXPECT_EQ(bound_to(*checked, "filter0_c", "meta"), "meta_b");
+    for (const char* id : {"filter1_a", "filter1_b", "filter1_c"})
+        EXPECT_EQ(bound_to(*checked, id, "meta"), "meta_c");
+    EXPECT_EQ(bound_to(*checked, "all", "signal"), "visibility_c");
+    EXPECT_EQ(error(pipeline(), {R"(nodes.filter1.in.signal="half@before")"}),
+              "nodes.filter1_a.in.signal: only an optional port may be unbound (null)");
+    EXPECT_EQ(error(pipeline(), {R"(nodes.filter1.in.meta="view_depth@last")"}),
+              "nodes.filter1.in.meta: no family has a \"view_depth\" for each of its members");
+    EXPECT_EQ(
+        error(pipeline(), {with_signal("half@before")}),
+        "nodes.all.in.signal: \"half\" is of \"lights\", of which the node is none; there is \"half@last\"");
+    EXPECT_EQ(
+        error(pipeline(), {R"(nodes.filter1.in.signal="half@next")"}),
+        "nodes.filter1.in.signal: \"@next\": only the previous frame's value is kept; write \"half@-1\"");
+}
+
 TEST_F(Instances, MistakesAreSaid) {
     EXPECT_EQ(error(pipeline("", R"("a": {"of": "lihgts"})")).substr(0, 75),
               "p.json:2:78: inputs.sun.instances: no instance is of \"lights\"; did you mean");

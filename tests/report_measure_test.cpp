@@ -99,6 +99,35 @@ TEST_F(ReportMeasure, PlainRaysAreContendersOnce) {
     }
 }
 
+// Of a lamp: pipelines for lamps alone compete, and are judged by the lamp's truth, of which one ray is one.
+TEST_F(ReportMeasure, ALampIsMeasuredAsTheSunIs) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    auto contenders = open_contenders({pipeline("light"), pipeline("light_raw")}, PENUMBRA_SOURCE_DIR, nodes_,
+                                      diagnostics, true, true);
+    ASSERT_TRUE(contenders) << diagnostics.text();
+    EXPECT_EQ(contenders->list.size(), 1 + std::size(brute_force_rays));
+    std::erase_if(contenders->list, [](const Contender& c) { return c.plain && c.plain->per_pixel > 1; });
+    results_.contenders = std::move(contenders->list);
+    results_.study.light = "panel";
+    results_.study.after_cut = {};
+    auto shot = open_report_shot(PENUMBRA_SOURCE_DIR "/scenes/lights/interior.shot.json", folder_ / "shots",
+                                 0, diagnostics);
+    ASSERT_TRUE(shot && keep_light_alone("panel", *shot, diagnostics)) << diagnostics.text();
+    ASSERT_TRUE(measure_shot(bench(), *shot, results_, diagnostics, warnings)) << diagnostics.text();
+    for (const Row& row : results_.rows) {
+        const bool raw = results_.contenders[row.contender].id == "light_raw";
+        ASSERT_TRUE(row.moving.n_eff);
+        EXPECT_FALSE(row.flip) << "the lit picture is the sun's";
+        if (raw)
+            EXPECT_NEAR(*row.moving.n_eff, 1, 0.15);
+        else
+            EXPECT_GT(*row.moving.n_eff, 50);
+    }
+    EXPECT_FALSE(keep_light_alone("panle", *shot, diagnostics));
+    EXPECT_FALSE(open_contenders({pipeline("raw")}, PENUMBRA_SOURCE_DIR, nodes_, diagnostics, true, true));
+}
+
 TEST_F(ReportMeasure, BruteForceGainsWithEveryRayAndIsChargedForIt) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;

@@ -16,12 +16,14 @@ namespace {
 namespace fs = std::filesystem;
 
 // Why a pipeline cannot be judged on a shot; nothing where it can.
-std::optional<std::string> obstacle(const CheckedPipeline& pipeline) {
+std::optional<std::string> obstacle(const CheckedPipeline& pipeline, bool of_lamp) {
     for (const HostInput& input : pipeline.inputs)
         if (!input.optional && !standalone_has_input(input.name))
             return fmt::format("takes \"{}\", which only an engine can bring", input.name);
-    if (std::ranges::find(pipeline.inputs, "light", &HostInput::name) != pipeline.inputs.end())
-        return "takes a light that is near, and a report's shots have a sun";
+    const bool takes_lamp =
+        std::ranges::find(pipeline.inputs, "light", &HostInput::name) != pipeline.inputs.end();
+    if (takes_lamp && !of_lamp) return "takes a light that is near, and the report is of the sun";
+    if (of_lamp && !takes_lamp) return "takes no light that is near, and the report is of one";
     const std::vector<std::string> outputs = pipeline.output_names();
     if (std::ranges::find(outputs, "visibility") == outputs.end()) return "puts out no \"visibility\"";
     return std::nullopt;
@@ -39,7 +41,7 @@ bool reads_maps(const CheckedPipeline& pipeline) {
 }
 
 // A pipeline with other numbers of rays, but those that a contender of its kind has already.
-void add_plain_rays(Contenders& contenders, std::span<const uint32_t> numbers, bool proofs,
+void add_plain_rays(Contenders& contenders, std::span<const uint32_t> numbers, bool proofs, bool from_text,
                     const std::string& file, const NodeSet& nodes, Diagnostics& diagnostics) {
     for (const uint32_t rays : numbers) {
         const auto is_same = [&](const Contender& c) {
@@ -47,8 +49,8 @@ void add_plain_rays(Contenders& contenders, std::span<const uint32_t> numbers, b
         };
         if (std::ranges::any_of(contenders.list, is_same)) continue;
         const std::vector<std::string> settings{fmt::format("nodes.trace.params.rays_per_pixel={}", rays)};
-        auto pipeline = checked(proofs ? load_pipeline(file, settings, diagnostics)
-                                       : parse_pipeline(raw_pipeline_text, file, settings, diagnostics),
+        auto pipeline = checked(from_text ? parse_pipeline(raw_pipeline_text, file, settings, diagnostics)
+                                          : load_pipeline(file, settings, diagnostics),
                                 nodes, diagnostics);
         if (!pipeline) return;
         const std::string doc =
@@ -79,16 +81,17 @@ std::optional<uint32_t> rays_per_pixel(const CheckedPipeline& pipeline) {
 std::optional<PlainRays> plain_rays(const fs::path& file, const fs::path& root,
                                     const CheckedPipeline& pipeline) {
     std::error_code none;
-    for (const bool proofs : {false, true})
-        if (fs::equivalent(file, root / "pipelines" / (proofs ? "many_rays.json" : "raw.json"), none))
-            if (const auto rays = rays_per_pixel(pipeline)) return PlainRays{*rays, proofs};
+    for (const char* plain : {"raw.json", "light_raw.json", "many_rays.json"})
+        if (fs::equivalent(file, root / "pipelines" / plain, none))
+            if (const auto rays = rays_per_pixel(pipeline)) return PlainRays{*rays, plain[0] == 'm'};
     return std::nullopt;
 }
 
 }  // namespace
 
 std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted, const fs::path& root,
-                                          const NodeSet& nodes, Diagnostics& diagnostics, bool without_maps) {
+                                          const NodeSet& nodes, Diagnostics& diagnostics, bool without_maps,
+                                          bool of_lamp) {
     Contenders contenders;
     std::vector<fs::path> files;
     for (const std::string& name : wanted)
@@ -100,7 +103,7 @@ std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted
     for (const fs::path& file : files) {
         auto pipeline = checked(load_pipeline(file, {}, diagnostics), nodes, diagnostics);
         if (!pipeline) continue;
-        auto why = obstacle(*pipeline);
+        auto why = obstacle(*pipeline, of_lamp);
         if (!why && wanted.empty() && without_maps && reads_maps(*pipeline))
             why = "reads shadow maps, whose drawing is in no pass";
         if (why && wanted.empty()) {
@@ -119,13 +122,18 @@ std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted
                                    {},
                                    *pipeline});
     }
-    if (diagnostics.empty())
-        add_plain_rays(contenders, brute_force_rays, false, "pipelines/raw.json", nodes, diagnostics);
-    const std::string proved = (root == "." ? "pipelines/many_rays.json" : root / "pipelines/many_rays.json");
-    if (root.empty())
-        contenders.left_out.push_back({"pipelines/many_rays.json", "is not near the program"});
-    else if (diagnostics.empty())
-        add_plain_rays(contenders, proved_rays, true, proved, nodes, diagnostics);
+    const auto beside = [&](const char* name) {
+        const fs::path path = fs::path("pipelines") / name;
+        return (root == "." ? path : root / path).generic_string();
+    };
+    if (root.empty()) contenders.left_out.push_back({"pipelines/many_rays.json", "is not near the program"});
+    if (of_lamp && !root.empty() && diagnostics.empty())  // to which there are no beams
+        add_plain_rays(contenders, brute_force_rays, false, false, beside("light_raw.json"), nodes,
+                       diagnostics);
+    if (!of_lamp && diagnostics.empty())
+        add_plain_rays(contenders, brute_force_rays, false, true, "pipelines/raw.json", nodes, diagnostics);
+    if (!of_lamp && !root.empty() && diagnostics.empty())
+        add_plain_rays(contenders, proved_rays, true, false, beside("many_rays.json"), nodes, diagnostics);
     if (!diagnostics.empty()) return std::nullopt;
     return contenders;
 }

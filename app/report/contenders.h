@@ -50,6 +50,7 @@ struct Contenders {
 // maps: drawing these is no part of a mask's cost). A named one that cannot compete is an error.
 std::optional<Contenders> open_contenders(const std::vector<std::string>& wanted,
                                           const std::filesystem::path& root, const NodeSet& nodes,
-                                          Diagnostics& diagnostics, bool without_maps = false);
+                                          Diagnostics& diagnostics, bool without_maps = false,
+                                          bool of_lamp = false);
 
 }  // namespace penumbra::report

@@ -81,7 +81,7 @@ void judge_stillness(const Study& study, const TruthSource::Frame& truth, const 
     }
 }
 
-// What the masks make of the lit picture, under the first seed.
+// What the masks make of the picture that the sun lights, under the first seed.
 void judge_picture(const Study& study, TruthSource& source, const TruthSource::Frame& truth, uint32_t frame,
                    const Turns& turns, const std::vector<size_t>& originals, std::span<Row> rows) {
     const LitSurfaces lit = source.surfaces(frame);
@@ -155,7 +155,7 @@ void judge_motion(const Bench& bench, const Study& study, TruthSource& source, c
             rows[originals.front()].over_time.back().metrics;  // all have the same truth
         facts.receivers = last.receivers;
         facts.penumbra = last.penumbra;
-        judge_picture(study, source, truth, frame, turns, originals, rows);
+        if (!source.of_lamp()) judge_picture(study, source, truth, frame, turns, originals, rows);
         write_images(bench, facts, truth, turns, frame, contenders, rows);
     }
     for (size_t r = 0; r < rows.size(); ++r) {

@@ -103,6 +103,7 @@ OrderedJson row_json(const Results& results, const Row& row) {
 
 OrderedJson study_json(const Study& s) {
     return {{"size", s.size},
+            {"light", s.light.empty() ? OrderedJson() : OrderedJson(s.light)},
             {"seeds", s.seeds},
             {"rounds", s.rounds},
             {"rays", s.rays},

@@ -7,6 +7,7 @@
 
 #include "app/view_source.h"
 #include "host/images/image_file.h"
+#include "host/shots/light_choice.h"
 
 namespace penumbra::report {
 namespace {
@@ -66,6 +67,17 @@ std::optional<ReportShot> open_report_shot(const fs::path& file, const fs::path&
     auto still = read_shot(still_file, diagnostics);
     if (!still) return std::nullopt;
     return ReportShot{name, std::move(*moving), std::move(still)};
+}
+
+bool keep_light_alone(const std::string& light, ReportShot& shot, Diagnostics& diagnostics) {
+    const auto alone = [&](Shot& of) {
+        const auto chosen = choose_light(of, light, diagnostics);
+        if (!chosen) return false;
+        std::erase_if(of.lights, [&](const auto& other) { return other.first != chosen->name; });
+        of.has_sun = false;
+        return true;
+    };
+    return alone(shot.moving) && (!shot.still || alone(*shot.still));
 }
 
 EdgeShot make_edge_shot(double width_px, double speed_px, uint32_t frame, const fs::path& folder,

@@ -30,6 +30,9 @@ std::optional<ReportShot> open_report_shot(const std::filesystem::path& file,
                                            const std::filesystem::path& folder, uint32_t frames,
                                            Diagnostics& diagnostics);
 
+// Leaves nothing but the light of this name; false, with diagnostics, where there is none.
+bool keep_light_alone(const std::string& light, ReportShot& shot, Diagnostics& diagnostics);
+
 // Writes FOLDER/edge_16px_+0.25.shot.json: a half-plane whose penumbra's middle is the image's at `frame`.
 EdgeShot make_edge_shot(double width_px, double speed_px, uint32_t frame, const std::filesystem::path& folder,
                         Diagnostics& diagnostics);

@@ -4,12 +4,14 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace penumbra::report {
 
 struct Study {
     std::array<uint32_t, 2> size{384, 216};
+    std::string light;     // the lamp that the masks are of, by its name in the shots; empty: the sun
     uint32_t seeds = 3;    // every run is repeated with seeds 1 to n
     uint32_t rounds = 3;   // every pass is timed so often in every frame that counts: the least time counts
     uint32_t rays = 1024;  // per pixel of a penumbra, of the reference

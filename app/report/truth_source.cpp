@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/report/truth_source.h"
 
+#include "app/light_truth.h"
 #include "app/outputs.h"
 
 namespace penumbra::report {
@@ -21,7 +22,13 @@ TruthSource::TruthSource(Device& device, Shot shot, std::array<uint32_t, 2> size
     : device_(device), shot_(std::move(shot)), rays_(rays) {
     shot_.size = size;
     border_ = exact() ? analytic_border_px : 0;
-    session_ = open_truth(device, shot_, diagnostics, warnings);
+    session_ =
+        of_lamp() ? open_light_truth(device, shot_, shot_.lights.begin()->first, diagnostics, warnings, false)
+                  : open_truth(device, shot_, diagnostics, warnings);
+}
+
+bool TruthSource::of_lamp() const {
+    return !shot_.has_sun && shot_.lights.size() == 1;
 }
 
 bool TruthSource::exact() const {
@@ -29,7 +36,11 @@ bool TruthSource::exact() const {
 }
 
 TruthSource::Frame TruthSource::at(uint32_t frame) {
-    Frame out{exact() ? analytic_truth(shot_, frame) : counted_truth(*session_, frame, rays_), {}, exact()};
+    Frame out{exact()     ? analytic_truth(shot_, frame)
+              : of_lamp() ? counted_light_truth(*session_, frame, rays_)
+                          : counted_truth(*session_, frame, rays_),
+              {},
+              exact()};
     const auto [width, height] = shot_.size;
     for (uint32_t y = 0; y < height; ++y)
         for (uint32_t x = 0; x < width; ++x)

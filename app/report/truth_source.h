@@ -20,6 +20,7 @@ class TruthSource {
                 uint32_t analytic_border_px, Diagnostics& diagnostics, std::vector<std::string>& warnings);
 
     bool exact() const;                        // a closed form
+    bool of_lamp() const;                      // of a shot that has nothing but one light that is near
     bool ready() const { return !!session_; }  // false after an error
 
     struct Frame {

@@ -33,11 +33,15 @@ struct HostInput {
     Place instances_place;
 };
 
-// `port: "name"`, `port: "name@-1"` or `port: null` (explicitly unbound).
+// `port: "name"`, `port: "name@-1"` or `port: null` (explicitly unbound). `port: "name@before"` is what the member
+// before this node's own has of that name, nothing for a family's first; `port: "name@last"` what the last one has.
 struct Wire {
+    enum class Member : uint8_t { own, before, last };
+
     std::string port;
     std::string resource;  // empty: null
     bool previous = false;
+    Member member = Member::own;
     Place port_place, place;
 };
 

@@ -8,6 +8,8 @@
 #include "common/tiles.glsl"
 #include "common/branch.glsl"
 #include "budget/ray_worth.glsl"
+#include "budget/light_share.glsl"
+#include "budget/tile_place.glsl"
 
 // Of the gain that is just reached, the share of tiles that get their rays; the same ones as long as nothing moves.
 struct Threshold {
@@ -16,11 +18,12 @@ struct Threshold {
 };
 
 Threshold threshold() {
-    float left = float(ray_budget[0] - min(ray_budget[0], ray_budget[1]));
+    const uint first_rays = HAS_POOLED ? pooled[POOLED_FIRST_RAYS] : ray_budget[1];
+    float left = float(ray_budget[0] - min(ray_budget[0], first_rays));
     uint bin = GAIN_BINS;
     float share = 0.0;
     while (bin > 0u && share == 0.0) {
-        const float wanted = float(gains[bin - 1u]);
+        const float wanted = float(HAS_POOLED ? pooled[POOLED_GAINS + bin - 1u] : gains[bin - 1u]);
         --bin;
         if (wanted > left) share = max(left / wanted, 1e-9);
         left -= wanted;
@@ -28,21 +31,18 @@ Threshold threshold() {
     return Threshold(bin, share == 0.0 ? 1.0 : share);
 }
 
-float place_of(ivec2 tile) {
-    return float((uint(tile.x) * 3242174889u + uint(tile.y) * 2447445413u) >> 8) / 16777216.0;
-}
-
 void main() {
     const Threshold t = threshold();
     const ivec2 tile = ivec2(gl_GlobalInvocationID.xy);
     const bool in_grid = all(lessThan(tile, tile_grid()));
     const uvec4 pixels = in_grid ? classes[tile_index(tile)] : uvec4(0u);
+    const uint steps_less = HAS_SHARE_STEPS && in_grid ? share_steps[tile_index(tile)] : 0u;
     const bool chosen = place_of(tile) < t.share;
     for (uint c = 0u; c < CLASSES; ++c) {
         uint level = 0u;
         if (pixels[c] != 0u)
             for (uint i = 0u; i + 1u < LEVELS; ++i) {
-                const uint bin = gain_bin(EXPECTED[c], i);
+                const uint bin = gain_bin(EXPECTED[c], i, steps_less);
                 if (bin > t.bin || bin == t.bin && chosen) level = i + 1u;
             }
         append_tile(level != 0u, with_rays(pack_tile(tile, pixels[c], 0.0, WHOLE_RAY_M), RAYS_AT[level]));

@@ -10,6 +10,10 @@
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #include "common/branch.glsl"
+#include "budget/ray_worth.glsl"
+#include "budget/light_share.glsl"
+#include "budget/first_rays.glsl"
+#include "budget/tile_place.glsl"
 
 const float FOR_THE_UNSURE = 0.8;  // of a budget that does not reach for all
 const float LEAST_SHARE = 0.03125;   // a pixel of a tile
@@ -26,32 +30,54 @@ uint turn(uint count) {
     return pixels;
 }
 
-uint in_32nds(float share) { return rounded(floor(clamp(32.0 * share, 0.0, 32.0))); }
+// Of one light a share is rounded down. Of several the least ones would then be none for good, so that a tile is rounded up as often as it
+// takes; and what is asked is counted, since rounding leaves no room then: pixels of a kind are often those that were not asked before,
+// whose turn it is, or those that were.
+uint asked_of(uint pixels, float share, ivec2 tile) {
+    const float in_32nds = clamp(32.0 * share, 0.0, 32.0);
+    if (!HAS_POOLED) return pixels & turn(rounded(floor(in_32nds)));
+    const float up = fract(place_of(tile) + 0.618034 * float(frame.frame_index & 0xffffu));
+    const uint wanted = rounded(floor(float(bitCount(pixels)) * min(share, 1.0) + up)), first = max(rounded(in_32nds), 1u) * frame.frame_index;
+    uint asked = 0u;
+    for (uint i = 0u, count = 0u; i < 32u && count < wanted; ++i) {
+        const uint bit = pixels & 1u << bit_in_turn(i + first & 31u);
+        if (bit != 0u) ++count;
+        asked |= bit;
+    }
+    return asked;
+}
 
 void main() {
-    const float unsure = float(pixel_counts[0]), others = float(pixel_counts[1]), idle = float(pixel_counts[2]);
-    const float budget = params.rays_per_frame * (unsure + others + idle);
-    const bool enough = budget >= unsure + others + params.trickle * idle;
-    const float of_unsure = enough ? 1.0 : min(FOR_THE_UNSURE * budget / max(unsure, 1.0), 1.0);
-    const float left = budget - of_unsure * unsure;
-    float of_others = enough ? 1.0 : min(left / max(others + params.trickle * idle, 1.0), 1.0);
-    float of_idle = params.trickle * of_others;
+    float unsure[SHARE_CLASSES], rest[SHARE_CLASSES], first = 0.0, others = 0.0, pixels_of_all = 0.0;
+    for (uint c = 0u; c < SHARES; ++c) {
+        unsure[c] = pixels_that_are(UNSURE, c);
+        rest[c] = pixels_that_are(OTHERS, c) + params.trickle * pixels_that_are(IDLE, c);
+        first += unsure[c] + rest[c];
+        others += pixels_that_are(OTHERS, c);
+        pixels_of_all += unsure[c] + pixels_that_are(OTHERS, c) + pixels_that_are(IDLE, c);
+    }
+    const float budget = params.rays_per_frame * pixels_of_all;
+    const bool enough = budget >= first;
+    const float of_unsure = enough ? WHOLE : factor_for(FOR_THE_UNSURE * budget, unsure);
+    const float left = budget - cast_by(of_unsure, unsure);
+    float of_others = enough ? WHOLE : factor_for(left, rest);
     // Less than a pixel of a tile would be none: then one comes first, if there are as many rays as tiles.
     const float tiles = float(candidate_args[3]);
-    if (params.trickle > 0.0 && of_idle < LEAST_SHARE && left >= tiles) {
-        of_idle = LEAST_SHARE;
-        of_others = min((left - tiles) / max(others, 1.0), 1.0);
-    }
+    const bool one_first = !HAS_POOLED && params.trickle > 0.0 && params.trickle * min(of_others, 1.0) < LEAST_SHARE && left >= tiles;
+    if (one_first) of_others = (left - tiles) / max(others, 1.0);
 
     uvec4 record = uvec4(0u);
     const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
     if (index < candidate_args[3]) record = candidates[index];
     uint pixels = 0u;
     BRANCH_IF (record.y != 0u) {
-        const uvec4 tile_known = known[tile_index(tile_of(record))];
-        pixels = record.y & (tile_known.x & turn(in_32nds(of_unsure)) | tile_known.y & turn(in_32nds(of_idle)) |
-                             ~(tile_known.x | tile_known.y) & turn(in_32nds(of_others)));
-        ray_words[tile_index(tile_of(record))] = pixels;
+        const ivec2 tile = tile_of(record);
+        const uvec4 tile_known = known[tile_index(tile)];
+        const float weight = HAS_SHARE_STEPS ? weight_of(share_class(share_steps[tile_index(tile)])) : 1.0;
+        const float others_here = min(of_others * weight, 1.0), idle_here = one_first ? LEAST_SHARE : params.trickle * others_here;
+        pixels = asked_of(record.y & tile_known.x, of_unsure * weight, tile) | asked_of(record.y & tile_known.y, idle_here, tile) |
+                 asked_of(record.y & ~(tile_known.x | tile_known.y), others_here, tile);
+        ray_words[tile_index(tile)] = pixels;
     }
     const uint rays = subgroupAdd(uint(bitCount(pixels)));
     if (subgroupElect() && rays != 0u) atomicAdd(ray_budget[1], rays);

@@ -19,9 +19,10 @@ const float GAIN_STEPS = 12.0, LEAST_GAIN = -24.0;  // per octave; log2
 
 float error_after(float expected, uint rays) { return expected * pow(float(rays), -1.6); }
 
-// Per ray, of going from one level to the next.
-uint gain_bin(float expected, uint level) {
+// Per ray, of going from one level to the next; `steps_less`: of a light that is one of several (light_share.glsl).
+uint gain_bin(float expected, uint level, uint steps_less) {
     const uint rays = RAYS_AT[level], more = RAYS_AT[level + 1u];
     const float gain = (error_after(expected, rays) - error_after(expected, more)) / float(more - rays);
-    return rounded(clamp((log2(max(gain, 1e-12)) - LEAST_GAIN) * GAIN_STEPS, 0.0, float(GAIN_BINS - 1u)));
+    const uint bin = rounded(clamp((log2(max(gain, 1e-12)) - LEAST_GAIN) * GAIN_STEPS, 0.0, float(GAIN_BINS - 1u)));
+    return bin - min(bin, steps_less);
 }

@@ -101,12 +101,13 @@ void main() {
     }
     barrier();
     uvec4 masks;
+    const uint steps_less = HAS_SHARE_STEPS && in_grid ? share_steps[tile_index(tile)] : 0u;
     [[unroll]] for (uint c = 0u; c < CLASSES; ++c) {
         masks[c] = class_masks[CLASSES * lane + c];
         const uint pixels = uint(bitCount(masks[c]));
         BRANCH_IF (pixels != 0u)
             for (uint level = 0u; level + 1u < LEVELS; ++level)
-                atomicAdd(gains[gain_bin(EXPECTED[c], level)], pixels * (RAYS_AT[level + 1u] - RAYS_AT[level]));
+                atomicAdd(gains[gain_bin(EXPECTED[c], level, steps_less)], pixels * (RAYS_AT[level + 1u] - RAYS_AT[level]));
     }
     if (in_grid) classes[tile_index(tile)] = masks;
 }

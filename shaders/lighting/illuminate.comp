@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+// What a light that is near shines through its mask, added to what the lights before it do.
+#include "node.glsl"
+#include "common/camera.glsl"
+#include "common/finite.glsl"
+#include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
+#include "common/sun_sample.glsl"
+const bool HAS_LIGHT = true;
+#include "common/light.glsl"
+#include "common/illuminance.glsl"
+
+void for_pixel(ivec2 p) {
+    const float z = imageLoad(view_depth, p).x, seen = z > 0.0 ? texelFetch(visibility, p, 0).x : 0.0;
+    vec3 lux = HAS_BEFORE ? texelFetch(before, p, 0).xyz : vec3(0.0);
+    if (seen > 0.0) lux += seen * unshadowed_lux(decode_receiver_normal(imageLoad(receiver_normal, p).xy), light.centre - position(p, z));
+    imageStore(illuminance, p, vec4(storable(lux), 0.0));
+}
+
+void main() { for_each_pixel(); }

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: MIT
+// One budget of rays over several lights: all of them together keep it, it goes where a shadow matters, and
+// what the lights shine is nearer to the truth than with a budget of each.
+#include <bit>
+#include <cmath>
+
+#include "app/pipeline_file.h"
+#include "penumbra/shadow_nodes.h"
+#include "tests/gpu_test.h"
+#include "tests/shot_run.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+const std::vector<std::string> apart = {"nodes.pilots.in.pooled=null", "nodes.allot.in.pooled=null",
+                                        "nodes.survey.in.tile_lux=null", "nodes.survey.in.lux_of_all=null"};
+
+class LightsRun {
+  public:
+    LightsRun(const Shot& shot, const std::string& pipeline, const std::vector<std::string>& settings,
+              const std::vector<std::string>& captures, const Facts& facts = {}) {
+        Diagnostics diagnostics;
+        auto loaded =
+            load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (pipeline + ".json"),
+                          settings, diagnostics);
+        if (loaded) name_lights(*loaded, shot, "", diagnostics);
+        static const NodeSet nodes = shadow_nodes();
+        const auto checked = loaded ? check(*loaded, nodes, diagnostics) : std::nullopt;
+        if (!checked) throw std::runtime_error(diagnostics.text());
+        SessionOptions options;
+        options.size = {128, 72};
+        options.captures = captures;
+        options.optimum = options.jitter = false;
+        options.facts = facts;
+        std::vector<std::string> warnings;
+        session_ = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);
+        if (!session_) throw std::runtime_error(diagnostics.text());
+    }
+    void frame(uint32_t index) { session_->run_frame(index, index == 0); }
+    const View& view() const { return session_->view(); }
+    std::vector<float> green(const std::string& name) const {
+        return captured_planes(view(), name.c_str()).at(1);
+    }
+
+  private:
+    std::unique_ptr<Session> session_;
+};
+
+struct Rays {
+    double cast = 0, surfaces = 0;
+};
+
+Rays rays_of(const LightsRun& run, const Shot& shot) {
+    Rays rays;
+    for (const auto& [name, light] : shot.lights) {
+        for (const uint32_t word : captured<uint32_t>(run.view(), ("ray_words_" + name).c_str()))
+            rays.cast += std::popcount(word);
+        for (const uint32_t word : captured<uint32_t>(run.view(), ("ray_bits_" + name).c_str()))
+            rays.cast += word == 0 ? 0 : std::bit_width(word) - 1;
+        for (const uint32_t word : captured<uint32_t>(run.view(), ("sunward_words_" + name).c_str()))
+            rays.surfaces += std::popcount(word);
+    }
+    return rays;
+}
+
+std::vector<std::string> captures_of(const Shot& shot) {
+    std::vector<std::string> captures = {"illuminance_" + shot.lights.rbegin()->first};
+    for (const auto& [name, light] : shot.lights)
+        for (const char* what : {"ray_words_", "ray_bits_", "sunward_words_"})
+            captures.push_back(what + name);
+    return captures;
+}
+
+class LightsBudget : public GpuTest {};
+
+TEST_F(LightsBudget, IsKeptByAllTogetherAndSpentWhereItMatters) {
+    const Shot shot = shot_named("lights/interior");
+    const std::string sum = "illuminance_" + shot.lights.rbegin()->first;
+    constexpr uint32_t last = 9;
+    LightsRun truth(shot, "lights", {"nodes.cover.params.samples=256", "outputs=[\"illuminance\"]"},
+                    {"illuminance"});
+    truth.frame(last);
+    LightsRun bare(shot, "lights_shadows", {}, {sum}, {{"casters", false}});
+    bare.frame(last);
+    const auto lux = truth.green("illuminance"), unshadowed = bare.green(sum);
+    const auto relative_error = [&](const LightsRun& run) {
+        const auto seen = run.green(sum);
+        double error = 0;
+        for (size_t i = 0; i < lux.size(); ++i)
+            if (unshadowed[i] > 0)
+                error += std::pow((double(seen[i]) - double(lux[i])) / double(unshadowed[i]), 2);
+        return error;
+    };
+    for (const double share : {0.25, 0.5}) {
+        SCOPED_TRACE(share);
+        const std::string budget = "nodes.pilots.params.rays_per_frame=" + std::to_string(share);
+        std::vector<std::string> settings = apart;
+        settings.push_back(budget);
+        LightsRun pooled(shot, "lights_shadows", {budget}, captures_of(shot)),
+            alone(shot, "lights_shadows", settings, captures_of(shot));
+        for (uint32_t frame = 0; frame <= last; ++frame) {
+            pooled.frame(frame);
+            alone.frame(frame);
+            const Rays rays = rays_of(pooled, shot);
+            EXPECT_NEAR(rays.cast / rays.surfaces, share, 0.01 * share) << frame;
+        }
+        const double ratio = relative_error(pooled) / relative_error(alone);
+        RecordProperty("error_of_" + std::to_string(share), std::to_string(ratio));
+        if (share == 0.5) {
+            EXPECT_LT(ratio, 0.95);
+        }
+    }
+}
+
+// A lamp that shines little beside another gets few rays. Both shine on everything here.
+TEST_F(LightsBudget, AFaintLightWaits) {
+    Shot shot = shot_named("lights/interior");
+    std::erase_if(shot.lights,
+                  [](const auto& light) { return light.first != "bulb" && light.first != "tube"; });
+    const auto share_of_tube = [&](double factor) {
+        Shot faint = shot;
+        for (auto& key : faint.lights.at("tube").keys) key.power *= factor;
+        LightsRun run(faint, "lights_shadows", {"nodes.pilots.params.rays_per_frame=0.5"},
+                      captures_of(faint));
+        for (uint32_t frame = 0; frame < 3; ++frame) run.frame(frame);
+        Shot tube = faint;
+        tube.lights.erase("bulb");
+        return rays_of(run, tube).cast / rays_of(run, faint).cast;
+    };
+    const double before = share_of_tube(1), after = share_of_tube(1e-3);
+    EXPECT_GT(before, 0.3);
+    EXPECT_LT(after, 0.15);
+    EXPECT_GT(after, 0.001) << "nobody is forgotten";
+}
+
+}  // namespace
+}  // namespace penumbra::test
