@@ -188,7 +188,13 @@ std::optional<Condition> parse_condition(const Json& json, const Domain& domain,
     Condition condition{.terms = {}, .place = json.place};
     for (const std::string_view term_text : split(json.string, '|')) {
         std::vector<Atom>& term = condition.terms.emplace_back();
-        for (const std::string_view part : split(term_text, '&')) {
+        const std::vector<std::string_view> parts = split(term_text, '&');
+        constexpr size_t most = 64;  // each is compared with all before it
+        if (parts.size() > most) {
+            error(fmt::format("{} literals are joined by \"&\"; {} are the most", parts.size(), most));
+            continue;
+        }
+        for (const std::string_view part : parts) {
             Atom atom;
             if (auto problem = parse_atom(part, domain, in_pipeline, atom))
                 error(std::move(*problem));

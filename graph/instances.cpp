@@ -30,6 +30,7 @@ class Writer {
         check_families();
         find_own_names();
         check_members();
+        if (too_many()) return std::move(result_);
         for (const HostInput& input : pipeline_.inputs)
             each(input.instances, [&](const PipelineInstance* instance) {
                 add(out.inputs, input, input.name, instance, &HostInput::name, "inputs.");
@@ -41,8 +42,7 @@ class Writer {
             if (!node.instances.empty() && !done.insert(node.instances).second) continue;
             each(node.instances, [&](const PipelineInstance* instance) {
                 if (!instance) return add_node(node, nullptr);
-                for (const PipelineNode& other : pipeline_.nodes)
-                    if (other.instances == node.instances) add_node(other, instance);
+                for (const PipelineNode* other : nodes_of_[node.instances]) add_node(*other, instance);
             });
         }
         for (const ResourceSetting& setting : pipeline_.resources)
@@ -61,6 +61,27 @@ class Writer {
   private:
     void error(const Place& place, std::string path, std::string message) {
         diagnostics_.add(place, std::move(path), std::move(message));
+    }
+
+    // Few members of few nodes are many together, in a text of a few kilobytes.
+    bool too_many() {
+        constexpr size_t most = 100'000;
+        size_t written = 0;
+        const auto count = [&](const std::string& family) {
+            if (!family.empty()) written += members_[family].size();
+        };
+        for (const PipelineNode& node : pipeline_.nodes) {
+            count(node.instances);
+            if (!node.instances.empty()) nodes_of_[node.instances].push_back(&node);
+        }
+        for (const HostInput& input : pipeline_.inputs) count(input.instances);
+        for (const ResourceSetting& setting : pipeline_.resources) count(family_of(setting.name));
+        for (const OutputName& output : pipeline_.outputs) count(family_of(output.name));
+        if (written <= most) return false;
+        error(
+            pipeline_.instances.front().place, "instances",
+            fmt::format("stand for {} nodes, inputs, resources and outputs: {} are the most", written, most));
+        return true;
     }
 
     // Every family that is named has members, and every member a family; facts are the domain's.
@@ -202,6 +223,7 @@ class Writer {
     const NodeSet& set_;
     Diagnostics& diagnostics_;
     std::map<std::string, std::vector<const PipelineInstance*>> members_;  // by family, in the file's order
+    std::map<std::string, std::vector<const PipelineNode*>> nodes_of_;     // by family, too
     std::set<std::string> ids_;                                            // "nodes.trace_desk"
     WrittenOut result_;
 };

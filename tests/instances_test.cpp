@@ -168,6 +168,18 @@ TEST_F(Instances, MistakesAreSaid) {
     EXPECT_EQ(error(pipeline(), {"nodes.trace_a={\"type\": \"guides\", \"out\": {\"view_depth\": \"x\", "
                                  "\"guide_normal\": \"y\"}}"}),
               "nodes.trace_a: stands for \"trace_a\", which is another's name");
+    EXPECT_EQ(error(pipeline("", R"("a": {"of": "lights"}, "c": {"of": "others"})"),
+                    {R"(nodes.other={"type": "filter", "instances": "others", "in": {"signal": "half"}, )"
+                     R"("out": {"filtered": "mixed"}})"}),
+              "nodes.other_c.in.signal: there is one \"half\" for each of \"lights\": \"half_INSTANCE\"");
+}
+
+// What they stand for is their number times that of the nodes.
+TEST_F(Instances, WhatTheyAreWrittenOutIsBounded) {
+    std::string members = R"("a": {"of": "lights"})";
+    for (int i = 1; i < 20'000; ++i) members += ", \"i" + std::to_string(i) + R"(": {"of": "lights"})";
+    EXPECT_EQ(error(pipeline("", members)),
+              "instances: stand for 140000 nodes, inputs, resources and outputs: 100000 are the most");
 }
 
 }  // namespace

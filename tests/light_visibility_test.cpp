@@ -136,7 +136,7 @@ TEST(ShotLights, AreReadAndTheirMistakesNamed) {
         EXPECT_NE(errors_of(lights).find(said), std::string::npos) << lights << "\n" << errors_of(lights);
     };
     const std::string keys = R"("keys": [{ "frame": 0, "position": [0, 1, 0] }])";
-    expect("{}", "expected an object of at least one light");
+    expect("{}", "expected an object of 1 to 256 lights");
     expect(R"({ "a": { "kind": "rectangel", )" + keys + "} }", "did you mean \"rectangle\"?");
     expect(R"({ "a": { "kind": "disc", "luminance": 5, )" + keys + "} }", "\"radius\" is missing");
     expect(R"({ "a": { "kind": "disc", "radius": 1, "intensity": 5, )" + keys + "} }",

@@ -179,6 +179,12 @@ TEST(Condition, HoldsUnderFactsAndConstantParameters) {
                              "taps=3.5", "fast=1", "sun_up & !sun_up", "mode=tent & mode=plane",
                              "mode=tent & !mode=tent", "mode<tent", "trace.taps=3"})
         EXPECT_FALSE(condition(text, type)) << text;
+
+    std::string joined = "alpha";  // each is compared with all before it
+    for (int i = 1; i < 64; ++i) joined += " & taps>=" + std::to_string(i - 64);
+    EXPECT_TRUE(condition(joined, type));
+    EXPECT_TRUE(condition(joined + " | " + joined, type));
+    EXPECT_FALSE(condition(joined + " & fast", type));
 }
 
 TEST(NodeSet, ReplacesAType) {
