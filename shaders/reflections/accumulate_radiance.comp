@@ -18,7 +18,8 @@
 
 const float MOST_FRAMES = 63.0, TERM_SIGMAS = 4.0;
 const float SIGMAS = 3.0, SIGMAS_AT_REST = 3.5;  // at rest light alone changes: a past is doubted later
-const float FEW = 2.0;          // samples of a gather, in motion
+const float FEW = 4.0, LONE = 2.0;  // samples of a gather, in motion: fewer
+const float WIDE = 1.4;  // pixels' angles
 const float DRIFT_SHARE = 0.4;  // of the new value in the running mean
 const int FAR_STEP = 5;  // px between taps of far_drift(): a gather's window, so that no two share a ray
 const float KERNEL[3] = float[](6.0, 4.0, 1.0);
@@ -105,10 +106,10 @@ float far_drift(ivec2 then, uint kept, float variance, float sigmas) {
     return dot(sum, sum) / (sums * sums) - sigmas * sigmas * max(variances / sums, variance) / sums;
 }
 
-// In motion few samples show next to no variance, and what the past knows of it is of what has moved on. What their neighbours' spread
-// shows is noise where a lobe is as wide as the mirrored directions of two pixels lie apart, and what is mirrored where it is narrower.
-float variance_of_few(Around around, float roughness) {
-    const float apart = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? 0.0 : frame.pixel_angle;
+// A lone sample shows no variance. What its neighbours' spread shows is noise where a lobe is wider than the mirrored directions of two
+// pixels lie apart, and what is mirrored where it is narrower.
+float variance_of_lone(Around around, float roughness) {
+    const float apart = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? 0.0 : WIDE * frame.pixel_angle;
     const float wide = min(roughness * roughness / max(apart, 1e-6), 1.0);
     return max(around.variance, around.spread * wide * wide * wide * wide);
 }
@@ -178,7 +179,7 @@ void for_pixel(ivec2 p) {
     const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
     // Few samples at rest know less of their variance than their neighbours show.
     const float variance = !moving && around.samples < 6.0 ? max(around.variance, around.spread) : around.variance;
-    const float least2 = moving && around.samples < FEW ? variance_of_few(around, here.roughness) : variance;
+    const float least2 = moving && around.samples < LONE ? variance_of_lone(around, here.roughness) : variance;
     Candidate best = judge(false, p, of_surface, weights, around.samples, variance, least2, far, moving);
     if (HAS_PAST_IMAGE) {
         const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around.samples, variance, least2, far, moving);

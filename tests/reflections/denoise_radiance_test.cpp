@@ -14,7 +14,6 @@ namespace {
 class DenoiseRadiance : public GpuTest {};
 
 constexpr uint32_t frames = 5;
-constexpr uint16_t infinite_half = 0x7c00, nan_half = 0x7e00;
 
 Shot moving_shot() {
     Shot shot = night_shot(striped_floor({0, 0.1f, 0.3f, 0.8f}), {56, 32}, frames);
@@ -23,13 +22,12 @@ Shot moving_shot() {
     return shot;
 }
 
-// What the host's rays become after some frames, and what their own pipeline makes of them. Turned: each
-// direction is that of another pixel. Broken: some radiance is infinite, some no number.
-enum class Rays { own, turned, broken };
+// What the host's rays become after some frames, and what their own pipeline makes of them. `turned`: each
+// direction is that of another pixel.
 struct Images {
     std::vector<float> foreign, own;
 };
-Images run(Rays rays) {
+Images run(bool turned) {
     const Shot shot = moving_shot();
     const auto session =
         open_shipped("reflections", shot,
@@ -52,12 +50,9 @@ Images run(Rays rays) {
         hand_over("normal", images.normal);
         hand_over("motion", images.motion);
         hand_over("material", images.material);
-        auto radiance = captured<uint16_t>(session->view(), "radiance");
-        if (rays == Rays::broken)
-            for (size_t i = 0; i < radiance.size(); i += 4 * 37) radiance[i] = i / 4 % 2 ? infinite_half : nan_half;
-        host.set("radiance", std::as_bytes(std::span(radiance)));
+        host.set("radiance", session->view().captured("radiance"));
         auto directions = captured<uint32_t>(session->view(), "ray_direction");
-        if (rays == Rays::turned) std::rotate(directions.begin(), directions.begin() + 1, directions.end());
+        if (turned) std::rotate(directions.begin(), directions.begin() + 1, directions.end());
         host.set("ray_direction", directions);
         host.frame(session->frame_description());
     }
@@ -66,20 +61,14 @@ Images run(Rays rays) {
 }
 
 TEST_F(DenoiseRadiance, OfOurRaysIsTheirPipeline) {
-    const Images images = run(Rays::own);
+    const Images images = run(false);
     EXPECT_TRUE(images.foreign == images.own);
     EXPECT_GT(*std::ranges::max_element(images.own), 0.1f);
 }
 
 TEST_F(DenoiseRadiance, KnowsWhereRaysWent) {
-    const Images images = run(Rays::turned);
+    const Images images = run(true);
     EXPECT_FALSE(images.foreign == images.own);
-}
-
-// A host's radiance may be anything. Without a limit an infinity less itself spreads, as no number, to every
-// pixel that a filter reaches.
-TEST_F(DenoiseRadiance, WhatIsNoNumberStaysOutside) {
-    for (const float v : run(Rays::broken).foreign) ASSERT_TRUE(v >= 0 && v <= 65504) << v;
 }
 
 }  // namespace

@@ -101,6 +101,17 @@ TEST_F(RadianceGates, OursAreWorthManyRaysAndForgetALamp) {
     }
 }
 
+// In motion a lone bright sample, which shows no variance, is no reason to cast out a past, nor has the
+// surface's past precedence over the image's: 292 rays, 24 of a narrow lobe; 223 and 16 where either was so.
+TEST_F(RadianceGates, InMotionALoneSampleIsNotBelieved) {
+    study_.size = {128, 72};
+    study_.moving_frames = 17;
+    const auto moving = gates::measure_moving(bench(pipeline("reflections", "specular"), "specular"));
+    ASSERT_TRUE(moving) << diagnostics_.text();
+    EXPECT_GT(*moving->n_eff(), 255);
+    EXPECT_GT(*moving->n_eff(1), 20);
+}
+
 // What a mirror of little roughness shows is found where its image was; without that 2 rays are left of 16.
 // The variance of what a level has filtered is less than that of its pixels: else 18 of 34.
 TEST_F(RadianceGates, ABaselineIsAStrongOne) {
