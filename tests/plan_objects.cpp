@@ -19,8 +19,8 @@ PlanObjects::PlanObjects(const std::filesystem::path& folder) {
     for (const Json& table : plan["tables"]) {
         const VkExtent2D size{table["size"][0], table["size"][1]};
         tables.push_back(make_image(gpu(), formats.at(table["format"]), size, 1,
-                                    (table["storage"] ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_SAMPLED_BIT) |
-                                        VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                                    VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                        (table["storage"] ? VK_IMAGE_USAGE_STORAGE_BIT : 0),
                                     "table"));
         const GpuImage& image = tables.back();
         upload_image(gpu(), tables.back(), read_bytes(folder / table["file"].get<std::string>()));

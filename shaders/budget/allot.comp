@@ -36,7 +36,7 @@ void main() {
     const ivec2 tile = ivec2(gl_GlobalInvocationID.xy);
     const bool in_grid = all(lessThan(tile, tile_grid()));
     const uvec4 pixels = in_grid ? classes[tile_index(tile)] : uvec4(0u);
-    const uint steps_less = HAS_SHARE_STEPS && in_grid ? share_steps[tile_index(tile)] : 0u;
+    const uint steps_less = HAS_LIGHT_SHARES && in_grid ? light_shares[tile_index(tile)] : 0u;
     const bool chosen = place_of(tile) < t.share;
     for (uint c = 0u; c < CLASSES; ++c) {
         uint level = 0u;

@@ -73,7 +73,7 @@ void main() {
     BRANCH_IF (record.y != 0u) {
         const ivec2 tile = tile_of(record);
         const uvec4 tile_known = known[tile_index(tile)];
-        const float weight = HAS_SHARE_STEPS ? weight_of(share_class(share_steps[tile_index(tile)])) : 1.0;
+        const float weight = HAS_LIGHT_SHARES ? weight_of(share_class(light_shares[tile_index(tile)])) : 1.0;
         const float others_here = min(of_others * weight, 1.0), idle_here = one_first ? LEAST_SHARE : params.trickle * others_here;
         pixels = asked_of(record.y & tile_known.x, of_unsure * weight, tile) | asked_of(record.y & tile_known.y, idle_here, tile) |
                  asked_of(record.y & ~(tile_known.x | tile_known.y), others_here, tile);

@@ -101,7 +101,7 @@ void main() {
     }
     barrier();
     uvec4 masks;
-    const uint steps_less = HAS_SHARE_STEPS && in_grid ? share_steps[tile_index(tile)] : 0u;
+    const uint steps_less = HAS_LIGHT_SHARES && in_grid ? light_shares[tile_index(tile)] : 0u;
     [[unroll]] for (uint c = 0u; c < CLASSES; ++c) {
         masks[c] = class_masks[CLASSES * lane + c];
         const uint pixels = uint(bitCount(masks[c]));
