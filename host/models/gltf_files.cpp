@@ -141,8 +141,8 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
         binary ? loader.LoadBinaryFromMemory(&files.model, &error, &warning, bytes.data(), size, folder)
                : loader.LoadASCIIFromString(&files.model, &error, &warning,
                                             reinterpret_cast<const char*>(bytes.data()), size, folder);
-    // The library puts what its parser throws into words.
-    if (!good && error.find(std::bad_alloc().what()) != std::string::npos) throw std::bad_alloc();
+    // The library puts what its parser throws into words; what a file says may stand in those of others.
+    if (!good && error == std::bad_alloc().what()) throw std::bad_alloc();
     if (!good) return refuse("not a valid glTF 2.0 file: " + one_line(error));
     files.loose_images = std::move(reading.loose_images);
     files.loose_images.resize(files.model.images.size());
