@@ -135,7 +135,6 @@ TEST(Shot, ObjectsMustNameOneNode) {
     EXPECT_EQ(errors("fixed"), "");
 }
 
-// 16 distinct offsets that fill one pixel without a bias.
 // What is told of a list, and what is looked for, grows with the list and not with its square.
 TEST(Shot, ListsAreBounded) {
     const auto said = [](size_t models, size_t lights) {
@@ -174,6 +173,7 @@ TEST(Shot, ListsAreBounded) {
     EXPECT_EQ(suggested, 16u);
 }
 
+// 16 distinct offsets that fill one pixel without a bias.
 TEST(Jitter, CoversOnePixel) {
     std::set<std::array<double, 2>> seen;
     std::array<double, 2> low{1, 1}, high{-1, -1}, sum{0, 0};
