@@ -243,7 +243,8 @@ void Compiler::bind_tables(const BoundNode& node) {
                 const auto data = std::ranges::find(all, table.name, &TableData::name);
                 const size_t bytes = size_t{table.extent[0]} * table.extent[1] * info(table.format).bytes;
                 if (data != all.end() && data->texels.size() == bytes)
-                    plan_.tables.push_back({full, table.format, table.extent, table.storage, {node.entry, &data->texels}});
+                    plan_.tables.push_back(
+                        {full, table.format, table.extent, table.storage, {node.entry, &data->texels}});
                 else if (!node.entry->shaders.empty() || node.entry->supplier)
                     error(node.place, "nodes." + node.id,
                           fmt::format("table {} does not hold {} bytes", full, bytes));

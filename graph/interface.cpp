@@ -51,8 +51,8 @@ const char* texel_element_glsl(Format format) {
     }
 }
 
-std::string declare_image(bool storage, bool layers, const std::string& name, Format format, const char* access,
-                          uint32_t b) {
+std::string declare_image(bool storage, bool layers, const std::string& name, Format format,
+                          const char* access, uint32_t b) {
     const char* dim = layers ? "2DArray" : "2D";
     if (!storage)
         return fmt::format("layout(set = 0, binding = {}) uniform {}sampler{} {};\n", b, prefix(format), dim,

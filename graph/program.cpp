@@ -98,7 +98,8 @@ StaticImage ProgramState::make_image(Format format, std::array<uint32_t, 2> exte
 void ProgramState::make_tables() {
     for (const PlanTable& table : plan_->tables) {
         TableImage& t = tables_.emplace_back();
-        const VkImageUsageFlags usage = table.storage ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_SAMPLED_BIT;
+        const VkImageUsageFlags usage =
+            table.storage ? VK_IMAGE_USAGE_STORAGE_BIT : VK_IMAGE_USAGE_SAMPLED_BIT;
         t.image = make_image(table.format, table.extent, usage | VK_IMAGE_USAGE_TRANSFER_DST_BIT, false,
                              table.name);
         t.staging =
@@ -211,7 +212,7 @@ void ProgramState::record_uploads(VkCommandBuffer cmd) const {
         filled{VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_2_COPY_BIT,
                VK_ACCESS_2_TRANSFER_WRITE_BIT},
         read{VK_IMAGE_LAYOUT_GENERAL, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-               VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
+             VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_READ_BIT};
     const auto bring = [&](VkImage image, Format format, const Stand& from, const Stand& to) {
         VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
         barrier.srcStageMask = from.stages;

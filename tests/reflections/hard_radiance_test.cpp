@@ -134,7 +134,8 @@ TEST_P(WhiteFurnace, StaysWhite) {
 // Facets of a pixel's width that look every way and shine as bright as the sky: a neighbour's ray is of
 // another lobe, or of no like plane at all.
 TEST_P(WhiteFurnace, StaysWhiteOverSpeckledNormals) {
-    if (GetParam() == std::string("fidelityfx_reflections")) GTEST_SKIP() << "counts the sky beside it as black";
+    if (GetParam() == std::string("fidelityfx_reflections"))
+        GTEST_SKIP() << "counts the sky beside it as black";
     for (const float roughness : {0.05f, 0.3f, 1.0f}) {
         Shot shot = in_motion(night_shot(speckled_normals(roughness), {48, 27}, 3));
         shot.environment = linear_sky(1, 1);
@@ -153,7 +154,8 @@ TEST_P(WhiteFurnace, StaysWhiteOverSpeckledNormals) {
 // What shines at a surface's feet, 1000 km away and the sky between them are one all alike: neither distances
 // nor that a ray misses beside one that hits may be seen.
 TEST_P(WhiteFurnace, StaysWhiteWhateverTheDistance) {
-    if (GetParam() == std::string("fidelityfx_reflections")) GTEST_SKIP() << "counts the sky beside it as black";
+    if (GetParam() == std::string("fidelityfx_reflections"))
+        GTEST_SKIP() << "counts the sky beside it as black";
     Shot shot = in_motion(night_shot(near_far_and_nothing(1), {48, 27}, 4));
     shot.environment = linear_sky(1, 1);
     size_t ones = 0;
