@@ -28,6 +28,21 @@ uint64_t further_rays(const std::vector<uint32_t>& ray_bits) {
     return n;
 }
 
+constexpr size_t tiles_across = 24;  // of a ShotRun
+
+bool is_proved(const std::vector<uint32_t>& proved, size_t tile) {
+    return (proved[tile / tiles_across] >> tile % tiles_across & 1) != 0;
+}
+
+// Who has a ray: in a tile that a beam has proved nobody, though all of it counts as asked.
+std::vector<uint32_t> first_rays(const ShotRun& run) {
+    std::vector<uint32_t> words = run.words("ray_words");
+    const auto proved = run.words("proved");
+    for (size_t tile = 0; tile < words.size(); ++tile)
+        if (is_proved(proved, tile)) words[tile] = 0;
+    return words;
+}
+
 class Budget : public GpuTest {};
 
 TEST_F(Budget, IsKeptInEveryFrame) {
@@ -35,11 +50,11 @@ TEST_F(Budget, IsKeptInEveryFrame) {
         SCOPED_TRACE(rays);
         ShotRun run(shot_named("colonnade"), "shadows",
                     {"nodes.pilots.params.rays_per_frame=" + std::to_string(rays)},
-                    {"ray_words", "ray_bits", "sunward_words"});
+                    {"ray_words", "ray_bits", "sunward_words", "proved"});
         for (uint32_t frame = 0; frame < 8; ++frame) {
             run.frame(frame, frame == 0 || frame == 4);  // a cut: nothing is known
             const double budget = std::floor(rays * double(bits_in(run.words("sunward_words"))));
-            const double cast = double(bits_in(run.words("ray_words")) + further_rays(run.words("ray_bits")));
+            const double cast = double(bits_in(first_rays(run)) + further_rays(run.words("ray_bits")));
             EXPECT_LE(cast, budget * 1.01) << "frame " << frame;
             // A tenth of a ray per pixel is in 32nds of a tile's pixels, and what is left is more than edges
             // can take.
@@ -152,11 +167,12 @@ TEST_F(Budget, WhatMayChangeIsNeverKnownForCertain) {
             motion.keys.back().frame = 100;
             motion.keys.push_back({101, {1, 0, 0}, {}});
         }
-        ShotRun run(shot, "shadows", {}, {"known"});
+        ShotRun run(shot, "shadows", {}, {"known", "proved"});
         for (uint32_t frame = 0; frame < 40; ++frame) run.frame(frame, frame == 0);
-        const auto known = run.words("known");
+        const auto known = run.words("known"), proved = run.words("proved");
         uint64_t certain = 0;
-        for (size_t i = 3; i < known.size(); i += 4) certain += uint64_t(std::popcount(known[i]));
+        for (size_t i = 3; i < known.size(); i += 4)
+            if (!is_proved(proved, i / 4)) certain += uint64_t(std::popcount(known[i]));
         if (may_move) {
             EXPECT_EQ(certain, 0u);
         } else {
@@ -190,12 +206,36 @@ TEST_F(Budget, WhoeverHasNoRayAfterACutIsNotTested) {
 
 TEST_F(Budget, OfNothingCastsNothing) {
     ShotRun run(shot_named("colonnade"), "shadows", {"nodes.pilots.params.rays_per_frame=0"},
-                {"ray_words", "ray_bits"});
+                {"ray_words", "ray_bits", "proved"});
     for (uint32_t frame = 0; frame < 3; ++frame) {
         run.frame(frame, frame == 0);
-        EXPECT_EQ(bits_in(run.words("ray_words")), 0u);
+        EXPECT_EQ(bits_in(first_rays(run)), 0u);
         EXPECT_EQ(further_rays(run.words("ray_bits")), 0u);
     }
+}
+
+// A beam's word is worth more than any ray's: what is proved gets none, beside a shadow's edge neither, and
+// is shown as it is, while the others have all of the budget.
+TEST_F(Budget, WhatABeamProvesTakesNoRay) {
+    ShotRun run(shot_named("lamp"), "shadows", {},
+                {"ray_words", "ray_bits", "proved", "sunward_words", "visibility_words"});
+    for (uint32_t frame = 0; frame < 6; ++frame) run.frame(frame, frame == 0);
+    const auto proved = run.words("proved"), bits = run.words("ray_bits"),
+               sunward = run.words("sunward_words"), lit = run.words("visibility_words");
+    const auto seen = run.visibility();
+    size_t pixels = 0, further = 0, unlike = 0;
+    for (size_t i = 0; i < bits.size(); ++i) {
+        const size_t x = i % 192, y = i / 192, tile = y / 4 * tiles_across + x / 8, bit = y % 4 * 8 + x % 8;
+        if (!is_proved(proved, tile) || !(sunward[tile] >> bit & 1)) continue;
+        ++pixels;
+        further += bits[i] != 0;
+        unlike += std::abs(double(seen[i]) - double(lit[tile] >> bit & 1)) > 1.0 / 256;
+    }
+    EXPECT_GT(pixels, 5000u);
+    EXPECT_EQ(further, 0u);
+    EXPECT_EQ(unlike, 0u);
+    const double cast = double(bits_in(first_rays(run)) + further_rays(bits));
+    EXPECT_GT(cast, 0.9 * double(bits_in(sunward)));
 }
 
 // In a frame of which nothing is known before: a pixel that got n rays, said to be lit by so many of them, as

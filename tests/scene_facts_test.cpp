@@ -238,8 +238,10 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
     const bool many = pipeline == "many_rays", fast = pipeline == "hybrid_shadows_fast";
     const bool main = fast || pipeline == "hybrid_shadows";
     const bool covers = shadow == Shadow::soft && (main || pipeline == "covered");
-    if (traced) also("classify", "receiver_normal receiver_words", "", "scene scene.nodes scene.leaves", "");
-    const bool budget = pipeline == "shadows";
+    const bool budget = pipeline == "shadows", proves = budget && shadow == Shadow::soft;
+    if (traced)
+        also(budget && !proves ? "classify_all" : "classify", "receiver_normal receiver_words", "",
+             "scene scene.nodes scene.leaves", "");
     if (traced && budget)
         also(shadow == Shadow::soft ? "trace" : "trace_all", "candidates candidate_args", "", "", "");
     if (traced && budget && shadow == Shadow::soft)
@@ -248,6 +250,7 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
              "further_args "
              "ray_bits frame_worth",
              "", "", "");
+    if (proves) also("beams", "unproved unproved_args facing_hits proved", "proved", "neighbours", "");
     if (traced && !budget && (!covers || main)) also("trace", "tile_list trace_args", "", "", "");
     if (traced && alpha) also("", "", "", "scene.alpha_uv scene.alpha_map", "");
     if (shadow == Shadow::soft) also("", "", "", "", "blue_noise");
@@ -269,7 +272,7 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
         also("beams_alone", "", "", "", "");
     else if (traced && many)
         also("beams", shadow == Shadow::soft ? "fraction" : "", "", "", "");
-    else if (traced)
+    else if (traced && !proves)
         also("", "preloaded_hits", "", "", "");
     if (covers && main) also("", "fraction given_up", "given_up", "", "");
     if (pipeline == "covered" && covers && !moves && !sun_moves) {

@@ -17,18 +17,24 @@ struct Threshold {
     float share;
 };
 
+uint wanted_at(uint bin) { return HAS_POOLED ? pooled[POOLED_GAINS + bin] : gains[bin]; }
+
+// From the largest gain down; a lane sums up its part of the bins first, so that nobody goes through all of them.
+const uint LANES = gl_WorkGroupSize.x * gl_WorkGroupSize.y, BINS_PER_LANE = GAIN_BINS / LANES;
+shared uint wanted_by_part[LANES];
+
 Threshold threshold() {
-    const uint first_rays = HAS_POOLED ? pooled[POOLED_FIRST_RAYS] : ray_budget[1];
-    float left = float(ray_budget[0] - min(ray_budget[0], first_rays));
-    uint bin = GAIN_BINS;
-    float share = 0.0;
-    while (bin > 0u && share == 0.0) {
-        const float wanted = float(HAS_POOLED ? pooled[POOLED_GAINS + bin - 1u] : gains[bin - 1u]);
-        --bin;
-        if (wanted > left) share = max(left / wanted, 1e-9);
-        left -= wanted;
-    }
-    return Threshold(bin, share == 0.0 ? 1.0 : share);
+    const uint lane = gl_LocalInvocationIndex, top = GAIN_BINS - BINS_PER_LANE * lane;
+    uint sum = 0u;
+    for (uint i = 1u; i <= BINS_PER_LANE; ++i) sum += wanted_at(top - i);
+    wanted_by_part[lane] = sum;
+    barrier();
+    uint left = ray_budget[0] - min(ray_budget[0], HAS_POOLED ? pooled[POOLED_FIRST_RAYS] : ray_budget[1]), part = 0u;
+    while (part < LANES && wanted_by_part[part] <= left) left -= wanted_by_part[part++];
+    if (part == LANES) return Threshold(0u, 1.0);
+    uint bin = GAIN_BINS - BINS_PER_LANE * part - 1u;
+    for (; wanted_at(bin) <= left; --bin) left -= wanted_at(bin);
+    return Threshold(bin, max(float(left) / float(wanted_at(bin)), 1e-9));
 }
 
 void main() {

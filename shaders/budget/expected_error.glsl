@@ -29,6 +29,17 @@ float worth_of_neighbours(ivec2 tile, float view_depth) {
     return r < FEWEST_PX ? 0.0 : min(1.5 * r * r * r, MOST_WORTH);
 }
 
+// Whether the surface goes on to either side along an axis; along a plane the reciprocal of a perspective's depth is linear.
+const int BENT_PX = 2;
+const float BENT_OFF_PX = 2.0, BENT_WORTH = 0.3;  // of the neighbours, where it does not
+bool goes_on(ivec2 p, ivec2 axis, float z) {
+    const ivec2 last = ivec2(frame.size) - 1;
+    const float before = imageLoad(view_depth, clamp(p - BENT_PX * axis, ivec2(0), last)).x,
+                behind = imageLoad(view_depth, clamp(p + BENT_PX * axis, ivec2(0), last)).x;
+    const float off = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? before + behind - 2.0 * z : z * (2.0 - z / before - z / behind);
+    return before > 0.0 && behind > 0.0 && abs(off) <= BENT_OFF_PX * pixel_span_m(z);
+}
+
 // `ring`: how near unlike rays are; `lit`: what its own says.
 float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
     const PixelPast past = nearest_past(p);
@@ -48,5 +59,10 @@ float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
             known_rays = samples_left(known_rays, sun_share(sun, sun_prev));
     }
     const float left = 1.0 / (1.0 + known_rays / OF_RAYS);
+    if (neighbours > 0.0) {
+        const float z = imageLoad(view_depth, p).x;
+        for (int i = 0; i < 2; ++i)
+            if (!goes_on(p, ivec2(1 - i, i), z)) neighbours *= BENT_WORTH;
+    }
     return error * left * left * min(1.0, 1.25 / max(neighbours, 1.25));
 }

@@ -11,6 +11,7 @@ const uint STEPS_PER_CLASS = 24u;  // an octave of s
 
 // Pixels are counted by it.
 const uint SHARE_CLASSES = 10u;
+const uint PROVED_PIXELS = 3u * SHARE_CLASSES;  // behind the counts of each class: pixels that need no ray
 
 uint steps_of_share(float lux, float lux_of_all) {
     if (!(lux_of_all > 0.0)) return 0u;  // where nothing shines nobody is brighter than another

@@ -14,6 +14,7 @@
 #include "budget/light_share.glsl"
 #include "budget/first_rays.glsl"
 #include "budget/tile_place.glsl"
+#include "budget/proved_tile.glsl"
 
 const float FOR_THE_UNSURE = 0.8;  // of a budget that does not reach for all
 const float LEAST_SHARE = 0.03125;   // a pixel of a tile
@@ -30,13 +31,14 @@ uint turn(uint count) {
     return pixels;
 }
 
-// Of one light a share is rounded down. Of several the least ones would then be none for good, so that a tile is rounded up as often as it
-// takes; and what is asked is counted, since rounding leaves no room then: pixels of a kind are often those that were not asked before,
-// whose turn it is, or those that were.
-uint asked_of(uint pixels, float share, ivec2 tile) {
+// Where there is enough a share is rounded down, and everyone's turn comes within a known number of frames. Else it is `counted`: pixels of a kind
+// are often those that were not asked before, whose turn it is, or those that were, and the least shares of several lights would be none for
+// good. Then a tile is rounded up as often as it takes.
+// `kind`: so that a tile is not rounded up for all of them at once.
+uint asked_of(uint kind, uint pixels, float share, ivec2 tile, bool counted) {
     const float in_32nds = clamp(32.0 * share, 0.0, 32.0);
-    if (!HAS_POOLED) return pixels & turn(rounded(floor(in_32nds)));
-    const float up = fract(place_of(tile) + 0.618034 * float(frame.frame_index & 0xffffu));
+    if (!counted) return pixels & turn(rounded(floor(in_32nds)));
+    const float up = fract(place_of(tile) + 0.618034 * float(frame.frame_index & 0xffffu) + float(kind) / 3.0);
     const uint wanted = rounded(floor(float(bitCount(pixels)) * min(share, 1.0) + up)), first = max(rounded(in_32nds), 1u) * frame.frame_index;
     uint asked = 0u;
     for (uint i = 0u, count = 0u; i < 32u && count < wanted; ++i) {
@@ -56,13 +58,15 @@ void main() {
         others += pixels_that_are(OTHERS, c);
         pixels_of_all += unsure[c] + pixels_that_are(OTHERS, c) + pixels_that_are(IDLE, c);
     }
-    const float budget = params.rays_per_frame * pixels_of_all;
+    const float budget = params.rays_per_frame * (pixels_of_all + float(HAS_POOLED ? 0u : pixel_counts[PROVED_PIXELS]));
     const bool enough = budget >= first;
-    const float of_unsure = enough ? WHOLE : factor_for(FOR_THE_UNSURE * budget, unsure);
-    const float left = budget - cast_by(of_unsure, unsure);
+    const float tiles = float(candidate_args[3]);
+    // Tiles are rounded up and down, and some more of them up in one frame than in another: rays that are kept for that.
+    const float dealt = enough || HAS_POOLED ? budget : max(budget - sqrt(tiles), 0.0);
+    const float of_unsure = enough ? WHOLE : factor_for(FOR_THE_UNSURE * dealt, unsure);
+    const float left = dealt - cast_by(of_unsure, unsure);
     float of_others = enough ? WHOLE : factor_for(left, rest);
     // Less than a pixel of a tile would be none: then one comes first, if there are as many rays as tiles.
-    const float tiles = float(candidate_args[3]);
     const bool one_first = !HAS_POOLED && params.trickle > 0.0 && params.trickle * min(of_others, 1.0) < LEAST_SHARE && left >= tiles;
     if (one_first) of_others = (left - tiles) / max(others, 1.0);
 
@@ -70,13 +74,17 @@ void main() {
     const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
     if (index < candidate_args[3]) record = candidates[index];
     uint pixels = 0u;
-    BRANCH_IF (record.y != 0u) {
-        const ivec2 tile = tile_of(record);
+    const ivec2 tile = tile_of(record);
+    const bool proof = record.y != 0u && is_proved(tile);
+    BRANCH_IF (proof) ray_words[tile_index(tile)] = record.y;
+    BRANCH_IF (record.y != 0u && !proof) {
         const uvec4 tile_known = known[tile_index(tile)];
         const float weight = HAS_LIGHT_SHARES ? weight_of(share_class(light_shares[tile_index(tile)])) : 1.0;
         const float others_here = min(of_others * weight, 1.0), idle_here = one_first ? LEAST_SHARE : params.trickle * others_here;
-        pixels = asked_of(record.y & tile_known.x, of_unsure * weight, tile) | asked_of(record.y & tile_known.y, idle_here, tile) |
-                 asked_of(record.y & ~(tile_known.x | tile_known.y), others_here, tile);
+        const bool counted = HAS_POOLED || !enough;
+        pixels = asked_of(UNSURE, record.y & tile_known.x, of_unsure * weight, tile, counted) |
+                 asked_of(IDLE, record.y & tile_known.y, idle_here, tile, counted && !one_first) |
+                 asked_of(OTHERS, record.y & ~(tile_known.x | tile_known.y), others_here, tile, counted);
         ray_words[tile_index(tile)] = pixels;
     }
     const uint rays = subgroupAdd(uint(bitCount(pixels)));

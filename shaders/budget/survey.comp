@@ -18,6 +18,7 @@ const bool MANY_RAYS = true;
 #include "budget/nearest_past.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/light_share.glsl"
+#include "budget/proved_tile.glsl"
 
 const float NEVER_ELSE = 0.003;  // of 0 or of 1: less than one ray among those that a past stands for
 const float SETTLED = 24.0;  // frames after which, where nothing can move, a pixel that was never in penumbra needs no more than its turn
@@ -52,12 +53,19 @@ void main() {
     uvec4 record = uvec4(0u);
     if (index < candidate_args[3]) record = candidates[index];
     uvec4 masks = uvec4(0u);
-    uint share = 0u;
+    uint share = 0u, proved_pixels = 0u;
     BRANCH_IF (record.y != 0u) {
         const ivec2 tile = tile_of(record), cell = ivec2(2 * tile.x, tile.y);
-        masks = by_their_past(tile, record.y);
-        const uint idle = (was_idle(cell) ? 0x0f0f0f0fu : 0u) | (was_idle(cell + ivec2(1, 0)) ? 0xf0f0f0f0u : 0u);
-        masks.y = record.y & idle & ~masks.x | masks.w;
+        const bool proof = is_proved(tile);
+        BRANCH_IF (proof) {
+            masks = uvec4(0u, record.y, 0u, record.y);
+            proved_pixels = uint(bitCount(record.y));
+        }
+        BRANCH_IF (!proof) {
+            masks = by_their_past(tile, record.y);
+            const uint idle = (was_idle(cell) ? 0x0f0f0f0fu : 0u) | (was_idle(cell + ivec2(1, 0)) ? 0xf0f0f0f0u : 0u);
+            masks.y = record.y & idle & ~masks.x | masks.w;
+        }
         known[tile_index(tile)] = masks;
 #if HAS_SHARE_STEPS
         const uint steps = HAS_TILE_LUX ? steps_of_share(tile_lux[tile_index(tile)], lux_of_all[tile_index(tile)]) : 0u;
@@ -65,7 +73,9 @@ void main() {
         share = share_class(steps);
 #endif
     }
-    const uvec3 counts = uvec3(bitCount(masks.x), bitCount(record.y & ~masks.x & ~masks.y), bitCount(masks.y));
+    const uvec3 counts = uvec3(bitCount(masks.x), bitCount(record.y & ~masks.x & ~masks.y), bitCount(masks.y) - proved_pixels);
+    const uint decided = subgroupAdd(proved_pixels);
+    if (subgroupElect() && decided != 0u) atomicAdd(pixel_counts[PROVED_PIXELS], decided);
     for (uint c = 0u; c < (HAS_TILE_LUX ? SHARE_CLASSES : 1u); ++c)
         for (uint i = 0u; i < 3u; ++i) {
             const uint n = subgroupAdd(share == c ? counts[i] : 0u);

@@ -22,6 +22,7 @@ const bool MANY_RAYS = true;
 #include "common/branch.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/expected_error.glsl"
+#include "budget/proved_tile.glsl"
 
 const uint TILES = gl_WorkGroupSize.x * gl_WorkGroupSize.y;
 shared uint class_masks[TILES * CLASSES];
@@ -73,7 +74,7 @@ void main() {
     if (lane == 0u) asked_count = 0u;
     for (uint c = 0u; c < CLASSES; ++c) class_masks[CLASSES * lane + c] = 0u;
     barrier();
-    BRANCH_IF (traced != 0u) {
+    BRANCH_IF (traced != 0u && !is_proved(tile)) {
         const uvec2 edges = near_an_edge(tile) & traced;
         const uvec4 past = known[tile_index(tile)];
         const uint contradicted = ~past.x & (past.z ^ ~hits[tile_index(tile)]);

@@ -7,6 +7,7 @@
 const float SIDE = 0.75;             // kernel: .75, 1, .75 per axis
 const float NEIGHBOURS = 0.9;        // weight of the neighbours on the first frame,
 const float FADING = 0.3;            // and how fast it falls with the count
+const float UNLIKE = 2.0;            // how fast with the difference squared, over what one ray's would be after as many frames
 
 float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
@@ -22,7 +23,8 @@ float softened(ivec2 p, ivec2 steps, ShadowState own, ViewRays rays) {
             if (!elsewhere || any(lessThan(q, ivec2(0))) || any(greaterThan(q, last))) continue;
             const uint word = imageLoad(state, q).x;
             const bool same = has_count(word) && shows(surface, vec2(offset), imageLoad(view_depth, q).x);
-            const float w = same ? weight * (x == 0 ? 1.0 : SIDE) * (y == 0 ? 1.0 : SIDE) : 0.0;
+            const float d = visibility_in(word) - own.visibility, alike = 1.0 / (1.0 + UNLIKE * d * d * own.count);
+            const float w = same ? weight * alike * (x == 0 ? 1.0 : SIDE) * (y == 0 ? 1.0 : SIDE) : 0.0;
             sum += w * visibility_in(word);
             weights += w;
         }
