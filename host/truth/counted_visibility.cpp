@@ -48,6 +48,28 @@ glm::dvec3 nearest_to_origin(const Corners& v) {
     return a + at_b / sum * ab + at_c / sum * ac;
 }
 
+// Directions in strata that lie together, and how far they are from their axis; those that are still free.
+struct Bundle {
+    std::span<glm::dvec3> free;
+    glm::dvec3 axis{0};
+    double reach = 0;
+
+    explicit Bundle(std::span<glm::dvec3> directions) : free(directions) {
+        for (const glm::dvec3& d : free) axis += d;
+        axis /= static_cast<double>(free.size());
+        double reach2 = 0;
+        for (const glm::dvec3& d : free) reach2 = std::max(reach2, glm::dot(d - axis, d - axis));
+        reach = std::sqrt(reach2) + 0x1p-48;  // what products round by, with room
+    }
+    // As many as were erased.
+    size_t erase_if(const auto& hidden) {
+        const auto left = std::remove_if(free.begin(), free.end(), hidden);
+        const auto gone = static_cast<size_t>(free.end() - left);
+        free = free.first(free.size() - gone);
+        return gone;
+    }
+};
+
 // Determinants of a direction with two corners each, of the sign of the triangle's height over the origin:
 // all are positive where the direction meets the triangle ahead.
 struct Lines {
@@ -61,12 +83,13 @@ struct Lines {
             length[i] = glm::length(line[i]);
         }
     }
-    // Whether a weight is negative for every direction that is within `reach` of the axis.
+    // Whether one weight is negative for every direction that is within `reach` of the axis.
     bool beside(const glm::dvec3& axis, double reach) const {
         for (size_t i = 0; i < 3; ++i)
             if (glm::dot(line[i], axis) < -reach * length[i]) return true;
         return false;
     }
+    bool beside(const Bundle& bundle) const { return beside(bundle.axis, bundle.reach); }
     glm::dvec3 weights(const glm::dvec3& d) const {
         return {glm::dot(line[0], d), glm::dot(line[1], d), glm::dot(line[2], d)};
     }
@@ -95,26 +118,6 @@ glm::dmat3 frame_around(const glm::dvec3& axis) {
     const glm::dvec3 x = glm::normalize(glm::cross(helper, axis));
     return {x, glm::cross(axis, x), axis};
 }
-
-// Directions in strata that lie together, and how far they are from their axis; those that are still free.
-struct Bundle {
-    std::span<glm::dvec3> free;
-    glm::dvec3 axis{0};
-    double reach = 0;
-
-    explicit Bundle(std::span<glm::dvec3> directions) : free(directions) {
-        for (const glm::dvec3& d : free) axis += d;
-        axis /= static_cast<double>(free.size());
-        double reach2 = 0;
-        for (const glm::dvec3& d : free) reach2 = std::max(reach2, glm::dot(d - axis, d - axis));
-        reach = std::sqrt(reach2) + 0x1p-48;  // what products round by, with room
-    }
-    size_t erase_if(const auto& hidden) {
-        const size_t gone = std::ranges::remove_if(free, hidden).size();
-        free = free.first(free.size() - gone);
-        return gone;
-    }
-};
 
 struct Directions {
     std::vector<glm::dvec3> all;
@@ -246,9 +249,9 @@ CountedVisibility::Seen CountedVisibility::seen(const SurfacePoint& point, const
         translucents_ ? translucent_.before(point, sun, std::nullopt) : std::vector<uint32_t>{};
     if (opaque.empty() && coloured.empty() && leaves_by > sine) return {1, glm::dvec3(1)};
 
-    auto [all, bundles] = directions(sun);
-    size_t free = all.size();
-    for (Bundle& bundle : bundles)
+    Directions sky = directions(sun);
+    size_t free = sky.all.size();
+    for (Bundle& bundle : sky.bundles)
         free -= bundle.erase_if([&](const glm::dvec3& d) { return glm::dot(point.normal, d) <= 0; });
     for (const uint32_t index : opaque) {
         if (free == 0) break;
@@ -259,29 +262,29 @@ CountedVisibility::Seen CountedVisibility::seen(const SurfacePoint& point, const
             const glm::dvec3 w = lines->weights(d);
             return is_inside(w) && (record == 0 || alpha_->blocks(record - 1, of_corners(w)));
         };
-        for (Bundle& bundle : bundles)
-            if (!lines->beside(bundle.axis, bundle.reach)) free -= bundle.erase_if(hidden);
+        for (Bundle& bundle : sky.bundles)
+            if (!lines->beside(bundle)) free -= bundle.erase_if(hidden);
     }
-    const auto count = static_cast<double>(all.size());
+    const auto count = static_cast<double>(sky.all.size());
     const double visibility = static_cast<double>(free) / count;
     if (coloured.empty()) return {visibility, glm::dvec3(visibility)};
-    std::vector<glm::dvec3> light(all.size(), glm::dvec3(1));
+    std::vector<glm::dvec3> light(sky.all.size(), glm::dvec3(1));
     const auto light_of = [&](const Bundle& bundle) {
-        return std::span(light).subspan(static_cast<size_t>(bundle.free.data() - all.data()),
+        return std::span(light).subspan(static_cast<size_t>(bundle.free.data() - sky.all.data()),
                                         bundle.free.size());
     };
     for (const uint32_t index : coloured) {
         const auto lines = lines_before(translucent_.triangles[index], point.at, sun, sine);
         if (!lines) continue;
-        for (const Bundle& bundle : bundles) {
-            if (lines->beside(bundle.axis, bundle.reach)) continue;
+        for (const Bundle& bundle : sky.bundles) {
+            if (lines->beside(bundle)) continue;
             for (size_t i = 0; i < bundle.free.size(); ++i)
                 if (const glm::dvec3 w = lines->weights(bundle.free[i]); is_inside(w))
                     light_of(bundle)[i] *= translucents_->transmittance(index, of_corners(w));
         }
     }
     glm::dvec3 sum(0);
-    for (const Bundle& bundle : bundles)
+    for (const Bundle& bundle : sky.bundles)
         for (const glm::dvec3& arriving : light_of(bundle)) sum += arriving;
     return {visibility, sum / count};
 }
