@@ -5,7 +5,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
 
 #include "penumbra/json_text.h"
 
@@ -16,6 +19,17 @@ namespace fs = std::filesystem;
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
+
+bool read_count(const Json* json, uint32_t& out) {
+    if (!json || json->kind != Json::Kind::integer || !std::in_range<uint32_t>(json->integer)) return false;
+    out = static_cast<uint32_t>(json->integer);
+    return true;
+}
+
+bool read_size(const Json* json, std::array<uint32_t, 2>& out) {
+    return json && json->kind == Json::Kind::array && json->items.size() == 2 &&
+           read_count(&json->items[0], out[0]) && read_count(&json->items[1], out[1]);
+}
 
 // All or nothing: numbers of a list, into `out`.
 template <class Out>
@@ -35,9 +49,10 @@ bool read_contact(const Json& json, ContactLine& out) {
 }
 
 bool read_frame(const Json& json, ReferenceInfo& info) {
-    const Json *number = json.find("frame"), *contact = json.find("contact");
-    if (!number || number->kind != Json::Kind::integer || !contact) return false;
-    ReferenceFrame& frame = info.frames[static_cast<uint32_t>(number->integer)];
+    const Json* contact = json.find("contact");
+    uint32_t number = 0;
+    if (!read_count(json.find("frame"), number) || !contact) return false;
+    ReferenceFrame& frame = info.frames[number];
     if (!read_numbers(json.find("to_sun"), 3, [&](size_t i, double v) { frame.to_sun[int(i)] = v; }))
         return false;
     if (!read_numbers(json.find("jitter"), 2, [&](size_t i, double v) { frame.jitter[i] = v; })) return false;
@@ -49,15 +64,13 @@ bool read_info(const Json& json, ReferenceInfo& info) {
                *frames = json.find("frames");
     if (!shot || shot->kind != Json::Kind::string || !exact || exact->kind != Json::Kind::boolean)
         return false;
-    if (!rays || !(rays->kind == Json::Kind::null || rays->kind == Json::Kind::integer)) return false;
+    if (!rays || !(rays->kind == Json::Kind::null || read_count(rays, info.rays.emplace()))) return false;
     if (!frames || frames->kind != Json::Kind::array) return false;
     info.shot = shot->string;
     info.exact = exact->boolean;
-    if (rays->kind == Json::Kind::integer) info.rays = static_cast<uint32_t>(rays->integer);
     for (const Json& frame : frames->items)
         if (!read_frame(frame, info)) return false;
-    return read_numbers(json.find("size"), 2,
-                        [&](size_t i, double v) { info.size[i] = static_cast<uint32_t>(v); });
+    return read_size(json.find("size"), info.size);
 }
 
 }  // namespace
@@ -96,15 +109,14 @@ std::optional<RenderedFolder> read_rendered_frames(const fs::path& folder, Diagn
     RenderedFolder out;
     const Json *shot = json->find("shot_file"), *frames = json->find("by_frame");
     bool good = shot && shot->kind == Json::Kind::string && frames && frames->kind == Json::Kind::array;
-    good = good && read_numbers(json->find("size"), 2,
-                                [&](size_t i, double v) { out.size[i] = static_cast<uint32_t>(v); });
+    good = good && read_size(json->find("size"), out.size);
     if (good) {
         out.shot = (folder / shot->string).lexically_normal();
         for (const Json& frame : frames->items) {
-            const Json* number = frame.find("frame");
-            good = good && number && number->kind == Json::Kind::integer;
+            uint32_t number = 0;
+            good = good && read_count(frame.find("frame"), number);
             if (!good) break;
-            auto& jitter = out.jitter[static_cast<uint32_t>(number->integer)];
+            auto& jitter = out.jitter[number];
             good = read_numbers(frame.find("jitter"), 2, [&](size_t i, double v) { jitter[i] = v; });
         }
     }
@@ -139,14 +151,14 @@ std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, D
     std::vector<uint32_t> frames;
     for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
          entry.increment(failure)) {
-        unsigned frame = 0;
-        int length = 0;
         const std::string name = entry->path().filename().string();
-        for (const std::string& mask : masks)
-            if (name.starts_with(mask) &&
-                std::sscanf(name.c_str() + mask.size(), ".%u.exr%n", &frame, &length) == 1 &&
-                mask.size() + size_t(length) == name.size())
-                frames.push_back(frame);
+        for (const std::string& mask : masks) {
+            if (!name.starts_with(mask + ".")) continue;
+            uint32_t frame = 0;
+            const char* const last = name.data() + name.size();
+            const auto [rest, error] = std::from_chars(name.data() + mask.size() + 1, last, frame);
+            if (error == std::errc() && std::string_view(rest, last) == ".exr") frames.push_back(frame);
+        }
     }
     if (failure) {
         diagnostics.add({folder.string(), 0, 0}, "", "cannot be listed: " + failure.message());

@@ -37,7 +37,7 @@ TEST(BvhEmbree, DiffersOnlyWithinRoundingOfAnEdge) {
 
         const Bvh bvh = build_bvh(s.triangles);
         uint32_t hits = 0, differ = 0, embree_wrong = 0;
-        const std::vector<Ray> rays = shadow_rays(s.triangles, 1'000'000, 20);
+        const std::vector<Ray> rays = shadow_rays(s.triangles, 250'000, 20);
         for (const Ray& r : rays) {
             RTCRay ray{r.origin[0],
                        r.origin[1],

@@ -81,7 +81,7 @@ class BvhGpu : public GpuTest {
 
 TEST_F(BvhGpu, AnswersLikeTheReference) {
     for (const TriangleScene& s : all_scenes())
-        expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 1'000'000, 21));
+        expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 250'000, 21));
 }
 
 // Rays towards the small end of a tree as deep as they get: what they pass waits until they are down, and a

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -102,6 +104,38 @@ TEST_F(Compare, BorderAndMaskLeavePixelsOut) {
     a.mask = (root_ / "mask.exr").string();
     write_exr(a.mask, mask);
     EXPECT_EQ(nlohmann::json::parse(run(a).out)["pixels"]["receivers"], 4);
+}
+
+// A number that does not fit is no other number.
+TEST_F(Compare, NumbersBeyond32BitsAreNotTaken) {
+    const std::string json = [&] {
+        std::ifstream stream(root_ / "truth/reference.json");
+        return std::string(std::istreambuf_iterator<char>(stream), {});
+    }();
+    const auto taken = [&](const std::string& from, const std::string& to) {
+        std::string text = json;
+        std::ofstream(root_ / "truth/reference.json") << text.replace(text.find(from), from.size(), to);
+        Diagnostics diagnostics;
+        return read_reference_info(root_ / "truth", diagnostics).has_value();
+    };
+    for (const std::string number : {"7", "4294967300", "-4", "4.5", "1e300"}) {
+        SCOPED_TRACE(number);
+        const bool fits = number == "7";
+        EXPECT_EQ(taken("\"rays\": null", "\"rays\": " + number), fits);
+        EXPECT_EQ(taken("4\n", number + "\n"), fits);  // the height
+        EXPECT_EQ(
+            taken("\"frames\": []", "\"frames\": [{\"frame\": " + number +
+                                        R"(, "to_sun": [0, 0, 1], "jitter": [0, 0], "contact": null}])"),
+            fits);
+        std::ofstream(root_ / "a/report.json")
+            << R"({"shot_file": "x.shot.json", "size": [8, 4], "by_frame": [{"frame": )" << number
+            << R"(, "jitter": [0, 0]}]})";
+        Diagnostics diagnostics;
+        EXPECT_EQ(read_rendered_frames(root_ / "a", diagnostics).has_value(), fits);
+    }
+    std::ofstream(root_ / "a/visibility.4294967300.exr");
+    Diagnostics diagnostics;
+    EXPECT_EQ(visibility_frames(root_ / "a", diagnostics), (std::vector<uint32_t>{3, 4}));
 }
 
 TEST_F(Compare, MissingPartsAreErrorsWithNames) {

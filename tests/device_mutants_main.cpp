@@ -16,6 +16,7 @@
 #include <exception>
 #include <filesystem>
 
+#include "app/pipeline_file.h"
 #include "app/session.h"
 #include "tests/plan_mutants.h"
 #include "tests/test_scene.h"
@@ -39,12 +40,23 @@ struct Word {
 
 using Outputs = std::vector<std::vector<std::byte>>;
 
+// With a second lamp for a pipeline of several.
+Shot shot_for(const std::string& pipeline) {
+    Shot shot = plaza_shot(size, frames);
+    if (!pipeline.starts_with("lights")) return shot;
+    ShotLight& other = shot.lights["other"] = shot.lights.at("lamp");
+    other.keys.front().position = {-1, 2, 0.5};
+    return shot;
+}
+
 class Runs {
   public:
     Runs(const std::string& pipeline, bool poisoned)
         : device_({"", !poisoned}), poison_(poisoned ? std::optional(1u) : std::nullopt) {
-        const CheckedPipeline checked = shadow_pipeline_file(pipeline);
-        const Shot shot = plaza_shot(size, frames);
+        const Shot shot = shot_for(pipeline);
+        const auto opened = open_pipeline(pipeline, {}, test_nodes(), &shot, "");
+        if (!opened) throw std::runtime_error("cannot be opened");
+        const CheckedPipeline& checked = *opened;
         SessionOptions options;
         options.size = size;
         options.captures = checked.output_names();

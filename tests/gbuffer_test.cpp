@@ -356,6 +356,18 @@ TEST_F(GBufferTest, EmptySceneIsSky) {
     EXPECT_TRUE(std::ranges::all_of(image.depth, [](float d) { return d == 0; }));
 }
 
+TEST(Device, RefusesBuffersThatItDoesNotHold) {
+    const Device device({.name = {}, .validation = true});
+    try {
+        make_host_buffer(device, device.largest_buffer() + 1, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "a sky");
+        ADD_FAILURE() << "is made";
+    } catch (const DeviceError& error) {
+        EXPECT_EQ(error.what(), fmt::format("a sky: {} bytes, the device's buffers hold {}",
+                                            device.largest_buffer() + 1, device.largest_buffer()));
+    }
+    EXPECT_EQ(device.message_count(), 0u);
+}
+
 // Zero messages mean something only if a mistake makes one.
 TEST(Device, MessengerHearsTheValidationLayer) {
     Device device({.name = {}, .validation = true});

@@ -89,6 +89,14 @@ TEST_F(Instances, AnOptionalOutputIsItsInstancesWhereSomebodyAsks) {
     EXPECT_TRUE(run(pipeline(), {"outputs=[\"visibility_b\"]"})) << diagnostics_.text();
 }
 
+// Whoever reads a shared thing does not get the output of that name instead.
+TEST_F(Instances, AnOptionalOutputTakesNobodysName) {
+    EXPECT_FALSE(run(pipeline(), {"inputs.debug={}", R"(nodes.filter0.in.signal="debug")"}));
+    EXPECT_NE(diagnostics_.text().find("nodes.classify_a.out.debug: \"debug\" is a host input"),
+              std::string::npos)
+        << diagnostics_.text();
+}
+
 TEST_F(Instances, SettingsAreForEach) {
     const auto checked = run(pipeline(R"(, "resources": {"half": {"first": "clear"}})"));
     ASSERT_TRUE(checked) << diagnostics_.text();

@@ -134,5 +134,29 @@ TEST_F(LightsBudget, AFaintLightWaits) {
     EXPECT_GT(after, 0.001) << "nobody is forgotten";
 }
 
+// With few rays most tiles would get less than one of a faint lamp: each gets one now and then.
+TEST_F(LightsBudget, NoTileOfAFaintLightWaitsForever) {
+    Shot shot = shot_named("lights/interior");
+    std::erase_if(shot.lights,
+                  [](const auto& light) { return light.first != "bulb" && light.first != "tube"; });
+    for (auto& key : shot.lights.at("tube").keys) key.power *= 0.05;
+    LightsRun run(shot, "lights_shadows", {"nodes.pilots.params.rays_per_frame=0.05"}, captures_of(shot));
+    std::vector<bool> asked;
+    std::vector<uint32_t> surfaces;
+    for (uint32_t frame = 0; frame < 24; ++frame) {
+        run.frame(frame);
+        const auto words = captured<uint32_t>(run.view(), "ray_words_tube");
+        surfaces = captured<uint32_t>(run.view(), "sunward_words_tube");
+        asked.resize(words.size());
+        for (size_t tile = 0; tile < words.size(); ++tile) asked[tile] = asked[tile] || words[tile] != 0;
+    }
+    size_t tiles = 0, waiting = 0;
+    for (size_t tile = 0; tile < surfaces.size(); ++tile) {
+        tiles += surfaces[tile] != 0;
+        waiting += surfaces[tile] != 0 && !asked[tile];
+    }
+    EXPECT_LT(waiting * 4, tiles);
+}
+
 }  // namespace
 }  // namespace penumbra::test

@@ -430,7 +430,14 @@ TEST_F(ReportPart, IsGoneWithItsImagesOrWhereItIsNotWhole) {
     EXPECT_FALSE(found());
     write("parts/shot.hall.json", R"({"key": ")");
     EXPECT_FALSE(found());
-    write("parts/shot.hall.json", R"({"key": ")" + name(parts()).key + "\"}");
+    const std::string key = R"({"key": ")" + name(parts()).key + '"';
+    for (const std::string rest :
+         {"", R"(, "part": 1)", R"(, "part": {"shots": [1], "results": []})", R"(, "part": {"shots": []})",
+          R"(, "part": {"shots": [], "results": [{"images": [[]]}]})"}) {
+        write("parts/shot.hall.json", key + rest + "}");
+        EXPECT_FALSE(found()) << rest;
+    }
+    write("parts/shot.hall.json", R"({"key": 3, "part": {}})");
     EXPECT_FALSE(found());
 }
 

@@ -105,6 +105,22 @@ TEST(TraceBackend, TheTreeIsFetchedOrLoadedFromTheSameSlots) {
     }
 }
 
+// A device whose texel buffers are small reads them as plain ones, whatever it is faster at.
+TEST(TraceBackend, NoTexelsAreBoundWhereTheyAreFew) {
+    for (const bool loads : {false, true}) {
+        SCOPED_TRACE(loads);
+        DeviceTable device = table(true, false);
+        device.loads_texels = loads;
+        device.max_texel_elements = 65536;
+        Diagnostics diagnostics;
+        const CheckedPipeline raw = raw_with("bvh");
+        const auto plan = compile(raw, standalone_target(raw, device, {64, 32}, {}), {}, diagnostics);
+        ASSERT_TRUE(plan) << diagnostics.text();
+        EXPECT_TRUE(std::ranges::none_of(plan->slots,
+                                         [](const HostSlot& slot) { return slot.kind == PortKind::texels; }));
+    }
+}
+
 TEST(TraceBackend, ForcingRayQueriesOnADeviceWithoutThemIsAnError) {
     Diagnostics diagnostics;
     const CheckedPipeline raw = raw_with("ray_query");

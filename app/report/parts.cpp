@@ -102,15 +102,23 @@ Parts::Name Parts::name(std::string name, const std::vector<Shot>& shots) const 
 
 std::optional<Json> Parts::find(const Name& part) const {
     if (!fs::is_regular_file(file(part))) return std::nullopt;
-    Json json = Json::parse(text_of(file(part)), nullptr, false);
-    if (!json.is_object() || json.value("key", "") != part.key || !json.contains("part")) return std::nullopt;
-    const Json& whole = json["part"];
+    try {
+        return whole_part(part);
+    } catch (const Json::exception&) {  // which something else has written
+        return std::nullopt;
+    }
+}
+
+std::optional<Json> Parts::whole_part(const Name& part) const {
+    const Json json = Json::parse(text_of(file(part)));
+    if (json.at("key") != part.key) return std::nullopt;
+    const Json& whole = json.at("part");
     std::vector<std::string> images;
     for (const Json& shot : whole.at("shots"))
         for (const char* image : {"reference_image", "motion_image"})
-            if (!shot.at(image).is_null()) images.push_back(shot.at(image));
+            if (!shot.at(image).is_null()) images.push_back(shot.at(image).get<std::string>());
     for (const Json& row : whole.at("results"))
-        for (const Json& image : row.at("images")) images.push_back(image);
+        for (const Json& image : row.at("images")) images.push_back(image.get<std::string>());
     for (const std::string& image : images)
         if (!fs::is_regular_file(folder_ / image)) return std::nullopt;
     return whole;

@@ -38,6 +38,8 @@ class Parts {
 
   private:
     std::filesystem::path file(const Name& part) const;
+    // find() of a file that is there; throws where it is another's.
+    std::optional<nlohmann::ordered_json> whole_part(const Name& part) const;
 
     std::filesystem::path folder_;
     std::string common_;  // what all parts depend on

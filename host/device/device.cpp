@@ -267,9 +267,14 @@ void Device::pick_physical_device(const std::string& wish) {
 void Device::create_device(const DeviceOptions& options) {
     bool timestamps = false;
     queue_family_ = *find_queue_family(physical_, &timestamps);
-    VkPhysicalDeviceProperties properties{};
-    vkGetPhysicalDeviceProperties(physical_, &properties);
-    limits_ = properties.limits;
+    VkPhysicalDeviceMaintenance3Properties allocation{
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+    VkPhysicalDeviceMaintenance4Properties buffer{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES,
+                                                  &allocation};
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &buffer};
+    vkGetPhysicalDeviceProperties2(physical_, &properties);
+    limits_ = properties.properties.limits;
+    largest_buffer_ = std::min(buffer.maxBufferSize, allocation.maxMemoryAllocationSize);
     vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
 
     const bool may_query_rays = has_extensions(physical_, ray_query_extensions);

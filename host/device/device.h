@@ -68,6 +68,7 @@ class Device {
     const DeviceInfo& info() const { return info_; }
     const DeviceCaps& caps() const { return caps_; }
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
+    VkDeviceSize largest_buffer() const { return largest_buffer_; }  // bytes
     const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
     std::span<const char* const> extensions() const { return extensions_; }  // enabled on the device
 
@@ -97,6 +98,7 @@ class Device {
     DeviceInfo info_;
     DeviceCaps caps_;
     VkPhysicalDeviceLimits limits_{};
+    VkDeviceSize largest_buffer_ = 0;
     VkPhysicalDeviceMemoryProperties memory_{};
     std::vector<const char*> extensions_;
     Owned<VkCommandPool> pool_;

@@ -39,6 +39,10 @@ Owned<VkDeviceMemory> allocate(const Device& device, const VkMemoryRequirements&
 
 GpuBuffer make_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage,
                       VkMemoryPropertyFlags properties, std::string_view what) {
+    // Drivers may take more than they say, and give less than was asked for.
+    if (bytes > device.largest_buffer())
+        throw DeviceError(
+            fmt::format("{}: {} bytes, the device's buffers hold {}", what, bytes, device.largest_buffer()));
     GpuBuffer result;
     result.bytes = bytes;
     VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};

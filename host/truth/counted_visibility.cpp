@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The triangles that may hide a part of the sun are found once per point; every direction is then asked of
-// each of them, by the signs of three determinants. A direction on an edge that two triangles share has the
-// same determinant in both up to its sign, so that no direction slips between them.
+// The triangles that may hide a part of the sun are found once per point; every direction near one of them is
+// then asked of it, by the signs of three determinants. A direction on an edge that two triangles share has
+// the same determinant in both up to its sign, so that no direction slips between them.
 #include "host/truth/counted_visibility.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
+#include <span>
 
 #include "host/generated/noise.h"
 #include "host/truth/concentric_disc.h"
@@ -48,17 +48,48 @@ glm::dvec3 nearest_to_origin(const Corners& v) {
     return a + at_b / sum * ab + at_c / sum * ac;
 }
 
+// Directions in strata that lie together, and how far they are from their axis; those that are still free.
+struct Bundle {
+    std::span<glm::dvec3> free;
+    glm::dvec3 axis{0};
+    double reach = 0;
+
+    explicit Bundle(std::span<glm::dvec3> directions) : free(directions) {
+        for (const glm::dvec3& d : free) axis += d;
+        axis /= static_cast<double>(free.size());
+        double reach2 = 0;
+        for (const glm::dvec3& d : free) reach2 = std::max(reach2, glm::dot(d - axis, d - axis));
+        reach = std::sqrt(reach2) + 0x1p-48;  // what products round by, with room
+    }
+    // As many as were erased.
+    size_t erase_if(const auto& hidden) {
+        const auto left = std::remove_if(free.begin(), free.end(), hidden);
+        const auto gone = static_cast<size_t>(free.end() - left);
+        free = free.first(free.size() - gone);
+        return gone;
+    }
+};
+
 // Determinants of a direction with two corners each, of the sign of the triangle's height over the origin:
 // all are positive where the direction meets the triangle ahead.
 struct Lines {
     std::array<glm::dvec3, 3> line;
+    std::array<double, 3> length;
 
     Lines(const Corners& v, double height) {
         for (size_t i = 0; i < 3; ++i) {
             line[i] = glm::cross(v[(i + 1) % 3], v[(i + 2) % 3]);
             if (height < 0) line[i] = -line[i];
+            length[i] = glm::length(line[i]);
         }
     }
+    // Whether one weight is negative for every direction that is within `reach` of the axis.
+    bool beside(const glm::dvec3& axis, double reach) const {
+        for (size_t i = 0; i < 3; ++i)
+            if (glm::dot(line[i], axis) < -reach * length[i]) return true;
+        return false;
+    }
+    bool beside(const Bundle& bundle) const { return beside(bundle.axis, bundle.reach); }
     glm::dvec3 weights(const glm::dvec3& d) const {
         return {glm::dot(line[0], d), glm::dot(line[1], d), glm::dot(line[2], d)};
     }
@@ -88,20 +119,34 @@ glm::dmat3 frame_around(const glm::dvec3& axis) {
     return {x, glm::cross(axis, x), axis};
 }
 
+struct Directions {
+    std::vector<glm::dvec3> all;
+    std::vector<Bundle> bundles;  // of `all`
+};
+
 // By the cap's equal-area map: 1 - cos(t) = 2 r^2 sin^2(a / 2) for the disc's radius r, with nothing that
-// cancels for a small sun.
-std::vector<glm::dvec3> directions(const SunStrata& sun) {
+// cancels for a small sun. About as many bundles as directions in each.
+Directions directions(const SunStrata& sun) {
     const glm::dmat3 axes = frame_around(sun.to_sun);
     const double h = std::sin(0.5 * sun.angular_radius);
-    std::vector<glm::dvec3> out;
-    out.reserve(size_t{sun.side} * sun.side);
-    for (uint32_t i = 0; i < sun.side * sun.side; ++i) {
-        const uint32_t first = pcg(sun.seed + pcg(i)), second = pcg(first);
-        const glm::dvec2 disc = concentric_disc((i % sun.side + first * 0x1p-32) / sun.side,
-                                                (i / sun.side + second * 0x1p-32) / sun.side);
+    const auto direction = [&](uint32_t x, uint32_t y) {
+        const uint32_t first = pcg(sun.seed + pcg(y * sun.side + x)), second = pcg(first);
+        const glm::dvec2 disc =
+            concentric_disc((x + first * 0x1p-32) / sun.side, (y + second * 0x1p-32) / sun.side);
         const double v = 2 * h * h * glm::dot(disc, disc);
-        out.push_back(axes * glm::dvec3(disc * (h * std::sqrt(2 * (2 - v))), 1 - v));
-    }
+        return axes * glm::dvec3(disc * (h * std::sqrt(2 * (2 - v))), 1 - v);
+    };
+    Directions out;
+    out.all.reserve(size_t{sun.side} * sun.side);
+    const auto width = static_cast<uint32_t>(std::ceil(std::sqrt(sun.side)));
+    for (uint32_t y0 = 0; y0 < sun.side; y0 += width)
+        for (uint32_t x0 = 0; x0 < sun.side; x0 += width) {
+            const size_t first = out.all.size();
+            for (uint32_t y = y0; y < std::min(y0 + width, sun.side); ++y)
+                for (uint32_t x = x0; x < std::min(x0 + width, sun.side); ++x)
+                    out.all.push_back(direction(x, y));
+            out.bundles.emplace_back(std::span(out.all).subspan(first));
+        }
     return out;
 }
 
@@ -113,10 +158,7 @@ std::optional<Lines> lines_before(const Triangle& triangle, const glm::dvec3& at
     const double height = height_over_origin(v);
     if (in_plane_of_origin(v, height, at)) return std::nullopt;
     const Lines lines(v, height);
-    const auto beside = [&](const glm::dvec3& line) {
-        return glm::dot(line, sun.to_sun) < -sine * glm::length(line);
-    };
-    if (std::ranges::any_of(lines.line, beside)) return std::nullopt;
+    if (lines.beside(sun.to_sun, sine)) return std::nullopt;
     return lines;
 }
 
@@ -207,28 +249,44 @@ CountedVisibility::Seen CountedVisibility::seen(const SurfacePoint& point, const
         translucents_ ? translucent_.before(point, sun, std::nullopt) : std::vector<uint32_t>{};
     if (opaque.empty() && coloured.empty() && leaves_by > sine) return {1, glm::dvec3(1)};
 
-    std::vector<glm::dvec3> free = directions(sun);
-    const auto all = static_cast<double>(free.size());
-    std::erase_if(free, [&](const glm::dvec3& d) { return glm::dot(point.normal, d) <= 0; });
+    Directions sky = directions(sun);
+    size_t free = sky.all.size();
+    for (Bundle& bundle : sky.bundles)
+        free -= bundle.erase_if([&](const glm::dvec3& d) { return glm::dot(point.normal, d) <= 0; });
     for (const uint32_t index : opaque) {
+        if (free == 0) break;
         const auto lines = lines_before(opaque_.triangles[index], point.at, sun, sine);
         if (!lines) continue;
         const uint32_t record = alpha_ ? alpha_->record_of[index] : 0;
-        std::erase_if(free, [&](const glm::dvec3& d) {
+        const auto hidden = [&](const glm::dvec3& d) {
             const glm::dvec3 w = lines->weights(d);
             return is_inside(w) && (record == 0 || alpha_->blocks(record - 1, of_corners(w)));
-        });
-        if (free.empty()) break;
+        };
+        for (Bundle& bundle : sky.bundles)
+            if (!lines->beside(bundle)) free -= bundle.erase_if(hidden);
     }
-    const double visibility = static_cast<double>(free.size()) / all;
+    const auto count = static_cast<double>(sky.all.size());
+    const double visibility = static_cast<double>(free) / count;
     if (coloured.empty()) return {visibility, glm::dvec3(visibility)};
-    std::vector<glm::dvec3> light(free.size(), glm::dvec3(1));
-    for (const uint32_t index : coloured)
-        if (const auto lines = lines_before(translucent_.triangles[index], point.at, sun, sine))
-            for (size_t i = 0; i < free.size(); ++i)
-                if (const glm::dvec3 w = lines->weights(free[i]); is_inside(w))
-                    light[i] *= translucents_->transmittance(index, of_corners(w));
-    return {visibility, std::accumulate(light.begin(), light.end(), glm::dvec3(0)) / all};
+    std::vector<glm::dvec3> light(sky.all.size(), glm::dvec3(1));
+    const auto light_of = [&](const Bundle& bundle) {
+        return std::span(light).subspan(static_cast<size_t>(bundle.free.data() - sky.all.data()),
+                                        bundle.free.size());
+    };
+    for (const uint32_t index : coloured) {
+        const auto lines = lines_before(translucent_.triangles[index], point.at, sun, sine);
+        if (!lines) continue;
+        for (const Bundle& bundle : sky.bundles) {
+            if (lines->beside(bundle)) continue;
+            for (size_t i = 0; i < bundle.free.size(); ++i)
+                if (const glm::dvec3 w = lines->weights(bundle.free[i]); is_inside(w))
+                    light_of(bundle)[i] *= translucents_->transmittance(index, of_corners(w));
+        }
+    }
+    glm::dvec3 sum(0);
+    for (const Bundle& bundle : sky.bundles)
+        for (const glm::dvec3& arriving : light_of(bundle)) sum += arriving;
+    return {visibility, sum / count};
 }
 
 }  // namespace penumbra
