@@ -3,8 +3,8 @@
 // them is met. They have a tree of their own (host/scene/scene_translucents.h), which the walk of common/bvh_path.glsl goes through
 // while in_translucents is set, and with the backend bvh the scene's tree while it is not.
 //
-// Includer declares: uniform usamplerBuffer translucents, translucent_texels; constant BACKEND; what common/bvh.glsl or
-// common/ray_query.glsl needs.
+// Includer declares: uniform usamplerBuffer translucents, translucent_texels; constants BACKEND and HAS_TRANSLUCENTS; what
+// common/bvh.glsl or common/ray_query.glsl needs.
 bool in_translucents = false;
 
 #if BACKEND == BACKEND_BVH
@@ -20,12 +20,12 @@ uvec4 opaque_leaf_texel(int texel) { return uvec4(0u); }
 #endif
 
 uvec4 scene_node_texel(int texel) {
-    if (in_translucents) return texelFetch(translucents, 1 + texel);
+    if (HAS_TRANSLUCENTS && in_translucents) return texelFetch(translucents, 1 + texel);
     return opaque_node_texel(texel);
 }
 
 uvec4 scene_leaf_texel(int texel) {
-    if (in_translucents) return texelFetch(translucents, int(texelFetch(translucents, 0).x) + texel);
+    if (HAS_TRANSLUCENTS && in_translucents) return texelFetch(translucents, int(texelFetch(translucents, 0).x) + texel);
     return opaque_leaf_texel(texel);
 }
 
