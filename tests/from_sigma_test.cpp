@@ -68,8 +68,8 @@ std::vector<float> radii_of(const Rays& rays) {
 
 CheckedPipeline pipeline(const std::string& file, const std::vector<std::string>& settings) {
     Diagnostics diagnostics;
-    const auto read = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / file, settings,
-                                    diagnostics);
+    const auto read =
+        load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / file, settings, diagnostics);
     auto result = read ? check(*read, test_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
@@ -96,8 +96,7 @@ class Wall {
   private:
     static ViewRunOptions options(const std::string& file) {
         ViewRunOptions options;
-        options.formats = {
-            {"depth", Format::r32f}, {"normal", Format::rgba32f}, {"motion", Format::rgba16f}};
+        options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba32f}, {"motion", Format::rgba16f}};
         if (file == "denoise_sigma.json") options.formats["penumbra"] = Format::r32f;
         return options;
     }

@@ -17,5 +17,6 @@ bool of_a_kind(float a, float b) { return (a == 0.0) == (b == 0.0); }
 // Radius in pixels of a penumbra of `radius_px`, scaled: tiny ones keep their size, others are left 2 pixels at least.
 float kernel_radius(float radius_px, float scale) { return clamp(radius_px * scale, min(radius_px, 2.0), MAX_RADIUS_PX); }
 
-// The square of an image's value: eight bits spend more of their steps on what is dark.
-float decoded(float s) { return s * s; }
+// The square of an image's values: eight bits spend more of their steps on what is dark. A shadow is the visibility and the
+// colour of what arrives; where there is none, four times the same, which compilers do once.
+vec4 decoded(vec4 s) { return s * s; }
