@@ -41,7 +41,7 @@ constexpr double color_eps = 1e-3;
 
 void add_colors(const fs::path& folder, const CompareArguments& arguments, uint32_t frame, ColorErrors& sums,
                 Diagnostics& diagnostics) {
-    const fs::path image_file = file_of(folder, arguments.signal, frame),
+    const fs::path image_file = file_of_image(folder, arguments, frame),
                    truth_file = file_of(arguments.reference, arguments.signal, frame);
     const auto image = read_exr(image_file, diagnostics), truth = read_exr(truth_file, diagnostics);
     if (!image || !truth || !same_size(*image, *truth, image_file, diagnostics)) return;

@@ -6,12 +6,15 @@
 #include <cstring>
 #include <functional>
 #include <glm/gtc/type_ptr.hpp>
+#include <numeric>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "app/reference_pipeline.h"
 #include "host/generated/noise.h"
 #include "host/scene/scene_alpha.h"
+#include "host/scene/scene_translucents.h"
 #include "host/truth/coverage.h"
 #include "host/truth/light_visibility.h"
 #include "penumbra/shadow_nodes.h"
@@ -36,6 +39,52 @@ struct Receiver {
     bool reached = false;
 };
 
+// Of a receiver's rays.
+struct Rays {
+    uint32_t all = 0, lit = 0;
+    glm::dvec3 light{0};           // the sum of what each brings, of 1
+    glm::dvec3 least{1}, most{0};  // of one of them
+
+    void add(const glm::dvec3& brought) {
+        ++all;
+        light += brought;
+        least = glm::min(least, brought);
+        most = glm::max(most, brought);
+    }
+};
+
+// Triangles that let a part of the light through, in a tree.
+class TranslucentTriangles {
+  public:
+    TranslucentTriangles(const Scene& scene, double frame)
+        : translucents_(make_scene_translucents(scene)),
+          triangles_(scene.translucent_triangles(frame)),
+          bvh_(build_bvh(triangles_)) {
+        std::vector<uint32_t> record_of(triangles_.size());
+        std::iota(record_of.begin(), record_of.end(), 1u);
+        leaf_words_ = record_leaf_words(record_of, bvh_, triangles_);
+    }
+
+    // The product over all that the ray meets: none of them ends it.
+    glm::dvec3 transmittance(const Ray& ray) const {
+        glm::dvec3 product(1);
+        occluded(bvh_, ray, nullptr, [&](uint32_t leaf, uint32_t which, const std::array<float, 3>& areas) {
+            const uint32_t word = leaf_words_[leaf][which], i0 = word & 3, i1 = word >> 2 & 3;
+            const double sum = double(areas[0]) + double(areas[1]) + double(areas[2]);
+            product *= translucents_.transmittance(
+                (word >> 4) - 1, {areas[i0] / sum, areas[i1] / sum, areas[3 - i0 - i1] / sum});
+            return false;
+        });
+        return product;
+    }
+
+  private:
+    SceneTranslucents translucents_;
+    std::vector<Triangle> triangles_;
+    Bvh bvh_;
+    std::vector<std::array<uint32_t, 2>> leaf_words_;
+};
+
 // The scene and the light of one frame, in the frame of the tree.
 class Frame {
   public:
@@ -47,30 +96,36 @@ class Frame {
           alpha_(make_scene_alpha(session.host().scene())),
           leaf_words_(alpha_leaf_words(alpha_, bvh_, triangles_)),
           has_alpha_(has_alpha(session.host().scene())),
-          no_noise_(16384) {}
+          no_noise_(16384) {
+        if (session.host().scene().has_translucent())
+            translucents_.emplace(session.host().scene(), session.host().moment(frame));
+    }
+
+    bool has_translucent() const { return translucents_.has_value(); }
 
     Receiver receiver(uint32_t x, uint32_t y, float depth, std::array<float, 2> normal) const {
         const CoverageReceiver r = coverage_receiver(standalone_, 0, no_noise_, {{x, y}, depth, normal});
         return {r.start, r.normal, light_.reaches(r.start)};
     }
 
-    uint32_t lit_rays(const Receiver& r, uint32_t side, uint32_t seed) const {
+    Rays rays(const Receiver& r, uint32_t side, uint32_t seed) const {
         const AlphaTest test = has_alpha_ ? alpha_test(alpha_, leaf_words_) : AlphaTest{};
-        uint32_t lit = 0;
+        Rays out;
         for (uint32_t i = 0; i < side * side; ++i) {
             const uint32_t a = pcg(i + pcg(seed)), b = pcg(a);
             const glm::dvec2 u((i % side + a * 0x1p-32) / side, (i / side + b * 0x1p-32) / side);
             const glm::dvec3 way = light_.target(r.start, u) - r.start;
-            if (glm::dot(way, r.normal) <= 0) continue;
             Ray ray{};
             for (int c = 0; c < 3; ++c) {
                 ray.origin[c] = static_cast<float>(r.start[c]);
                 ray.direction[c] = static_cast<float>(way[c]);
             }
             ray.t_max = static_cast<float>(1 - housing);
-            lit += !occluded(bvh_, ray, nullptr, test);
+            const bool lit = glm::dot(way, r.normal) > 0 && !occluded(bvh_, ray, nullptr, test);
+            out.lit += lit;
+            out.add(!lit ? glm::dvec3(0) : translucents_ ? translucents_->transmittance(ray) : glm::dvec3(1));
         }
-        return lit;
+        return out;
     }
 
   private:
@@ -88,6 +143,7 @@ class Frame {
     std::vector<std::array<uint32_t, 2>> leaf_words_;
     bool has_alpha_;
     std::vector<uint32_t> no_noise_;
+    std::optional<TranslucentTriangles> translucents_;
 };
 
 // `step`: on this thread, of rows that are done or under way.
@@ -125,9 +181,10 @@ class LightPixels : public PixelTruth {
         return receivers_[p].reached ? Sight::receiver : Sight::nothing;
     }
     Seen seen(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const override {
-        const uint32_t lit = frame_.lit_rays(receivers_[size_t{y} * width_ + x], side, seed);
-        return {double(lit) / (double(side) * side)};
+        const Rays rays = frame_.rays(receivers_[size_t{y} * width_ + x], side, seed);
+        return {double(rays.lit) / rays.all, rays.light / double(rays.all)};
     }
+    bool coloured() const override { return frame_.has_translucent(); }
 
   private:
     uint32_t width_;
@@ -173,46 +230,48 @@ Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays,
     const uint32_t seed = pcg(session.seed());
 
     std::vector<Receiver> receivers(pixels);
-    std::vector<uint32_t> probed(pixels);
+    std::vector<Rays> probed(pixels);
     on_all_cores(height, [&](uint32_t y) {
         for (uint32_t x = 0; x < width; ++x) {
             const size_t p = size_t{y} * width + x;
             if (!(depth[p] > 0)) continue;
             receivers[p] = frame.receiver(x, y, depth[p], {normal[2 * p], normal[2 * p + 1]});
             if (receivers[p].reached)
-                probed[p] = frame.lit_rays(receivers[p], probe_side, pcg(uint32_t(p) + seed));
+                probed[p] = frame.rays(receivers[p], probe_side, pcg(uint32_t(p) + seed));
         }
     });
     const auto agree_around = [&](uint32_t x, uint32_t y) {
-        bool lit = false, dark = false;
+        glm::dvec3 least(1), most(0);
         for (int dy = -probe_reach; dy <= probe_reach; ++dy)
             for (int dx = -probe_reach; dx <= probe_reach; ++dx) {
                 const int64_t qx = int64_t{x} + dx, qy = int64_t{y} + dy;
                 if (qx < 0 || qy < 0 || qx >= width || qy >= height) continue;
                 const size_t q = size_t(qy) * width + size_t(qx);
                 if (!receivers[q].reached) continue;
-                lit = lit || probed[q] > 0;
-                dark = dark || probed[q] < probe_side * probe_side;
+                least = glm::min(least, probed[q].least);
+                most = glm::max(most, probed[q].most);
             }
-        return !(lit && dark);
+        return least == most;
     };
 
     Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
-    const uint32_t many = rays_cast(rays), side = static_cast<uint32_t>(std::lround(std::sqrt(many)));
+    if (frame.has_translucent()) truth.transmittance.fill(std::vector<float>(pixels, 1));
+    const auto side = static_cast<uint32_t>(std::lround(std::sqrt(rays_cast(rays))));
     on_all_cores(
         height,
         [&](uint32_t y) {
             for (uint32_t x = 0; x < width; ++x) {
                 const size_t p = size_t{y} * width + x;
                 if (!receivers[p].reached) continue;
-                uint32_t lit = probed[p], all = probe_side * probe_side;
-                if (!agree_around(x, y)) {
-                    lit = frame.lit_rays(receivers[p], side, pcg(uint32_t(p) + seed + 1));
-                    all = many;
-                }
-                truth.visibility[p] = static_cast<float>(double(lit) / all);
+                const Rays cast = agree_around(x, y)
+                                      ? probed[p]
+                                      : frame.rays(receivers[p], side, pcg(uint32_t(p) + seed + 1));
+                truth.visibility[p] = static_cast<float>(double(cast.lit) / cast.all);
                 truth.receiver[p] = 1;
-                truth.rays[p] = static_cast<float>(all);
+                truth.rays[p] = static_cast<float>(cast.all);
+                for (size_t c = 0; c < 3 && frame.has_translucent(); ++c)
+                    truth.transmittance[c][p] =
+                        static_cast<float>(cast.light[static_cast<glm::length_t>(c)] / cast.all);
             }
         },
         step);

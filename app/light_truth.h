@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The true visibility of a light that is near, of one frozen frame, by many rays.
+// The true visibility of a light that is near, of one frozen frame, by many rays, and its colour behind what
+// is translucent.
 #pragma once
 
 #include "app/truth.h"

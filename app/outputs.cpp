@@ -45,10 +45,11 @@ std::vector<std::string> channel_names(const std::string& resource, Format forma
     return vectors ? std::vector<std::string>{"X", "Y", "Z"} : std::vector<std::string>{"R", "G", "B"};
 }
 
-// Three channels of floats that are no vectors are radiance; but for what is a share of it.
+// Three channels of floats that are no vectors are radiance; but for what is a share of it, of one light or
+// several.
 bool is_light(const std::string& resource, Format format) {
     return info(format).kind == FormatClass::real && channel_names(resource, format)[0] == "R" &&
-           resource != "transmittance";
+           !resource.starts_with("transmittance");
 }
 
 // The image that a buffer of words stands for: tiles of 8x4 or 8x8 pixels where the count says so, else one

@@ -191,6 +191,10 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
 }  // namespace
 
 int run_reference(const ReferenceArguments& arguments) {
+    if (arguments.signal != "visibility" && !arguments.light.empty()) {
+        std::cerr << "--light: is of visibility alone, and --signal asks for " << arguments.signal << "\n";
+        return exit_wrong;
+    }
     Diagnostics diagnostics;
     const auto job = prepare(arguments, diagnostics);
     if (!diagnostics.empty()) std::cerr << diagnostics.text();

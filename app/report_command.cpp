@@ -252,6 +252,10 @@ void write_text(const fs::path& file, const std::string& text) {
 }  // namespace
 
 int run_report(const ReportArguments& arguments) {
+    if (arguments.signal != "visibility" && !arguments.light.empty()) {
+        std::cerr << "--light: is of visibility alone, and --signal asks for " << arguments.signal << "\n";
+        return exit_wrong;
+    }
     if (arguments.signal != "visibility") return run_radiance_report(arguments);
     const auto nodes = open_nodes(arguments.node_folders);
     if (!nodes) return exit_wrong;

@@ -24,7 +24,7 @@ std::vector<uint32_t> frames_there(const CompareArguments& arguments, Diagnostic
     }
     for (uint32_t frame = 0; frame < most_frames; ++frame)
         if (fs::exists(file_of(arguments.reference, arguments.signal, frame)) &&
-            fs::exists(file_of(arguments.image, arguments.signal, frame)))
+            fs::exists(file_of_image(arguments.image, arguments, frame)))
             frames.push_back(frame);
     if (frames.empty())
         diagnostics.add({arguments.reference, 0, 0}, arguments.signal,
@@ -38,12 +38,20 @@ fs::path file_of(const fs::path& folder, const std::string& signal, uint32_t fra
     return folder / fmt::format("{}.{:04}.exr", signal, frame);
 }
 
+fs::path file_of_image(const fs::path& folder, const CompareArguments& arguments, uint32_t frame) {
+    if (arguments.light.empty()) return file_of(folder, arguments.signal, frame);
+    const fs::path image = file_of(folder, arguments.signal + "_" + arguments.light, frame);
+    return fs::exists(image) ? image : file_of(folder, arguments.signal + "s." + arguments.light, frame);
+}
+
 std::optional<std::vector<uint32_t>> frames_to_compare(const CompareArguments& arguments,
                                                        Diagnostics& diagnostics) {
     for (const auto& [given, option] :
          {std::pair{!arguments.mask.empty(), "--mask"}, std::pair{arguments.border > 0, "--border"},
           std::pair{!arguments.whole_rays.empty(), "--whole-rays"}})
         if (given) diagnostics.add({}, option, "is of visibility alone");
+    if (!arguments.light.empty() && arguments.signal != "transmittance")
+        diagnostics.add({}, "--light", "is of visibility and transmittance alone");
     if (!diagnostics.empty()) return std::nullopt;
     auto frames = frames_there(arguments, diagnostics);
     return diagnostics.empty() ? std::optional(std::move(frames)) : std::nullopt;

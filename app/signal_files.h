@@ -15,6 +15,10 @@ namespace penumbra {
 
 std::filesystem::path file_of(const std::filesystem::path& folder, const std::string& signal, uint32_t frame);
 
+// Of what was rendered: where lights have one each, of `--light`, an image of its own or a layer.
+std::filesystem::path file_of_image(const std::filesystem::path& folder, const CompareArguments& arguments,
+                                    uint32_t frame);
+
 // Those that are asked for, else those that both folders have. An option that is of visibility alone is an
 // error.
 std::optional<std::vector<uint32_t>> frames_to_compare(const CompareArguments& arguments,

@@ -12,7 +12,7 @@ struct Truth {
     std::vector<float> visibility, receiver, rays;
     // Pixels that show a surface of which no triangle was found where it was drawn: no receivers.
     size_t lost = 0;
-    // Where a scene has translucent triangles, red, green, blue of what arrives of the sun.
+    // Where a scene has translucent triangles, red, green, blue of what arrives of the light.
     std::array<std::vector<float>, 3> transmittance = {};
 };
 

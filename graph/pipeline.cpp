@@ -28,6 +28,21 @@ struct ChainLink {
     std::string file, identity;
 };
 
+// A merge patch takes away what it says null of. Of a port null is a value, unbound, and stays.
+void unbind(Json& merged, const Json& patch) {
+    const Json *nodes = patch.find("nodes"), *to = merged.find("nodes");
+    for (size_t i = 0; nodes && to && i < nodes->members.size(); ++i) {
+        const JsonMember& node = nodes->members[i];
+        if (!to->find(node.key)) continue;
+        for (const char* ports : {"in", "out"})
+            if (const Json* wires = node.value.find(ports))
+                for (const JsonMember& wire : wires->members)
+                    if (wire.value.kind == Json::Kind::null)
+                        set_path(merged, fmt::format("nodes.{}.{}.{}", node.key, ports, wire.key), "null",
+                                 wire.key_place);
+    }
+}
+
 // Replaces `json` by what it extends, patched with it. `chain` holds the files from the first to this one.
 bool resolve_extends(Json& json, std::vector<ChainLink>& chain, Diagnostics& diagnostics) {
     const Json* extends = json.find("extends");
@@ -59,7 +74,9 @@ bool resolve_extends(Json& json, std::vector<ChainLink>& chain, Diagnostics& dia
     if (!resolve_extends(*base, chain, diagnostics)) return false;
     std::erase_if(json.members, [](const JsonMember& member) { return member.key == "extends"; });
     const Place place = json.place;
+    const Json patch = json;
     merge_patch(*base, json);
+    unbind(*base, patch);
     base->place = place;  // what is missing altogether is missing from the file that was asked for
     json = std::move(*base);
     return true;

@@ -8,8 +8,8 @@ program=${PENUMBRA:-build/release/app/penumbra}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
-# denoise.json wants a host's own rays, reference.json is what `penumbra reference` runs.
-for pipeline in ${PIPELINES:-$(ls pipelines | sed -n 's/\.json$//p' | grep -vE '^(pipeline\.schema|denoise|reference)$')}; do
+# denoise*.json want a host's own rays, reference.json is what `penumbra reference` runs.
+for pipeline in ${PIPELINES:-$(ls pipelines | sed -n 's/\.json$//p' | grep -vE '^(pipeline\.schema|denoise.*|reference)$')}; do
     for shot in ${SHOTS:-cards colonnade engine fan heightfield lamp trees}; do
         "$program" render "pipelines/$pipeline.json" --shot "scenes/$shot.shot.json" --size "${SIZE:-192x108}" \
             --frames "${FRAMES:-0..5}" --out "$out" >/dev/null

@@ -34,6 +34,21 @@ TEST_F(LightsShadows, EachMaskIsTheOneOfItsLightAlone) {
     EXPECT_FALSE(fs::exists(folder_ / "tube/visibility_bulb.0002.exr"));
 }
 
+// The sum of the masks times what each light shines, as `illuminate` has it, on what is drawn.
+TEST_F(LightsShadows, ThereIsAPictureUnderAllOfThem) {
+    render("lights_shadows --set 'outputs=[\"visibility\",\"lit\"]'", "all");
+    EXPECT_GT(read_file(folder_ / "all/lit.0002.exr").size(), 500u);
+    EXPECT_TRUE(fs::exists(folder_ / "all/visibility_panel.0002.exr"));
+}
+
+TEST_F(LightsShadows, ALightIsOfVisibilityAlone) {
+    const std::string out = " --out '" + (folder_ / "written").string() + "'";
+    const std::string said = "--light: is of visibility alone, and --signal asks for specular";
+    expect(run("report --signal specular --light panel --shots lights/interior" + out), 2, said);
+    expect(run("reference --signal specular --light panel --shot lights/interior" + out), 2, said);
+    EXPECT_FALSE(fs::exists(folder_ / "written"));
+}
+
 TEST_F(LightsShadows, AShotMustHaveLightsThatNodesCanBeNamedAfter) {
     expect(run("render lights_shadows --shot cards"), 2,
            "the pipeline takes lights that are near, and the shot has none");

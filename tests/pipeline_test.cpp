@@ -87,6 +87,26 @@ TEST_F(PipelineFiles, AVariantPatchesWhatItExtends) {
     EXPECT_TRUE(pipeline->file.ends_with("last.json"));
 }
 
+// A merge patch takes away what it says null of; of a port that would be its default wire.
+TEST_F(PipelineFiles, AVariantUnbindsPorts) {
+    write("variant.json", R"({ "extends": "base.json", "nodes": {
+  "two": { "in": { "signal": null }, "out": { "filtered": null } },
+  "three": { "type": "filter", "in": { "signal": "b", "meta": null } } } })");
+    write("last.json", R"({ "extends": "variant.json", "nodes": { "two": { "in": { "signal": "a" } } } })");
+    const auto variant = load("variant.json"), last = load("last.json");
+    ASSERT_TRUE(variant && last) << errors();
+    const auto wire = [](const std::vector<Wire>& wires, const char* port) {
+        const auto found = std::ranges::find(wires, port, &Wire::port);
+        return found == wires.end() ? "none" : found->resource;
+    };
+    EXPECT_EQ(wire(variant->nodes[1].in, "signal"), "");
+    EXPECT_EQ(wire(variant->nodes[1].out, "filtered"), "");
+    EXPECT_EQ(wire(variant->nodes[2].in, "signal"), "b");
+    EXPECT_EQ(wire(variant->nodes[2].in, "meta"), "");
+    EXPECT_EQ(wire(last->nodes[1].in, "signal"), "a");
+    EXPECT_EQ(wire(last->nodes[2].in, "meta"), "");
+}
+
 TEST_F(PipelineFiles, ErrorsOfAMergedValueNameTheFileItCameFrom) {
     write("variant.json", "{ \"extends\": \"base.json\",\n  \"nodes\": { \"two\": { \"if\": 7 } } }");
     EXPECT_FALSE(load("variant.json"));

@@ -29,15 +29,36 @@ constexpr const char* denoiser = R"({ "penumbra": 1, "name": "sigma_alone",
                    "in": { "penumbra": "penumbra1", "shadow": "shadow1", "history": "stable@-1", "past_prev": "past@-1" } }
   } })";
 
+// The same of four channels.
+std::string coloured_denoiser() {
+    std::string text = denoiser;
+    const auto put = [&](const std::string& behind, const std::string& more) {
+        text.insert(text.find(behind) + behind.size(), more);
+    };
+    put(R"("given_penumbra": {})", R"(, "translucency": {})");
+    put(R"("penumbra1")", R"(, "transmittance")");
+    put(R"("sigma_alone",)",
+        R"( "resources": { "shadow0": { "format": "rgba8" }, "shadow1": { "format": "rgba8" },
+    "stable": { "format": "rgba8" } },)");
+    const auto rename = [&](const std::string& from, const std::string& to) {
+        text.replace(text.find(from), from.size(), to);
+    };
+    rename(R"("shadow": "shadow0")", R"("coloured_shadow": "shadow0")");
+    rename(R"("shadow": "shadow1", "history")", R"("coloured_shadow": "shadow1", "coloured_history")");
+    return text;
+}
+
 // A wall that faces the camera, whose penumbra radii are as given; 0 metres of depth is sky.
 struct Wall {
     std::vector<float> depth = std::vector<float>(size_t(extent.width) * extent.height, depth_m);
     std::vector<float> penumbra = std::vector<float>(depth.size(), lit);
+    std::vector<std::array<uint8_t, 4>> translucency;  // none: one channel alone is denoised
     float& at(uint32_t x, uint32_t y) { return penumbra[size_t(y) * extent.width + x]; }
 };
 
 struct Result {
     std::vector<float> visibility, mixed, radius, sky, blurred;
+    std::vector<std::vector<float>> transmittance;  // by channel
     std::vector<uint32_t> past;
 };
 
@@ -46,7 +67,9 @@ Result run(const Wall& wall, bool cpu, uint32_t frames = 1) {
     options.cpu = cpu;
     options.captures = {"view_depth"};
     options.formats["depth"] = Format::r32f;
-    ViewRun view(shadow_pipeline(denoiser), extent, options);
+    const bool coloured = !wall.translucency.empty();
+    ViewRun view(shadow_pipeline(coloured ? coloured_denoiser() : denoiser), extent, options);
+    if (coloured) view.set("translucency", wall.translucency);
     const Camera camera = camera_at({0, 0, 0}, 0, extent);
     std::vector<float> depth;  // reverse Z
     for (const float z : wall.depth) depth.push_back(z > 0 ? static_cast<float>(camera.near_m) / z : 0);
@@ -61,8 +84,12 @@ Result run(const Wall& wall, bool cpu, uint32_t frames = 1) {
             tiles[1],
             tiles[2],
             captured_planes(view.view(), "shadow1")[0],
+            coloured ? captured_planes(view.view(), "transmittance") : std::vector<std::vector<float>>{},
             captured<uint32_t>(view.view(), "past")};
 }
+
+// Rays that glass stops, or that nothing does, as SIGMA takes them.
+constexpr std::array<uint8_t, 4> clear{255, 255, 255, 255}, glass{0, 230, 89, 26}, dark{0, 0, 0, 0};
 
 // Metres that a pixel of the wall spans.
 double pixel_m() {
@@ -132,6 +159,56 @@ TEST_F(Sigma, BlursAsFarAsThePenumbraReaches) {
     };
     EXPECT_LT(spread(8), 0.12);
     EXPECT_GT(spread(0.2), 0.3);
+}
+
+// What every ray has is what arrives, through whatever passes; a tile of glass alone is no tile of darkness.
+TEST_F(Sigma, OneColourStaysWhatItIs) {
+    Wall wall;
+    wall.translucency.assign(wall.depth.size(), glass);
+    std::ranges::fill(wall.penumbra, float(6 * pixel_m()));
+    for (uint32_t y = 0; y < 16; ++y)
+        for (uint32_t x = 0; x < 16; ++x) wall.translucency[y * 75 + x] = dark;
+    const Result r = run(wall, true, 3);
+    EXPECT_EQ(r.mixed[0], 0);
+    EXPECT_EQ(std::ranges::count(r.mixed, 1.0f), 14);
+    for (uint32_t y = 34; y < 43; ++y)
+        for (uint32_t x = 50; x < 75; ++x)
+            for (size_t c = 0; c < 3; ++c)
+                ASSERT_NEAR(r.transmittance[c][y * 75 + x], glass[c + 1] / 255.0, 0.006) << x << " " << y;
+    EXPECT_EQ(std::ranges::count(r.visibility, 0.0f), 75 * 43);
+}
+
+// Half of the rays through glass, at random: channel by channel the mean comes out, as that of one does.
+TEST_F(Sigma, BlursColoursAsItBlursShadows) {
+    Wall wall, plain;
+    std::mt19937 random(3);
+    for (size_t i = 0; i < wall.depth.size(); ++i) {
+        const bool lit_ray = random() & 1;
+        wall.translucency.push_back(lit_ray ? clear : glass);
+        if (!lit_ray) wall.penumbra[i] = plain.penumbra[i] = float(8 * pixel_m());
+    }
+    const Result r = run(wall, true);
+    for (size_t c = 0; c < 3; ++c) {
+        const double t = glass[c + 1] / 255.0;
+        double sum = 0, squares = 0;
+        for (uint32_t y = 12; y < 31; ++y)
+            for (uint32_t x = 12; x < 63; ++x) {
+                const double error = double(r.transmittance[c][y * 75 + x]) - (t + (1 - t) / 2);
+                sum += error;
+                squares += error * error;
+            }
+        EXPECT_NEAR(sum / (19 * 51), 0, 0.04) << c;
+        EXPECT_LT(std::sqrt(squares / (19 * 51)), 0.12 * (1 - t) + 0.01) << c;
+    }
+    // Where glass is as dark as what is opaque, all of its channels are the one.
+    for (auto& texel : wall.translucency)
+        if (texel == glass) texel = dark;
+    const Result grey = run(wall, true, 4), before = run(plain, true, 4);
+    EXPECT_EQ(grey.visibility, before.visibility);
+    EXPECT_EQ(grey.past, before.past);
+    EXPECT_EQ(grey.transmittance[2], grey.transmittance[0]);
+    for (size_t i = 0; i < grey.visibility.size(); ++i)
+        ASSERT_NEAR(grey.transmittance[0][i], grey.visibility[i], 0.003) << i;
 }
 
 // Frames of a surface that is seen again add up to seven in the past's low bits; a tile that is sure has them

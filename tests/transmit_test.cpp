@@ -367,6 +367,60 @@ TEST_F(Transmit, WhatLetsLightThroughIsNotDrawn) {
     }
 }
 
+// What SIGMA takes for translucent shadows: the first thing on the ray, be it glass, and what that leaves.
+TEST_F(Transmit, ForSigmaGlassIsABlockerWithAColour) {
+    const glm::dvec3 color(0.9, 0.35, 0.1);
+    Model model = floor_with({glass(color)});
+    add(model, "pane", sheet(-30, 0, sheet_height), 1);
+    add(model, "above", sheet(-30, -0.5, sheet_height + 1), 0);
+    const SceneFile file("floor.glb", to_glb(model));
+    const Shot shot = shot_of(file.path());
+    Diagnostics diagnostics;
+    const auto pipeline =
+        load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/sigma_translucency.json", {}, diagnostics);
+    const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    ASSERT_TRUE(checked) << diagnostics.text();
+    SessionOptions options;
+    options.size = shot.size;
+    options.optimum = options.jitter = false;
+    options.captures = {"penumbra", "translucency", "transmittance", "view_depth"};
+    std::vector<std::string> warnings;
+    const auto session = Session::open(gpu(), nodes(), *checked, shot, options, diagnostics, warnings);
+    ASSERT_TRUE(session) << diagnostics.text();
+    session->run_frame(0, true);
+    const auto penumbra = captured<uint16_t>(*session, "penumbra");
+    const auto rays = captured<std::array<uint8_t, 4>>(*session, "translucency"),
+               seen = captured<std::array<uint8_t, 4>>(*session, "transmittance");
+    const auto depth = captured<float>(*session, "view_depth");
+    const double across = std::tan(0.5 * glm::radians(shot.vertical_fov_deg)) * width / height;
+    const std::array<uint8_t, 4> none{0, 0, 0, 0}, all{255, 255, 255, 255};
+    const double first = 0.5 * sheet_height * std::tan(radius);
+    size_t dark = 0, glassy = 0, clear = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const double x = ((double(i % width) + 0.5) / width * 2 - 1) * across * double(depth[i]),
+                     p = double(glm::detail::toFloat32(static_cast<short>(penumbra[i])));
+        if (x > 0.25) {  // beyond the pane's penumbra
+            EXPECT_EQ(rays[i], all) << i;
+            EXPECT_EQ(p, 65504) << i;
+            ++clear;
+        } else if (x < -0.85) {  // the opaque one is higher: the glass comes first
+            EXPECT_EQ(rays[i], none) << i;
+            EXPECT_NEAR(p, first, 0.01 * first) << i;
+            ++dark;
+        } else if (x > -0.2 && x < -0.15) {
+            EXPECT_EQ(rays[i][0], rays[i] == all ? 255 : 0) << i;
+            if (rays[i][0] == 0 && rays[i][1] > 0) {
+                for (size_t c = 0; c < 3; ++c)
+                    EXPECT_NEAR(rays[i][c + 1] / 255.0, color[glm::length_t(c)], stored) << i;
+                EXPECT_NEAR(p, first, 0.01 * first) << i;
+                ++glassy;
+            }
+        }
+        EXPECT_LE(seen[i][2], seen[i][0]) << i;  // never bluer than the glass
+    }
+    EXPECT_GT(std::min({dark, glassy, clear}), 50u);
+}
+
 TEST(TranslucentTruth, IsTheClosedForm) {
     const glm::dvec3 color(0.9, 0.35, 0.1);
     Model model = floor_with({glass(color)});

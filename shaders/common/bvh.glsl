@@ -4,6 +4,8 @@
 // The walk itself is common/bvh_path.glsl's. docs/bvh.md has what was measured.
 //
 // Includer declares: what common/scene_words.glsl and common/bvh_alpha.glsl need.
+#ifndef BVH_GLSL
+#define BVH_GLSL
 #include "common/bvh_alpha.glsl"
 #include "common/bvh_leaf.glsl"
 #include "common/bvh_path.glsl"
@@ -84,3 +86,4 @@ bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
     float unread = 0.0;
     return occluded_at(origin, direction, t_min, t_max, unread);
 }
+#endif

@@ -3,6 +3,8 @@
 // the same triangles in the same frame. Which triangle is at an edge is the driver's to decide; nothing else differs.
 //
 // Includer declares: uniform accelerationStructureEXT scene_tlas; what common/scene_alpha.glsl needs.
+#ifndef RAY_QUERY_GLSL
+#define RAY_QUERY_GLSL
 #include "common/scene_alpha.glsl"
 // Runs of alpha-tested triangles are instances that are not opaque and carry the number of their first record.
 #ifdef NEAREST_HIT
@@ -38,3 +40,4 @@ bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
     float unread = 0.0;
     return occluded_at(origin, direction, t_min, t_max, unread);
 }
+#endif

@@ -13,7 +13,8 @@
 
 // Two means over the same taps: of the shadow, and of the penumbra's radius, which prefers narrow ones and knows no lit pixels.
 struct Means {
-    float shadow, weight, penumbra, penumbra_weight;
+    vec4 shadow;
+    float weight, penumbra, penumbra_weight;
 };
 
 // Centre of the kernel.
@@ -22,9 +23,13 @@ struct Centre {
     float pixel_m, per_metre_off, penumbra;
 };
 
-float shadow_at(ivec2 q, float penumbra_q) {
-    if (HAS_SHADOW) return decoded(imageLoad(shadow, q).x);
-    return is_lit(penumbra_q) ? 1.0 : 0.0;
+const bool SECOND_PASS = HAS_SHADOW || HAS_COLOURED_SHADOW;
+
+vec4 shadow_at(ivec2 q, float penumbra_q) {
+    if (HAS_COLOURED_SHADOW) return decoded(imageLoad(coloured_shadow, q));
+    if (HAS_SHADOW) return decoded(vec4(imageLoad(shadow, q).x));
+    if (HAS_TRANSLUCENCY) return texelFetch(translucency, q, 0);
+    return vec4(is_lit(penumbra_q) ? 1.0 : 0.0);
 }
 
 // The tap `offset` pixels away. `weight`: by its place; `reach_m`: a penumbra narrower than this counts for less.
@@ -54,18 +59,19 @@ vec2 stretched(vec3 n, ivec2 p) {
     return along / max(along.x, along.y);
 }
 
-void write(ivec2 p, float radius_m, float lit) {
+void write(ivec2 p, float radius_m, vec4 shadowed) {
     imageStore(penumbra_out, p, vec4(round_to(radius_m, HALF_BITS)));
-    imageStore(shadow_out, p, vec4(sqrt(clamp(lit, 0.0, 1.0))));
+    imageStore(shadow_out, p, sqrt(clamp(shadowed, 0.0, 1.0)));
 }
 
 void for_pixel(ivec2 p) {
     const float z = imageLoad(view_depth, p).x;
     if (!(z > 0.0)) {
-        write(p, LIT, 1.0);
+        write(p, LIT, vec4(1.0));
         return;
     }
-    const float own = imageLoad(penumbra, p).x, own_shadow = shadow_at(p, own), scale = tile_value(p);
+    const float own = imageLoad(penumbra, p).x, scale = tile_value(p);
+    const vec4 own_shadow = shadow_at(p, own);
     if (scale == 0.0 || own == 0.0) {
         write(p, own, own_shadow);
         return;
@@ -74,7 +80,7 @@ void for_pixel(ivec2 p) {
     const Centre c = Centre(off_plane(view_rays(p, mat3(1.0)), n, position(p, z)), pixel_span_m(z),
                             1.0 / (PLANE_SENSITIVITY * frustum_m(z)), own);
 
-    Means dense = Means(0.0, 0.0, 0.0, 0.0);
+    Means dense = Means(vec4(0.0), 0.0, 0.0, 0.0);
     for (int y = -2; y <= 2; ++y)
         for (int x = -2; x <= 2; ++x) add(dense, c, p, ivec2(x, y), disc_gaussian(0.5 * length(vec2(x, y))), 0.0);
     const float radius_m = dense.penumbra / max(dense.penumbra_weight, 1e-6);
@@ -83,7 +89,7 @@ void for_pixel(ivec2 p) {
     const float weight = mix(4.0, 1.0, wide), known = dense.penumbra_weight > 0.0 ? weight : 0.0;
     Means m = Means(weight * mix(own_shadow, dense.shadow / dense.weight, wide), weight, known * radius_m, known);
     const vec2 reach = kernel_radius(radius_m / c.pixel_m, scale) * stretched(n, p), size = vec2(frame.size);
-    const mat2 turn = disc_turn(HAS_SHADOW ? 0.25 : 0.0);
+    const mat2 turn = disc_turn(SECOND_PASS ? 0.25 : 0.0);
     for (int i = 0; i < 8; ++i) {
         const vec2 uv = (vec2(p) + 0.5 + reach * (turn * DISC_TAPS[i])) / size, inside = vec2(mirrored(uv.x), mirrored(uv.y));
         const float by_place = uv == clamp(uv, 0.0, 1.0) ? disc_weight(i) : 1.0;

@@ -17,12 +17,21 @@ uint packed_past(float z, float frames) { return floatBitsToUint(z) & ~7u | uint
 float past_depth(uint word) { return uintBitsToFloat(word & ~7u); }
 float past_frames(uint word) { return float(word & 7u); }
 
-#define HISTORY(q) imageLoad(history, q).x
-BILINEAR(float, history_between, HISTORY)
-float history_tap(vec2 texel) { return history_between(texel, ivec2(frame.prev_size)); }
+vec4 shadow_at(ivec2 q) {
+    if (HAS_COLOURED_SHADOW) return decoded(imageLoad(coloured_shadow, q));
+    return decoded(vec4(imageLoad(shadow, q).x));
+}
+
+vec4 stable_before(ivec2 q) {
+    if (HAS_COLOURED_HISTORY) return imageLoad(coloured_history, q);
+    return vec4(imageLoad(history, q).x);
+}
+#define HISTORY(q) stable_before(q)
+BILINEAR(vec4, history_between, HISTORY)
+vec4 history_tap(vec2 texel) { return history_between(texel, ivec2(frame.prev_size)); }
 
 // Catmull-Rom over twelve texels by five bilinear taps: the four corners, which weigh least, are left out.
-float sharp_history(vec2 texel) {
+vec4 sharp_history(vec2 texel) {
     const vec2 base = floor(texel - 0.5) + 0.5, f = texel - base;
     const vec2 w0 = f * (-SHARPNESS + f * (2.0 * SHARPNESS - SHARPNESS * f));
     const vec2 w1 = 1.0 + f * f * (-(3.0 - SHARPNESS) + (2.0 - SHARPNESS) * f);
@@ -31,24 +40,26 @@ float sharp_history(vec2 texel) {
     const vec2 w12 = w1 + w2, middle = base + w2 / w12;
     const vec4 side = vec4(w0.x * w12.y, w3.x * w12.y, w12.x * w0.y, w12.x * w3.y);
     const float centre = w12.x * w12.y;
-    const float sum = centre * history_tap(middle) + side.x * history_tap(vec2(base.x - 1.0, middle.y)) +
+    const vec4 sum = centre * history_tap(middle) + side.x * history_tap(vec2(base.x - 1.0, middle.y)) +
                       side.y * history_tap(vec2(base.x + 2.0, middle.y)) + side.z * history_tap(vec2(middle.x, base.y - 1.0)) +
                       side.w * history_tap(vec2(middle.x, base.y + 2.0));
     return sum / (centre + side.x + side.y + side.z + side.w);
 }
 
 struct Past {
-    float visibility, frames;  // 0 frames: none
+    vec4 shadow;
+    float frames;  // 0: none
 };
 
 // Only those of the four nearest texels count that saw the surface's depth, which is taken for static.
 Past past_of(ivec2 p, float z) {
     const Reprojection there = reproject(p, texelFetch(motion, p, 0).xy);
-    if ((frame.flags & FRAME_RESET) != 0u || !there.on_screen) return Past(0.0, 0.0);
+    if ((frame.flags & FRAME_RESET) != 0u || !there.on_screen) return Past(vec4(0.0), 0.0);
     const float expected = previous_depth(position(p, z)), tolerance = PLANE_SENSITIVITY * frustum_m(z) - 1e-6;
     const vec2 texel = there.uv * vec2(frame.prev_size), f = fract(texel - 0.5);
     const ivec2 base = ivec2(floor(texel - 0.5));
-    float seen = 0.0, frames = 0.0, value = 0.0;
+    float seen = 0.0, frames = 0.0;
+    vec4 value = vec4(0.0);
     bool all_seen = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = base + corner(i);
@@ -61,52 +72,61 @@ Past past_of(ivec2 p, float z) {
         frames += weight * past_frames(word);
         if (weight > 0.0) value += weight * history_tap(vec2(q) + 0.5);
     }
-    if (seen < 1e-4) return Past(0.0, 0.0);
-    const float root = all_seen ? sharp_history(texel) : value / seen;
+    if (seen < 1e-4) return Past(vec4(0.0), 0.0);
+    const vec4 root = all_seen ? sharp_history(texel) : value / seen;
     return Past(decoded(clamp(root, 0.0, 1.0)), frames / seen);
 }
 
 // Mean and deviation of the shadow over 5x5 pixels.
-vec2 moments(ivec2 p, float own) {
-    vec3 sum = vec3(0.0);
+void moments(ivec2 p, float own, out vec4 mean, out vec4 deviation) {
+    vec4 sum = vec4(0.0), squares = vec4(0.0);
+    float weights = 0.0;
     for (int y = -2; y <= 2; ++y)
         for (int x = -2; x <= 2; ++x) {
             const ivec2 q = p + ivec2(x, y);
             if (!inside_frame(q) || !(imageLoad(view_depth, q).x > 0.0) || !of_a_kind(imageLoad(penumbra, q).x, own)) continue;
-            const float v = decoded(imageLoad(shadow, q).x);
-            sum += disc_gaussian(0.5 * length(vec2(x, y))) * vec3(v, v * v, 1.0);
+            const vec4 v = shadow_at(q);
+            const float weight = disc_gaussian(0.5 * length(vec2(x, y)));
+            sum += weight * v;
+            squares += weight * (v * v);
+            weights += weight;
         }
-    const vec2 mean = sum.xy / sum.z;
-    return vec2(mean.x, sqrt(abs(mean.y - mean.x * mean.x)));
+    mean = sum / weights;
+    deviation = sqrt(abs(squares / weights - mean * mean));
 }
 
-// The history keeps the root in eight bits; the visibility is what they say.
-void write(ivec2 p, float z, float visible, float frames) {
-    const float root = floor(255.0 * sqrt(clamp(visible, 0.0, 1.0)) + 0.5) / 255.0;
-    imageStore(stable, p, vec4(root));
-    imageStore(visibility, p, vec4(decoded(root)));
+// The history keeps the root in eight bits; the visibility is what they say, and so is the colour.
+void write(ivec2 p, float z, vec4 shadowed, float frames) {
+    const vec4 root = floor(255.0 * sqrt(clamp(shadowed, 0.0, 1.0)) + 0.5) / 255.0;
+    imageStore(stable, p, root);
+    imageStore(visibility, p, vec4(decoded(root).x));
+#if HAS_TRANSMITTANCE
+    imageStore(transmittance, p, vec4(decoded(root).yzw, 1.0));
+#endif
     imageStore(past, p, uvec4(packed_past(z, frames)));
 }
 
 void for_pixel(ivec2 p) {
     const float z = imageLoad(view_depth, p).x;
     if (!(z > 0.0)) {
-        write(p, 0.0, 1.0, 0.0);
+        write(p, 0.0, vec4(1.0), 0.0);
         return;
     }
-    const float own = imageLoad(penumbra, p).x, current = decoded(imageLoad(shadow, p).x);
+    const float own = imageLoad(penumbra, p).x;
+    const vec4 current = shadow_at(p);
     if (own == 0.0 || tile_value(p) == 0.0) {
         write(p, z, current, LENGTH_CAP);  // sure of itself; its neighbours may go on from it
         return;
     }
     Past before = past_of(p, z);
-    const vec2 around = moments(p, own);
-    const float reach = around.y * mix(3.0, 1.0, 1.0 / (1.0 + before.frames));
-    float clamped = clamp(before.visibility, around.x - reach, around.x + reach);
-    const float agreement = clamp(1.0 - sqrt(abs(clamped - before.visibility)), 0.0, 1.0);
+    vec4 mean, deviation;
+    moments(p, own, mean, deviation);
+    const vec4 reach = deviation * mix(3.0, 1.0, 1.0 / (1.0 + before.frames));
+    vec4 clamped = clamp(before.shadow, mean - reach, mean + reach);
+    const float agreement = clamp(1.0 - sqrt(abs(clamped.x - before.shadow.x)), 0.0, 1.0);
     before.frames *= agreement;
     const float weight = before.frames / (1.0 + before.frames);
-    clamped = mix(clamped, before.visibility, 0.6 * weight * agreement);
+    clamped = mix(clamped, before.shadow, 0.6 * weight * agreement);
     write(p, z, mix(current, clamped, min(MOST_FRAMES / (1.0 + MOST_FRAMES), weight)), before.frames + 1.0);
 }
 

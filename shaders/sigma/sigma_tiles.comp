@@ -28,7 +28,8 @@ void main() {
             const float z = inside_frame(p) ? imageLoad(view_depth, p).x : 0.0;
             const float shadow = z > 0.0 ? imageLoad(penumbra, p).x : LIT;
             const bool sky = !(z > 0.0), hard = shadow == 0.0, lit = is_lit(shadow);
-            counts += uint(lit || sky || hard) | uint(!lit || sky) << FIELD | uint(sky) << 2u * FIELD;
+            const bool dark = !lit && !(HAS_TRANSLUCENCY && z > 0.0 && !is_opaque(texelFetch(translucency, p, 0).yzw));
+            counts += uint(lit || sky || hard) | uint(dark || sky) << FIELD | uint(sky) << 2u * FIELD;
             if (!sky && !lit) radius = max(radius, kernel_radius(shadow / pixel_span_m(z), 1.0));
         }
     atomicAdd(s_counts, counts);

@@ -13,11 +13,9 @@ const bool HAS_LIGHT = true;
 #include "common/finite.glsl"
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
-#if BACKEND == BACKEND_RAY_QUERY
-#include "common/ray_query.glsl"
-#else
-#include "common/bvh.glsl"
-#include "common/cone_slabs.glsl"
+#include "visibility/transmittance.glsl"
+#include "visibility/coloured_light.glsl"
+#if BACKEND == BACKEND_BVH
 #include "visibility/light_mask.glsl"
 #include "visibility/leaf_cover.glsl"
 #include "visibility/seen_light.glsl"
@@ -54,9 +52,16 @@ uint lights_that_reach(int first, vec3 lower, vec3 upper) {
 shared vec4 starts[32];  // w: RayStart's beyond_edge_m
 shared vec3 normals[32], lux[32];
 
+#if HAS_MASKS || HAS_TRANSMITTANCES
+#define KEEPS_LAYERS
+void keep(ivec2 tile, uint number, int layer, float share, vec3 through) {
+    const ivec3 at = ivec3(tile * TILE + pixel_of_lane(int(number)), layer);
 #if HAS_MASKS
-void keep(ivec2 tile, uint number, int layer, float share) {
-    imageStore(masks, ivec3(tile * TILE + pixel_of_lane(int(number)), layer), vec4(share));
+    imageStore(masks, at, vec4(share));
+#endif
+#if HAS_TRANSMITTANCES
+    imageStore(transmittances, at, vec4(share * through, 1.0));
+#endif
 }
 #endif
 
@@ -66,12 +71,15 @@ struct Seen {
     uint steps;
 };
 
+vec2 point_of_ray(ivec2 p, uint k, uint rays) {
+    return light_point(noise_unit(noise_fixed(p, frame.frame_index, params.seed) + noise_step(k, rays)));
+}
+
 #if BACKEND == BACKEND_RAY_QUERY
 Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
     uint lit = 0u;
     for (uint k = 0u; own && k < RAYS; ++k) {
-        const vec2 point = light_point(noise_unit(noise_fixed(p, frame.frame_index, params.seed) + noise_step(k, RAYS)));
-        const LightRay ray = light_ray(to_light, point);
+        const LightRay ray = light_ray(to_light, point_of_ray(p, k, RAYS));
         if (!points_into_surface(normal, ray.direction) && !occluded(start, ray.direction, 0.0, ray.t_max)) ++lit;
     }
     return Seen(float(lit) / float(RAYS), false, 0u);
@@ -87,6 +95,34 @@ Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
     return Seen(float(LIGHT_SAMPLES - mask_count(hidden)) / float(LIGHT_SAMPLES), given_up, walk.steps);
 }
 #endif
+
+// Of what arrives of the light the share that translucent triangles let through: the mean over rays, and where a part of the light is
+// hidden and it differs from ray to ray, over those that arrive; where none does all are as likely.
+vec3 mean_transmittance(ivec2 p, vec3 start, vec3 normal, vec3 to_light, float seen, bool wanted) {
+    const bool coloured = near_light_may_be_coloured(start, wanted);
+    const uint rays = light_bound_m() > 0.0 ? TRANSLUCENT_RAYS : 1u;
+    vec3 sum = vec3(0.0);
+    float count = 0.0;
+    uint first = 0u, mean = 0u;  // packed: of the first ray, of all
+    bool differ = false;
+    for (uint k = 0u; coloured && k < (differ && seen < 1.0 ? 2u * rays : rays); ++k) {
+        const bool again = k >= rays;
+        if (k == rays) {
+            mean = pack_transmittance(sum / count);
+            sum = vec3(0.0);
+            count = 0.0;
+        }
+        const LightRay ray = light_ray(to_light, point_of_ray(p, again ? k - rays : k, rays));
+        if (again && (points_into_surface(normal, ray.direction) || occluded(start, ray.direction, 0.0, ray.t_max))) continue;
+        const vec3 through = transmittance_along(start, ray.direction, ray.t_max);
+        sum += through;
+        ++count;
+        if (k == 0u) first = pack_transmittance(through);
+        if (pack_transmittance(through) != first) differ = true;
+    }
+    if (!coloured) return vec3(1.0);
+    return count > 0.0 ? sum / count : unpack_transmittance(mean);
+}
 
 void main() {
     const ivec2 tile = ivec2(gl_WorkGroupID.xy);
@@ -123,10 +159,10 @@ void main() {
         while (rest == 0u && (candidates != 0u || tested < light_count())) {
             if (candidates == 0u) {
                 candidates = lights_that_reach(tested, lower, upper);
-#if HAS_MASKS
+#ifdef KEEPS_LAYERS
                 for (int i = tested; i < min(tested + 32, light_count()); ++i)
                     for (uint number = share.first + share.lane; number < share.end; number += share.lanes)
-                        if ((inside >> number & 1u) != 0u && (candidates >> (i - tested) & 1u) == 0u) keep(tile, number, i, 1.0);
+                        if ((inside >> number & 1u) != 0u && (candidates >> (i - tested) & 1u) == 0u) keep(tile, number, i, 1.0, vec3(1.0));
 #endif
                 tested += 32;
             }
@@ -142,8 +178,8 @@ void main() {
                 const bool below = here && light_is_below(normals[number], to_light, 1e-6);
                 if (here) ++reached;
                 if (here && !below) open |= 1u << number;
-#if HAS_MASKS
-                if ((inside >> number & 1u) != 0u && (!here || below)) keep(tile, number, index, below ? 0.0 : 1.0);
+#ifdef KEEPS_LAYERS
+                if ((inside >> number & 1u) != 0u && (!here || below)) keep(tile, number, index, below ? 0.0 : 1.0, vec3(1.0));
 #endif
             }
             rest = subgroupOr(open);
@@ -156,13 +192,15 @@ void main() {
         const vec3 centre = light.centre + scene.camera_from_origin, normal = normals[number];
         const vec3 start = ray_origin_to(RayStart(starts[number].xyz, starts[number].w), normal, centre), to_light = centre - start;
         const Seen seen = look(p, start, normal, to_light, own);
+        vec3 through = vec3(1.0);
+        if (HAS_TRANSLUCENTS) through = mean_transmittance(p, start, normal, to_light, seen.share, own && seen.share > 0.0);
         if (own) {
             ++walked;
 #if HAS_ILLUMINANCE
-            if (seen.share > 0.0) lux[number] += seen.share * unshadowed_lux(normal, to_light);
+            if (seen.share > 0.0) lux[number] += seen.share * through * unshadowed_lux(normal, to_light);
 #endif
-#if HAS_MASKS
-            keep(tile, number, index, seen.share);
+#ifdef KEEPS_LAYERS
+            keep(tile, number, index, seen.share, through);
 #endif
             if (seen.share == 0.0) ++shadowed;
             if (seen.share > 0.0 && seen.share < 1.0) ++penumbra;

@@ -8,6 +8,10 @@
 #include "common/round_store.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
+#if BACKEND == BACKEND_RAY_QUERY
+#define NEAREST_HIT
+#endif
+#include "visibility/transmittance.glsl"
 #include "visibility/nearest_hit.glsl"
 #include "visibility/sun_point.glsl"
 #include "common/light.glsl"
@@ -34,15 +38,23 @@ float radius_behind(float distance_m, float light_m) {
     return min(0.5 * spanned, WIDEST);
 }
 
-float penumbra_at(ivec2 p, float t_min, float t_max) {
+// `colour`: 1 where lit, and what translucent triangles leave of the light. The first of them is as much of a blocker as an opaque one.
+float penumbra_at(ivec2 p, float t_min, float t_max, out vec4 colour) {
+    colour = vec4(0.0);
     const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
     vec3 centre = vec3(0.0);
     if (HAS_LIGHT) centre = light.centre + scene.camera_from_origin;
     const vec3 origin = HAS_LIGHT ? ray_origin_to(ray_start(p, n), n, centre) : ray_origin(p, n, sun.to_sun);
     const LightRay ray = ray_to_light(p, centre - origin);
     if (points_into_surface(n, ray.direction)) return 0.0;
-    float t = 0.0;
-    return nearest_hit(origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, t) ? radius_behind(t, ray.t_plane) : LIT;
+    if (HAS_LIGHT) t_max = min(t_max, ray.t_max);
+    float t = t_max;
+    const bool dark = nearest_hit(origin, ray.direction, t_min, t_max, t);
+    vec3 through = vec3(1.0);
+    if (HAS_TRANSLUCENTS) through = transmittance_along(origin, ray.direction, t, t);
+    const bool lit = !(t < t_max);
+    if (!dark) colour = vec4(lit ? 1.0 : 0.0, through);
+    return lit && !dark ? LIT : radius_behind(t, ray.t_plane);
 }
 
 void main() {
@@ -54,8 +66,12 @@ void main() {
         const uint index = first + share.lane;
         if (index < ray_count) {
             const ivec2 p = tile_of(record) * TILE + pixel_of_lane(int(wanted_number(share, index)));
-            const float radius = penumbra_at(p, uintBitsToFloat(record.z), uintBitsToFloat(record.w));
+            vec4 colour;
+            const float radius = penumbra_at(p, uintBitsToFloat(record.z), uintBitsToFloat(record.w), colour);
             imageStore(penumbra, p, vec4(round_to(radius, HALF_BITS)));
+#if HAS_TRANSLUCENCY
+            imageStore(translucency, p, colour);
+#endif
         }
     }
     count_rays(subgroupElect() ? ray_count : 0u);

@@ -10,7 +10,9 @@
 #include "visibility/shadow_ray.glsl"
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
+const bool HAS_TRANSLUCENTS = true;
 #include "visibility/transmittance.glsl"
+#include "visibility/coloured_light.glsl"
 
 // By the pixel's number, of all its rays, and from 32 on of those that arrive: sums of their transmittances, in steps, and the number
 // of rays. Two sums to a word, which 64 rays fill.
@@ -26,29 +28,15 @@ void add_ray(uint slot, uint steps) {
 
 ivec2 pixel_numbered(ivec2 tile, uint number) { return tile * TILE + pixel_of_lane(int(number)); }
 
-// The axis and the tangent of a cone from a pixel that holds its light; false: there is none.
-bool light_cone(vec3 origin, out vec3 axis, out float spread) {
-    if (!HAS_LIGHT) {
-        axis = sun.to_sun;
-        spread = tan(sun.angular_radius);
-        return true;
-    }
-    const vec3 way = light.centre + scene.camera_from_origin - origin;
-    const float bound = light_bound_m(), rest = dot(way, way) - bound * bound;
-    axis = normalize(way);
-    spread = bound * inversesqrt(max(rest, 1e-30));
-    return rest > 0.0;
-}
-
-// Of a pixel that sees some of its light: whether any of that may be coloured.
+// Of a pixel that sees some of its light: whether any of that may be coloured. Whom a light that is near does not reach has no shadow of it.
 bool may_be_coloured(ivec2 p, bool wanted) {
     const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
-    vec3 origin, axis;
-    float spread;
-    if (HAS_LIGHT) origin = ray_origin_to(ray_start(p, n), n, light.centre + scene.camera_from_origin);
-    else origin = ray_origin(p, n, sun.to_sun);
-    const bool narrow = light_cone(origin, axis, spread);
-    return wanted && (!narrow || may_meet_translucents(cone_slabs(axis, spread, 0.0), origin, axis, wanted));
+    if (HAS_LIGHT) {
+        const RayStart start = ray_start(p, n);
+        const vec3 centre = light.centre + scene.camera_from_origin;
+        return near_light_may_be_coloured(ray_origin_to(start, n, centre), wanted && light_reaches(start.off_surface - centre));
+    }
+    return may_meet_translucents(cone_slabs(sun.to_sun, tan(sun.angular_radius), 0.0), ray_origin(p, n, sun.to_sun), sun.to_sun, wanted);
 }
 
 // Those of the share that may be coloured; the others get their visibility as it is.

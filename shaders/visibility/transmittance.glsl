@@ -3,8 +3,8 @@
 // them is met. They have a tree of their own (host/scene/scene_translucents.h), which the walk of common/bvh_path.glsl goes through
 // while in_translucents is set, and with the backend bvh the scene's tree while it is not.
 //
-// Includer declares: uniform usamplerBuffer translucents, translucent_texels; constant BACKEND; what common/bvh.glsl or
-// common/ray_query.glsl needs.
+// Includer declares: uniform usamplerBuffer translucents, translucent_texels; constants BACKEND and HAS_TRANSLUCENTS; what
+// common/bvh.glsl or common/ray_query.glsl needs.
 bool in_translucents = false;
 
 #if BACKEND == BACKEND_BVH
@@ -20,12 +20,12 @@ uvec4 opaque_leaf_texel(int texel) { return uvec4(0u); }
 #endif
 
 uvec4 scene_node_texel(int texel) {
-    if (in_translucents) return texelFetch(translucents, 1 + texel);
+    if (HAS_TRANSLUCENTS && in_translucents) return texelFetch(translucents, 1 + texel);
     return opaque_node_texel(texel);
 }
 
 uvec4 scene_leaf_texel(int texel) {
-    if (in_translucents) return texelFetch(translucents, int(texelFetch(translucents, 0).x) + texel);
+    if (HAS_TRANSLUCENTS && in_translucents) return texelFetch(translucents, int(texelFetch(translucents, 0).x) + texel);
     return opaque_leaf_texel(texel);
 }
 
@@ -71,26 +71,28 @@ vec3 triangle_transmittance(uint leaf, uint which, vec3 areas) {
 
 // Of both triangles of a leaf. Of their common edge, which both meet, the first has the ray. What lies within rounding of the ray's
 // start is the surface that it starts on.
-vec3 leaf_transmittance(BvhRay ray, uint leaf) {
+vec3 leaf_transmittance(BvhRay ray, uint leaf, inout float t_first) {
     const BvhLeaf corners = bvh_leaf(leaf);
     const vec3 a = bvh_shear(ray, corners.a), b = bvh_shear(ray, corners.b), c = bvh_shear(ray, corners.c), d = bvh_shear(ray, corners.d);
     const float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
-    float unread = 0.0;
-    const bool first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, unread) == BVH_HIT;
-    const bool second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, unread) == BVH_HIT && !(first && bc == 0.0);
+    float t = t_first, t_other = t_first;
+    const bool first = bvh_inside(ray, vec3(bc, ca, ab), a, b, c, t) == BVH_HIT;
+    const bool second = bvh_inside(ray, vec3(bd, dc, -bc), c, b, d, t_other) == BVH_HIT && !(first && bc == 0.0);
+    t_first = min(t_first, min(t, t_other));
     vec3 transmittance = vec3(1.0);
     if (first) transmittance = triangle_transmittance(leaf, 0u, vec3(bc, ca, ab));
     if (second) transmittance *= triangle_transmittance(leaf, 1u, vec3(bd, dc, -bc));
     return transmittance;
 }
 
-vec3 transmittance_along(vec3 origin, vec3 direction, float t_max) {
+// `t_first` becomes where the first of them lies, if that is less.
+vec3 transmittance_along(vec3 origin, vec3 direction, float t_max, inout float t_first) {
     in_translucents = true;
     const BvhRay ray = bvh_ray(origin, direction, 0.0, t_max);
     BvhPath path = bvh_path(direction);
     vec3 transmittance = vec3(1.0);
     while (true) {
-        if (bvh_at_leaf(path)) transmittance *= leaf_transmittance(ray, bvh_take_leaf(path));
+        if (bvh_at_leaf(path)) transmittance *= leaf_transmittance(ray, bvh_take_leaf(path), t_first);
         BvhVisit visit = bvh_visit(path);
         if (visit.wanted) {
             bvh_fetch(path, visit);
@@ -101,6 +103,11 @@ vec3 transmittance_along(vec3 origin, vec3 direction, float t_max) {
     }
     in_translucents = false;
     return transmittance;
+}
+
+vec3 transmittance_along(vec3 origin, vec3 direction, float t_max) {
+    float unread = t_max;
+    return transmittance_along(origin, direction, t_max, unread);
 }
 
 // Whether a cone may meet a translucent triangle: it meets the box of one.
