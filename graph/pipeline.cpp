@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "graph/json_reader.h"
 #include "graph/suggestions.h"
@@ -28,12 +29,22 @@ struct ChainLink {
     std::string file, identity;
 };
 
+// Nodes of the base that a patch gives a type: what they had is to be removed, not unbound.
+std::set<std::string> retyped_nodes(const Json& base, const Json& patch) {
+    std::set<std::string> ids;
+    const Json *nodes = patch.find("nodes"), *before = base.find("nodes");
+    for (size_t i = 0; nodes && before && i < nodes->members.size(); ++i)
+        if (before->find(nodes->members[i].key) && nodes->members[i].value.find("type"))
+            ids.insert(nodes->members[i].key);
+    return ids;
+}
+
 // A merge patch takes away what it says null of. Of a port null is a value, unbound, and stays.
-void unbind(Json& merged, const Json& patch) {
+void unbind(Json& merged, const Json& patch, const std::set<std::string>& retyped) {
     const Json *nodes = patch.find("nodes"), *to = merged.find("nodes");
     for (size_t i = 0; nodes && to && i < nodes->members.size(); ++i) {
         const JsonMember& node = nodes->members[i];
-        if (!to->find(node.key)) continue;
+        if (!to->find(node.key) || retyped.contains(node.key)) continue;
         for (const char* ports : {"in", "out"})
             if (const Json* wires = node.value.find(ports))
                 for (const JsonMember& wire : wires->members)
@@ -75,8 +86,9 @@ bool resolve_extends(Json& json, std::vector<ChainLink>& chain, Diagnostics& dia
     std::erase_if(json.members, [](const JsonMember& member) { return member.key == "extends"; });
     const Place place = json.place;
     const Json patch = json;
+    const std::set<std::string> retyped = retyped_nodes(*base, patch);
     merge_patch(*base, json);
-    unbind(*base, patch);
+    unbind(*base, patch, retyped);
     base->place = place;  // what is missing altogether is missing from the file that was asked for
     json = std::move(*base);
     return true;

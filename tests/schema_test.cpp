@@ -400,7 +400,7 @@ json toy_variant() {
       "extends": "toy.json", "doc": null, "resources": { "half": { "format": "r16f", "first": null }, "none": null },
       "nodes": {
         "filter0": { "params": { "step": 3, "sharp": null } },
-        "filter2": { "type": "filter", "if": null, "in": { "signal": "visibility", "gone": null }, "out": { "filtered": "last" },
+        "filter2": { "type": "filter", "if": null, "in": { "signal": "visibility" }, "out": { "filtered": "last" },
                      "params": { "strength": 0.5, "gone": null } },
         "taa": null
       },
