@@ -82,7 +82,8 @@ bool worth_a_beam(ivec2 tile, bool listed) {
     if (!listed || !HAS_PROVED_BEFORE) return listed;
     const bool again = was_proved(tile) && in_company(tile);
     const uint turn = uint(tile.x >> 3) + uint(tile.y) * 5u + frame.frame_index;
-    if ((frame.flags & FRAME_RESET) != 0u || turn % FAR_TURN == 0u || again) return true;
+    // Of another size, other tiles were proved.
+    if ((frame.flags & FRAME_RESET) != 0u || frame.prev_size != frame.size || turn % FAR_TURN == 0u || again) return true;
     return turn % NEAR_TURN == 0u &&
            (was_proved(tile + ivec2(-1, 0)) || was_proved(tile + ivec2(1, 0)) || was_proved(tile + ivec2(0, -1)) ||
             was_proved(tile + ivec2(0, 1)));

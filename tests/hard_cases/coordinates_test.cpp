@@ -258,7 +258,10 @@ TEST_F(HardCase, ATurnRoundLeavesNoHistory) {
                    {3, eye, eye + glm::dvec3(1, -0.4, 0.2), {0, 1, 0}},
                    {4, eye, eye + glm::dvec3(-1, -0.4, -0.2), {0, 1, 0}}};
     shot.objects.clear();
-    SceneRun warm("shadows", shot), cold("shadows", shot);
+    // Which tiles were proved is remembered by their places, which is no history of what is seen: all are
+    // asked here.
+    const RunOptions asks_all{.settings = {"nodes.beams.in.proved_before=null"}};
+    SceneRun warm("shadows", shot, asks_all), cold("shadows", shot, asks_all);
     warm.up_to(3);
     const std::vector<float> turned = warm.frame(4, false), fresh = cold.frame(4, true);
     EXPECT_EQ(nonfinite(turned), 0u);
