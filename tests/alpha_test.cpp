@@ -3,6 +3,7 @@
 // holes pays nothing, and that holes are seen and cast by the same texels.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <glm/gtc/packing.hpp>

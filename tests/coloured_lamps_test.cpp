@@ -2,6 +2,8 @@
 // Coloured shadows of lights that are near: a pane of glass before each kind of light, whose share of the
 // light is known in closed form, by one light alone, by several in one pass, and in the truth. And whom a
 // pane colours nothing: it hangs behind the light, or the light does not reach so far.
+#include <algorithm>
+
 #include "tests/light_plate.h"
 #include "tests/ray_maker.h"
 #include "tests/scene_file.h"
