@@ -2,6 +2,9 @@
 // The penumbra program: a host of the graph like any other. The command line is declared here, one file per
 // command.
 #include <fcntl.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -395,6 +398,15 @@ void occupy_standard_streams() {
         if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDONLY);
 }
 
+// Lavapipe frees what a frame was rasterised with while the next commands run, and the kernel takes 4 ms to
+// get it back from a million triangles, which would count as the first pass's: freed memory stays here.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+    ::mallopt(M_TRIM_THRESHOLD, 1 << 30);
+    ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+#endif
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -402,6 +414,7 @@ int main(int argc, char** argv) {
     int code = exit_failed;
     try {
         occupy_standard_streams();
+        keep_freed_memory();
         code = run(argc, argv);
     } catch (const std::bad_alloc&) {
         std::cerr << "penumbra: there is not enough memory\n";
