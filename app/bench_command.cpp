@@ -38,7 +38,7 @@ void make_unique(std::vector<bench::Contender>& contenders) {
 std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes, Diagnostics& diagnostics) {
     Job job;
     job.bench.command = arguments.command_line;
-    job.bench.still = arguments.still;
+    job.bench.options.still = arguments.still;
     job.bench.options.rounds = arguments.rounds;
     const auto frames = parse_frames(arguments.frames);
     if (!frames) return std::nullopt;

@@ -348,6 +348,7 @@ OrderedJson to_json(const Plan& plan) {
                         {"device", plan.device},
                         {"facts", facts_json(plan)},
                         {"jitter", plan.jitter},
+                        {"settles", plan.settles ? OrderedJson(*plan.settles) : OrderedJson()},
                         {"requirements", needs_json(plan)},
                         {"frame_block", frame_block_json()},
                         {"slots", slots_json(plan)}};

@@ -196,6 +196,8 @@ nlohmann::ordered_json plan_schema() {
          {"device", text},
          {"facts", Schema{{"type", "object"}, {"additionalProperties", flag}}},
          {"jitter", flag},
+         {"settles",
+          doc(or_null(number), "frames that are alike, after which no output gets better; null: never")},
          {"requirements", list_of(requirement)},
          {"frame_block", object({{"bytes", number}, {"members", list_of(member)}})},
          {"slots", list_of(slot())},

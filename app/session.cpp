@@ -223,6 +223,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     auto session = std::unique_ptr<Session>(new Session(device));
     session->seed_ = options.seed.value_or(shot.seed);
     session->pass_costs_ = options.pass_costs;
+    session->hold_ = options.hold;
     DeviceTable table = device_table(handles_of(device));
     table.features = features_of(device);
 
@@ -299,6 +300,16 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (!lots.empty() && lots.size() <= table.max_texel_elements) {
         target.inputs["environment_lots"] = {Format::rgba32ui, {static_cast<uint32_t>(lots.size()), 1}};
         target.left_out.erase("environment_lots");
+    } else if (needs_input(pipeline, "environment_lots")) {
+        const auto& input = *std::ranges::find(pipeline.inputs, "environment_lots", &HostInput::name);
+        diagnostics.add(
+            input.place, "inputs.environment_lots",
+            lots.empty()
+                ? "there are none: where no input \"environment\" is taken, or the sky is even, no rays "
+                  "are drawn by lots (\"optional\": true)"
+                : "the environment has more texels than the device's texel buffers "
+                  "(\"optional\": true)");
+        return nullptr;
     }
     std::optional<CheckedPipeline> validating;
     if (options.validate) {
@@ -446,7 +457,7 @@ void Session::set_param(std::string_view name, const ParamValue& value) {
 }
 
 FrameCost Session::repeat_frame() {
-    last_.flags &= ~uint32_t{frame_reset};
+    last_.flags &= ~uint32_t{frame_reset | frame_unchanged};
     return run_passes([](VkCommandBuffer) {}, {});
 }
 
@@ -469,10 +480,40 @@ void Session::draw_cascades(uint32_t index, FrameCost& cost) {
     std::memcpy(cascades_.mapped, &block, sizeof block);
 }
 
+bool Session::unchanged(const StandaloneFrame& frame, const std::array<double, 2>& moments) const {
+    if (!last_frame_) return false;
+    const StandaloneFrame& last = *last_frame_;
+    const FrameDescription &a = frame.description, &b = last.description;
+    const auto same = [](const auto& x, const auto& y) { return std::memcmp(&x, &y, sizeof x) == 0; };
+    const auto all_same = [&](const auto& x, const auto& y) { return std::ranges::equal(x, y, same); };
+    return !((a.flags | b.flags) & frame_reset) && a.camera == b.camera && a.previous == b.previous &&
+           same(frame.sun, last.sun) && same(frame.sun_prev, last.sun_prev) &&
+           same(frame.light, last.light) && same(frame.light_prev, last.light_prev) &&
+           all_same(frame.lights, last.lights) && all_same(frame.lights_prev, last.lights_prev) &&
+           same(frame.scene, last.scene) && !host_->scene().moved(moments[0], last_moments_[0]) &&
+           !host_->scene().moved(moments[1], last_moments_[1]);
+}
+
 FrameCost Session::run_frame(uint32_t index, bool reset) {
-    const StandaloneFrame frame = host_->frame(index, reset);
+    const double before = process_cpu_ms();
+    StandaloneFrame frame = host_->frame(index, reset);
+    const std::array<double, 2> moments{
+        host_->moment(index), host_->moment(frame.description.flags & frame_reset ? index : index - 1)};
+    const bool same = unchanged(frame, moments);
+    held_ = hold_ && same && view_->settled();
+    if (held_) {
+        const size_t passes = plan().passes.size();
+        FrameCost check{.passes = std::vector<PassStatistics>(passes),
+                        .pass_cpu_ms = std::vector<std::optional<double>>(passes, 0.0)};
+        check.cpu_ms = process_cpu_ms() - before;
+        if (!pass_costs_ || !plan().cpu) check.record_cpu_ms = check.wall_ms = check.cpu_ms;
+        return check;
+    }
+    last_frame_ = frame;
+    last_moments_ = moments;
+    if (same) frame.description.flags |= frame_unchanged;
     // Since the frame that was traced last, which need not be the one before: a session may start anywhere.
-    const double moment = host_->moment(index);
+    const auto [moment, previous] = moments;
     if (bvh_) bvh_->update(moment);
     if (translucents_) translucents_->update(moment);
     if (host_->scene().moved(traced_moment_, moment)) {
@@ -481,7 +522,6 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     }
     traced_moment_ = moment;
     if (surfaces_) {
-        const double previous = frame.description.flags & frame_reset ? moment : host_->moment(index - 1);
         const auto moved = [&](double a, double b) { return host_->scene().moved(a, b); };
         if (moved(surfaces_moments_[0], moment) || moved(surfaces_moments_[0], surfaces_moments_[1]) ||
             moved(previous, moment) || (bvh_ && surfaces_builds_ != bvh_->builds()))

@@ -44,6 +44,7 @@ struct SessionOptions {
     bool steered = false;  // somebody will steer(): facts promise neither a still camera nor a sun that is up
     KeptScene* kept = nullptr;  // of the shot, where more than one session looks at it
     Told doing;                 // of what comes before the first frame
+    bool hold = false;          // a frame to which nothing has changed is not run where the view has settled
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
@@ -70,10 +71,15 @@ class Session {
                                          std::vector<std::string>& warnings);
 
     FrameCost run_frame(uint32_t index, bool reset);
+    // Whether the last frame was one that SessionOptions::hold has spared.
+    bool held() const { return held_; }
     // Before the frame of this index is run: from where it is seen, instead of from where the shot says.
     void steer(uint32_t index, const Stance& stance) { host_->steer(index, stance); }
     // From the next frame on: whether frames are rasterised off their pixels' centres.
-    void set_jitter(bool wanted) { host_->set_jitter(wanted); }
+    void set_jitter(bool wanted) {
+        host_->set_jitter(wanted);
+        last_frame_.reset();
+    }
 
     // The last frame's passes once more, on the same inputs and the history that they have just left.
     FrameCost repeat_frame();
@@ -100,6 +106,8 @@ class Session {
   private:
     explicit Session(Device& device) : device_(device) {}
     void write_blocks(const StandaloneFrame& frame);
+    // But for the jitter and the index, of two frames that have one before them; moments: see last_moments_.
+    bool unchanged(const StandaloneFrame& frame, const std::array<double, 2>& moments) const;
     // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is
     // none.
     void update_surfaces(double moment, double previous);
@@ -109,9 +117,11 @@ class Session {
 
     Device& device_;
     uint32_t seed_ = 0;
-    bool pass_costs_ = true;
+    bool pass_costs_ = true, hold_ = false, held_ = false;
     double program_ms_ = 0;
     FrameDescription last_;
+    std::optional<StandaloneFrame> last_frame_;  // that was run
+    std::array<double, 2> last_moments_{};       // its own and that of the one before it
     std::unique_ptr<StandaloneHost> host_;
     std::shared_ptr<SceneBvh> bvh_;                  // where a pass traces with it
     std::unique_ptr<SceneTlas> tlas_;                // where a pass traces with ray queries

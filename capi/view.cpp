@@ -185,6 +185,10 @@ const char* penumbra_view_reset_reason(const penumbra_view* view, const char** r
     return names[static_cast<size_t>(reset.reason)];
 }
 
+VkBool32 penumbra_view_settled(const penumbra_view* view) {
+    return view && view->view->settled();
+}
+
 uint64_t penumbra_view_bytes(const penumbra_view* view) {
     return view ? view->view->bytes() : 0;
 }

@@ -11,6 +11,7 @@
 #include "graph/compiler.h"
 #include "graph/lifetimes.h"
 #include "graph/limits.h"
+#include "graph/settling.h"
 
 namespace penumbra {
 
@@ -71,6 +72,7 @@ std::optional<Plan> Compiler::run() {
     for (uint32_t i = 0; i < plan_.resources.size(); ++i)
         if (plan_.resources[i].history || plan_.resources[i].kept)
             plan_.reset.push_back({i, plan_.resources[i].clear_on_reset});
+    plan_.settles = frames_to_settle(plan_);
     return std::move(plan_);
 }
 

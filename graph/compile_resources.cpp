@@ -52,6 +52,7 @@ void Compiler::make_resource(const SelectedNode& selected, uint32_t port_index, 
         made_[bound.resource] = made_[selected.node->ports[*port.updated_input].resource];
         PlanResource& r = plan_.resources[made_[bound.resource].resource];
         r.names.push_back(name(bound.resource));
+        r.settles = port.settles;
         if (first_of(bound) == First::clear) clear_on_reset(r);
         return;
     }
@@ -67,6 +68,7 @@ void Compiler::make_resource(const SelectedNode& selected, uint32_t port_index, 
     r.clear_on_activation = port.writes == Writes::some;
     r.kept = port.writes == Writes::kept;
     r.memo = port.memo;
+    r.settles = port.settles;
     r.image_usage = VK_IMAGE_USAGE_STORAGE_BIT;
     r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     if (r.kept || first_of(bound) == First::clear) clear_on_reset(r);

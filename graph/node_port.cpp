@@ -122,6 +122,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     port.optional = reader.flag("optional");
     port.writes = static_cast<Writes>(reader.word("writes").value_or(0));
     port.memo = reader.flag("memo");
+    port.settles = reader.whole("settles", 0);
     port.first = static_cast<First>(reader.word("first").value_or(0));
     read_ranges(reader, port, diagnostics);
     reader.list("with");  // linked once all ports are known

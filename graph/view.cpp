@@ -268,6 +268,7 @@ bool ViewState::set_param(size_t pass, size_t param, const ParamValue& value) {
     if (!fits(p.param, value)) return false;
     const std::vector<std::byte> bytes = value_bytes(p.param, value);
     std::memcpy(push_[pass].data() + p.offset, bytes.data(), bytes.size());
+    set_ = true;
     return true;
 }
 
@@ -398,6 +399,10 @@ std::vector<PassStatistics> View::statistics() const {
 
 const FrameStatistics* View::completed() const {
     return state_->completed();
+}
+
+bool View::settled() const {
+    return state_->settled();
 }
 
 const Reset& View::reset() const {

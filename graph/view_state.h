@@ -32,6 +32,7 @@ class ViewState {
     const FrameStatistics* completed() const { return has_completed_ ? &completed_ : nullptr; }
     uint64_t bytes() const;
     const Reset& reset() const { return reset_; }
+    bool settled() const { return plan().settles && recorded_ > 0 && !set_ && unchanged_ >= *plan().settles; }
 
   private:
     struct Slot {  // one frame in flight
@@ -86,6 +87,8 @@ class ViewState {
     std::vector<VkImageMemoryBarrier2> images_;  // scratch
     std::vector<VkBufferMemoryBarrier2> buffers_;
     Reset reset_;
+    uint32_t unchanged_ = 0;                          // frames in a row, to the last one recorded
+    bool set_ = false;                                // a parameter, since the last frame
     std::vector<std::optional<uint32_t>> inherited_;  // by reset action: the resource of the view before
     FrameStatistics completed_;
     bool has_completed_ = false;

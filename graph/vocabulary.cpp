@@ -79,6 +79,9 @@ constexpr auto port_keys = std::to_array<Key>({
     {"memo", Holds::flag,
      "what frames before left in it, kept or read as @-1, spares work and changes nothing that a pipeline "
      "puts out", {.in = none, .out = memory, .updating = false}},
+    {"settles", Holds::whole,
+     "after how many frames that are alike what it takes from its own @-1 gets no better; default: never",
+     {.least = 1, .greatest = max_count, .in = none, .out = memory}},
     {"updates", Holds::id, "input whose memory it takes over, with kind, format and extent",
      {.in = none, .out = memory}},
     {"first", Holds::word, "what a reader of @-1 sees on the first frame; default: any",

@@ -195,6 +195,7 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     EXPECT_EQ(penumbra_view_set_param(nullptr, nullptr, nullptr, nullptr, 0, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_slot_count(nullptr), 0u);
     EXPECT_EQ(penumbra_view_bytes(nullptr), 0u);
+    EXPECT_FALSE(penumbra_view_settled(nullptr));
     EXPECT_STREQ(penumbra_view_reset_reason(nullptr, nullptr), "none");
     penumbra_plan_destroy(nullptr);
     penumbra_program_destroy(nullptr);
@@ -273,6 +274,7 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
     penumbra_view* view = nullptr;
     ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error_), PENUMBRA_OK) << error_.text;
     EXPECT_GT(penumbra_view_bytes(view), 0u);
+    EXPECT_FALSE(penumbra_view_settled(view)) << "there is no frame yet";
     EXPECT_GT(counted.live, 0u);
     size_t size = 0;
     EXPECT_EQ(penumbra_program_pipeline_cache(program, &size, nullptr, &error_), PENUMBRA_OK);

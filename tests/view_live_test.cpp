@@ -3,6 +3,7 @@
 // change while it runs.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -80,6 +81,46 @@ TEST_F(ViewLive, UntouchedItIsTheShot) {
         EXPECT_EQ(rgba(l, "motion"), picture_of(host_image(test::gpu(), *rendered, "motion")).rgba) << frame;
         l.show("");
     }
+}
+
+// Nothing moves and the pasts have settled: no frame is run, and what is seen stays. Until something changes.
+TEST_F(ViewLive, WhatHasSettledIsNotRunAgain) {
+    Live l = live("hybrid_shadows");
+    ASSERT_TRUE(l.open()) << l.error();
+    l.flight().play(false);
+    const Session& session = *l.stage().session;
+    ASSERT_TRUE(l.plan().settles);
+    const int frames = int(*l.plan().settles);
+    // The first has no past, and in the second what comes from its last one is still another.
+    run(l, frames + 1);
+    EXPECT_FALSE(session.held());
+    EXPECT_FALSE(session.view().settled());
+    run(l, 1);
+    EXPECT_TRUE(session.view().settled());
+    EXPECT_FALSE(session.held());
+    const auto seen = rgba(l, "color"), mask = rgba(l, "visibility");
+    run(l, 5);
+    EXPECT_TRUE(session.held());
+    EXPECT_EQ(rgba(l, "color"), seen);
+    EXPECT_EQ(rgba(l, "visibility"), mask);
+
+    FlightInput right;
+    right.look = {0.02, 0};
+    l.frame(right, 0);
+    EXPECT_FALSE(session.held()) << "the camera has turned";
+    EXPECT_FALSE(session.view().settled());
+    run(l, frames);
+    EXPECT_FALSE(session.held()) << "it has settled before its time";
+    run(l, 5);
+    EXPECT_TRUE(session.held());
+    EXPECT_NE(rgba(l, "color"), seen);
+
+    const auto exposure =
+        std::ranges::find(l.stage().controls, std::string("shade.exposure"), &Control::name);
+    ASSERT_NE(exposure, l.stage().controls.end());
+    l.turn_control(static_cast<size_t>(exposure - l.stage().controls.begin()), ParamValue(0.1f));
+    run(l, 1);
+    EXPECT_FALSE(session.held()) << "a parameter is another";
 }
 
 // Frames go on, for noise and history, while the shot's own time stands still.

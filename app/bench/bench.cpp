@@ -105,6 +105,7 @@ class Runner {
         figures_.contender = index;
         figures_.program_ms = session_->program_ms();
         figures_.memory = plan.memory;
+        figures_.settles = plan.settles;
         const std::vector<bool> mask = passes_of_mask(plan);
         for (size_t p = 0; p < plan.passes.size(); ++p)
             figures_.passes.push_back({plan.passes[p].node,
@@ -135,6 +136,7 @@ class Runner {
             step();
         }
         figures.close(figures_, cpu);
+        figures_.held = session_->held();
     }
 
     const Session& session() const { return *session_; }
@@ -198,6 +200,7 @@ std::optional<Scene> measure(Device& device, const NodeSet& nodes, const std::ve
     SessionOptions session_options;
     session_options.size = size;
     session_options.seed = options.seed;
+    session_options.hold = options.still;
     std::vector<Runner> runners;
     for (size_t c = 0; c < contenders.size(); ++c) {
         auto session = Session::open(device, nodes, contenders[c].pipeline, shot, session_options,

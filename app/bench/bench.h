@@ -26,6 +26,7 @@ struct Options {
     std::array<uint32_t, 2> frames{8, 15};
     uint32_t rounds = 5;
     std::optional<uint32_t> seed;  // instead of the shots'
+    bool still = false;  // the shots are standing_still(): a pipeline that has settled is not run again
 };
 
 // A figure of each round: the median over its timed frames.
@@ -60,6 +61,8 @@ struct Figures {
     double first_frame_ms = 0;
     std::optional<double> frame_0_ms;
     MemoryReport memory;
+    std::optional<uint32_t> settles;  // Plan::settles
+    bool held = false;  // the last frame was not run: nothing had changed, and the view had settled
 };
 
 // One shot at one size.

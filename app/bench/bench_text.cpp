@@ -149,7 +149,7 @@ void pass_rows(Table& table, bool cpu) {
     }
 }
 
-void frame_rows(Table& table, bool cpu) {
+void frame_rows(Table& table, bool cpu, bool still) {
     table.text += "\n";
     table.head("whole frame");
     if (cpu)
@@ -173,6 +173,10 @@ void frame_rows(Table& table, bool cpu) {
     table.row("heap, bytes per pixel", [](const Figures& f, const Scene& s) {
         return number(double(f.memory.heap_bytes) / pixels(s));
     });
+    if (still)
+        table.row("settles after, frames", [](const Figures& f, const Scene&) {
+            return (f.settles ? fmt::format("{}", *f.settles) : "never") + (f.held ? "; held" : "");
+        });
 }
 
 }  // namespace
@@ -196,7 +200,7 @@ OrderedJson to_json(const Bench& bench) {
             {"native_pass", has_avx2() ? "avx2" : "plain"},
             {"frames", bench.options.frames},
             {"rounds", bench.options.rounds},
-            {"still", bench.still},
+            {"still", bench.options.still},
             {"scenes", scenes}};
 }
 
@@ -215,13 +219,13 @@ std::string tables(const Bench& bench) {
             text += fmt::format(
                 "{}**{}**, {}x{}, frames {} to {}{}, {}; least / median of {} rounds{}\n\n",
                 text.empty() ? "" : "\n", bench.contenders[c].id, size[0], size[1], bench.options.frames[0],
-                bench.options.frames[1], bench.still ? " standing still" : "", bench.device.driver,
+                bench.options.frames[1], bench.options.still ? " standing still" : "", bench.device.driver,
                 bench.options.rounds,
                 cpu ? fmt::format("; a native pass ({}) takes {} ms", has_avx2() ? "AVX2" : "a plain loop",
                                   number(first.native_ms.least()))
                     : "");
             pass_rows(table, cpu);
-            frame_rows(table, cpu);
+            frame_rows(table, cpu, bench.options.still);
             text += table.text;
         }
     return text;

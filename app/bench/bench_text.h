@@ -13,7 +13,6 @@ struct Bench {
     std::string command;
     DeviceInfo device;
     Options options;
-    bool still = false;
     std::vector<Contender> contenders;
     std::vector<Scene> scenes;
 };

@@ -28,7 +28,7 @@ std::unique_ptr<Stage> open_stage(const StagePlace& place, const StageWish& wish
     options.seed = wish.seed;
     options.light = wish.light;
     options.optimum = false;
-    options.steered = true;
+    options.steered = options.hold = true;
     options.kept = &place.scene;
     options.doing = place.told;
     auto stage = std::make_unique<Stage>(Stage{std::move(*nodes), std::move(*checked), nullptr, {}, {}});

@@ -35,7 +35,14 @@ using std140::FrameBlock;
 
 // frame_depth_at_centres: each pixel's depth was computed for its very centre; a rasteriser interpolates that of
 // a point up to half a step of its grid beside it.
-enum FrameFlags : uint32_t { frame_reset = 1, frame_orthographic = 2, frame_depth_at_centres = 4 };
+// frame_unchanged: but for the jitter and the index, all that the host brings is as it was in the frame recorded before; it is
+// what View::settled() counts, and no shader sees it.
+enum FrameFlags : uint32_t {
+    frame_reset = 1,
+    frame_orthographic = 2,
+    frame_depth_at_centres = 4,
+    frame_unchanged = 8
+};
 
 // A camera in double precision. The view looks along its -z axis, x right, y up.
 struct Camera {
@@ -43,6 +50,7 @@ struct Camera {
     std::array<double, 9> world_from_view{1, 0, 0, 0, 1, 0, 0, 0, 1};  // columns: right, up, back
     std::array<double, 16> clip_from_view{};  // columns; unjittered, Vulkan clip (y down)
     double near_m = 0.05;
+    friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 // Infinite reverse-Z perspective: depth = near_m / view_depth. aspect = width / height.

@@ -237,8 +237,14 @@ typedef struct penumbra_camera {
     double near_m;
 } penumbra_camera;
 
-/* DEPTH_AT_CENTRES: of each pixel's very centre, computed; a rasteriser interpolates it for a point beside it. */
-enum { PENUMBRA_FRAME_RESET = 1, PENUMBRA_FRAME_ORTHOGRAPHIC = 2, PENUMBRA_FRAME_DEPTH_AT_CENTRES = 4 };
+/* DEPTH_AT_CENTRES: of each pixel's very centre, computed; a rasteriser interpolates it for a point beside it.
+   UNCHANGED: but for the jitter and the index, all that the caller brings is as it was in the frame recorded before. */
+enum {
+    PENUMBRA_FRAME_RESET = 1,
+    PENUMBRA_FRAME_ORTHOGRAPHIC = 2,
+    PENUMBRA_FRAME_DEPTH_AT_CENTRES = 4,
+    PENUMBRA_FRAME_UNCHANGED = 8
+};
 
 typedef struct penumbra_frame {
     uint32_t struct_size;
@@ -319,6 +325,9 @@ PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, ui
 /* Why the most recently recorded frame had no history: "none" (it had), "first_frame", "asked", or "not_handed_on",
    of which `resource` says what; the view's text. `resource` may be null. */
 PENUMBRA_API const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource);
+/* Whether as many UNCHANGED frames have been recorded as the plan's pasts take to settle: until something changes,
+   the outputs of the last frame are as good as those of another one would be, and need not be recorded again. */
+PENUMBRA_API VkBool32 penumbra_view_settled(const penumbra_view* view);
 PENUMBRA_API uint64_t penumbra_view_bytes(const penumbra_view* view);
 
 #ifdef __cplusplus

@@ -145,6 +145,7 @@ struct PlanResource {
     bool layered = false;  // a 2D array, be it of one layer
     bool kept = false;     // writes: kept; one memory for all frames, which nobody else shares
     bool memo = false;     // what it brings from frames before changes nothing that is put out
+    uint32_t settles = 0;  // frames that are alike, after which its past gets no better; 0: never
     uint32_t layers = 1, levels = 1;
     std::string element;
     uint64_t count = 0;  // elements (buffers, texels)
@@ -328,6 +329,9 @@ struct Plan {
     std::array<Dependency, 2> end;      // makes the outputs visible to the host
     std::vector<std::string> counters;  // "node.counter", in the counter buffer's order
     bool jitter = false;                // a node asks the host to jitter
+    // Frames that are alike, but for the jitter and their index, after which no output gets better by one more:
+    // pasts settle one behind the other. Nothing: there is one that never does.
+    std::optional<uint32_t> settles;
     MemoryReport memory;
 
     uint32_t period() const { return 2 * static_cast<uint32_t>(passes.size()); }

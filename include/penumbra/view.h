@@ -174,6 +174,11 @@ class View {
     // Of the most recently recorded frame.
     const Reset& reset() const;
 
+    // Whether as many frames of frame_unchanged have been recorded, one after the other, as the plan's pasts take
+    // to settle (Plan::settles): a host to which nothing changes keeps the outputs of the last frame, which another
+    // one would make no better, and records none. A parameter that is set is a change.
+    bool settled() const;
+
     const Plan& plan() const;
     // Allocated for this view alone: its heaps (without shared ones), what the host writes per frame in
     // flight, captures.
