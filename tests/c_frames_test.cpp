@@ -211,6 +211,7 @@ TEST_F(CFramesGpu, WhatAHostSaysOfAFrameReachesIt) {
                                       40.0f + static_cast<float>(f), 0.0625f, 0.125f, 0.25f, kept}))
             << f;
         EXPECT_STREQ(penumbra_view_reset_reason(view, nullptr), f ? "none" : "first_frame");
+        EXPECT_FALSE(penumbra_view_settled(view)) << "what it keeps never settles";
         ASSERT_EQ(penumbra_view_completed(view, &completed, &passes, nullptr, &error_), PENUMBRA_OK);
         EXPECT_EQ(completed, f < 3 ? UINT64_MAX : 0u) << f;
     }

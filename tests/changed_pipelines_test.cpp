@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Shipped pipelines, changed by what is in them already: what compiles and can be fed runs, with validation
 // and synchronisation checks silent; all else is refused with a diagnostic.
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -63,7 +64,7 @@ TEST_F(ChangedPipelines, RunCleanOrAreRefused) {
         ASSERT_EQ(gpu().message_count(), messages) << i << ": " << text;
         ran += runs;
     }
-    RecordProperty("ran", static_cast<int>(ran));
+    std::printf("%u of %u changed pipelines ran\n", ran, wanted);
     EXPECT_GT(ran, wanted / 8) << "hardly any change gets past the reader";
 }
 
