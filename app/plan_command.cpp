@@ -50,7 +50,7 @@ std::string bytes_per_pixel(const CheckedPipeline& pipeline, const Plan& plan,
     for (const auto& [family, member] : last)
         if (members[family].size() > 1)
             if (const auto fewer = with("instances." + member + "=null"))
-                text += fmt::format(", for the last of {} of {} {:.2f}", members[family].size(), family,
+                text += fmt::format(", for the last of {} {} {:.2f}", members[family].size(), family,
                                     bytes(plan) - bytes(*fewer));
     return text + "\n";
 }
