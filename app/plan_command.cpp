@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 // penumbra plan: what a pipeline becomes, without a device or for one.
+#include <fmt/format.h>
+
 #include <charconv>
+#include <functional>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/commands.h"
 #include "app/fact_list.h"
@@ -26,6 +31,31 @@ std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text) {
     std::cerr << "--size: \"" << text << "\" is not WIDTHxHEIGHT, as 1280x720\n";
     return std::nullopt;
 }
+
+namespace {
+
+// Per pixel; and of a family with several members, what the plan without its last one takes less.
+std::string bytes_per_pixel(const CheckedPipeline& pipeline, const Plan& plan,
+                            const std::function<std::optional<Plan>(const std::string& setting)>& with) {
+    const double pixels = static_cast<double>(plan.extent.width) * plan.extent.height;
+    const auto bytes = [&](const Plan& p) { return static_cast<double>(p.memory.heap_bytes) / pixels; };
+    std::string text = fmt::format("bytes per pixel {:.2f}", bytes(plan));
+    std::map<std::string, std::set<std::string>> members;
+    std::map<std::string, std::string> last;
+    for (const BoundNode& node : pipeline.nodes) {
+        if (node.family.empty()) continue;
+        members[node.family].insert(node.member);
+        last[node.family] = node.member;
+    }
+    for (const auto& [family, member] : last)
+        if (members[family].size() > 1)
+            if (const auto fewer = with("instances." + member + "=null"))
+                text += fmt::format(", for the last of {} {} {:.2f}", members[family].size(), family,
+                                    bytes(plan) - bytes(*fewer));
+    return text + "\n";
+}
+
+}  // namespace
 
 int run_plan(const PlanArguments& arguments) {
     const auto nodes = open_nodes(arguments.node_folders);
@@ -73,10 +103,21 @@ int run_plan(const PlanArguments& arguments) {
         std::cerr << diagnostics.text();
         return exit_failed;
     }
-    if (arguments.format == "json")
+    if (arguments.format == "json") {
         std::cout << to_json(*plan).dump(2) << "\n";
-    else
-        std::cout << (arguments.format == "dot" ? to_dot(*plan) : to_text(*plan));
+        return exit_good;
+    }
+    if (arguments.format == "dot") {
+        std::cout << to_dot(*plan);
+        return exit_good;
+    }
+    const auto changed = [&](const std::string& setting) -> std::optional<Plan> {
+        std::vector<std::string> settings = arguments.settings;
+        settings.push_back(setting);
+        const auto other = open_pipeline(arguments.pipeline, settings, *nodes);
+        return other ? compile(*other, target, options, diagnostics) : std::nullopt;
+    };
+    std::cout << to_text(*plan) << bytes_per_pixel(*pipeline, *plan, changed);
     return exit_good;
 }
 

@@ -101,6 +101,10 @@ class Checker {
             return;
         }
         BoundNode bound{.id = node.id, .entry = entry, .place = node.place};
+        if (const auto* of = written_out_.of[static_cast<size_t>(&node - pipeline_.nodes.data())]) {
+            bound.family = of->family;
+            bound.member = of->name;
+        }
         bind_params(node, bound);
         find_with(node, bound);
         check_ports(node, entry->type, node.in, false);

@@ -15,6 +15,7 @@ constexpr std::array<FormatInfo, format_count> table = {{
     {"rgba8", VK_FORMAT_R8G8B8A8_UNORM, 4, 4, FormatClass::unorm, "rgba8"},
     {"r16f", VK_FORMAT_R16_SFLOAT, 2, 1, FormatClass::real, "r16f"},
     {"rg16f", VK_FORMAT_R16G16_SFLOAT, 4, 2, FormatClass::real, "rg16f"},
+    {"rg16s", VK_FORMAT_R16G16_SNORM, 4, 2, FormatClass::snorm, "rg16_snorm"},
     {"rgba16f", VK_FORMAT_R16G16B16A16_SFLOAT, 8, 4, FormatClass::real, "rgba16f"},
     {"r32f", VK_FORMAT_R32_SFLOAT, 4, 1, FormatClass::real, "r32f"},
     {"rg32f", VK_FORMAT_R32G32_SFLOAT, 8, 2, FormatClass::real, "rg32f"},

@@ -43,6 +43,7 @@ VkClearColorValue poison_colour(FormatClass kind, uint32_t pattern) {
                 colour.uint32[c] = pattern ? 0x5A5A5A5Au : 0xDEADBEEFu;
                 break;
             case FormatClass::unorm:
+            case FormatClass::snorm:
                 colour.float32[c] = pattern ? 0.1234f : 0.7312f;
                 break;
             default:

@@ -5,6 +5,8 @@
 #include "graph/select.h"
 
 #include <algorithm>
+#include <map>
+#include <ranges>
 #include <set>
 
 namespace penumbra {
@@ -190,16 +192,46 @@ class Selector {
         std::set<size_t> ready;
         for (size_t i = 0; i < waiting.size(); ++i)
             if (waiting[i] == 0 && (i >= nodes || runs_[i])) ready.insert(i);
+        std::vector<size_t> sequence;
         while (!ready.empty()) {
             const size_t i = *ready.begin();
             ready.erase(ready.begin());
             for (const size_t to : next[i])
                 if (--waiting[to] == 0) ready.insert(to);
+            sequence.push_back(i);
+        }
+        let_members_wait(next, sequence);
+        for (const size_t i : sequence)
             if (i < nodes)
                 selection_.nodes.push_back({&pipeline_.nodes[i], no_resource, std::move(sources_[i])});
             else
                 selection_.nodes.push_back({nullptr, captures_[i - nodes], {}});
+    }
+
+    // A family's members do the same in turn. What one of them makes long before it is wanted would lie
+    // beside the same of all others, so it is made just before its first reader, where nothing lives longer
+    // by that.
+    void let_members_wait(const std::vector<std::set<size_t>>& next, std::vector<size_t>& sequence) const {
+        std::vector<size_t> place(next.size());  // of who waits, its first reader's
+        for (size_t at = 0; at < sequence.size(); ++at) place[sequence[at]] = at;
+        std::map<std::pair<uint32_t, bool>, size_t> last_read;
+        each_input([&](size_t node, const BoundPort& bound, Source) {
+            size_t& last = last_read[{bound.resource, bound.previous}];
+            last = std::max(last, place[node]);
+        });
+        for (const size_t i : std::views::reverse(sequence)) {
+            if (i >= runs_.size() || pipeline_.nodes[i].family.empty() || next[i].empty()) continue;
+            const size_t first =
+                std::ranges::min(next[i] | std::views::transform([&](size_t to) { return place[to]; }));
+            bool lives_on = true;
+            for (size_t p = 0; p < sources_[i].size(); ++p) {
+                const BoundPort& bound = pipeline_.nodes[i].ports[p];
+                if (!bound.port->output && sources_[i][p] == Source::internal)
+                    lives_on = lives_on && last_read.at({bound.resource, bound.previous}) >= first;
+            }
+            if (lives_on) place[i] = first;
         }
+        std::ranges::stable_sort(sequence, {}, [&](size_t i) { return place[i]; });
     }
 
     const CheckedPipeline& pipeline_;

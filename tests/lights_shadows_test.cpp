@@ -41,6 +41,13 @@ TEST_F(LightsShadows, ThereIsAPictureUnderAllOfThem) {
     EXPECT_TRUE(fs::exists(folder_ / "all/visibility_panel.0002.exr"));
 }
 
+TEST_F(LightsShadows, ThePlanSaysWhatTheLastOfThemTakes) {
+    const Result two = run("plan lights_shadows --size 1920x1080");
+    EXPECT_NE(two.out.find(", for the last of 2 lights 9.8"), std::string::npos) << two.err;
+    const Result one = run("plan lights_shadows --size 1920x1080 --set instances.second=null");
+    EXPECT_NE(one.out.find("bytes per pixel 40.38\n"), std::string::npos) << one.err;
+}
+
 TEST_F(LightsShadows, ALightIsOfVisibilityAlone) {
     const std::string out = " --out '" + (folder_ / "written").string() + "'";
     const std::string said = "--light: is of visibility alone, and --signal asks for specular";

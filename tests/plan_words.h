@@ -23,6 +23,7 @@ inline const std::map<std::string, VkFormat> formats = {{"r8", VK_FORMAT_R8_UNOR
                                                         {"rgba8", VK_FORMAT_R8G8B8A8_UNORM},
                                                         {"r16f", VK_FORMAT_R16_SFLOAT},
                                                         {"rg16f", VK_FORMAT_R16G16_SFLOAT},
+                                                        {"rg16s", VK_FORMAT_R16G16_SNORM},
                                                         {"rgba16f", VK_FORMAT_R16G16B16A16_SFLOAT},
                                                         {"r32f", VK_FORMAT_R32_SFLOAT},
                                                         {"rg32f", VK_FORMAT_R32G32_SFLOAT},

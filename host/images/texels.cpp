@@ -3,6 +3,7 @@
 // bias 15.
 #include "host/images/texels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -38,6 +39,8 @@ float channel_value(Format format, const std::byte* texel, size_t c) {
         case Format::rg8:
         case Format::rgba8:
             return static_cast<float>(load<uint8_t>(texel + c)) / 255.0f;
+        case Format::rg16s:
+            return std::max(static_cast<float>(load<int16_t>(texel + 2 * c)) / 32767.0f, -1.0f);
         case Format::d16:
             return static_cast<float>(load<uint16_t>(texel)) / 65535.0f;
         case Format::r16f:

@@ -37,7 +37,8 @@ struct BoundNode {
     std::string condition;           // "if", as text
     std::optional<uint32_t> with;    // of CheckedPipeline::inputs: where it is left out, so is the node
     Place place;
-    bool added = false;  // not by the pipeline's text: not worth a word where it does not run
+    bool added = false;          // not by the pipeline's text: not worth a word where it does not run
+    std::string family, member;  // whose it is, of a family of instances
 
     const NodeType& type() const { return entry->type; }
 };
@@ -75,4 +76,4 @@ struct CheckedPipeline {
 std::optional<CheckedPipeline> check(const Pipeline& pipeline, const NodeSet& nodes,
                                      Diagnostics& diagnostics);
 
-}  // namespace penumbra
+}  // namespace PENUMBRA_API

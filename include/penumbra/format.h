@@ -20,6 +20,7 @@ enum class Format : uint8_t {
     rgba8,
     r16f,
     rg16f,
+    rg16s,
     rgba16f,
     r32f,
     rg32f,
@@ -32,9 +33,9 @@ enum class Format : uint8_t {
     d32,
     d16
 };
-inline constexpr int format_count = 16;
+inline constexpr int format_count = 17;
 
-enum class FormatClass : uint8_t { unorm, real, uint, depth };
+enum class FormatClass : uint8_t { unorm, snorm, real, uint, depth };
 
 struct FormatInfo {
     const char* name;
@@ -49,4 +50,4 @@ const FormatInfo& info(Format format);
 std::optional<Format> format_named(std::string_view name);
 std::vector<std::string> format_names();
 
-}  // namespace penumbra
+}  // namespace PENUMBRA_API

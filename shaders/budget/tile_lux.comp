@@ -11,7 +11,7 @@ const bool HAS_LIGHT = true;
 #include "common/tiles.glsl"
 
 float lux_at(ivec2 p) {
-    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+    const vec3 n = decode_receiver_normal(texelFetch(receiver_normal, p, 0).xy);
     return dot(unshadowed_lux(n, light.centre - position(p, imageLoad(view_depth, p).x)), vec3(0.2126, 0.7152, 0.0722));
 }
 

@@ -57,7 +57,7 @@ ShadowRay ray_to_near_light(ivec2 p, vec3 n, uint k, uint rays) {
 }
 
 ShadowRay shadow_ray(ivec2 p, uint k, uint rays) {
-    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+    const vec3 n = decode_receiver_normal(texelFetch(receiver_normal, p, 0).xy);
     if (HAS_LIGHT) return ray_to_near_light(p, n, k, rays);
     const vec3 direction = ray_direction(p, k, rays);
     if (ORIGIN == ORIGIN_PUBLISHED) {

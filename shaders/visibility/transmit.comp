@@ -30,7 +30,7 @@ ivec2 pixel_numbered(ivec2 tile, uint number) { return tile * TILE + pixel_of_la
 
 // Of a pixel that sees some of its light: whether any of that may be coloured. Whom a light that is near does not reach has no shadow of it.
 bool may_be_coloured(ivec2 p, bool wanted) {
-    const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
+    const vec3 n = decode_receiver_normal(texelFetch(receiver_normal, p, 0).xy);
     if (HAS_LIGHT) {
         const RayStart start = ray_start(p, n);
         const vec3 centre = light.centre + scene.camera_from_origin;
