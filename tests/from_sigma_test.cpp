@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // denoise_sigma.json, for a host that feeds SIGMA: the same rays as hit words with their blockers' distances
 // and as penumbra radii are the same picture, to the bit; and what each value of such a host stands for.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>

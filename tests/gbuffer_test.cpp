@@ -3,6 +3,7 @@
 // are mirrored, near the origin and a thousand kilometres away from it. Needs a Vulkan device.
 #include "host/gbuffer/gbuffer.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -2,6 +2,8 @@
 // Families of instances: what a pipeline says once stands there for each member, and nothing else changes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "penumbra/check.h"
 #include "penumbra/dump.h"
 #include "tests/toy_nodes.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SIGMA's passes on penumbrae made by hand: tiles are what their definition says at any size and workgroup,
 // what is lit, dark or hard is left alone to the bit, what is soft is blurred as wide as it is and not wider.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <random>
