@@ -44,6 +44,7 @@ struct SessionOptions {
     bool steered = false;  // somebody will steer(): facts promise neither a still camera nor a sun that is up
     KeptScene* kept = nullptr;  // of the shot, where more than one session looks at it
     Told doing;                 // of what comes before the first frame
+    std::optional<bool> cpu;    // shapes and constants of that class, whatever the device's is
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 

@@ -16,6 +16,7 @@
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
+#define SHARED_STACK
 #include "common/bvh.glsl"
 #include "common/cone_slabs.glsl"
 #include "visibility/light_mask.glsl"

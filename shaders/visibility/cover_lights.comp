@@ -13,6 +13,7 @@ const bool HAS_LIGHT = true;
 #include "common/finite.glsl"
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
+#define SHARED_STACK
 #include "visibility/transmittance.glsl"
 #include "visibility/coloured_light.glsl"
 #if BACKEND == BACKEND_BVH
