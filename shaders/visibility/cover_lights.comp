@@ -22,6 +22,8 @@ const bool HAS_LIGHT = true;
 #include "visibility/seen_light.glsl"
 #define WALK_BUDGET BUDGET
 #include "visibility/light_walk.glsl"
+
+ConeSlabs slabs_to(SeenLight seen) { return seen.slabs; }
 #endif
 
 // Whether it may reach a point of a box, which is empty if `lower` is above `upper`. A hundred-thousandth is left to rounding.
