@@ -225,6 +225,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     session->pass_costs_ = options.pass_costs;
     session->hold_ = options.hold;
     DeviceTable table = device_table(handles_of(device));
+    table.cpu = options.cpu.value_or(table.cpu);
     table.features = features_of(device);
 
     if (std::max(options.size[0], options.size[1]) > table.max_image_extent) {

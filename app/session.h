@@ -45,6 +45,7 @@ struct SessionOptions {
     KeptScene* kept = nullptr;  // of the shot, where more than one session looks at it
     Told doing;                 // of what comes before the first frame
     bool hold = false;          // a frame to which nothing has changed is not run where the view has settled
+    std::optional<bool> cpu;    // shapes and constants of that class, whatever the device's is
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 

@@ -374,9 +374,9 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;\n"
         "#define GROUP_X gl_WorkGroupSize.x\n#define GROUP_Y gl_WorkGroupSize.y\n"
         "layout(constant_id = 3) const uint PER_THREAD_X = 1u;\nlayout(constant_id = 4) const uint "
-        "PER_THREAD_Y = 1u;\n"
+        "PER_THREAD_Y = 1u;\nlayout(constant_id = {}) const bool ON_CPU = false;\n"
         "layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
-        frame_binding);
+        on_cpu_constant, frame_binding);
     for (const auto& [name, exists] : variant.outputs)
         text += fmt::format("#define HAS_{} {:d}\n", upper(name), exists);
     const std::vector<uint32_t> bindings = port_bindings(type);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Nodes that deal a tile's pixels out to lanes put out the same however a device groups lanes: with a
-// subgroup per tile, as on a CPU, with several that share one, and with subgroups of another size. What is
-// decided per tile must not be decided per subgroup.
+// Nodes put out the same however a device groups lanes: with the shapes of either class, with a subgroup per
+// tile, as on a CPU, with several that share one, and with subgroups of another size. What is decided per
+// tile must not be decided per subgroup.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 
 #include "app/session.h"
@@ -28,7 +30,7 @@ struct Case {
 using Frames = std::vector<std::vector<std::byte>>;
 
 // `width`: lanes of a workgroup of trace and cover; 0: as shipped for the device.
-Frames run(const Case& c, const Shot& shot, uint32_t width) {
+Frames run(const Case& c, const Shot& shot, uint32_t width, std::optional<bool> cpu = {}) {
     NodeSet nodes = shadow_nodes();
     for (const char* name : {"trace", "cover"}) {
         NodeEntry entry = *nodes.find(name);
@@ -45,6 +47,7 @@ Frames run(const Case& c, const Shot& shot, uint32_t width) {
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
+    options.cpu = cpu;
     options.captures = c.captures;
     options.captures.emplace_back("visibility");
     const auto session = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);
@@ -73,6 +76,32 @@ TEST_F(Lanes, HowADeviceGroupsThemDoesNotShow) {
         const Frames shipped = run(c, shot, 0);
         for (const uint32_t width : {8u, 16u, 32u})
             EXPECT_TRUE(run(c, shot, width) == shipped) << c.pipeline << ", workgroups of " << width;
+    }
+}
+
+// A GPU's shapes on a CPU device: another number of pixels for each lane, branches that are no loops, stacks
+// in shared memory. What a compiler fuses depends on the code around it, so `color` may be rounded another
+// way, which its history keeps: a step of a half a frame.
+TEST_F(Lanes, ADevicesClassDoesNotShow) {
+    const Shot shot = plaza_shot({203, 117}, 4);
+    const Case all{"hybrid_shadows", {}, {"hits", "coverage", "lit", "color"}};
+    const size_t color = 3;
+    const Frames gpu = run(all, shot, 0, false), cpu = run(all, shot, 0, true);
+    ASSERT_EQ(gpu.size(), cpu.size());
+    for (size_t i = 0; i < gpu.size(); ++i) {
+        const size_t images = all.captures.size() + 1, image = i % images;
+        const auto frame = static_cast<int>(i / images);
+        if (image != color || frame == 0) {
+            EXPECT_TRUE(gpu[i] == cpu[i]) << "image " << image << " of frame " << frame;
+            continue;
+        }
+        ASSERT_EQ(gpu[i].size(), cpu[i].size());
+        std::vector<int16_t> a(gpu[i].size() / 2), b(a.size());  // halves that are not negative: in order
+        std::memcpy(a.data(), gpu[i].data(), gpu[i].size());
+        std::memcpy(b.data(), cpu[i].data(), cpu[i].size());
+        int worst = 0;
+        for (size_t k = 0; k < a.size(); ++k) worst = std::max(worst, std::abs(a[k] - b[k]));
+        EXPECT_LE(worst, frame);
     }
 }
 

@@ -10,6 +10,7 @@
 //
 // Includer declares: what common/bvh.glsl needs; uniform usamplerBuffer neighbours; const uint PATCH (triangles), BUDGET
 // (steps).
+#define SHARED_STACK
 #include "common/bvh.glsl"
 #include "classification/cone.glsl"
 #include "common/cone_slabs.glsl"

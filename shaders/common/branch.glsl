@@ -5,4 +5,5 @@
 // The other thing that loops want there: Mesa 22 ends all loops of a workgroup after 65 535 turns, whatever they wait for. Who
 // could need as many asks afterwards what the loop was for, not the variable that the loop ran on: every compiler knows that a
 // loop until `ended` has ended.
-#define BRANCH_IF(condition) for (bool once = (condition); once; once = false)
+// A GPU's compiler sees a loop of one turn there, which is an `if`, where it must take the other for one of many.
+#define BRANCH_IF(condition) for (int once = ON_CPU ? int(!(condition)) : 0; once < 1; ++once) if (ON_CPU || (condition))

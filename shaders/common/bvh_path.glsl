@@ -14,9 +14,10 @@
 // in different loops wait for each other. A node's hit children stay one word (first child and a mask), so that a step
 // pushes at most one. The stack is no array: words move through registers, a push shifts all of them. To index an array
 // lane by lane a CPU device takes the lanes one by one, with a branch each that nothing can foresee, and that was a
-// seventh of a ray's time.
+// seventh of a ray's time. A GPU indexes shared memory as it does registers, of which it has few: with SHARED_STACK words wait
+// there, 64 bytes a lane.
 //
-// Includer declares: what common/scene_words.glsl needs.
+// Includer declares: what common/scene_words.glsl needs; SHARED_STACK, where a workgroup may spare that.
 #include "common/scene_words.glsl"
 
 // A group of child nodes: first << 6 | order << 4 | mask. Order 3: the mask is reversed, the last child goes first.
@@ -25,11 +26,17 @@ struct BvhPath {
     uint leaf_first, leaf_mask;
     uint away;                      // bit k: the direction rises along axis k
     uvec4 top, second, third, last;  // pending groups, top.x the latest; max_bvh_depth - 2 at most (host/bvh/bvh.h)
+    uint waiting;                    // how many, where they wait in shared memory
 };
+
+#ifdef SHARED_STACK
+shared uint bvh_stack[ON_CPU ? 1u : 16u * GROUP_X * GROUP_Y];
+uint bvh_stack_word(uint i) { return i * GROUP_X * GROUP_Y + gl_LocalInvocationIndex; }
+#endif
 
 BvhPath bvh_path(vec3 direction) {
     const uint away = uint(direction.x > 0.0) | uint(direction.y > 0.0) << 1 | uint(direction.z > 0.0) << 2;
-    return BvhPath(1u, 0u, 0u, away, uvec4(0u), uvec4(0u), uvec4(0u), uvec4(0u));
+    return BvhPath(1u, 0u, 0u, away, uvec4(0u), uvec4(0u), uvec4(0u), uvec4(0u), 0u);
 }
 
 bool bvh_ended(BvhPath path) { return ((path.group & 15u) | path.leaf_mask) == 0u; }
@@ -74,6 +81,12 @@ void bvh_fetch(BvhPath path, inout BvhVisit visit) {
 }
 
 void bvh_push(inout BvhPath path, bool wanted, uint group) {
+#ifdef SHARED_STACK
+    if (!ON_CPU) {
+        if (wanted) bvh_stack[bvh_stack_word(path.waiting++)] = group;
+        return;
+    }
+#endif
     const bvec4 all = bvec4(wanted);
     path.last = mix(path.last, uvec4(path.third.w, path.last.xyz), all);
     path.third = mix(path.third, uvec4(path.second.w, path.third.xyz), all);
@@ -81,7 +94,15 @@ void bvh_push(inout BvhPath path, bool wanted, uint group) {
     path.top = mix(path.top, uvec4(group, path.top.xyz), all);
 }
 
+// If there is one.
 void bvh_pop(inout BvhPath path, bool wanted) {
+#ifdef SHARED_STACK
+    if (!ON_CPU) {
+        if (wanted && path.waiting != 0u) path.group = bvh_stack[bvh_stack_word(--path.waiting)];
+        return;
+    }
+#endif
+    if (path.top.x == 0u) wanted = false;
     const bvec4 all = bvec4(wanted);
     if (wanted) path.group = path.top.x;
     path.top = mix(path.top, uvec4(path.top.yzw, path.second.x), all);
@@ -107,5 +128,5 @@ void bvh_go_on(inout BvhPath path, BvhVisit visit) {
         }
     }
     bvh_push(path, push, rest);
-    bvh_pop(path, (path.group & 15u) == 0u && path.top.x != 0u);
+    bvh_pop(path, (path.group & 15u) == 0u);
 }

@@ -44,59 +44,79 @@ float longest(vec2 texel) {
     return min(floor(1.0 + FRAMES_OF_BLUR / max(dot(f, 1.0 - f), 1e-3)), float(MAX_FRAMES));
 }
 
-vec4 robust(ivec2 p, Box box, Around around, Cameras cameras, Reprojection there, vec3 moved) {
-    vec3 c = box.shown;
-    Memory memory = Memory(1.0, 0.0, HAS_VIEW_DEPTH_PREV);  // what has no past may move: there is no motion to tell by
+// What the history says of a pixel, with this frame counted. 0 frames: nothing. What has no past may move: there is no motion to
+// tell by.
+Past past_of(ivec2 p, Around around, Cameras cameras, vec3 moved) {
+    Past past = Past(vec3(0.0), Memory(0.0, 0.0, HAS_VIEW_DEPTH_PREV));
+    const Reprojection there = reproject(p, moved.xy);
     if (there.on_screen && (frame.flags & FRAME_RESET) == 0u) {
+        if (!HAS_GUIDE_NORMAL) return Past(history_at(there.uv * vec2(frame.prev_size)), Memory(1.0, 0.0, false));
         // Not by way of uv, whose rounding would move a still pixel.
         const vec2 texel = (vec2(p) + 0.5) * (vec2(frame.prev_size) / vec2(frame.size)) + moved.xy * vec2(frame.prev_size);
-        const Past past = past_at(p, texel, around, cameras, moved);
-        memory.moves_itself = past.memory.moves_itself;
-        if (past.memory.frames >= 1.0) {
-            const vec3 remembered = compress(storable(past.color)), inside = clamp_to_box(box, remembered, params.clamp_sigma);
-            const vec3 before = past.memory.thin > 0.0 ? mix(remembered, inside, THIN_SHARE) : inside;
-            memory = past.memory;
-            memory.frames = min(memory.frames + 1.0, longest(texel));
-            c = before + (c - before) / memory.frames;
-        }
+        past = past_at(p, texel, around, cameras, moved);
+        if (past.memory.frames >= 1.0) past.memory.frames = min(past.memory.frames + 1.0, longest(texel));
+    }
+    return past;
+}
+
+vec4 robust(Box box, Past past) {
+    vec3 c = box.shown;
+    Memory memory = Memory(1.0, 0.0, past.memory.moves_itself);
+    if (past.memory.frames >= 1.0) {
+        const vec3 remembered = compress(storable(past.color)), inside = clamp_to_box(box, remembered, params.clamp_sigma);
+        const vec3 before = past.memory.thin > 0.0 ? mix(remembered, inside, THIN_SHARE) : inside;
+        memory = past.memory;
+        c = before + (c - before) / memory.frames;
     }
     const vec3 out_color = expand(c);
     return vec4(round_to(out_color.xy, HALF_BITS), round_to(out_color.z, HALF_BITS), round_to(alpha_of(memory), HALF_BITS));
 }
 
-vec4 published(Box box, Reprojection there, vec2 v) {
+vec4 published(Box box, Past past, vec2 v) {
     vec3 c = box.shown;
-    if (there.on_screen && (frame.flags & FRAME_RESET) == 0u) {
+    if (past.memory.frames >= 1.0) {
         // What stands still may keep more of its history: nothing there can be a ghost for long.
         const float scale = mix(0.5, 2.5, 1.0 - smoothstep(0.0, 0.02, length(v)));
-        const vec3 past = compress(storable(history_at(there.uv * vec2(frame.prev_size))));
-        c = mix(clamp_to_box(box, past, scale), c, BLEND);
+        c = mix(clamp_to_box(box, compress(storable(past.color)), scale), c, BLEND);
     }
     return vec4(expand(c), 1.0);
 }
 
 void main() {
     const int x = column(), first = int(gl_GlobalInvocationID.y * PER_THREAD_Y);
-    if (!IN_A_ROW && x >= int(frame.size.x)) return;
-    const int end = min(first + int(PER_THREAD_Y), int(frame.size.y));
+    const bool inside = x < int(frame.size.x);
+    if (!IN_A_ROW && !(inside && first < int(frame.size.y))) return;
+    const int rows = IN_A_ROW ? min(int(PER_THREAD_Y), int(frame.size.y) - first) : 1;
     const Cameras cameras = cameras();
     vec3 color_sides = vec3(0.0);
     float depth_sides = 0.0;
-    ColorRow color_above = color_row(x, first - 1, 0, color_sides), color_here = color_row(x, first, 1, color_sides);
     DepthRow depth_above = depth_row(x, first - 1, 0, depth_sides), depth_here = depth_row(x, first, 1, depth_sides);
-    for (int y = first; y < end; ++y) {
-        const ivec2 p = ivec2(x, y);
-        const ColorRow color_below = color_row(x, y + 1, y + 2 - first, color_sides);
-        const DepthRow depth_below = depth_row(x, y + 1, y + 2 - first, depth_sides);
-        if (!IN_A_ROW || x < int(frame.size.x)) {  // who stands beside the image has rows to load
-            const Box box = box_of(color_above, color_here, color_below);
+    ColorRow color_above, color_here;
+    if (IN_A_ROW) {
+        color_above = color_row(x, first - 1, 0, color_sides);
+        color_here = color_row(x, first, 1, color_sides);
+    }
+    for (int row = 0; row < rows; ++row) {
+        const ivec2 p = ivec2(x, first + row);
+        ColorRow color_below;
+        if (IN_A_ROW) color_below = color_row(x, p.y + 1, row + 2, color_sides);
+        const DepthRow depth_below = depth_row(x, p.y + 1, row + 2, depth_sides);
+        Past past;
+        vec3 v = vec3(0.0);
+        if (!IN_A_ROW || inside) {  // who stands beside the image has rows to load
             const Around around = around_of(p, depth_above, depth_here, depth_below);
-            const vec3 v = HAS_MOTION ? texelFetch(motion, around.nearest, 0).xyz : vec3(0.0);
-            const Reprojection there = reproject(p, v.xy);
-            if (HAS_GUIDE_NORMAL)
-                imageStore(color, p, robust(p, box, around, cameras, there, v));
-            else
-                imageStore(color, p, published(box, there, v.xy));
+            if (HAS_MOTION) v = texelFetch(motion, around.nearest, 0).xyz;
+            past = past_of(p, around, cameras, v);
+        }
+        // Not before, where a lane has one pixel: registers are what a GPU has few of.
+        if (!IN_A_ROW) {
+            color_above = color_row(x, first - 1, 0, color_sides);
+            color_here = color_row(x, first, 1, color_sides);
+            color_below = color_row(x, first + 1, 2, color_sides);
+        }
+        if (!IN_A_ROW || inside) {
+            const Box box = box_of(color_above, color_here, color_below);
+            imageStore(color, p, HAS_GUIDE_NORMAL ? robust(box, past) : published(box, past, v.xy));
         }
         color_above = color_here;
         color_here = color_below;

@@ -16,6 +16,7 @@
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
+#define SHARED_STACK
 #include "common/bvh.glsl"
 #include "common/cone_slabs.glsl"
 #include "visibility/light_mask.glsl"
@@ -25,6 +26,13 @@
 #define WALK_BUDGET BUDGET
 #endif
 #include "visibility/light_walk.glsl"
+
+shared ConeSlabs sun_slabs;  // on a GPU, whose registers are few
+
+ConeSlabs slabs_to(SeenLight seen) {
+    if (ON_CPU || HAS_LIGHT) return seen.slabs;
+    return sun_slabs;
+}
 
 #if HAS_GIVEN_UP
 shared uint tile_rest;  // pixels left to rays
@@ -54,7 +62,11 @@ void main() {
     const uint pixel_count = uint(bitCount(share.wanted));
     const mat3 axes = sun_frame(sun.to_sun);
     const LightShape sun_as_seen = sun_shape(sun.angular_radius);
-    const ConeSlabs sun_slabs = cone_slabs(axes[2], sun_as_seen.radius, 0.0);
+    const ConeSlabs slabs = cone_slabs(axes[2], sun_as_seen.radius, 0.0);
+    if (!ON_CPU && !HAS_LIGHT) {
+        if (gl_LocalInvocationIndex == 0u) sun_slabs = slabs;
+        barrier();
+    }
 
     uint shadowed = 0u, partly = 0u, done = 0u, steps_taken = 0u;
     for (uint first = 0u; first < pixel_count; first += share.lanes) {
@@ -67,7 +79,7 @@ void main() {
         if (HAS_LIGHT)
             seen = seen_light(ray_origin_to(ray_start(p, n), n, light.centre + scene.camera_from_origin), noise);
         else
-            seen = seen_sun(ray_origin(p, n, sun.to_sun), axes, sun_as_seen, sun_slabs, noise);
+            seen = seen_sun(ray_origin(p, n, sun.to_sun), axes, sun_as_seen, slabs, noise);
         LightMask hidden = below_horizon(seen, n);
         const Walk walk = walk_to_light(seen, own, hidden);
         const bool finished = walk.ended;

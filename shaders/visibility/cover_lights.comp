@@ -13,6 +13,7 @@ const bool HAS_LIGHT = true;
 #include "common/finite.glsl"
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
+#define SHARED_STACK
 #include "visibility/transmittance.glsl"
 #include "visibility/coloured_light.glsl"
 #if BACKEND == BACKEND_BVH
@@ -21,6 +22,8 @@ const bool HAS_LIGHT = true;
 #include "visibility/seen_light.glsl"
 #define WALK_BUDGET BUDGET
 #include "visibility/light_walk.glsl"
+
+ConeSlabs slabs_to(SeenLight seen) { return seen.slabs; }
 #endif
 
 // Whether it may reach a point of a box, which is empty if `lower` is above `upper`. A hundred-thousandth is left to rounding.

@@ -109,27 +109,12 @@ LightMask before_light(Receiver r, LightShape shape, vec3 sum, float det, vec2 e
     return sure;
 }
 
-// Adds to `hidden` what the leaf hides, where it is `wanted`.
-void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout LightMask hidden) {
-    const BvhLeaf corners = bvh_leaf(leaf);
+// On which side of the planes of a leaf's two triangles the receiver is, where that `matters`.
+void decide_sides(Receiver r, BvhLeaf corners, vec3 a, vec3 b, vec3 c, vec3 d, vec3 bc_line, bvec2 matters, out Height first, out Height second) {
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
-    const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
-    const vec3 bc_line = edge_line(b, c);
-    const LightLine ab = light_line(shape, r.dither, edge_line(a, b)), bc = light_line(shape, r.dither, bc_line),
-                    ca = light_line(shape, r.dither, edge_line(c, a)), bd = light_line(shape, r.dither, edge_line(b, d)),
-                    dc = light_line(shape, r.dither, edge_line(d, c));
-    const bvec2 none_above = bvec2(none_positive(ab) || none_positive(bc) || none_positive(ca),
-                                   none_positive(bd) || none_positive(dc) || none_negative(bc));
-    const bvec2 none_below = bvec2(none_negative(ab) || none_negative(bc) || none_negative(ca),
-                                   none_negative(bd) || none_negative(dc) || none_positive(bc));
-    bvec2 matters = bvec2(wanted && !(none_above.x && none_below.x), wanted && !(none_above.y && none_below.y));
-    if (HAS_LIGHT) {
-        const float nearest = min(b.z, c.z);
-        matters = bvec2(matters.x && min(a.z, nearest) < r.behind, matters.y && min(d.z, nearest) < r.behind);
-    }
-
     float error = 32.0 * UNIT_ROUNDING * taxi(b) * taxi(c);
-    Height first = Height(dot(a, bc_line), error * taxi(a)), second = Height(-dot(d, bc_line), error * taxi(d));
+    first = Height(dot(a, bc_line), error * taxi(a));
+    second = Height(-dot(d, bc_line), error * taxi(d));
     if (HAS_LIGHT) {  // along axes that lie low the corners have lost digits
         const vec3 n = cross(to_b, to_c);
         error = 32.0 * UNIT_ROUNDING * taxi(to_b) * taxi(to_c);
@@ -145,6 +130,31 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
         if (unsure.x) first = height_for_sure(r.start, corners.a, corners.b, corners.c);
         if (unsure.y) second = height_for_sure(r.start, corners.c, corners.b, corners.d);
     }
+}
+
+// Adds to `hidden` what the leaf hides, where it is `wanted`.
+void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout LightMask hidden) {
+    const BvhLeaf corners = bvh_leaf(leaf);
+    precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
+    const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
+    const vec3 bc_line = edge_line(b, c);
+    Height first, second;
+    // Before the lines, which need registers: a GPU has few.
+    if (!ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, bvec2(wanted), first, second);
+    const LightLine ab = light_line(shape, r.dither, edge_line(a, b)), bc = light_line(shape, r.dither, bc_line),
+                    ca = light_line(shape, r.dither, edge_line(c, a)), bd = light_line(shape, r.dither, edge_line(b, d)),
+                    dc = light_line(shape, r.dither, edge_line(d, c));
+    const bvec2 none_above = bvec2(none_positive(ab) || none_positive(bc) || none_positive(ca),
+                                   none_positive(bd) || none_positive(dc) || none_negative(bc));
+    const bvec2 none_below = bvec2(none_negative(ab) || none_negative(bc) || none_negative(ca),
+                                   none_negative(bd) || none_negative(dc) || none_positive(bc));
+    bvec2 matters = bvec2(wanted && !(none_above.x && none_below.x), wanted && !(none_above.y && none_below.y));
+    if (HAS_LIGHT) {
+        const float nearest = min(b.z, c.z);
+        matters = bvec2(matters.x && min(a.z, nearest) < r.behind, matters.y && min(d.z, nearest) < r.behind);
+    }
+
+    if (ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, matters, first, second);
     bvec2 below = bvec2(first.value < 0.0, second.value < 0.0);
     if (HAS_LIGHT && r.mirrored) below = not(below);
     const bvec2 hides = bvec2(matters.x && first.value != 0.0 && !(below.x ? none_below.x : none_above.x),

@@ -2,8 +2,10 @@
 // The walk of one pixel through the tree, with the cone to its light: what triangles hide of the light is united. Each lane walks by
 // itself, towards leaves until all of a subgroup have one, since looking at a leaf is the dearest step.
 //
-// Includer has common/bvh.glsl, common/cone_slabs.glsl, light_mask.glsl, leaf_cover.glsl and seen_light.glsl; WALK_BUDGET, where a walk
-// may be given up: nodes and leaves that it may look at.
+// Includer has common/bvh.glsl, common/cone_slabs.glsl, light_mask.glsl, leaf_cover.glsl and seen_light.glsl; slabs_to(), where a light's are;
+// WALK_BUDGET, where a walk may be given up: nodes and leaves that it may look at.
+
+ConeSlabs slabs_to(SeenLight seen);
 
 // The receiver's own plane hides what is below it, which a start above the surface would let pass at the surface's end.
 LightMask below_horizon(SeenLight seen, vec3 normal) {
@@ -23,7 +25,7 @@ Walk walk_to_light(SeenLight seen, bool own, inout LightMask hidden) {
         while (!ended && !bvh_at_leaf(path)) {
             BvhVisit visit = bvh_visit(path);
             bvh_fetch(path, visit);
-            visit.hits = cone_hit_children(seen.slabs, seen.receiver.start, visit.n0, visit.n1, visit.n2);
+            visit.hits = cone_hit_children(slabs_to(seen), seen.receiver.start, visit.n0, visit.n1, visit.n2);
             bvh_go_on(path, visit);
             ++steps;
             if (bvh_ended(path)) ended = true;
