@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <map>
-#include <ranges>
 #include <set>
 
 namespace penumbra {
@@ -219,10 +218,11 @@ class Selector {
             size_t& last = last_read[{bound.resource, bound.previous}];
             last = std::max(last, place[node]);
         });
-        for (const size_t i : std::views::reverse(sequence)) {
+        for (auto at = sequence.rbegin(); at != sequence.rend(); ++at) {
+            const size_t i = *at;
             if (i >= runs_.size() || pipeline_.nodes[i].family.empty() || next[i].empty()) continue;
-            const size_t first =
-                std::ranges::min(next[i] | std::views::transform([&](size_t to) { return place[to]; }));
+            size_t first = sequence.size();
+            for (const size_t to : next[i]) first = std::min(first, place[to]);
             bool lives_on = true;
             for (size_t p = 0; p < sources_[i].size(); ++p) {
                 const BoundPort& bound = pipeline_.nodes[i].ports[p];
