@@ -123,6 +123,20 @@ TEST_F(ViewLive, WhatHasSettledIsNotRunAgain) {
     EXPECT_FALSE(session.held()) << "a parameter is another";
 }
 
+// The camera and the sun stand still from the first frame on, the block moves until the sixteenth.
+TEST_F(ViewLive, AnObjectThatMovesKeepsItRunning) {
+    shot_.camera.resize(1);
+    shot_.sun.resize(1);
+    shot_.frames = 512;
+    Live l = live("hybrid_shadows");
+    ASSERT_TRUE(l.open()) << l.error();
+    const Session& session = *l.stage().session;
+    run(l, 17 + int(*l.plan().settles));
+    EXPECT_FALSE(session.view().settled());
+    run(l, 3);
+    EXPECT_TRUE(session.held());
+}
+
 // Frames go on, for noise and history, while the shot's own time stands still.
 TEST_F(ViewLive, AHeldMomentStandsStillAndMotionIsThatOfTheHands) {
     Live l = live("raw");
