@@ -121,6 +121,8 @@ TEST_F(ViewLive, WhatHasSettledIsNotRunAgain) {
     l.turn_control(static_cast<size_t>(exposure - l.stage().controls.begin()), ParamValue(0.1f));
     run(l, 1);
     EXPECT_FALSE(session.held()) << "a parameter is another";
+    run(l, 3);
+    EXPECT_FALSE(session.held()) << "what it changes has to settle";
 }
 
 // The camera and the sun stand still from the first frame on, the block moves until the sixteenth.
