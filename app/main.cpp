@@ -398,8 +398,9 @@ void occupy_standard_streams() {
         if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", O_RDONLY);
 }
 
-// Lavapipe frees what a frame was rasterised with while the next commands run, and the kernel takes 4 ms to
-// get it back from a million triangles, which would count as the first pass's: freed memory stays here.
+// Lavapipe frees what a frame was rasterised with while the next commands run. Of many triangles that is so
+// much memory that the kernel takes milliseconds to get it back, which would count as the first pass's
+// (docs/notes/2026-11-24-freed-memory.md): freed memory stays here.
 void keep_freed_memory() {
 #ifdef __GLIBC__
     ::mallopt(M_TRIM_THRESHOLD, 1 << 30);

@@ -48,15 +48,22 @@ void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted
     }
 }
 
-std::optional<CheckedPipeline> open_pipeline(const std::string& file,
+std::optional<CheckedPipeline> read_pipeline(const std::string& file,
                                              const std::vector<std::string>& settings, const NodeSet& nodes,
-                                             const Shot* shot, const std::string& light) {
-    Diagnostics diagnostics;
+                                             const Shot* shot, const std::string& light,
+                                             Diagnostics& diagnostics) {
     const auto found = shipped_file(file, shipped_root(), shipped_pipelines, diagnostics);
     auto pipeline = found ? load_pipeline(*found, settings, diagnostics) : std::nullopt;
     if (pipeline && shot) name_lights(*pipeline, *shot, light, diagnostics);
     if (!diagnostics.empty()) pipeline.reset();
-    auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    return pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+}
+
+std::optional<CheckedPipeline> open_pipeline(const std::string& file,
+                                             const std::vector<std::string>& settings, const NodeSet& nodes,
+                                             const Shot* shot, const std::string& light) {
+    Diagnostics diagnostics;
+    auto checked = read_pipeline(file, settings, nodes, shot, light, diagnostics);
     if (!checked) std::cerr << diagnostics.text();
     return checked;
 }

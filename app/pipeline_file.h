@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A pipeline file, loaded and checked against penumbra's node set; errors go to standard error.
+// A pipeline file, loaded and checked against penumbra's node set.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,12 @@ namespace penumbra {
 // all, or the one that is wanted by its name.
 void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted, Diagnostics& diagnostics);
 
-// `shot`: whose lights are named, all or `light` alone.
+// A file, or the name of a shipped one. `shot`: whose lights are named, all or `light` alone.
+std::optional<CheckedPipeline> read_pipeline(const std::string& file,
+                                             const std::vector<std::string>& settings, const NodeSet& nodes,
+                                             const Shot* shot, const std::string& light,
+                                             Diagnostics& diagnostics);
+// Errors go to standard error.
 std::optional<CheckedPipeline> open_pipeline(const std::string& file,
                                              const std::vector<std::string>& settings, const NodeSet& nodes,
                                              const Shot* shot = nullptr, const std::string& light = {});

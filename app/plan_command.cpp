@@ -47,11 +47,13 @@ std::string bytes_per_pixel(const CheckedPipeline& pipeline, const Plan& plan,
         members[node.family].insert(node.member);
         last[node.family] = node.member;
     }
-    for (const auto& [family, member] : last)
-        if (members[family].size() > 1)
-            if (const auto fewer = with("instances." + member + "=null"))
-                text += fmt::format(", for the last of {} {} {:.2f}", members[family].size(), family,
-                                    bytes(plan) - bytes(*fewer));
+    for (const auto& [family, member] : last) {
+        if (members[family].size() == 1) continue;
+        const auto fewer = with("instances." + member + "=null");
+        text += fmt::format(", for the last of {} {} {}", members[family].size(), family,
+                            fewer ? fmt::format("{:.2f}", bytes(plan) - bytes(*fewer))
+                                  : "not known, since the pipeline names it elsewhere");
+    }
     return text + "\n";
 }
 
@@ -111,11 +113,14 @@ int run_plan(const PlanArguments& arguments) {
         std::cout << to_dot(*plan);
         return exit_good;
     }
+    options.optimum_search_nodes = 0;
+    options.optimum_progress = nullptr;
     const auto changed = [&](const std::string& setting) -> std::optional<Plan> {
         std::vector<std::string> settings = arguments.settings;
         settings.push_back(setting);
-        const auto other = open_pipeline(arguments.pipeline, settings, *nodes);
-        return other ? compile(*other, target, options, diagnostics) : std::nullopt;
+        Diagnostics unsaid;
+        const auto other = read_pipeline(arguments.pipeline, settings, *nodes, nullptr, {}, unsaid);
+        return other ? compile(*other, target, options, unsaid) : std::nullopt;
     };
     std::cout << to_text(*plan) << bytes_per_pixel(*pipeline, *plan, changed);
     return exit_good;

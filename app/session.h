@@ -9,14 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "app/host_slots.h"
 #include "app/kept_scene.h"
-#include "host/cascades/cascade_maps.h"
+#include "app/session_lights.h"
 #include "host/device/device.h"
-#include "host/device/gpu.h"
-#include "host/materials/environment.h"
-#include "host/materials/hit_surfaces.h"
-#include "host/scene/scene_tlas.h"
-#include "host/scene/scene_translucents.h"
 #include "host/standalone.h"
 #include "penumbra/graph.h"
 
@@ -37,7 +33,7 @@ struct SessionOptions {
     bool alias = true;
     bool jitter = true;          // where a node of the plan needs it
     bool always_jitter = false;  // whether one does or not
-    bool validate = false;       // look at everything that the pipeline reads and writes (graph/validate.h)
+    bool validate = false;       // look at everything that the pipeline reads and writes (app/validate.h)
     std::optional<uint32_t> poison;
     Facts facts;           // instead of what the scene says
     bool optimum = true;   // search for the smallest possible heap, for the report
@@ -45,7 +41,7 @@ struct SessionOptions {
     KeptScene* kept = nullptr;  // of the shot, where more than one session looks at it
     Told doing;                 // of what comes before the first frame
     bool hold = false;          // a frame to which nothing has changed is not run where the view has settled
-    std::optional<bool> cpu;    // shapes and constants of that class, whatever the device's is
+    std::optional<bool> cpu;    // for tests: shapes and constants of that class, whatever the device's is
     bool pass_costs = true;  // on a CPU device: every pass is a submission of its own, and its cost is known
 };
 
@@ -58,10 +54,13 @@ struct FrameCost {
     std::optional<double> ms;
     // Of a frame that is one submission: recording its passes, and from its submission to its completion.
     std::optional<double> record_cpu_ms, wall_ms;
+    bool held = false;  // SessionOptions::hold has spared it: the times are those of finding that out
     // Of drawing the sun's shadow maps, where the pipeline reads any; 0 where nothing had moved.
     std::optional<double> cascades_cpu_ms;
     uint32_t cascades_drawn = 0;  // how many of them
 };
+
+struct EnvironmentInput;  // the environment (session_open.cpp)
 
 class Session {
   public:
@@ -72,8 +71,6 @@ class Session {
                                          std::vector<std::string>& warnings);
 
     FrameCost run_frame(uint32_t index, bool reset);
-    // Whether the last frame was one that SessionOptions::hold has spared.
-    bool held() const { return held_; }
     // Before the frame of this index is run: from where it is seen, instead of from where the shot says.
     void steer(uint32_t index, const Stance& stance) { host_->steer(index, stance); }
     // From the next frame on: whether frames are rasterised off their pixels' centres.
@@ -94,21 +91,31 @@ class Session {
     }
 
     const Plan& plan() const { return view_->plan(); }
+    bool on_cpu() const { return device_.info().is_cpu; }
     const View& view() const { return *view_; }
     const StandaloneHost& host() const { return *host_; }
     uint32_t seed() const { return seed_; }
-    double program_ms() const { return program_ms_; }   // of making the device's objects of the plan
-    const SceneBvh* bvh() const { return bvh_.get(); }  // null: nobody traces with it
-    const FrameDescription& frame_description() const { return last_; }      // of the last frame
-    const CascadeMaps* cascade_maps() const { return cascade_maps_.get(); }  // null: nobody reads any
+    double program_ms() const { return program_ms_; }  // of making the device's objects of the plan
+    const SceneBvh* bvh() const { return resources_.bvh.get(); }         // null: nobody traces with it
+    const FrameDescription& frame_description() const { return last_; }  // of the last frame
+    const CascadeMaps* cascade_maps() const {
+        return resources_.cascade_maps.get();
+    }  // null: nobody reads any
     // What the host brings to the plan's slots, as it stands since the last frame.
-    std::vector<SlotBinding> bind_slots() const;
+    std::vector<SlotBinding> bind_slots() const { return penumbra::bind_slots(plan(), *host_, resources_); }
 
   private:
-    explicit Session(Device& device) : device_(device) {}
-    void write_blocks(const StandaloneFrame& frame);
-    // But for the jitter and the index, of two frames that have one before them; moments: see last_moments_.
+    Session(Device& device, const SessionOptions& options, uint32_t seed)
+        : device_(device), seed_(seed), pass_costs_(options.pass_costs), hold_(options.hold) {}
+    void make_view(Plan plan, std::optional<uint32_t> poison);
+    // What the plan's slots ask for; `environment`: what is read of it.
+    void make_resources(const SessionOptions& options, KeptScene& kept, const SessionLights& lights,
+                        TexelsAs as, const EnvironmentInput& environment);
+    // Whether nothing but the jitter and the index differs from the last frame that was run; false where
+    // either has no past. `moments`: see last_moments_.
     bool unchanged(const StandaloneFrame& frame, const std::array<double, 2>& moments) const;
+    bool pass_by_pass() const { return on_cpu() && pass_costs_; }
+    FrameCost held_frame(double cpu_before, double wall_before) const;
     // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is
     // none.
     void update_surfaces(double moment, double previous);
@@ -118,43 +125,23 @@ class Session {
 
     Device& device_;
     uint32_t seed_ = 0;
-    bool pass_costs_ = true, hold_ = false, held_ = false;
+    bool pass_costs_ = true, hold_ = false;
     double program_ms_ = 0;
     FrameDescription last_;
     std::optional<StandaloneFrame> last_frame_;  // that was run
     std::array<double, 2> last_moments_{};       // its own and that of the one before it
     std::unique_ptr<StandaloneHost> host_;
-    std::shared_ptr<SceneBvh> bvh_;                  // where a pass traces with it
-    std::unique_ptr<SceneTlas> tlas_;                // where a pass traces with ray queries
-    std::unique_ptr<HitSurfaces> surfaces_;          // where a pass shades what its rays hit
-    std::unique_ptr<TranslucentTree> translucents_;  // where a pass asks what colours the light
-    GpuImage environment_;                           // where a pass looks beyond the scene
-    std::unique_ptr<CascadeMaps> cascade_maps_;
+    HostResources resources_;
     double traced_moment_ = 0;  // the moment that these stand at, but for the tree, which others move, too
-    uint32_t surfaces_builds_ = 0;  // SceneBvh::builds() that `surfaces_` was made for
-    std::array<double, 2>
-        surfaces_moments_{};  // what `surfaces_` was made for: the frame's and its previous one's
-    GpuBuffer sun_, sun_prev_, light_, light_prev_, scene_, cascades_;
-    GpuTexels environment_lots_;
-    GpuTexels lights_;
-    struct OwnLight {
-        GpuBuffer now, before;
-    };
-    std::vector<OwnLight> own_lights_;  // of a pipeline that has inputs for each, as host_->light_names()
+    // What the surfaces of hits were made for: SceneBvh::builds(), and the frame's moment and its previous
+    // one's.
+    uint32_t surfaces_builds_ = 0;
+    std::array<double, 2> surfaces_moments_{};
     std::unique_ptr<View> view_;
 };
 
-// Whether the standalone host brings an input of this name.
-bool standalone_has_input(std::string_view name);
-
 // What a node type's "needs" may ask for, of what is enabled on the device.
 std::set<std::string> features_of(const Device& device);
-
-// The pipeline's inputs that the standalone host provides, in the formats it renders; optional ones that it
-// does not know are left out, and so are lamps until somebody brings them.
-Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& device,
-                         std::array<uint32_t, 2> size, const Facts& facts,
-                         Extent cascade_extent = {1024, 1024}, uint32_t cascades = 1);
 
 DeviceHandles handles_of(const Device& device);
 

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
 // Resolves a pipeline's names against a node set: types, parameters, ports, resources. Whether both ends of a
-// wire fit is check_wires.cpp's part, what depends on facts and on order check_dataflow.cpp's.
+// wire fit is check_wires.cpp's part, what conditions come to check_conditions.cpp's, what depends on facts
+// and on order check_dataflow.cpp's.
 #include "penumbra/check.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "graph/check_conditions.h"
 #include "graph/check_dataflow.h"
 #include "graph/instances.h"
 #include "graph/json_reader.h"
 #include "graph/suggestions.h"
-#include "penumbra/condition.h"
 
 namespace penumbra {
 
@@ -33,7 +34,7 @@ class Checker {
         result_.inputs = pipeline_.inputs;
         for (HostInput& input : result_.inputs) find_kind(input);
         for (const PipelineNode& node : pipeline_.nodes) find_type(node);
-        settle_conditions();
+        settle_conditions(result_, sources_, written_out_, nodes_by_id_, diagnostics_);
         bind_outputs();
         bind_inputs();
         for (const auto& [name, id] : ids_) flow_.by_name.push_back(id);
@@ -159,81 +160,6 @@ class Checker {
                   fmt::format("no input \"{}\"{}", node.with, did_you_mean(node.with, optional)));
     }
 
-    // A node that runs under no facts stays: its names and wires are checked as any other's, and it gets in
-    // nobody's way.
-    void settle_conditions() {
-        for (size_t i = 0; i < result_.nodes.size(); ++i) {
-            BoundNode& node = result_.nodes[i];
-            const auto of_pipeline = [&](const Atom& atom) {
-                return find_param(written_out_.node_id(written(i), atom.node), atom.name);
-            };
-            const std::string path = "nodes." + node.id + ".if";
-            if (const auto& json = sources_[i]->condition)
-                if (const auto condition =
-                        parse_condition(*json, *result_.domain, true, path, diagnostics_)) {
-                    node.condition = to_string(*condition);
-                    if (const auto cases = settle(*condition, of_pipeline, path, diagnostics_))
-                        node.cases = of_instance(i, *cases);
-                }
-            // A declaration's own conditions have been checked with it.
-            const auto own = [&](const Atom& atom) -> KnownParam {
-                const auto param = std::ranges::find(node.type().params, atom.name, &Param::name);
-                return {.param = &*param,
-                        .value = &node.params[static_cast<size_t>(param - node.type().params.begin())]};
-            };
-            for (BoundPort& bound : node.ports)
-                bound.cases = of_instance(
-                    i, settle(bound.port->condition, own, path, diagnostics_).value_or(FactCases()));
-            for (const Table& table : node.type().tables)
-                node.tables.push_back(
-                    of_instance(i, settle(table.condition, own, path, diagnostics_).value_or(FactCases())));
-        }
-    }
-
-    // Of a node, which of the pipeline's it is.
-    size_t written(size_t node) const { return static_cast<size_t>(sources_[node] - pipeline_.nodes.data()); }
-
-    // The cases in which something of a node exists: its instance's own facts are what they are.
-    FactCases of_instance(size_t node, FactCases cases) const {
-        const PipelineInstance* instance = written_out_.of[written(node)];
-        if (!instance) return cases;
-        const std::vector<Fact>& facts = result_.domain->facts;
-        for (const auto& [name, value] : instance->facts) {
-            const auto fact = std::ranges::find(facts, name, &Fact::name);
-            if (fact != facts.end())
-                cases = cases_given(cases, static_cast<size_t>(fact - facts.begin()), value.holds);
-        }
-        return cases;
-    }
-
-    KnownParam find_param(const std::string& id, const std::string& name) {
-        const auto written = nodes_by_id_.find(id);
-        if (written == nodes_by_id_.end()) {
-            if (!near_ids_) {
-                std::vector<std::string> ids;
-                for (const PipelineNode& node : pipeline_.nodes) ids.push_back(node.id);
-                near_ids_.emplace(std::move(ids));
-            }
-            return {.problem = fmt::format("no node \"{}\"{}", id, near_ids_->nearest(id))};
-        }
-        if (!written->second) return {};  // of unknown type, which has been said
-        const BoundNode* node = &result_.nodes[*written->second];
-        const NodeType& type = node->type();
-        const auto param = std::ranges::find(type.params, name, &Param::name);
-        if (param == type.params.end()) {
-            std::vector<std::string> names;
-            for (const Param& p : type.params) names.push_back(p.name);
-            return {.problem = fmt::format("node \"{}\" of type \"{}\" has no parameter \"{}\"{}", id,
-                                           type.name, name, did_you_mean(name, names))};
-        }
-        const auto i = static_cast<size_t>(param - type.params.begin());
-        const bool by_class = type.cpu.params.contains(name) || type.gpu.params.contains(name);
-        if (by_class && !node->set[i])
-            return {.problem = fmt::format(
-                        "\"{}.{}\" depends on the device where the pipeline does not set it", id, name)};
-        return {.param = &*param, .value = &node->params[i]};
-    }
-
     void check_ports(const PipelineNode& node, const NodeType& type, const std::vector<Wire>& wires,
                      bool output) {
         std::vector<std::string> names;
@@ -275,6 +201,9 @@ class Checker {
                     visit(i, bound, wire_of(*sources_[i], *bound.port));
             }
     }
+
+    // Of a node, which of the pipeline's it is.
+    size_t written(size_t node) const { return static_cast<size_t>(sources_[node] - pipeline_.nodes.data()); }
 
     // What a port is called: as it is wired, else by its own name.
     std::string name_at(size_t node, const BoundPort& bound, const Wire* wire) const {
@@ -439,15 +368,20 @@ class Checker {
     const NodeSet& set_;
     Diagnostics& diagnostics_;
     CheckedPipeline result_;
-    std::vector<const PipelineNode*> sources_;                  // of result_.nodes
-    std::map<std::string, std::optional<size_t>> nodes_by_id_;  // in result_.nodes; none of unknown type
+    std::vector<const PipelineNode*> sources_;  // of result_.nodes
+    NodesById nodes_by_id_;
     std::map<std::string, uint32_t> ids_;
-    std::optional<Suggestions> near_ids_, near_names_, near_written_;
+    std::optional<Suggestions> near_names_, near_written_;
     Dataflow flow_{result_, pipeline_, {}, {}, nullptr};
     bool unknown_type_ = false;
 };
 
 }  // namespace
+
+const HostInput* CheckedPipeline::input(std::string_view input_name) const {
+    const auto found = std::ranges::find(inputs, input_name, &HostInput::name);
+    return found == inputs.end() ? nullptr : &*found;
+}
 
 const CheckedResource* CheckedPipeline::resource(std::string_view resource_name) const {
     const auto found = std::ranges::find(resources, resource_name, &CheckedResource::name);

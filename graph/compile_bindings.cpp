@@ -164,7 +164,7 @@ void Compiler::bind_slot(const BoundNode& node, const Port& port, HostSlot slot,
     if (same == plan_.slots.end()) {
         const auto known = pipeline_.domain->structs.find(slot.element);
         if (known != pipeline_.domain->structs.end()) slot.bytes = known->second;
-        const HostInput& input = *std::ranges::find(pipeline_.inputs, slot.input, &HostInput::name);
+        const HostInput& input = *pipeline_.input(slot.input);
         slot.required = !input.optional;
         if (slot.kind == PortKind::image || slot.kind == PortKind::texels)
             slot.accepted = input.format ? std::vector{*input.format} : port.formats;
@@ -285,8 +285,9 @@ void Compiler::check_readable(const PlanResource& r, const Port& port) {
             error({pipeline_.file}, "resources." + r.names.back(),
                   fmt::format("{} texels exceed the device's largest texel buffer, {}, by {}", r.count,
                               device.max_texel_elements, r.count - device.max_texel_elements));
-    } else if (port.kind == PortKind::image && !port.storage && port.linear) {
-        lacks(VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT, "filter");
+    } else if (port.kind == PortKind::image && !port.storage) {
+        lacks(VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT, "sample");
+        if (port.linear) lacks(VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT, "filter");
     }
 }
 

@@ -53,6 +53,7 @@ void Compiler::make_resource(const SelectedNode& selected, uint32_t port_index, 
         PlanResource& r = plan_.resources[made_[bound.resource].resource];
         r.names.push_back(name(bound.resource));
         r.settles = port.settles;
+        r.memo = port.memo;
         if (first_of(bound) == First::clear) clear_on_reset(r);
         return;
     }

@@ -62,7 +62,7 @@ FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_p
         static_cast<float>(2.0 / (std::max(frame.size[1], 1u) * std::abs(clip_from_view[1][1])));
     block.dt_s = frame.dt_s;
     block.frame_index = frame.index;
-    block.flags = frame.flags;
+    block.flags = frame.flags & ~uint32_t{frame_unchanged};
     // Half a step of the grid that vertices are rounded to (shaders/common/ray_offset.glsl).
     const uint32_t bits = frame.sub_pixel_bits ? frame.sub_pixel_bits : device_sub_pixel_bits;
     block.grid_px = static_cast<float>(std::ldexp(0.5, -static_cast<int>(bits)));

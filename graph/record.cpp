@@ -105,9 +105,9 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     frame_block_ = make_frame_block(frame, program_.device()->properties().limits.subPixelPrecisionBits);
     decide_reset(frame.flags);
     const bool reset = reset_.reason != Reset::Reason::none;
-    unchanged_ = reset || set_ || !(frame.flags & frame_unchanged) ? 0 : unchanged_ + 1;
+    const bool alike = (frame.flags & frame_unchanged) && !reset && !set_ && recorded_ > 0 && size == size_;
+    unchanged_ = alike ? unchanged_ + 1 : 0;
     set_ = false;
-    frame_block_.flags &= ~uint32_t{frame_unchanged};
     if (reset) frame_block_.flags |= frame_reset;
     const Extent before = reset ? size : recorded_ > 0 ? size_ : options_.heir_of->state().size_;
     frame_block_.prev_size = {before.width, before.height};

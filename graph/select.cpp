@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Conditions choose the producers, reachability from the outputs (through previous values too) does the rest.
 // The order is check()'s edges; among nodes that are ready the file's order decides, so that a plan reads
-// like its pipeline. Nodes without outputs watch: they follow what they read and decide nothing.
+// like its pipeline, but that a family's members wait for who reads them. Nodes without outputs watch: they
+// follow what they read and decide nothing.
 #include "graph/select.h"
 
 #include <algorithm>
@@ -209,20 +210,23 @@ class Selector {
 
     // A family's members do the same in turn. What one of them makes long before it is wanted would lie
     // beside the same of all others, so it is made just before its first reader, where nothing lives longer
-    // by that.
+    // by that. Watchers look as late as they can, so that the others' order is what it is without them.
     void let_members_wait(const std::vector<std::set<size_t>>& next, std::vector<size_t>& sequence) const {
         std::vector<size_t> place(next.size());  // of who waits, its first reader's
         for (size_t at = 0; at < sequence.size(); ++at) place[sequence[at]] = at;
         std::map<std::pair<uint32_t, bool>, size_t> last_read;
         each_input([&](size_t node, const BoundPort& bound, Source) {
+            if (watches(node)) return;
             size_t& last = last_read[{bound.resource, bound.previous}];
             last = std::max(last, place[node]);
         });
         for (auto at = sequence.rbegin(); at != sequence.rend(); ++at) {
             const size_t i = *at;
-            if (i >= runs_.size() || pipeline_.nodes[i].family.empty() || next[i].empty()) continue;
+            if (i >= runs_.size()) continue;
             size_t first = sequence.size();
             for (const size_t to : next[i]) first = std::min(first, place[to]);
+            if (watches(i)) place[i] = first;
+            if (watches(i) || pipeline_.nodes[i].family.empty() || next[i].empty()) continue;
             bool lives_on = true;
             for (size_t p = 0; p < sources_[i].size(); ++p) {
                 const BoundPort& bound = pipeline_.nodes[i].ports[p];

@@ -33,7 +33,7 @@ bool feeds_itself(const Plan& plan, uint32_t resource) {
 }  // namespace
 
 std::optional<uint32_t> frames_to_settle(const Plan& plan) {
-    uint32_t frames = 0;
+    uint64_t frames = 0;
     for (uint32_t i = 0; i < plan.resources.size(); ++i) {
         const PlanResource& r = plan.resources[i];
         if (r.memo || !(r.history || r.kept)) continue;
@@ -44,7 +44,7 @@ std::optional<uint32_t> frames_to_settle(const Plan& plan) {
         else
             ++frames;
     }
-    return frames;
+    return static_cast<uint32_t>(std::min<uint64_t>(frames, UINT32_MAX));
 }
 
 }  // namespace penumbra

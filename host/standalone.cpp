@@ -3,6 +3,7 @@
 #include "host/standalone.h"
 
 #include <algorithm>
+#include <cstring>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/shots/shot_facts.h"
@@ -33,6 +34,19 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, std::shared_ptr<const 
     if (options.steered) cascade_layers_ = max_cascades;
     for (uint32_t index = 0; index < shot_.frames; ++index)
         cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
+}
+
+bool alike(const StandaloneFrame& a, const StandaloneFrame& b) {
+    const FrameDescription &x = a.description, &y = b.description;
+    const auto same = [](const auto& of_a, const auto& of_b) {
+        return std::memcmp(&of_a, &of_b, sizeof of_a) == 0;
+    };
+    return !((x.flags | y.flags) & frame_reset) && x.flags == y.flags && x.camera == y.camera &&
+           x.previous == y.previous && x.size == y.size && x.dt_s == y.dt_s &&
+           x.sub_pixel_bits == y.sub_pixel_bits && same(a.sun, b.sun) && same(a.sun_prev, b.sun_prev) &&
+           same(a.light, b.light) && same(a.light_prev, b.light_prev) && same(a.scene, b.scene) &&
+           std::ranges::equal(a.lights, b.lights, same) &&
+           std::ranges::equal(a.lights_prev, b.lights_prev, same);
 }
 
 void StandaloneHost::steer(uint32_t index, const Stance& stance) {

@@ -49,6 +49,10 @@ struct StandaloneFrame {
     blocks::Cascades cascades{};
 };
 
+// Whether what shaders see of two frames differs in nothing but the jitter, the index and what follows from
+// the scene's moment and the camera (the sun's maps). False where either has no frame before it.
+bool alike(const StandaloneFrame& a, const StandaloneFrame& b);
+
 class StandaloneHost {
   public:
     StandaloneHost(Device& device, Shot shot, Scene scene, const StandaloneOptions& options);

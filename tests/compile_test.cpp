@@ -439,6 +439,23 @@ TEST(CompileOutputs, AreMadeForWhatTheHostDoesWithThem) {
               std::string::npos);
 }
 
+// Not every format that can be stored to can be sampled.
+TEST(CompileInputs, WhatIsSampledMustBeOfAFormatThatCanBe) {
+    const NodeSet set = small_set();
+    Target target = target_of({64, 64});
+    target.device.supports = [](Format format, VkFormatFeatureFlags features) {
+        return format != Format::r16f || !(features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT);
+    };
+    const std::string nodes = R"("nodes": { "source": { "type": "source" }, "mix": { "type": "mix" } })";
+    const std::string body =
+        R"("outputs": ["mixed"], "resources": { "mixed": { "format": "r8" } }, )" + nodes;
+    EXPECT_NE(compile_text(set, body, target)
+                  .errors.find("resources.value: the device \"reference\" cannot sample r16f"),
+              std::string::npos)
+        << compile_text(set, body, target).errors;
+    EXPECT_TRUE(compile_text(set, body, target_of({64, 64})).plan);
+}
+
 TEST(CompileTarget, NamesThatThePipelineDoesNotKnowAreRefused) {
     const NodeSet set = small_set();
     const std::string body = R"("inputs": { "mask": { "optional": true } }, "outputs": ["mixed"],

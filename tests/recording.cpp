@@ -67,8 +67,7 @@ namespace {
 // Rays for a pipeline that is given them: those of one_ray.json, told as little of itself as denoise.json is.
 // It gives the same image.
 CheckedPipeline tracer_of(const CheckedPipeline& pipeline) {
-    if (std::ranges::find(pipeline.inputs, "hits", &HostInput::name) == pipeline.inputs.end())
-        return pipeline;
+    if (!pipeline.input("hits")) return pipeline;
     Diagnostics diagnostics;
     const std::vector<std::string> settings{"nodes.gather.params.rays=bits"};
     const auto tracer = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json",

@@ -40,6 +40,25 @@ TEST(Settling, OneThatFeedsItselfSettlesAsDeclared) {
     EXPECT_EQ(frames_to_settle(plan), 0u);
 }
 
+// Each is made of the other's last value.
+TEST(Settling, TwoPastsThatFeedEachOtherFeedThemselves) {
+    Plan plan = plan_of(2);
+    plan.resources[1].history = true;
+    plan.passes[1].uses = {{1, true, read}, {0, false, write}};
+    EXPECT_EQ(frames_to_settle(plan), std::nullopt);
+    plan.resources[0].settles = 7;
+    EXPECT_EQ(frames_to_settle(plan), std::nullopt);
+    plan.resources[1].settles = 5;
+    EXPECT_EQ(frames_to_settle(plan), 12u);
+}
+
+TEST(Settling, IsLateRatherThanEarlyWhereTheSumIsTooLarge) {
+    Plan plan = plan_of(1);
+    plan.resources[0].settles = plan.resources[2].settles = 0xC0000000;
+    plan.resources[2].history = true;
+    EXPECT_EQ(frames_to_settle(plan), 0xFFFFFFFFu);
+}
+
 TEST(Settling, PastsSettleOneBehindTheOther) {
     Plan plan = plan_of(1);
     plan.resources[0].settles = 7;

@@ -231,7 +231,7 @@ std::vector<std::string> shipped_names() {
 class ValidatePlan : public ::testing::TestWithParam<std::string> {};
 
 // Under every combination of the facts that pipelines ask for.
-TEST_P(ValidatePlan, RunsTheSameNodesOnTheSameResources) {
+TEST_P(ValidatePlan, RunsTheSameNodesInTheSameOrderOnTheSameResources) {
     const CheckedPipeline plain = shipped(GetParam()), watched = validating(plain);
     const char* names[] = {"sun_up", "sun_disc", "casters", "moves"};
     for (uint32_t bits = 0; bits < 16; ++bits) {
@@ -243,15 +243,19 @@ TEST_P(ValidatePlan, RunsTheSameNodesOnTheSameResources) {
         const auto a = compile(plain, target, {}, diagnostics);
         const auto b = compile(watched, target, {}, diagnostics);
         ASSERT_TRUE(a && b) << diagnostics.text();
-        const auto described = [](const Plan& plan) {
-            std::set<std::string> lines;
+        const auto passes = [](const Plan& plan) {
+            std::vector<std::string> lines;
             for (const PlanPass& pass : plan.passes) {
                 if (pass.type == "validate") continue;
-                std::string line = pass.node + " " + pass.variant;
+                std::string& line = lines.emplace_back(pass.node + " " + pass.variant);
                 for (const auto& list : {pass.reads, pass.writes})
                     for (const std::string& name : list) line += " " + name;
-                lines.insert(line);
             }
+            return lines;
+        };
+        EXPECT_EQ(passes(*a), passes(*b)) << bits;
+        const auto described = [](const Plan& plan) {
+            std::set<std::string> lines;
             for (const PlanResource& r : plan.resources)
                 lines.insert(r.names.back() + (r.history ? " history " : " ") + info(r.format).name);
             for (const HostSlot& slot : plan.slots) lines.insert("slot " + slot.name);

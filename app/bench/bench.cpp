@@ -123,8 +123,9 @@ class Runner {
     }
 
     void run(uint32_t round, const Options& options, const std::function<void()>& step) {
-        const bool cpu = session_->plan().cpu;
+        const bool cpu = session_->on_cpu();
         Round figures(figures_.passes.size());
+        figures_.timed = figures_.held = 0;
         for (uint32_t frame = 0; frame <= options.frames[1]; ++frame) {
             // Pass by pass and whole in turn, the other way round in the next round.
             session_->set_pass_costs((frame + round) % 2 == 0);
@@ -132,11 +133,14 @@ class Runner {
             const auto start = std::chrono::steady_clock::now();
             const FrameCost cost = session_->run_frame(frame, first);
             if (first) add_first(since_ms(start), round);
-            if (frame >= options.frames[0]) figures.add(cost);
+            if (frame >= options.frames[0]) {
+                figures.add(cost);
+                ++figures_.timed;
+                figures_.held += cost.held;
+            }
             step();
         }
         figures.close(figures_, cpu);
-        figures_.held = session_->held();
     }
 
     const Session& session() const { return *session_; }

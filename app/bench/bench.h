@@ -62,7 +62,9 @@ struct Figures {
     std::optional<double> frame_0_ms;
     MemoryReport memory;
     std::optional<uint32_t> settles;  // Plan::settles
-    bool held = false;  // the last frame was not run: nothing had changed, and the view had settled
+    // Of the last round's timed frames, those that were not run: nothing had changed, and the view had
+    // settled.
+    uint32_t timed = 0, held = 0;
 };
 
 // One shot at one size.

@@ -175,7 +175,10 @@ void frame_rows(Table& table, bool cpu, bool still) {
     });
     if (still)
         table.row("settles after, frames", [](const Figures& f, const Scene&) {
-            return (f.settles ? fmt::format("{}", *f.settles) : "never") + (f.held ? "; held" : "");
+            return (f.settles ? fmt::format("{}", *f.settles) : "never") +
+                   (f.held == 0         ? ""
+                    : f.held == f.timed ? "; held"
+                                        : fmt::format("; {} of {} held", f.held, f.timed));
         });
 }
 

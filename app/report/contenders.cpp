@@ -20,8 +20,7 @@ std::optional<std::string> obstacle(const CheckedPipeline& pipeline, bool of_lam
     for (const HostInput& input : pipeline.inputs)
         if (!input.optional && !standalone_has_input(input.name))
             return fmt::format("takes \"{}\", which only an engine can bring", input.name);
-    const bool takes_lamp =
-        std::ranges::find(pipeline.inputs, "light", &HostInput::name) != pipeline.inputs.end();
+    const bool takes_lamp = pipeline.input("light");
     if (takes_lamp && !of_lamp) return "takes a light that is near, and the report is of the sun";
     if (of_lamp && !takes_lamp) return "takes no light that is near, and the report is of one";
     const std::vector<std::string> outputs = pipeline.output_names();

@@ -221,7 +221,9 @@ void Live::frame(const FlightInput& input, double truth_ms) {
         stage->session->steer(index_, now);
         const FrameCost cost = stage->session->run_frame(index_, stage->fresh);
         stage->fresh = false;
-        if (stage == main_.get()) count_costs(cost);
+        if (stage != main_.get()) continue;
+        held_ = cost.held;
+        if (!held_) count_costs(cost);
     }
     if (wants_truth()) work_on_truth(truth_ms);
     ++index_;

@@ -62,6 +62,9 @@ class Live {
     const Plan& plan() const { return main_->session->plan(); }
     const std::vector<PassCost>& costs() const { return costs_.passes(); }
     double cpu_ms() const { return costs_.cpu_ms(); }  // of all passes, mean over the last frames
+    bool held() const {
+        return held_;
+    }  // the last frame was not run: nothing had changed, and all had settled
     Beside beside() const { return beside_; }
     std::array<uint32_t, 2> size() const;  // of the frames
     uint32_t divisor() const { return divisor_; }
@@ -106,6 +109,7 @@ class Live {
     Stance stance_;
     bool still_ = false;
     CostMean costs_;
+    bool held_ = false;
     std::string error_;
     std::vector<std::string> warnings_;
 };

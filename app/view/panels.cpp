@@ -246,7 +246,8 @@ void Panels::help() const {
 
 void Panels::caption(const Live& live) const {
     const Area area = room();
-    std::string text = fmt::format("{:.1f} frames/s  {:.1f} CPU ms", frames_per_second, live.cpu_ms());
+    std::string text = fmt::format("{:.1f} frames/s  {:.1f} CPU ms{}", frames_per_second, live.cpu_ms(),
+                                   live.held() ? " while anything changes" : "");
     if (live.beside() == Beside::nothing)
         text += "  " + live.shown() + (picture_note.empty() ? "" : ": " + picture_note);
     else

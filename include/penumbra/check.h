@@ -67,7 +67,8 @@ struct CheckedPipeline {
     std::vector<uint32_t> outputs;  // of resources
     std::vector<Edge> edges;
 
-    const CheckedResource* resource(std::string_view resource_name) const;  // nullptr: no such name
+    const HostInput* input(std::string_view input_name) const;              // nullptr: no such name
+    const CheckedResource* resource(std::string_view resource_name) const;  // likewise
     std::vector<std::string> output_names() const;
     // What a name is called where its previous value is meant.
     std::string name_of(const BoundPort& bound) const;

@@ -35,8 +35,8 @@ using std140::FrameBlock;
 
 // frame_depth_at_centres: each pixel's depth was computed for its very centre; a rasteriser interpolates that of
 // a point up to half a step of its grid beside it.
-// frame_unchanged: but for the jitter and the index, all that the host brings is as it was in the frame recorded before; it is
-// what View::settled() counts, and no shader sees it.
+// frame_unchanged: but for the jitter and the index, all that the host brings is as it was in the frame recorded
+// before; it is what View::settled() counts, and is not in the block.
 enum FrameFlags : uint32_t {
     frame_reset = 1,
     frame_orthographic = 2,

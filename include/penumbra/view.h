@@ -70,7 +70,7 @@ class View;
 
 struct ViewOptions {
     uint32_t frames_in_flight = 2;
-    // Fills every activated resource before its first use: floats with NaN, unorm with 0.7312 and words with
+    // Fills every activated resource before its first use: floats with NaN, unorm and snorm with 0.7312 and words with
     // 0xDEADBEEF for pattern 0; other values for pattern 1. The plan must have been compiled with
     // CompileOptions::poison.
     std::optional<uint32_t> poison;
@@ -176,7 +176,8 @@ class View {
 
     // Whether as many frames of frame_unchanged have been recorded, one after the other, as the plan's pasts take
     // to settle (Plan::settles): a host to which nothing changes keeps the outputs of the last frame, which another
-    // one would make no better, and records none. A parameter that is set is a change.
+    // one would make no better, and records none. A parameter that is set is a change; of what a host's own passes keep
+    // for themselves, the host alone knows whether it changes.
     bool settled() const;
 
     const Plan& plan() const;

@@ -14,8 +14,8 @@
 // in different loops wait for each other. A node's hit children stay one word (first child and a mask), so that a step
 // pushes at most one. The stack is no array: words move through registers, a push shifts all of them. To index an array
 // lane by lane a CPU device takes the lanes one by one, with a branch each that nothing can foresee, and that was a
-// seventh of a ray's time. A GPU indexes shared memory as it does registers, of which it has few: with SHARED_STACK words wait
-// there, 64 bytes a lane.
+// seventh of a ray's time. A GPU has few registers, and cannot index them lane by lane either: such an array lies in scratch memory.
+// Shared memory each lane can index for itself, so with SHARED_STACK words wait there on a GPU, 64 bytes a lane.
 //
 // Includer declares: what common/scene_words.glsl needs; SHARED_STACK, where a workgroup may spare that.
 #include "common/scene_words.glsl"
@@ -25,8 +25,9 @@ struct BvhPath {
     uint group;
     uint leaf_first, leaf_mask;
     uint away;                      // bit k: the direction rises along axis k
-    uvec4 top, second, third, last;  // pending groups, top.x the latest; max_bvh_depth - 2 at most (host/bvh/bvh.h)
-    uint waiting;                    // how many, where they wait in shared memory
+    // Pending groups, max_bvh_depth - 2 at most (host/bvh/bvh.h). Only one of these two is in use:
+    uvec4 top, second, third, last;  // they themselves, top.x the latest
+    uint waiting;                    // how many of them wait in shared memory, with SHARED_STACK on a GPU
 };
 
 #ifdef SHARED_STACK
@@ -94,7 +95,7 @@ void bvh_push(inout BvhPath path, bool wanted, uint group) {
     path.top = mix(path.top, uvec4(group, path.top.xyz), all);
 }
 
-// If there is one.
+// Takes the latest pending group, if there is one.
 void bvh_pop(inout BvhPath path, bool wanted) {
 #ifdef SHARED_STACK
     if (!ON_CPU) {

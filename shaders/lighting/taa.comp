@@ -10,7 +10,8 @@
 // their mean after 16 frames, and what has just come into view starts anew. n is smaller where the history is interpolated, which
 // blurs it every time. Where nothing moves, a pixel's history is its own.
 //
-// An invocation goes down a column: of the 3x3 pixels around each only the lower three are new.
+// Where IN_A_ROW (lanes_in_a_row.glsl: a software device) an invocation goes down a column: of the 3x3 pixels around each only the
+// lower three are new. Elsewhere it has one pixel.
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
 #include "common/branch.glsl"

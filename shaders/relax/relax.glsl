@@ -15,7 +15,7 @@ float lasting_weight(float x) { return 1.0 / (1.0 + 3.0 * abs(x) + 9.0 * x * x);
 // cosine that of the roughest.
 float lobe_tangent(float roughness) { return LOBE == LOBE_DIFFUSE ? 1.0 : roughness * roughness; }
 
-const float NORMAL_ERROR = 3e-5;  // of the octahedral words
+const float NORMAL_ERROR = 6.5e-5;  // of the octahedral words (common/receiver_normal.glsl)
 
 // Less what the words may make of none.
 float angle_between(vec3 a, vec3 b) { return max(atan(length(cross(a, b)), dot(a, b)) - 2.0 * NORMAL_ERROR, 0.0); }

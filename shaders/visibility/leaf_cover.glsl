@@ -139,8 +139,8 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
     const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
     const vec3 bc_line = edge_line(b, c);
     Height first, second;
-    // Before the lines, which need registers: a GPU has few.
-    if (!ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, bvec2(wanted), first, second);
+    // Before the lines, which need registers: a GPU has few. A leaf of one triangle has d in c, whose side is never sure.
+    if (!ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, bvec2(wanted, wanted && corners.d != corners.c), first, second);
     const LightLine ab = light_line(shape, r.dither, edge_line(a, b)), bc = light_line(shape, r.dither, bc_line),
                     ca = light_line(shape, r.dither, edge_line(c, a)), bd = light_line(shape, r.dither, edge_line(b, d)),
                     dc = light_line(shape, r.dither, edge_line(d, c));

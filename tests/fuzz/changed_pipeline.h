@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A shipped pipeline, changed as the bytes say by what is in it already: members removed, doubled and
-// swapped, texts exchanged, `@-1` added, numbers, conditions. Most of such changes get past the reader, as
-// noise never does.
+// swapped, texts exchanged, `@-1` added, numbers, conditions. What comes out is still JSON and nearly a
+// pipeline, as noise never is; not all that is read compiles and runs (docs/reliability.md says how many).
 #pragma once
 
 #include <cstddef>
