@@ -48,6 +48,28 @@ TEST_F(ChangeGpu, AnHeirGoesOnWhereTheViewBeforeHasStopped) {
     EXPECT_EQ(floats(cut.captured("blended"))[5], 17.0f);  // the value alone
 }
 
+// What an heir begins with was made by another plan, perhaps of another size: its first frame is like none
+// before.
+TEST_F(ChangeGpu, AnHeirHasToSettleAnew) {
+    const auto program = program_with(checked(R"("outputs": ["blended"], "nodes": {
+        "fill": { "type": "toy_fill" }, "blend": { "type": "toy_blend", "in": { "history": "value@-1" } } })"),
+                                      {});
+    ASSERT_EQ(program->plan().settles, 1u) << "of the frame before, which does not feed itself";
+    const auto settled_after = [](View& view, uint32_t f) {
+        FrameDescription frame = description(f);
+        frame.flags = frame_unchanged;
+        gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame, {}); });
+        return view.settled();
+    };
+    View before(program, {});
+    EXPECT_FALSE(settled_after(before, 0));
+    EXPECT_TRUE(settled_after(before, 1));
+    View heir(program, {.heir_of = &before});
+    EXPECT_FALSE(settled_after(heir, 2));
+    EXPECT_EQ(heir.reset().reason, Reset::Reason::none);
+    EXPECT_TRUE(settled_after(heir, 3));
+}
+
 TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
     const CheckedPipeline first =
                               checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })"),

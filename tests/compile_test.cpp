@@ -450,7 +450,7 @@ TEST(CompileInputs, WhatIsSampledMustBeOfAFormatThatCanBe) {
     const std::string body =
         R"("outputs": ["mixed"], "resources": { "mixed": { "format": "r8" } }, )" + nodes;
     EXPECT_NE(compile_text(set, body, target)
-                  .errors.find("resources.value: the device \"reference\" cannot sample r16f"),
+                  .errors.find("resources.value: the device \"reference gpu\" cannot sample r16f"),
               std::string::npos)
         << compile_text(set, body, target).errors;
     EXPECT_TRUE(compile_text(set, body, target_of({64, 64})).plan);

@@ -69,11 +69,11 @@ TEST_F(LightsShadows, ALightMayHaveAnyName) {
         const std::string named = file(
             name + ".shot.json",
             R"({"penumbra_shot": 1, "scene": ")" PENUMBRA_SOURCE_DIR
-            R"(/scenes/lights/interior.glb", "size": [64, 36], "frames": 1,
+            R"(/scenes/interior.glb", "size": [64, 36], "frames": 1,
         "camera": {"vertical_fov_deg": 60, "near": 0.1, "keys": [{"frame": 0, "position": [0, 1, 3], "target": [0, 1, 0]}]},
         "lights": {")" +
                 name +
-                R"(": {"kind": "sphere", "radius": 0.2, "intensity": 5, "keys": [{"frame": 0, "position": [0, 2, 0]}]}}})");
+                R"(": {"kind": "sphere", "radius": 0.2, "luminance": 5, "keys": [{"frame": 0, "position": [0, 2, 0]}]}}})");
         const Result result = run("render lights_shadows --frames 0..0 --shot '" + named + "' --out '" +
                                   (folder_ / name).string() + "'");
         ASSERT_EQ(result.code, 0) << result.err;
