@@ -518,6 +518,54 @@ TEST(CompileNodeSet, ATypeThatIsReplacedLastsAsLongAsWhatWasMadeOfIt) {
     EXPECT_FALSE(check(*pipeline, set, diagnostics)) << "the set itself has the new one";
 }
 
+// A family's members wait for who reads them where nothing lives longer by that; who only watches makes
+// nothing live longer, and nothing has to be there early for it.
+TEST(CompileOrder, WatchersDoNotChangeIt) {
+    NodeSet set = small_set();
+    const auto add = [&](const char* name, const std::string& ports) {
+        set.add({.type = parse_toy(R"({ "node": ")" + std::string(name) +
+                                       R"(", "doc": "d", "shader": "s.comp", )" + ports +
+                                       R"(, "dispatch": { "over": "frame" } })",
+                                   name)});
+    };
+    const std::string image = R"({ "kind": "image", "format": "r16f" })",
+                      end = R"("outputs": { "end": )" + image + " }";
+    add("of_mixed", R"("inputs": { "mixed": )" + image + R"(, "middle": )" + image + " }, " + end);
+    add("of_both", R"("inputs": { "mixed": )" + image + R"(, "value": )" + image + R"(, "middle": )" + image +
+                       " }, " + end);
+    add("look", R"("inputs": { "value": )" + image + R"( }, "counters": ["seen"])");
+    const auto order = [&](const std::string& last, const std::string& first_nodes,
+                           const std::string& more_nodes) {
+        const std::string of = R"("instances": "lights")";
+        const Result result = compile_text(
+            set,
+            R"("outputs": ["end"], "instances": { "a": { "of": "lights" }, "b": { "of": "lights" } },
+            "resources": { "mixed_a": { "format": "r16f" }, "mixed_b": { "format": "r16f" } }, "nodes": {)" +
+                first_nodes + R"("source": { "type": "source", )" + of + R"( }, "mix": { "type": "mix", )" +
+                of + R"( },
+            "last": { "type": ")" +
+                last + "\", " + of + R"( },
+            "middle": { "type": "source", "out": { "value": "middle" } })" +
+                more_nodes + " }",
+            target_of({64, 64}));
+        EXPECT_EQ(result.errors, "");
+        std::vector<std::string> names;
+        for (const PlanPass& pass : result.plan.value().passes)
+            if (pass.type != "look") names.push_back(pass.node);
+        return names;
+    };
+    using Names = std::vector<std::string>;
+    const auto look_at = [](const std::string& value) {
+        return R"("look_)" + value + R"(": { "type": "look", "in": { "value": ")" + value + R"(" } })";
+    };
+    const Names early{"source_a", "mix_a", "source_b", "mix_b", "middle", "last_a", "last_b"};
+    EXPECT_EQ(order("of_mixed", "", ""), early) << "values would live longer";
+    EXPECT_EQ(order("of_mixed", "", ", " + look_at("value_a") + ", " + look_at("value_b")), early);
+    const Names late{"middle", "source_a", "mix_a", "last_a", "source_b", "mix_b", "last_b"};
+    EXPECT_EQ(order("of_both", "", ""), late);
+    EXPECT_EQ(order("of_both", look_at("mixed_a") + ", " + look_at("mixed_b") + ", ", ""), late);
+}
+
 TEST(CompileNodeSet, HasOneDomain) {
     NodeSet set = small_set();
     NodeEntry foreign = *set.find("source");
