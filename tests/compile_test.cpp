@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What compile() decides, on node sets made for each question and without a device: who runs, what exists, in
-// which format and size, with which constants, and what is refused.
+// What compile() decides, on node sets made for each question and without a device: which variants, formats,
+// sizes and constants, and what is refused.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -8,136 +8,28 @@
 #include <set>
 
 #include "graph/interface.h"
-#include "penumbra/graph.h"
+#include "tests/compile_text.h"
 #include "tests/plan_checks.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra::test {
 namespace {
 
-// A source, a filter with history, an in-place update and an optional extra output.
-NodeSet small_set() {
-    NodeSet set;
-    const auto add = [&](const char* name, const std::string& text) {
-        set.add({.type = parse_toy(text, name)});
-    };
-    add("source", R"({ "node": "source", "doc": "d", "shader": "s.comp",
-      "outputs": { "value": { "kind": "image", "format": "r16f" },
-                   "extra": { "kind": "image", "format": "rgba16f", "optional": true } },
-      "params": { "taps": { "type": "int", "default": 4, "constant": true, "doc": "d" },
-                  "gain": { "type": "float", "default": 2, "range": [0, 8], "doc": "d" },
-                  "axis": { "type": "vec3", "default": [1, 2, 3], "doc": "d" },
-                  "on": { "type": "bool", "default": true, "doc": "d" },
-                  "shape": { "type": "enum", "values": ["box", "tent"], "default": "tent", "doc": "d" } },
-      "dispatch": { "over": "frame", "group": [8, 8] },
-      "classes": { "cpu": { "group": [64, 1], "per_thread": [1, 2], "taps": 9 } } })");
-    add("mix", R"({ "node": "mix", "doc": "d", "shader": "s.comp",
-      "inputs": { "value": { "kind": "image", "format": "r16f" },
-                  "before": { "kind": "image", "format": ["r16f", "r32f"], "as": "storage", "previous": true, "optional": true },
-                  "mask": { "kind": "image", "format": "r8", "optional": true } },
-      "outputs": { "mixed": { "kind": "image", "format": ["r16f", "r8"] } },
-      "dispatch": { "over": "value" } })");
-    add("twice", R"({ "node": "twice", "doc": "d", "shader": "s.comp",
-      "inputs": { "value": { "kind": "image", "format": "r16f", "as": "storage" } },
-      "outputs": { "doubled": { "kind": "image", "updates": "value" } },
-      "dispatch": { "over": "value" } })");
-    add("motion_reader", R"({ "node": "motion_reader", "doc": "d", "shader": "s.comp",
-      "inputs": { "motion": { "kind": "image", "format": ["rg16f", "rgba16f", "r16f", "rg8"] },
-                  "motion_prev": { "kind": "image", "format": ["rg16f", "rgba16f", "r32f"], "previous": true } },
-      "outputs": { "seen": { "kind": "image", "format": "r16f", "extent": "motion" } },
-      "dispatch": { "over": "seen" } })");
-    add("tally", R"({ "node": "tally", "doc": "d", "shader": "s.comp",
-      "outputs": { "kept": { "kind": "image", "format": "r16f", "writes": "kept" } },
-      "dispatch": { "over": "kept" } })");
-    add("picky", R"({ "node": "picky", "doc": "d", "shader": "s.comp",
-      "inputs": { "motion": { "kind": "image", "format": ["rgba16f", "rg16f"] } },
-      "outputs": { "picked": { "kind": "image", "format": "r16f" } }, "dispatch": { "over": "frame" } })");
-    return set;
-}
-
-Target target_of(Extent extent, bool cpu = false) {
-    Target target;
-    target.extent = extent;
-    target.device = reference_device(cpu);
-    return target;
-}
-
-struct Result {
-    std::optional<Plan> plan;
-    std::string errors;
-};
-
-Result compile_text(const NodeSet& set, const std::string& body, const Target& target,
-                    const CompileOptions& options = {}) {
-    Diagnostics diagnostics;
-    const std::string text = R"({ "penumbra": 1, "name": "p", )" + body + "}";
-    const auto pipeline = parse_pipeline(text, "p.json", {}, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, set, diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
-    Result result;
-    result.plan = compile(*checked, target, options, diagnostics);
-    result.errors = diagnostics.text();
-    return result;
-}
-
-const PlanPass& pass_of(const Plan& plan, const std::string& node) {
-    for (const PlanPass& pass : plan.passes)
-        if (pass.node == node) return pass;
-    throw std::runtime_error("no pass " + node);
-}
-
-const PlanResource* resource_of(const Plan& plan, const std::string& name) {
-    for (const PlanResource& r : plan.resources)
-        if (std::find(r.names.begin(), r.names.end(), name) != r.names.end()) return &r;
-    return nullptr;
-}
-
-// Whether anything is behind a port's binding.
-bool is_bound(const PlanPass& pass, const std::string& port) {
-    const PlanBinding* binding = pass.binding(port);
-    return binding && binding->source != BindingSource::nothing;
-}
-
-size_t position(const Plan& plan, const std::string& node) {
-    return static_cast<size_t>(&pass_of(plan, node) - plan.passes.data());
-}
-
-void expect_sound(const Plan& plan) {
-    EXPECT_EQ(overlap_errors(plan), std::vector<std::string>{});
-    EXPECT_EQ(hazard_errors(plan), std::vector<std::string>{});
-}
-
-TEST(CompileOutputs, AnOptionalOutputExistsOnlyWhereItIsAskedFor) {
-    const NodeSet set = small_set();
-    const std::string nodes = R"("nodes": { "source": { "type": "source", "out": { "extra": "more" } } })";
-    const Result without = compile_text(set, R"("outputs": ["value"], )" + nodes, target_of({64, 64}));
-    EXPECT_FALSE(resource_of(*without.plan, "more"));
-    EXPECT_EQ(pass_of(*without.plan, "source").variant, "extra=0");
-    const Result with = compile_text(set, R"("outputs": ["value", "more"], )" + nodes, target_of({64, 64}));
-    EXPECT_TRUE(resource_of(*with.plan, "more"));
-    EXPECT_EQ(pass_of(*with.plan, "source").variant, "extra=1");
-    CompileOptions options;
-    options.captures = {"more"};
-    const Result captured =
-        compile_text(set, R"("outputs": ["value"], )" + nodes, target_of({64, 64}), options);
-    EXPECT_TRUE(resource_of(*captured.plan, "more"));
-}
-
 TEST(CompileVariants, AnAbsentPortWithAChoiceOfFormatsStillNamesACompiledVariant) {
     NodeSet set = small_set();
     NodeEntry mix = *set.find("mix");
     for (const Variant& variant : all_variants(mix.type)) mix.shaders[to_string(variant)] = {0};
     set.add(mix);
-    const Result result = compile_text(set, R"("outputs": ["mixed"], "nodes": {
+    const CompiledText result = compile_text(set, R"("outputs": ["mixed"], "nodes": {
         "source": { "type": "source" }, "mix": { "type": "mix" } })",
-                                       target_of({64, 64}));
+                                             target_of({64, 64}));
     ASSERT_TRUE(result.plan) << result.errors;
     EXPECT_FALSE(is_bound(pass_of(*result.plan, "mix"), "before"));
 }
 
 TEST(CompileVariants, TheWritersFormatChoosesTheReadersVariant) {
     const NodeSet set = small_set();
-    const Result result =
+    const CompiledText result =
         compile_text(set, R"("outputs": ["mixed"], "nodes": { "source": { "type": "source" },
         "mix": { "type": "mix", "in": { "before": "mixed@-1" } } })",
                      target_of({64, 64}));
@@ -197,177 +89,6 @@ TEST(CompileConstants, AValueFitsItsParameterOnly) {
     EXPECT_FALSE(fits(*type.param("shape"), ParamValue(std::string("cone"))));
 }
 
-// One memory that lives all the time, so that nobody else gets it; no previous value, and no other name.
-TEST(CompileKept, HasOneMemoryForAllFrames) {
-    const NodeSet set = small_set();
-    const std::string nodes = R"("t": { "type": "tally" }, "source": { "type": "source" },
-          "a": { "type": "twice", "in": { "value": "value" }, "out": { "doubled": "two" } })";
-    const Plan plan =
-        *compile_text(set, R"("outputs": ["kept", "two"], "nodes": {)" + nodes + "}", target_of({64, 64}))
-             .plan;
-    const PlanResource& kept = *resource_of(plan, "kept");
-    EXPECT_TRUE(kept.kept);
-    EXPECT_TRUE(kept.clear_on_reset);
-    EXPECT_EQ(kept.length, plan.period());
-    EXPECT_EQ(kept.offset[0], kept.offset[1]);
-    expect_sound(plan);
-    for (const auto& [reader, message] : std::vector<std::pair<std::string, std::string>>{
-             {R"("r": { "type": "mix", "in": { "value": "two", "before": "kept@-1" } })",
-              "\"kept\" is kept in place, so its previous value is gone"},
-             {R"("r": { "type": "twice", "in": { "value": "kept" }, "out": { "doubled": "mixed" } })",
-              "\"kept\" is kept for the next frame and cannot be updated"}}) {
-        std::string errors;
-        try {
-            (void)compile_text(set,
-                               R"("outputs": ["kept", "mixed"], "nodes": {)" + nodes + ", " + reader + "}",
-                               target_of({64, 64}));
-        } catch (const std::runtime_error& error) {
-            errors = error.what();
-        }
-        EXPECT_NE(errors.find(message), std::string::npos) << errors;
-    }
-}
-
-TEST(CompileResets, WhatBeginsAsZeroIsClearedByAReset) {
-    const NodeSet set = small_set();
-    const std::string body = R"("outputs": ["mixed"], "nodes": { "source": { "type": "source" },
-        "mix": { "type": "mix", "in": { "before": "mixed@-1" } } })";
-    for (const bool zero : {false, true}) {
-        const Plan plan =
-            *compile_text(set, (zero ? R"("resources": { "mixed": { "first": "clear" } }, )" : "") + body,
-                          target_of({64, 64}))
-                 .plan;
-        EXPECT_EQ(resource_of(plan, "mixed")->clear_on_reset, zero);
-        ASSERT_EQ(plan.reset.size(), 1u);
-        EXPECT_EQ(plan.reset[0].clear, zero);
-    }
-}
-
-TEST(CompileUpdates, AChainIsOneResourceThatLivesFromFirstToLastName) {
-    const NodeSet set = small_set();
-    const Plan plan =
-        *compile_text(set, R"("outputs": ["late", "four"], "resources": { "four": { "first": "clear" } },
-        "nodes": { "source": { "type": "source" },
-          "a": { "type": "twice", "out": { "doubled": "two" } },
-          "b": { "type": "twice", "in": { "value": "two" }, "out": { "doubled": "four" } },
-          "mix": { "type": "mix", "in": { "value": "two", "before": "four@-1" }, "out": { "mixed": "late" } } })",
-                      target_of({64, 64}))
-             .plan;
-    const PlanResource& chain = *resource_of(plan, "four");
-    EXPECT_EQ(chain.names, (std::vector<std::string>{"value", "two", "four"}));
-    EXPECT_EQ(&chain, resource_of(plan, "value"));
-    EXPECT_LT(position(plan, "mix"), position(plan, "b")) << "readers of an old name come before its updater";
-    EXPECT_EQ(chain.first_pass, 0u);
-    EXPECT_EQ(chain.length, plan.passes.size() + position(plan, "mix") + 1);
-    EXPECT_TRUE(chain.history);
-    EXPECT_TRUE(chain.clear_on_reset) << "the last name's \"first\" is the chain's";
-    EXPECT_TRUE(chain.image_usage & VK_IMAGE_USAGE_TRANSFER_DST_BIT);
-    expect_sound(plan);
-}
-
-TEST(CompileUpdates, ACaptureOfAnOldNameComesBeforeItsUpdater) {
-    const NodeSet set = small_set();
-    CompileOptions options;
-    options.captures = {"value"};
-    const Plan plan = *compile_text(set, R"("outputs": ["doubled"], "nodes": {
-        "source": { "type": "source" }, "a": { "type": "twice" } })",
-                                    target_of({64, 64}), options)
-                           .plan;
-    EXPECT_EQ(plan.passes[1].kind, PassKind::capture);
-    EXPECT_EQ(plan.passes[2].node, "a");
-    expect_sound(plan);
-}
-
-TEST(CompileHostHistory, HostGivesASlotForEachFrame) {
-    const NodeSet set = small_set();
-    Target target = target_of({64, 48});
-    target.inputs["motion"] = {Format::rgba16f, {32, 24}};
-    const Result result = compile_text(
-        set, R"("inputs": { "motion": { "history": "host", "extent": "any" } }, "outputs": ["seen"],
-        "nodes": { "read": { "type": "motion_reader", "in": { "motion_prev": "motion@-1" } } })",
-        target);
-    ASSERT_TRUE(result.plan) << result.errors;
-    ASSERT_EQ(result.plan->slots.size(), 2u);
-    EXPECT_EQ(result.plan->slots[0].name, "motion");
-    EXPECT_EQ(result.plan->slots[1].name, "motion@-1");
-    for (const HostSlot& slot : result.plan->slots) {
-        EXPECT_EQ(slot.format, Format::rgba16f);
-        EXPECT_EQ(slot.extent, (Extent{32, 24}));
-    }
-    EXPECT_EQ(result.plan->resources.size(), 1u) << "nothing is kept";
-}
-
-TEST(CompileInputs, WithoutAHostTheFirstFormatThatAllReadersAcceptIsTaken) {
-    const NodeSet set = small_set();
-    const Result result =
-        compile_text(set, R"("inputs": { "motion": { "history": "host" } }, "outputs": ["seen", "picked"],
-        "nodes": { "read": { "type": "motion_reader", "in": { "motion_prev": "motion@-1" } }, "pick": { "type": "picky" } })",
-                     target_of({64, 64}));
-    ASSERT_TRUE(result.plan) << result.errors;
-    for (const HostSlot& slot : result.plan->slots) EXPECT_EQ(slot.format, Format::rg16f);
-}
-
-TEST(CompileInputs, WhatTheHostBringsMustBeWhatThePipelineAsksFor) {
-    const NodeSet set = small_set();
-    const auto errors = [&](const char* settings, HostResource brought) {
-        Target target = target_of({64, 48});
-        target.inputs["motion"] = brought;
-        return compile_text(set,
-                            std::string(R"("inputs": { "motion": { )") + settings +
-                                R"( } }, "outputs": ["picked"], "nodes": { "pick": { "type": "picky" } })",
-                            target)
-            .errors;
-    };
-    EXPECT_EQ(errors("", {Format::rg16f, {64, 48}}), "");
-    EXPECT_NE(errors(R"("format": "rgba16f")", {Format::rg16f, {64, 48}})
-                  .find("inputs.motion.format: the host brings rg16f"),
-              std::string::npos);
-    EXPECT_NE(
-        errors("", {Format::rg16f, {64, 47}}).find("the host brings 64x47, the pipeline asks for 64x48"),
-        std::string::npos);
-    EXPECT_NE(errors(R"("extent": [8, 8])", {Format::rg16f, {64, 48}}).find("the pipeline asks for 8x8"),
-              std::string::npos);
-    EXPECT_EQ(errors(R"("extent": "any")", {Format::rg16f, {3, 3}}), "");
-    EXPECT_NE(
-        errors("", {Format::r32f, {64, 48}}).find("\"motion\" as r32f, which this port does not accept"),
-        std::string::npos);
-}
-
-TEST(CompileInputs, AnOptionalInputMayBeLeftOut) {
-    const NodeSet set = small_set();
-    const std::string body = R"("inputs": { "mask": { "optional": true } }, "outputs": ["mixed"],
-        "nodes": { "source": { "type": "source" }, "mix": { "type": "mix" } })";
-    Target target = target_of({64, 64});
-    EXPECT_EQ(compile_text(set, body, target).plan->slots.size(), 1u);
-    target.left_out = {"mask"};
-    const Plan plan = *compile_text(set, body, target).plan;
-    EXPECT_TRUE(plan.slots.empty());
-    EXPECT_FALSE(is_bound(pass_of(plan, "mix"), "mask"));
-    EXPECT_EQ(pass_of(plan, "mix").constants.back(), 0u) << "HAS_MASK";
-    const std::string required = R"("inputs": { "mask": {} }, "outputs": ["mixed"],
-        "nodes": { "source": { "type": "source" }, "mix": { "type": "mix" } })";
-    EXPECT_NE(compile_text(set, required, target).errors.find("it is not optional"), std::string::npos);
-}
-
-TEST(CompileFacts, PortsRuledOutByFactsAreNotBound) {
-    NodeSet set = small_set();
-    set.add({.type = parse_toy(R"({ "node": "tint", "doc": "d", "shader": "s.comp",
-      "inputs": { "value": { "kind": "image", "format": "r16f" }, "extra": { "kind": "image", "format": "rgba16f", "if": "alpha" } },
-      "outputs": { "tinted": { "kind": "image", "format": "r16f" } }, "dispatch": { "over": "frame" } })",
-                               "tint")});
-    const std::string body =
-        R"("outputs": ["tinted"], "nodes": { "source": { "type": "source" }, "tint": { "type": "tint" } })";
-    Target target = target_of({64, 64});
-    EXPECT_EQ(compile_text(set, body, target).plan->resources.size(), 3u);
-    target.facts["alpha"] = false;
-    const Plan plan = *compile_text(set, body, target).plan;
-    EXPECT_EQ(plan.resources.size(), 2u);
-    EXPECT_FALSE(is_bound(pass_of(plan, "tint"), "extra"));
-    EXPECT_EQ(pass_of(plan, "tint").constants.back(), 0u) << "HAS_EXTRA";
-    EXPECT_FALSE(plan.facts.at("alpha"));
-    EXPECT_TRUE(plan.facts.at("casters")) << "facts not named are true";
-}
-
 // One function says what the variants are: those of outputs that can exist together, formats that the code
 // names, and no more for inputs and tables, whose absence is a constant.
 TEST(CompileVariants, OnlyPossibleOnesAreCompiled) {
@@ -400,7 +121,7 @@ TEST(CompileVariants, WrittenTexelsAreOfTheFormatThatThePipelineChooses) {
     set.add({.type = parse_toy(R"({ "node": "meta", "doc": "d", "shader": "s.comp",
       "outputs": { "tiles": { "kind": "texels", "format": ["r32ui", "rg32ui"] } }, "dispatch": { "over": "frame" } })",
                                "meta")});
-    const Result result = compile_text(
+    const CompiledText result = compile_text(
         set,
         R"("outputs": ["tiles"], "resources": { "tiles": { "format": "rg32ui" } }, "nodes": { "meta": { "type": "meta" } })",
         target_of({8, 8}));
@@ -412,72 +133,6 @@ TEST(CompileVariants, WrittenTexelsAreOfTheFormatThatThePipelineChooses) {
     ASSERT_EQ(glsl.size(), 2u);
     EXPECT_NE(glsl.at("tiles=rg32ui").find("uvec2 tiles[]"), std::string::npos);
     EXPECT_NE(glsl.at("tiles=r32ui").find("uint tiles[]"), std::string::npos);
-}
-
-// The host gets outputs that it can use: whoever reads them within the pipeline, or nobody.
-TEST(CompileOutputs, AreMadeForWhatTheHostDoesWithThem) {
-    const NodeSet set = small_set();
-    const std::string body = R"("outputs": ["value"], "nodes": { "source": { "type": "source" } })";
-    const Plan plan = *compile_text(set, body, target_of({64, 64})).plan;
-    constexpr VkImageUsageFlags usual =
-        VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-    EXPECT_EQ(plan.resources[0].image_usage & usual, usual);
-    CompileOptions options;
-    options.outputs["value"] = {.image_usage = VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT,
-                                .stages = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-                                .access = VK_ACCESS_2_INPUT_ATTACHMENT_READ_BIT};
-    const Plan asked = *compile_text(set, body, target_of({64, 64}), options).plan;
-    EXPECT_TRUE(asked.resources[0].image_usage & VK_IMAGE_USAGE_INPUT_ATTACHMENT_BIT);
-    EXPECT_FALSE(asked.resources[0].image_usage & VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
-    EXPECT_EQ(asked.end[0].dst_stages, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
-    EXPECT_EQ(asked.end[0].dst_access, VK_ACCESS_2_INPUT_ATTACHMENT_READ_BIT);
-    Target target = target_of({64, 64});
-    target.device.supports = [](Format, VkFormatFeatureFlags features) {
-        return !(features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT);
-    };
-    EXPECT_NE(compile_text(set, body, target).errors.find("cannot sample r16f, the format of \"value\""),
-              std::string::npos);
-}
-
-// Not every format that can be stored to can be sampled.
-TEST(CompileInputs, WhatIsSampledMustBeOfAFormatThatCanBe) {
-    const NodeSet set = small_set();
-    Target target = target_of({64, 64});
-    target.device.supports = [](Format format, VkFormatFeatureFlags features) {
-        return format != Format::r16f || !(features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT);
-    };
-    const std::string nodes = R"("nodes": { "source": { "type": "source" }, "mix": { "type": "mix" } })";
-    const std::string body =
-        R"("outputs": ["mixed"], "resources": { "mixed": { "format": "r8" } }, )" + nodes;
-    EXPECT_NE(compile_text(set, body, target)
-                  .errors.find("resources.value: the device \"reference gpu\" cannot sample r16f"),
-              std::string::npos)
-        << compile_text(set, body, target).errors;
-    EXPECT_TRUE(compile_text(set, body, target_of({64, 64})).plan);
-}
-
-TEST(CompileTarget, NamesThatThePipelineDoesNotKnowAreRefused) {
-    const NodeSet set = small_set();
-    const std::string body = R"("inputs": { "mask": { "optional": true } }, "outputs": ["mixed"],
-        "nodes": { "source": { "type": "source" }, "mix": { "type": "mix" } })";
-    const auto errors = [&](auto&& change) {
-        Target target = target_of({64, 64});
-        CompileOptions options;
-        change(target, options);
-        return compile_text(set, body, target, options).errors;
-    };
-    EXPECT_EQ(errors([](Target&, CompileOptions&) {}), "");
-    EXPECT_NE(
-        errors([](Target& t, CompileOptions&) { t.facts["move"] = false; }).find("did you mean \"moves\"?"),
-        std::string::npos);
-    EXPECT_NE(errors([](Target& t, CompileOptions&) { t.inputs["mas"] = {}; }).find("did you mean \"mask\"?"),
-              std::string::npos);
-    EXPECT_NE(
-        errors([](Target& t, CompileOptions&) { t.left_out = {"masks"}; }).find("did you mean \"mask\"?"),
-        std::string::npos);
-    EXPECT_NE(
-        errors([](Target&, CompileOptions& o) { o.outputs["mixd"] = {}; }).find("did you mean \"mixed\"?"),
-        std::string::npos);
 }
 
 // A size may follow what a later pass of the frame makes: sizes are known before anything is bound.
@@ -518,54 +173,6 @@ TEST(CompileNodeSet, ATypeThatIsReplacedLastsAsLongAsWhatWasMadeOfIt) {
     EXPECT_FALSE(check(*pipeline, set, diagnostics)) << "the set itself has the new one";
 }
 
-// A family's members wait for who reads them where nothing lives longer by that; who only watches makes
-// nothing live longer, and nothing has to be there early for it.
-TEST(CompileOrder, WatchersDoNotChangeIt) {
-    NodeSet set = small_set();
-    const auto add = [&](const char* name, const std::string& ports) {
-        set.add({.type = parse_toy(R"({ "node": ")" + std::string(name) +
-                                       R"(", "doc": "d", "shader": "s.comp", )" + ports +
-                                       R"(, "dispatch": { "over": "frame" } })",
-                                   name)});
-    };
-    const std::string image = R"({ "kind": "image", "format": "r16f" })",
-                      end = R"("outputs": { "end": )" + image + " }";
-    add("of_mixed", R"("inputs": { "mixed": )" + image + R"(, "middle": )" + image + " }, " + end);
-    add("of_both", R"("inputs": { "mixed": )" + image + R"(, "value": )" + image + R"(, "middle": )" + image +
-                       " }, " + end);
-    add("look", R"("inputs": { "value": )" + image + R"( }, "counters": ["seen"])");
-    const auto order = [&](const std::string& last, const std::string& first_nodes,
-                           const std::string& more_nodes) {
-        const std::string of = R"("instances": "lights")";
-        const Result result = compile_text(
-            set,
-            R"("outputs": ["end"], "instances": { "a": { "of": "lights" }, "b": { "of": "lights" } },
-            "resources": { "mixed_a": { "format": "r16f" }, "mixed_b": { "format": "r16f" } }, "nodes": {)" +
-                first_nodes + R"("source": { "type": "source", )" + of + R"( }, "mix": { "type": "mix", )" +
-                of + R"( },
-            "last": { "type": ")" +
-                last + "\", " + of + R"( },
-            "middle": { "type": "source", "out": { "value": "middle" } })" +
-                more_nodes + " }",
-            target_of({64, 64}));
-        EXPECT_EQ(result.errors, "");
-        std::vector<std::string> names;
-        for (const PlanPass& pass : result.plan.value().passes)
-            if (pass.type != "look") names.push_back(pass.node);
-        return names;
-    };
-    using Names = std::vector<std::string>;
-    const auto look_at = [](const std::string& value) {
-        return R"("look_)" + value + R"(": { "type": "look", "in": { "value": ")" + value + R"(" } })";
-    };
-    const Names early{"source_a", "mix_a", "source_b", "mix_b", "middle", "last_a", "last_b"};
-    EXPECT_EQ(order("of_mixed", "", ""), early) << "values would live longer";
-    EXPECT_EQ(order("of_mixed", "", ", " + look_at("value_a") + ", " + look_at("value_b")), early);
-    const Names late{"middle", "source_a", "mix_a", "last_a", "source_b", "mix_b", "last_b"};
-    EXPECT_EQ(order("of_both", "", ""), late);
-    EXPECT_EQ(order("of_both", look_at("mixed_a") + ", " + look_at("mixed_b") + ", ", ""), late);
-}
-
 TEST(CompileNodeSet, HasOneDomain) {
     NodeSet set = small_set();
     NodeEntry foreign = *set.find("source");
@@ -581,9 +188,9 @@ TEST(CompileNodeSet, ATypeWithoutAShaderHasNoModule) {
     NodeEntry source = *set.find("source");
     for (const Variant& variant : all_variants(source.type)) source.shaders[to_string(variant)] = {0};
     set.add(source);
-    const Result result = compile_text(set, R"("outputs": ["doubled"], "nodes": {
+    const CompiledText result = compile_text(set, R"("outputs": ["doubled"], "nodes": {
         "source": { "type": "source" }, "twice": { "type": "twice" } })",
-                                       target_of({64, 64}));
+                                             target_of({64, 64}));
     ASSERT_TRUE(result.plan) << result.errors;
     EXPECT_EQ(pass_of(*result.plan, "source").module, 0u);
     EXPECT_FALSE(pass_of(*result.plan, "twice").module);
