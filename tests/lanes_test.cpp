@@ -26,6 +26,9 @@ struct Case {
     std::vector<std::string> settings;
     std::vector<std::string> captures;  // besides the outputs
 };
+void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.pipeline;
+}
 
 struct Images {
     std::vector<std::string> names;                // of a frame's images
