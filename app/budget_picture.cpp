@@ -9,10 +9,12 @@
 #include <cstring>
 #include <numeric>
 
+#include "host/metrics/decisions.h"
+
 namespace penumbra {
 namespace {
 
-constexpr uint32_t tile_width = 8, tile_height = 4, most_rays = 32;
+constexpr uint32_t most_rays = 32;
 using Color = std::array<uint8_t, 3>;
 
 constexpr Color nowhere{20, 20, 24}, none{92, 92, 96};

@@ -8,16 +8,13 @@
 
 #include "app/color_compare.h"
 #include "app/comparison.h"
+#include "app/or_null.h"
 #include "app/radiance_compare.h"
 
 namespace penumbra {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
-
-OrderedJson or_null(const std::optional<double>& value) {
-    return value ? OrderedJson(*value) : OrderedJson();
-}
 
 OrderedJson to_json(const CompareArguments& arguments, const Comparison& c) {
     const MaskMetrics& m = c.mask;

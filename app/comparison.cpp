@@ -198,8 +198,8 @@ class Loader {
         if (!fs::exists(file)) return std::nullopt;
         auto image = read_exr(file, diagnostics_);
         if (!plane_of(image, file, "W", diagnostics_, true)) return std::nullopt;
-        const uint32_t across = (frame.truth.width + tile_words_width - 1) / tile_words_width,
-                       down = (frame.truth.height + tile_words_height - 1) / tile_words_height;
+        const uint32_t across = (frame.truth.width + tile_width - 1) / tile_width,
+                       down = (frame.truth.height + tile_height - 1) / tile_height;
         if (image->width == across && image->height == down) return image;
         diagnostics_.add({file.string(), 0, 0}, "",
                          fmt::format("{} x {} words, the reference has {} x {} tiles", image->width,

@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "app/captured_values.h"
+#include "host/metrics/decisions.h"
 
 namespace penumbra {
 namespace {
 
-constexpr uint32_t tile_width = 8, tile_height = 4;
 // As far off the asking pixel's plane, over its distance across it, a neighbour is another surface's.
 constexpr double slope = 0.1;
 

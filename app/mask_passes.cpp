@@ -33,4 +33,10 @@ std::vector<bool> passes_of_mask(const Plan& plan, const std::string& signal) {
     return needed;
 }
 
+bool has_history(const Plan& plan) {
+    return std::ranges::any_of(plan.resources,
+                               [](const PlanResource& r) { return (r.history || r.kept) && !r.memo; }) ||
+           std::ranges::any_of(plan.slots, [](const HostSlot& slot) { return slot.name.ends_with("@-1"); });
+}
+
 }  // namespace penumbra

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Which passes make the mask: what it costs is theirs, in every figure that we give.
+// Of a plan: which passes make the mask, whose cost is what every figure of ours means by it, and whether it
+// remembers.
 #pragma once
 
 #include <string>
@@ -13,5 +14,9 @@ namespace penumbra {
 // classification are among them; lighting, anti-aliasing and what the host does before (shadow maps, trees of
 // triangles) are not.
 std::vector<bool> passes_of_mask(const Plan& plan, const std::string& signal = "visibility");
+
+// Whether a frame's images may depend on frames before it, through what the graph or its host keeps. Memos,
+// which only spare work, do not count.
+bool has_history(const Plan& plan);
 
 }  // namespace penumbra

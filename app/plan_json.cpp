@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "app/or_null.h"
 #include "host/images/image_file.h"
 #include "penumbra/frame_block.h"
 #include "penumbra/requirements.h"
@@ -151,11 +152,6 @@ const char* word_of(ParamType type) {
 
 OrderedJson extent_json(Extent extent) {
     return {extent.width, extent.height};
-}
-
-template <class T>
-OrderedJson or_null(const std::optional<T>& value) {
-    return value ? OrderedJson(*value) : OrderedJson();
 }
 
 bool has_texels(PortKind kind) {

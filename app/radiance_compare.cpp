@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/lit_picture.h"
+#include "app/or_null.h"
 #include "app/progress.h"
 #include "app/radiance_json.h"
 #include "app/radiance_truth.h"
@@ -69,10 +70,6 @@ RadianceErrorSums compare_folder(const fs::path& folder, const CompareArguments&
         last = frame;
     }
     return sums;
-}
-
-nlohmann::ordered_json or_null(const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
 }
 
 std::string text_of(const std::optional<double>& value) {

@@ -4,14 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/or_null.h"
+
 namespace penumbra {
-namespace {
-
-nlohmann::ordered_json or_null(const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-}
-
-}  // namespace
 
 nlohmann::ordered_json radiance_json(const RadianceErrorSums& sums) {
     nlohmann::ordered_json json = {{"pixels", sums.pixels()}};

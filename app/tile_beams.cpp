@@ -8,6 +8,7 @@
 #include <map>
 
 #include "app/captured_values.h"
+#include "host/metrics/decisions.h"
 #include "host/truth/coverage.h"
 
 namespace penumbra {
@@ -15,7 +16,6 @@ namespace {
 
 using Tile = std::array<uint32_t, 2>;
 
-constexpr uint32_t tile_width = 8, tile_height = 4;
 constexpr size_t patch_limit = 8;  // the node's default
 
 glm::dvec3 vector(const float (&v)[3]) {

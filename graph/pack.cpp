@@ -21,10 +21,6 @@ namespace {
 // do.
 constexpr size_t most_compared = 2048;
 
-uint64_t align_up(uint64_t value, uint64_t alignment) {
-    return (value + alignment - 1) & ~(alignment - 1);
-}
-
 // splitmix64 (Steele, Lea, Flood 2014): the same sequence on every platform, which <random>'s distributions
 // are not.
 class Sequence {

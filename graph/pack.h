@@ -24,6 +24,11 @@ struct Packing {
     uint64_t heap = 0;              // max(offset + size)
 };
 
+// `value` rounded up to a multiple of `alignment`, a power of two.
+constexpr uint64_t align_up(uint64_t value, uint64_t alignment) {
+    return (value + alignment - 1) & ~(alignment - 1);
+}
+
 // Whether two intervals are live at the same time.
 bool overlap_in_time(const Interval& a, const Interval& b, uint32_t period);
 

@@ -11,10 +11,6 @@ namespace penumbra {
 
 namespace {
 
-uint64_t align_up(uint64_t value, uint64_t alignment) {
-    return (value + alignment - 1) & ~(alignment - 1);
-}
-
 struct Placed {
     uint64_t offset, end;  // bytes
     uint32_t from, until;  // passes of this turn of the circle

@@ -8,17 +8,13 @@
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
 namespace {
 
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
 
 CheckedPipeline pipeline_named(const std::string& name, const std::vector<std::string>& settings = {}) {
     Diagnostics diagnostics;

@@ -14,14 +14,10 @@
 #include "penumbra/graph.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/golden_text.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
 
 CheckedPipeline shipped(const std::string& name) {
     Diagnostics diagnostics;

@@ -9,7 +9,7 @@ namespace penumbra::test {
 namespace {
 
 // live[pass] for one interval, by walking its passes one by one.
-std::vector<bool> live_passes(const Placed& p, uint32_t period) {
+std::vector<bool> live_passes(const PlacedInterval& p, uint32_t period) {
     std::vector<bool> live(period, false);
     uint32_t pass = p.first;
     for (uint32_t step = 0; step < p.length; ++step) {
@@ -21,7 +21,7 @@ std::vector<bool> live_passes(const Placed& p, uint32_t period) {
 }
 
 // Half-open byte ranges; an empty one shares nothing.
-bool share_bytes(const Placed& a, const Placed& b) {
+bool share_bytes(const PlacedInterval& a, const PlacedInterval& b) {
     if (a.size == 0 || b.size == 0) return false;
     const uint64_t begin = a.offset > b.offset ? a.offset : b.offset;
     const uint64_t end_a = a.offset + a.size, end_b = b.offset + b.size;
@@ -30,21 +30,22 @@ bool share_bytes(const Placed& a, const Placed& b) {
 
 }  // namespace
 
-std::vector<PackingFault> packing_faults(const std::vector<Placed>& placed, uint32_t period, uint64_t heap) {
+std::vector<PackingFault> packing_faults(const std::vector<PlacedInterval>& placed, uint32_t period,
+                                         uint64_t heap) {
     std::vector<PackingFault> faults;
     std::vector<std::vector<bool>> live;
     live.reserve(placed.size());
-    for (const Placed& p : placed) live.push_back(live_passes(p, period));
+    for (const PlacedInterval& p : placed) live.push_back(live_passes(p, period));
     for (size_t a = 0; a < placed.size(); ++a) {
         if (placed[a].offset % placed[a].alignment != 0)
-            faults.push_back({Fault::misaligned, a, a, placed[a].first});
+            faults.push_back({Overlap::misaligned, a, a, placed[a].first});
         if (placed[a].offset + placed[a].size > heap)
-            faults.push_back({Fault::beyond_heap, a, a, placed[a].first});
+            faults.push_back({Overlap::beyond_heap, a, a, placed[a].first});
         for (size_t b = a + 1; b < placed.size(); ++b) {
             if (!share_bytes(placed[a], placed[b])) continue;
             for (uint32_t pass = 0; pass < period; ++pass)
                 if (live[a][pass] && live[b][pass]) {
-                    faults.push_back({Fault::bytes_shared, a, b, pass});
+                    faults.push_back({Overlap::bytes_shared, a, b, pass});
                     break;
                 }
         }
@@ -56,14 +57,14 @@ std::string describe(const std::vector<PackingFault>& faults) {
     std::ostringstream text;
     for (const PackingFault& fault : faults) {
         switch (fault.kind) {
-            case Fault::bytes_shared:
+            case Overlap::bytes_shared:
                 text << "intervals " << fault.a << " and " << fault.b << " share bytes in pass " << fault.pass
                      << '\n';
                 break;
-            case Fault::misaligned:
+            case Overlap::misaligned:
                 text << "interval " << fault.a << " is not aligned\n";
                 break;
-            case Fault::beyond_heap:
+            case Overlap::beyond_heap:
                 text << "interval " << fault.a << " ends beyond the heap\n";
                 break;
         }

@@ -10,20 +10,21 @@
 
 namespace penumbra::test {
 
-struct Placed {
+struct PlacedInterval {
     uint32_t first = 0, length = 0;  // passes on the circle
     uint64_t size = 0, alignment = 1, offset = 0;
 };
 
-enum class Fault { bytes_shared, misaligned, beyond_heap };
+enum class Overlap { bytes_shared, misaligned, beyond_heap };
 
 struct PackingFault {
-    Fault kind;
+    Overlap kind;
     size_t a, b;    // intervals; b == a for faults of one alone
     uint32_t pass;  // the first pass where it shows
 };
 
-std::vector<PackingFault> packing_faults(const std::vector<Placed>& placed, uint32_t period, uint64_t heap);
+std::vector<PackingFault> packing_faults(const std::vector<PlacedInterval>& placed, uint32_t period,
+                                         uint64_t heap);
 
 // One line a fault, for test messages.
 std::string describe(const std::vector<PackingFault>& faults);

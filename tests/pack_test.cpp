@@ -87,7 +87,7 @@ Set anything(uint64_t seed, uint32_t most, uint64_t largest = 5000) {
 }
 
 std::string faults(const Set& set, const Packing& packing) {
-    std::vector<test::Placed> placed;
+    std::vector<test::PlacedInterval> placed;
     for (size_t i = 0; i < set.intervals.size(); ++i) {
         const Interval& v = set.intervals[i];
         placed.push_back({v.first, v.length, v.size, v.alignment, packing.offsets[i]});
@@ -115,10 +115,10 @@ void expect_valid(const Set& set, uint64_t seed) {
 
 TEST(OverlapChecker, SeesSharedBytesAcrossTheSeam) {
     // Passes 8 9 0 1 and pass 1: the lifetimes meet only after the wrap.
-    const std::vector<test::Placed> meet = {{8, 4, 100, 1, 0}, {1, 1, 100, 1, 99}};
+    const std::vector<test::PlacedInterval> meet = {{8, 4, 100, 1, 0}, {1, 1, 100, 1, 99}};
     const auto found = test::packing_faults(meet, 10, 199);
     ASSERT_EQ(found.size(), 1u);
-    EXPECT_EQ(found[0].kind, test::Fault::bytes_shared);
+    EXPECT_EQ(found[0].kind, test::Overlap::bytes_shared);
     EXPECT_EQ(found[0].pass, 1u);
     EXPECT_TRUE(test::packing_faults({{8, 4, 100, 1, 0}, {2, 6, 100, 1, 0}}, 10, 100).empty());
     EXPECT_TRUE(test::packing_faults({{8, 4, 100, 1, 0}, {1, 1, 100, 1, 100}}, 10, 200).empty());
@@ -127,8 +127,8 @@ TEST(OverlapChecker, SeesSharedBytesAcrossTheSeam) {
 TEST(OverlapChecker, SeesMisalignmentAndOverflow) {
     const auto found = test::packing_faults({{0, 1, 10, 4, 2}}, 1, 11);
     ASSERT_EQ(found.size(), 2u);
-    EXPECT_EQ(found[0].kind, test::Fault::misaligned);
-    EXPECT_EQ(found[1].kind, test::Fault::beyond_heap);
+    EXPECT_EQ(found[0].kind, test::Overlap::misaligned);
+    EXPECT_EQ(found[1].kind, test::Overlap::beyond_heap);
 }
 
 // The highest interval of a packing rests on something that is live with it.
@@ -294,20 +294,20 @@ uint64_t optimum_by_permutation(const Set& set) {
     std::iota(order.begin(), order.end(), size_t{0});
     uint64_t best = UINT64_MAX;
     do {
-        std::vector<test::Placed> placed;
+        std::vector<test::PlacedInterval> placed;
         uint64_t heap = 0;
         for (size_t i : order) {
             const Interval& v = set.intervals[i];
-            test::Placed next{v.first, v.length, v.size, v.alignment, 0};
+            test::PlacedInterval next{v.first, v.length, v.size, v.alignment, 0};
             // It fits at 0 or right behind something.
             std::vector<uint64_t> offsets = {0};
-            for (const test::Placed& p : placed)
+            for (const test::PlacedInterval& p : placed)
                 offsets.push_back(rounded_up(p.offset + p.size, v.alignment));
             std::sort(offsets.begin(), offsets.end());
             for (uint64_t offset : offsets) {
                 next.offset = offset;
                 bool free = true;
-                for (const test::Placed& p : placed)
+                for (const test::PlacedInterval& p : placed)
                     free &= test::packing_faults({p, next}, set.period, UINT64_MAX).empty();
                 if (free) break;
             }

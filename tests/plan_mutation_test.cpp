@@ -12,6 +12,7 @@
 #include "tests/golden_text.h"
 #include "tests/plan_checks.h"
 #include "tests/plan_mutants.h"
+#include "tests/shipped.h"
 #include "tests/toy_set.h"
 
 namespace penumbra::test {
@@ -58,12 +59,6 @@ void print(const std::string& name, const Counts& counts) {
 }
 
 class PlanMutation : public ::testing::TestWithParam<std::string> {};
-
-std::vector<std::string> pipeline_files() {
-    std::vector<std::string> names = names_in("pipelines", ".json");
-    std::erase_if(names, [](const std::string& name) { return name.ends_with(".schema"); });
-    return names;
-}
 
 TEST_P(PlanMutation, IsNoticed) {
     static const NodeSet nodes = shadow_nodes();

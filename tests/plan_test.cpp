@@ -11,6 +11,7 @@
 #include "penumbra/shadow_nodes.h"
 #include "tests/golden_text.h"
 #include "tests/plan_checks.h"
+#include "tests/shipped.h"
 #include "tests/toy_set.h"
 
 namespace penumbra::test {
@@ -18,17 +19,6 @@ namespace {
 
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 constexpr Extent sizes[] = {{1280, 720}, {1920, 1080}, {2560, 1440}, {3840, 2160}, {333, 777}};
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
-
-std::vector<std::string> pipeline_files() {
-    std::vector<std::string> names = names_in("pipelines", ".json");
-    std::erase_if(names, [](const std::string& name) { return name.ends_with(".schema"); });
-    return names;
-}
 
 Plan plan_of(const CheckedPipeline& pipeline, Extent extent, bool alias = true, Facts facts = {}) {
     Target target;

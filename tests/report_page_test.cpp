@@ -19,9 +19,12 @@
 #include "penumbra/graph.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/report_results.h"
+#include "tests/shipped.h"
 
 namespace penumbra::report {
 namespace {
+
+using test::nodes;
 
 namespace fs = std::filesystem;
 
@@ -29,11 +32,6 @@ size_t count(const std::string& text, const std::string& part) {
     size_t found = 0;
     for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
     return found;
-}
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
 }
 
 Plan shipped_plan(const std::string& name) {

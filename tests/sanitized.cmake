@@ -4,8 +4,8 @@
 # scripts/sanitize.sh.
 set(SANITIZED_TESTS
   broken_input_test.cpp check_test.cpp compile_inputs_test.cpp compile_order_test.cpp compile_test.cpp
-  compile_text.cpp gltf_animation_test.cpp gltf_features_test.cpp gltf_limits_test.cpp gltf_test.cpp image_decode_test.cpp image_file_test.cpp json_text_test.cpp
-  node_type_test.cpp pipeline_test.cpp shot_test.cpp)
+  compile_text.cpp gltf_animation_test.cpp gltf_features_test.cpp gltf_limits_test.cpp gltf_test.cpp image_decode_test.cpp
+  image_file_test.cpp json_text_test.cpp node_type_test.cpp pipeline_test.cpp shot_test.cpp)
 set(SANITIZED_SOURCES fuzz/changed_pipeline.cpp fuzz/fuzz_c_api.cpp fuzz/fuzz_files.cpp fuzz/fuzz_json.cpp plan_checks.cpp)
 foreach(LIBRARY penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models)
   get_target_property(FILES ${LIBRARY} SOURCES)
@@ -14,7 +14,8 @@ foreach(LIBRARY penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models
   list(TRANSFORM FILES PREPEND ${FOLDER}/)
   list(APPEND SANITIZED_SOURCES ${FILES})
 endforeach()
-foreach(FILE models/joined_models scene/geometry scene/pose scene/scene scene/scene_alpha scene/scene_file shots/light_choice shots/light_file shots/model_lights shots/model_shot shots/shot shots/shot_facts shots/shot_file shots/shot_text
+foreach(FILE models/joined_models scene/geometry scene/pose scene/scene scene/scene_alpha scene/scene_file shots/light_choice
+        shots/light_file shots/model_lights shots/model_shot shots/shot shots/shot_facts shots/shot_file shots/shot_text
         truth/analytic truth/analytic_model truth/sun_visibility)
   list(APPEND SANITIZED_SOURCES ${PROJECT_SOURCE_DIR}/host/${FILE}.cpp)
 endforeach()

@@ -10,6 +10,7 @@
 #include "app/session.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -17,11 +18,6 @@ namespace penumbra::test {
 namespace {
 
 constexpr std::array<uint32_t, 2> size{203, 117};
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
 
 std::unique_ptr<Session> open(const std::string& pipeline, Shot shot, SessionOptions options) {
     options.size = shot.size;

@@ -17,6 +17,7 @@
 #include "host/truth/analytic.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/plan_checks.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
@@ -302,11 +303,6 @@ Needed needed_by(const std::string& pipeline, const Row& row) {
 }
 
 // ---- what does run
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
 
 // The shipped pipeline under a patch (RFC 7396).
 CheckedPipeline pipeline_with(const std::string& name, const std::string& patch = "") {

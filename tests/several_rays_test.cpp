@@ -8,16 +8,12 @@
 #include "host/truth/analytic.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
 
 std::unique_ptr<Session> open(const Shot& shot, uint32_t rays, SessionOptions options = {},
                               const std::string& name = "raw") {

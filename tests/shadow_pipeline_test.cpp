@@ -11,17 +11,13 @@
 #include "host/images/texels.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
 namespace {
 
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
 
 CheckedPipeline pipeline_named(const std::string& name) {
     Diagnostics diagnostics;

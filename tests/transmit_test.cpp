@@ -16,16 +16,12 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/scene_file.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
 
 CheckedPipeline hybrid(const std::vector<std::string>& settings = {}) {
     Diagnostics diagnostics;

@@ -8,16 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "app/bench/native_pass.h"
+#include "app/or_null.h"
 
 namespace penumbra::bench {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 using Size = std::array<uint32_t, 2>;
-
-OrderedJson or_null(const std::optional<double>& value) {
-    return value ? OrderedJson(*value) : OrderedJson();
-}
 
 OrderedJson json_of(const Rounds& rounds) {
     return {{"least", or_null(rounds.least())}, {"median", or_null(rounds.median())}};

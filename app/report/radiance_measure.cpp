@@ -20,11 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool has_history(const Plan& plan) {
-    return std::ranges::any_of(plan.resources,
-                               [](const PlanResource& r) { return (r.history || r.kept) && !r.memo; });
-}
-
 std::unique_ptr<Session> open(const RadianceBench& bench, const RadianceResults& results, size_t contender,
                               const Shot& shot, KeptScene& scene, Diagnostics& diagnostics,
                               std::vector<std::string>& warnings) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/or_null.h"
 #include "app/radiance_json.h"
 #include "app/report/assets.h"
 #include "app/report/html.h"
@@ -16,10 +17,6 @@ namespace penumbra::report {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
-
-OrderedJson or_null(const std::optional<double>& value) {
-    return value ? OrderedJson(*value) : OrderedJson();
-}
 
 std::string reading_text(const std::optional<Front::Reading>& reading) {
     return reading ? (reading->extrapolated ? "~" : "") + number(reading->value) : "–";

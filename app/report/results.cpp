@@ -7,17 +7,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/or_null.h"
 #include "app/report/front_figures.h"
 
 namespace penumbra::report {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
-
-template <class T>
-OrderedJson or_null(const std::optional<T>& value) {
-    return value ? OrderedJson(*value) : OrderedJson();
-}
 
 OrderedJson estimate_json(const std::optional<Estimate>& estimate) {
     if (!estimate) return {{"median", nullptr}, {"ci95", nullptr}};

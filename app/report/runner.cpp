@@ -21,12 +21,6 @@ uint64_t counted_rays(const Plan& plan, const FrameCost& cost) {
 }
 
 // A memo carries over too, but its declaration says that the mask does not depend on it.
-bool has_history(const Plan& plan) {
-    return std::ranges::any_of(plan.resources,
-                               [](const PlanResource& r) { return (r.history || r.kept) && !r.memo; }) ||
-           std::ranges::any_of(plan.slots, [](const HostSlot& slot) { return slot.name.ends_with("@-1"); });
-}
-
 CostMemory cost_memory(const Session& session) {
     const std::vector<PlanResource>& resources = session.plan().resources;
     if (std::ranges::any_of(resources, [](const PlanResource& r) { return r.history && r.memo; }))
@@ -52,7 +46,7 @@ std::unique_ptr<Runner> Runner::open(Device& device, const NodeSet& nodes, const
     runner->session_ = Session::open(device, nodes, contender.pipeline, shot, options, diagnostics, warnings);
     if (!runner->session_) return nullptr;
     const Plan& plan = runner->session_->plan();
-    runner->has_history_ = report::has_history(plan);
+    runner->has_history_ = penumbra::has_history(plan);
     runner->cost_memory_ = report::cost_memory(*runner->session_);
     const std::vector<bool> mask = passes_of_mask(plan);
     for (size_t p = 0; p < plan.passes.size(); ++p) {

@@ -26,14 +26,14 @@ class TileBits {
   public:
     explicit TileBits(const ComparedFrame& frame)
         : width_(frame.width),
-          tiles_x_((frame.width + tile_words_width - 1) / tile_words_width),
-          tiles_y_((frame.height + tile_words_height - 1) / tile_words_height) {}
+          tiles_x_((frame.width + tile_width - 1) / tile_width),
+          tiles_y_((frame.height + tile_height - 1) / tile_height) {}
 
     size_t words() const { return tiles_x_ * tiles_y_; }
     bool at(std::span<const uint32_t> words, size_t pixel) const {
         const size_t x = pixel % width_, y = pixel / width_;
-        const size_t tile = y / tile_words_height * tiles_x_ + x / tile_words_width;
-        return words[tile] >> (y % tile_words_height * tile_words_width + x % tile_words_width) & 1;
+        const size_t tile = y / tile_height * tiles_x_ + x / tile_width;
+        return words[tile] >> (y % tile_height * tile_width + x % tile_width) & 1;
     }
 
   private:

@@ -14,7 +14,7 @@ struct TileWords {
     std::span<const uint32_t> undecided;  // the pixel gets a ray
     std::span<const uint32_t> shadowed;   // decided shadowed; what is neither is decided lit
 };
-constexpr uint32_t tile_words_width = 8, tile_words_height = 4;
+constexpr uint32_t tile_width = 8, tile_height = 4;
 
 struct DecisionSums {
     uint64_t pixels = 0, penumbra = 0, traced = 0, penumbra_traced = 0;

@@ -57,8 +57,6 @@ bool finite(const RadiancePlanes& planes, size_t i) {
            std::isfinite(planes.rgb[2][i]);
 }
 
-constexpr double darkest = 0.01;  // keeps black from dividing by nothing
-
 }  // namespace
 
 size_t roughness_class(float roughness) {
@@ -143,7 +141,7 @@ RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTru
         c.noise += truth.noise[i];
         c.image += is;
         c.truth += should;
-        sums.relative += square / (should * should + darkest);
+        sums.relative += square / (should * should + darkest_squared);
         sums.fireflies += is_firefly(is, static_cast<double>(near[i]));
     }
     return sums;
@@ -164,7 +162,7 @@ RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTru
             square += std::pow(double(image.rgb[c][i]) - truth.signal.rgb[c][i] -
                                    (double(image_before.rgb[c][i]) - truth_before.rgb[c][i]),
                                2);
-        sums.changes += square / (std::pow(double(should_be[i]), 2) + darkest);
+        sums.changes += square / (std::pow(double(should_be[i]), 2) + darkest_squared);
         ++sums.changed;
     }
     return sums;

@@ -14,6 +14,8 @@
 
 namespace penumbra {
 
+constexpr double darkest_squared = 0.01;  // of relative errors: keeps black from dividing by nothing
+
 // Upper ends of the classes but the last, in perceptual roughness.
 inline constexpr std::array<float, 4> roughness_class_ends{0.05f, 0.15f, 0.3f, 0.5f};
 inline constexpr size_t roughness_classes = roughness_class_ends.size() + 1;

@@ -8,11 +8,12 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 
+#include "host/metrics/radiance_error.h"
+
 namespace penumbra {
 namespace {
 
 constexpr glm::vec3 sun_color(3.0f, 2.8f, 2.5f), ambient(0.16f, 0.19f, 0.24f);
-constexpr double darkest = 0.01;  // keeps black from dividing by nothing
 
 }  // namespace
 
@@ -50,7 +51,7 @@ RelativeErrorSum relative_error(const ComparedFrame& frame, std::span<const glm:
         if (!frame.counted[p]) continue;
         for (int c = 0; c < 3; ++c) {
             const auto a = static_cast<double>(image[p][c]), b = static_cast<double>(truth[p][c]);
-            out.sum += (a - b) * (a - b) / (b * b + darkest);
+            out.sum += (a - b) * (a - b) / (b * b + darkest_squared);
             ++out.values;
         }
     }

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
+#include <numbers>
 #include <vector>
 
 #include "host/truth/concentric_disc.h"
@@ -12,7 +12,7 @@
 namespace penumbra {
 namespace {
 
-constexpr double pi = glm::pi<double>();
+using std::numbers::pi;
 
 glm::dvec3 vector(const blocks::vec3& v) {
     return {v.v[0], v.v[1], v.v[2]};

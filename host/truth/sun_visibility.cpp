@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/gtc/constants.hpp>
+#include <numbers>
 
 namespace penumbra {
 namespace {
 
-constexpr double pi = glm::pi<double>();
+using std::numbers::pi;
 
 // 1 - cos, without cancellation.
 double versine(double angle) {

@@ -20,10 +20,6 @@
 namespace penumbra::test {
 namespace {
 
-void promise(bool kept, const std::string& broken) {
-    if (!kept) throw std::logic_error(broken);
-}
-
 // A file in memory with these bytes, and a link to it with the wanted ending.
 class MemoryFile {
   public:

@@ -20,10 +20,6 @@ std::string_view text_of(Bytes bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void promise(bool kept, const std::string& broken) {
-    if (!kept) throw std::logic_error(broken);
-}
-
 // Every phase either succeeds or says why not, and a plan is sound.
 void run_pipeline(std::string_view text) {
     Diagnostics diagnostics;

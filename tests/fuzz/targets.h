@@ -6,11 +6,17 @@
 
 #include <cstddef>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 
 namespace penumbra::test {
 
 using Bytes = std::span<const std::byte>;
+
+inline void promise(bool kept, const std::string& broken) {
+    if (!kept) throw std::logic_error(broken);
+}
 
 void fuzz_pipeline(Bytes bytes);     // JSON to a plan, which the independent checks accept
 void fuzz_declaration(Bytes bytes);  // JSON of a node type

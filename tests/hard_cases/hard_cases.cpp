@@ -14,14 +14,10 @@
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "penumbra/shadow_nodes.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
-
-const NodeSet& nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
-}
 
 // Files of this process, removed with it.
 class SceneFiles {
