@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct BenchJob {
+struct Job {
     bench::Bench bench;
     std::vector<Shot> shots;
     std::vector<std::array<uint32_t, 2>> sizes;
@@ -35,9 +35,8 @@ void make_unique(std::vector<bench::Contender>& contenders) {
 }
 
 // Reads everything before anything is run, so that mistakes are found at once.
-std::optional<BenchJob> prepare(const BenchArguments& arguments, const NodeSet& nodes,
-                                Diagnostics& diagnostics) {
-    BenchJob job;
+std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes, Diagnostics& diagnostics) {
+    Job job;
     job.bench.command = arguments.command_line;
     job.bench.options.still = arguments.still;
     job.bench.options.rounds = arguments.rounds;
@@ -70,7 +69,7 @@ std::optional<BenchJob> prepare(const BenchArguments& arguments, const NodeSet& 
     return diagnostics.empty() ? std::optional(std::move(job)) : std::nullopt;
 }
 
-bool measure_all(BenchJob& job, Device& device, const NodeSet& nodes, Diagnostics& diagnostics,
+bool measure_all(Job& job, Device& device, const NodeSet& nodes, Diagnostics& diagnostics,
                  std::vector<std::string>& warnings) {
     const bench::Options& options = job.bench.options;
     Progress progress("bench", uint64_t{job.shots.size()} * job.sizes.size() * job.bench.contenders.size() *

@@ -73,14 +73,14 @@ std::optional<Pixel> parse_pixel(const std::string& text, const Pixel& size) {
     return pixel;
 }
 
-struct ExplainJob {
+struct Job {
     CheckedPipeline pipeline;
     Shot shot;
     Pixel size{};
     std::optional<Pixel> pixel;  // else the one with the most triangles
 };
 
-std::optional<ExplainJob> prepare(const ExplainArguments& arguments, const NodeSet& nodes) {
+std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
     const auto file = shipped_file(arguments.budget   ? "shadows"
                                    : arguments.beams  ? "many_rays"
@@ -111,7 +111,7 @@ std::optional<ExplainJob> prepare(const ExplainArguments& arguments, const NodeS
         settings = {fmt::format("nodes.cover.params.samples={}", arguments.samples)};
     auto pipeline = open_pipeline(file->string(), settings, nodes);
     if (!pipeline) return std::nullopt;
-    return ExplainJob{std::move(*pipeline), std::move(*shot), *size, pixel};
+    return Job{std::move(*pipeline), std::move(*shot), *size, pixel};
 }
 
 template <class T>
@@ -185,7 +185,7 @@ class Explanation {
     CoverageScene scene_;
 };
 
-int draw(const ExplainArguments& arguments, const ExplainJob& job, const Explanation& explanation) {
+int draw(const ExplainArguments& arguments, const Job& job, const Explanation& explanation) {
     const std::optional<Pixel> pixel = job.pixel ? job.pixel : explanation.richest();
     if (!pixel) {
         complain("no pixel of this frame sees a part of the sun alone");
@@ -223,7 +223,7 @@ std::optional<Pixel> best_tested(const RayGatherer& gatherer) {
     return best;
 }
 
-int draw_gather(const ExplainArguments& arguments, const ExplainJob& job, const RayGatherer& gatherer) {
+int draw_gather(const ExplainArguments& arguments, const Job& job, const RayGatherer& gatherer) {
     const std::optional<Pixel> pixel = job.pixel ? job.pixel : best_tested(gatherer);
     if (!pixel) {
         complain("no pixel of this frame sees about a half of the sun");
@@ -276,7 +276,7 @@ std::vector<TileBeam> telling_beams(const TileBeams& tiles) {
     return beams;
 }
 
-int draw_beams(const ExplainArguments& arguments, const ExplainJob& job, const TileBeams& tiles) {
+int draw_beams(const ExplainArguments& arguments, const Job& job, const TileBeams& tiles) {
     std::vector<TileBeam> beams;
     if (job.pixel) {
         const Pixel tile{(*job.pixel)[0] / 8, (*job.pixel)[1] / 4};

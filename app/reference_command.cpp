@@ -48,7 +48,7 @@ void write_truth(const fs::path& folder, const Shot& shot, uint32_t frame, Truth
                      image.height, image.planes[0].values);
 }
 
-struct ReferenceJob {
+struct Job {
     Shot shot;
     std::string made_up;  // the shot's text, if nobody wrote it
     std::vector<uint32_t> frames;
@@ -57,7 +57,7 @@ struct ReferenceJob {
 
 // What a rendered folder shows: its shot and size, the frames that it has, and where in their pixels they
 // look.
-std::optional<ReferenceJob> like_rendered(const ReferenceArguments& arguments, Diagnostics& diagnostics) {
+std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostics& diagnostics) {
     if (!arguments.view.shot.empty() || !arguments.view.models.empty() || !arguments.size.empty()) {
         diagnostics.add({}, "--like", "says which shot and size; give neither beside it");
         return std::nullopt;
@@ -66,7 +66,7 @@ std::optional<ReferenceJob> like_rendered(const ReferenceArguments& arguments, D
     const auto present = rendered ? visibility_frames(arguments.like, diagnostics) : std::nullopt;
     auto shot = present ? read_completed_shot(rendered->shot, diagnostics) : std::nullopt;
     if (!shot) return std::nullopt;
-    ReferenceJob job{std::move(*shot), "", *present};
+    Job job{std::move(*shot), "", *present};
     job.shot.size = rendered->size;
     if (!arguments.frames.empty()) {
         const auto range = parse_frames(arguments.frames, job.shot.frames);
@@ -80,20 +80,20 @@ std::optional<ReferenceJob> like_rendered(const ReferenceArguments& arguments, D
     return job;
 }
 
-std::optional<ReferenceJob> prepare(const ReferenceArguments& arguments, Diagnostics& diagnostics) {
+std::optional<Job> prepare(const ReferenceArguments& arguments, Diagnostics& diagnostics) {
     if (!arguments.like.empty()) return like_rendered(arguments, diagnostics);
     auto view = open_view(arguments.view, arguments.out, diagnostics);
     if (!view) return std::nullopt;
     const auto size = arguments.size.empty() ? std::optional(view->shot.size) : parse_size(arguments.size);
     const auto range = parse_frames(arguments.frames, view->shot.frames);
     if (!size || !range) return std::nullopt;
-    ReferenceJob job{std::move(view->shot), std::move(view->made_up), {}};
+    Job job{std::move(view->shot), std::move(view->made_up), {}};
     job.shot.size = *size;
     for (uint32_t frame = (*range)[0]; frame <= (*range)[1]; ++frame) job.frames.push_back(frame);
     return job;
 }
 
-int write_radiance(const ReferenceArguments& arguments, const ReferenceJob& job) {
+int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     const Shot& shot = job.shot;
     Device device({arguments.device, false});
     Diagnostics diagnostics;
@@ -129,7 +129,7 @@ int write_radiance(const ReferenceArguments& arguments, const ReferenceJob& job)
     return exit_good;
 }
 
-int write_reference(const ReferenceArguments& arguments, const ReferenceJob& job) {
+int write_reference(const ReferenceArguments& arguments, const Job& job) {
     const Shot& shot = job.shot;
     Device device({arguments.device, false});
     Diagnostics diagnostics;

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct RenderJob {
+struct Job {
     CheckedPipeline pipeline;
     Shot shot;
     std::string made_up;  // the shot's text, if nobody wrote it
@@ -37,7 +37,7 @@ struct RenderJob {
     std::vector<std::string> graph_captures, host_captures;
 };
 
-std::optional<RenderJob> prepare(const RenderArguments& arguments, const NodeSet& nodes) {
+std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& nodes) {
     Diagnostics diagnostics;
     const auto given = sort_files(arguments.files, arguments.view, diagnostics);
     if (!given) {
@@ -59,15 +59,15 @@ std::optional<RenderJob> prepare(const RenderArguments& arguments, const NodeSet
     // A model that stands still is one picture, which the frames before it only make smooth.
     if (!view->made_up.empty() && arguments.frames.empty() && !moves(shot) && shot.animation.empty())
         (*frames)[0] = (*frames)[1];
-    RenderJob job{std::move(*pipeline),
-                  std::move(view->shot),
-                  std::move(view->made_up),
-                  folder,
-                  *size,
-                  *frames,
-                  *facts,
-                  {},
-                  {}};
+    Job job{std::move(*pipeline),
+            std::move(view->shot),
+            std::move(view->made_up),
+            folder,
+            *size,
+            *frames,
+            *facts,
+            {},
+            {}};
     job.graph_captures = job.pipeline.output_names();
     for (const std::string& name : arguments.captures) {
         if (!is_host_image(name) && !job.pipeline.resource(name)) {
@@ -91,7 +91,7 @@ std::string lamps_left_out(const Session& session, const std::vector<std::string
                        session.plan().pipeline, fmt::join(lamps, ", "));
 }
 
-int render(const RenderArguments& arguments, RenderJob job, const NodeSet& nodes) {
+int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     const fs::path shot_file = job.shot.file;
     Device device({arguments.device, arguments.validate});
     Diagnostics diagnostics;

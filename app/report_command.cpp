@@ -32,7 +32,7 @@ using namespace report;
 constexpr const char* quick_shots[] = {"colonnade", "engine"};
 constexpr const char* quick_pipelines[] = {"raw", "fidelityfx", "shadows"};
 
-struct ReportJob {
+struct Job {
     fs::path folder;
     Results results;
     std::vector<ReportShot> shots;
@@ -76,8 +76,7 @@ std::vector<fs::path> shot_files(const ReportArguments& arguments, const fs::pat
 }
 
 // Reads everything before anything is run, so that mistakes are found at once.
-std::optional<ReportJob> prepare(const ReportArguments& arguments, const NodeSet& nodes,
-                                 Diagnostics& diagnostics) {
+std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& nodes, Diagnostics& diagnostics) {
     const auto study = study_of(arguments);
     if (!study) return std::nullopt;
     const fs::path root = shipped_root();
@@ -89,7 +88,7 @@ std::optional<ReportJob> prepare(const ReportArguments& arguments, const NodeSet
     std::vector<LeftOut> cut_shots;
     const std::vector<fs::path> files = shot_files(arguments, root, cut_shots, diagnostics);
     if (!contenders || !diagnostics.empty()) return std::nullopt;
-    ReportJob job;
+    Job job;
     job.folder = arguments.out;
     for (const char* inside : {"images", "shots", "parts"}) fs::create_directories(job.folder / inside);
     fs::remove(job.folder / "index.html");
@@ -115,7 +114,7 @@ std::optional<ReportJob> prepare(const ReportArguments& arguments, const NodeSet
 // Measures what no earlier run has left behind; every part is written as soon as it is whole.
 class Measuring {
   public:
-    Measuring(ReportJob& job, Device& device, const NodeSet& nodes, const ReportArguments& arguments,
+    Measuring(Job& job, Device& device, const NodeSet& nodes, const ReportArguments& arguments,
               Diagnostics& diagnostics, std::vector<std::string>& warnings)
         : job_(job),
           device_(device),
@@ -193,7 +192,7 @@ class Measuring {
         return true;
     }
 
-    ReportJob& job_;
+    Job& job_;
     Device& device_;
     const NodeSet& nodes_;
     Parts parts_;
@@ -204,7 +203,7 @@ class Measuring {
 
 // Contenders as they would run by themselves on the first shot: without captures, with the smallest heap
 // looked for.
-std::optional<std::vector<PipelinePlan>> plan_contenders(const ReportJob& job, const Device& device,
+std::optional<std::vector<PipelinePlan>> plan_contenders(const Job& job, const Device& device,
                                                          const Facts& facts, Diagnostics& diagnostics) {
     DeviceTable table = device_table(handles_of(device));
     table.features = features_of(device);
@@ -228,7 +227,7 @@ std::optional<std::vector<PipelinePlan>> plan_contenders(const ReportJob& job, c
 
 // What all contenders take that stand ready at once, each with a host of its own, and the masks that are
 // kept.
-std::string memory_text(const ReportJob& job, const std::vector<PipelinePlan>& plans) {
+std::string memory_text(const Job& job, const std::vector<PipelinePlan>& plans) {
     constexpr uint64_t host_bytes = 32;  // per pixel of depth, normal, motion and albedo
     const Study& study = job.results.study;
     const uint64_t pixels = uint64_t{study.size[0]} * study.size[1];

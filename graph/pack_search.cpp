@@ -28,7 +28,7 @@ uint64_t mix(uint64_t z) {
     return z ^ (z >> 31);
 }
 
-using Alike = std::tuple<uint64_t, uint64_t, uint64_t>;  // slots, size, alignment
+using Kind = std::tuple<uint64_t, uint64_t, uint64_t>;  // slots, size, alignment
 
 struct Item {
     uint64_t slots;   // one bit per slot
@@ -125,7 +125,7 @@ class Search {
             };
             return key(a) > key(b);
         });
-        std::map<Alike, uint32_t> kinds;
+        std::map<Kind, uint32_t> kinds;
         for (Item& item : items_)
             item.kind =
                 kinds.try_emplace({item.slots, item.size, item.alignment}, kinds.size()).first->second;
@@ -134,7 +134,7 @@ class Search {
 
     // Histories come in pairs half a period apart; then every state is as good as its copy half a circle
     // later. Slots are in time order, one for each different live set, so turning the circle turns them too.
-    void find_rotation(const std::map<Alike, uint32_t>& kinds) {
+    void find_rotation(const std::map<Kind, uint32_t>& kinds) {
         if (slots_ % 2 != 0) return;
         std::vector<uint32_t> image(kinds.size()), count(kinds.size(), 0), image_count(kinds.size(), 0);
         for (const Item& item : items_) {

@@ -31,7 +31,7 @@ CheckedPipeline pipeline_named(const std::string& name) {
     Diagnostics diagnostics;
     const auto pipeline =
         load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }
@@ -71,7 +71,7 @@ std::unique_ptr<Session> open(const char* pipeline, const Shot& shot, std::vecto
     options.captures = std::move(captures);
     Diagnostics diagnostics;
     std::vector<std::string> said;
-    auto session = Session::open(gpu(), nodes(), pipeline_named(pipeline), shot, options, diagnostics,
+    auto session = Session::open(gpu(), shipped_nodes(), pipeline_named(pipeline), shot, options, diagnostics,
                                  warnings ? *warnings : said);
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;

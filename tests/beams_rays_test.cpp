@@ -19,7 +19,7 @@ const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 CheckedPipeline pipeline_named(const std::string& name, const std::vector<std::string>& settings = {}) {
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), settings, diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }
@@ -40,16 +40,17 @@ Verdicts judge(Shot shot, double angle_deg, uint32_t side) {
                         "preloaded_hits", "tile_list",       "trace_args"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(
-        gpu(), nodes(), pipeline_named("many_rays", {"nodes.classify.out.undecided_words=undecided_words"}),
-        shot, options, diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), shipped_nodes(),
+                      pipeline_named("many_rays", {"nodes.classify.out.undecided_words=undecided_words"}),
+                      shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
 
     const std::vector<Triangle> triangles = session->host().scene().triangles(0);
     const EmbreeScene embree(triangles);
     const StandaloneFrame standalone = session->host().frame(0, true);
-    const RayMaker maker(*session, nodes(), standalone);
+    const RayMaker maker(*session, shipped_nodes(), standalone);
     const auto depth = captured<float>(*session, "view_depth");
     const auto normal = captured<NormalTexel>(*session, "receiver_normal");
     const auto receivers = captured<uint32_t>(*session, "receiver_words"),
@@ -141,8 +142,8 @@ void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> f
         options.captures = {"hits", "visibility"};
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        const auto session = Session::open(gpu(), nodes(), pipeline_named(pipeline, settings), shot, options,
-                                           diagnostics, warnings);
+        const auto session = Session::open(gpu(), shipped_nodes(), pipeline_named(pipeline, settings), shot,
+                                           options, diagnostics, warnings);
         ASSERT_TRUE(session) << diagnostics.text();
         for (const uint32_t frame : frames) {
             session->run_frame(frame, frame == *frames.begin());

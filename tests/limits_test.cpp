@@ -23,7 +23,7 @@ CheckedPipeline shipped(const std::string& name) {
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(
         std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }

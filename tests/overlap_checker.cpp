@@ -38,14 +38,14 @@ std::vector<PackingFault> packing_faults(const std::vector<PlacedInterval>& plac
     for (const PlacedInterval& p : placed) live.push_back(live_passes(p, period));
     for (size_t a = 0; a < placed.size(); ++a) {
         if (placed[a].offset % placed[a].alignment != 0)
-            faults.push_back({Overlap::misaligned, a, a, placed[a].first});
+            faults.push_back({PackingFault::Kind::misaligned, a, a, placed[a].first});
         if (placed[a].offset + placed[a].size > heap)
-            faults.push_back({Overlap::beyond_heap, a, a, placed[a].first});
+            faults.push_back({PackingFault::Kind::beyond_heap, a, a, placed[a].first});
         for (size_t b = a + 1; b < placed.size(); ++b) {
             if (!share_bytes(placed[a], placed[b])) continue;
             for (uint32_t pass = 0; pass < period; ++pass)
                 if (live[a][pass] && live[b][pass]) {
-                    faults.push_back({Overlap::bytes_shared, a, b, pass});
+                    faults.push_back({PackingFault::Kind::bytes_shared, a, b, pass});
                     break;
                 }
         }
@@ -57,14 +57,14 @@ std::string describe(const std::vector<PackingFault>& faults) {
     std::ostringstream text;
     for (const PackingFault& fault : faults) {
         switch (fault.kind) {
-            case Overlap::bytes_shared:
+            case PackingFault::Kind::bytes_shared:
                 text << "intervals " << fault.a << " and " << fault.b << " share bytes in pass " << fault.pass
                      << '\n';
                 break;
-            case Overlap::misaligned:
+            case PackingFault::Kind::misaligned:
                 text << "interval " << fault.a << " is not aligned\n";
                 break;
-            case Overlap::beyond_heap:
+            case PackingFault::Kind::beyond_heap:
                 text << "interval " << fault.a << " ends beyond the heap\n";
                 break;
         }

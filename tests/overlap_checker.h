@@ -15,10 +15,8 @@ struct PlacedInterval {
     uint64_t size = 0, alignment = 1, offset = 0;
 };
 
-enum class Overlap { bytes_shared, misaligned, beyond_heap };
-
 struct PackingFault {
-    Overlap kind;
+    enum class Kind { bytes_shared, misaligned, beyond_heap } kind;
     size_t a, b;    // intervals; b == a for faults of one alone
     uint32_t pass;  // the first pass where it shows
 };

@@ -118,7 +118,7 @@ TEST(OverlapChecker, SeesSharedBytesAcrossTheSeam) {
     const std::vector<test::PlacedInterval> meet = {{8, 4, 100, 1, 0}, {1, 1, 100, 1, 99}};
     const auto found = test::packing_faults(meet, 10, 199);
     ASSERT_EQ(found.size(), 1u);
-    EXPECT_EQ(found[0].kind, test::Overlap::bytes_shared);
+    EXPECT_EQ(found[0].kind, test::PackingFault::Kind::bytes_shared);
     EXPECT_EQ(found[0].pass, 1u);
     EXPECT_TRUE(test::packing_faults({{8, 4, 100, 1, 0}, {2, 6, 100, 1, 0}}, 10, 100).empty());
     EXPECT_TRUE(test::packing_faults({{8, 4, 100, 1, 0}, {1, 1, 100, 1, 100}}, 10, 200).empty());
@@ -127,8 +127,8 @@ TEST(OverlapChecker, SeesSharedBytesAcrossTheSeam) {
 TEST(OverlapChecker, SeesMisalignmentAndOverflow) {
     const auto found = test::packing_faults({{0, 1, 10, 4, 2}}, 1, 11);
     ASSERT_EQ(found.size(), 2u);
-    EXPECT_EQ(found[0].kind, test::Overlap::misaligned);
-    EXPECT_EQ(found[1].kind, test::Overlap::beyond_heap);
+    EXPECT_EQ(found[0].kind, test::PackingFault::Kind::misaligned);
+    EXPECT_EQ(found[1].kind, test::PackingFault::Kind::beyond_heap);
 }
 
 // The highest interval of a packing rests on something that is live with it.

@@ -37,7 +37,7 @@ Plan plan_of(const CheckedPipeline& pipeline, Extent extent, bool alias = true, 
 CheckedPipeline checked(const std::string& name) {
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }

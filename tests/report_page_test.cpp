@@ -24,7 +24,7 @@
 namespace penumbra::report {
 namespace {
 
-using test::nodes;
+using test::shipped_nodes;
 
 namespace fs = std::filesystem;
 
@@ -38,7 +38,7 @@ Plan shipped_plan(const std::string& name) {
     Diagnostics diagnostics;
     const auto pipeline =
         load_pipeline(std::string(PENUMBRA_SOURCE_DIR "/pipelines/") + name + ".json", {}, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    const auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     Target target;
     target.extent = {64, 48};
     target.device = reference_device();

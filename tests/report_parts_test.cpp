@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "app/mask_passes.h"
 #include "app/progress.h"
 #include "app/report/front_figures.h"
 #include "app/report/html.h"
@@ -447,6 +448,24 @@ TEST(ReportResults, TheWorstEdgeIsAMovingOne) {
     ASSERT_TRUE(worst);
     EXPECT_EQ(worst->speed_px, -1);
     EXPECT_FALSE(results.worst_edge(0, 5));
+}
+
+TEST(Plans, HaveAHistoryInTheGraphOrInTheHostButNotInAMemo) {
+    Plan plan;
+    plan.resources.resize(1);
+    plan.slots.resize(1);
+    plan.slots[0].name = "color";
+    EXPECT_FALSE(has_history(plan));
+    plan.resources[0].kept = plan.resources[0].memo = true;
+    EXPECT_FALSE(has_history(plan));
+    plan.resources[0].memo = false;
+    EXPECT_TRUE(has_history(plan));
+    plan.resources[0].kept = false;
+    plan.resources[0].history = true;
+    EXPECT_TRUE(has_history(plan));
+    plan.resources[0].history = false;
+    plan.slots[0].name = "color@-1";
+    EXPECT_TRUE(has_history(plan));
 }
 
 }  // namespace

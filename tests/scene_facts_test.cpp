@@ -311,7 +311,7 @@ CheckedPipeline pipeline_with(const std::string& name, const std::string& patch 
     const auto pipeline =
         parse_pipeline("{ \"extends\": \"" + name + ".json\"" + (patch.empty() ? "" : ", " + patch) + " }",
                        file, {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }

@@ -23,13 +23,13 @@ std::unique_ptr<Session> open(const Shot& shot, uint32_t rays, SessionOptions op
                                                "nodes.trace.params.rays_per_pixel=" + std::to_string(rays)};
     const auto pipeline = load_pipeline(
         std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    const auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     options.size = shot.size;
     options.captures.push_back("visibility");
     options.optimum = false;
     options.jitter = false;
-    auto session = Session::open(gpu(), nodes(), *checked, shot, options, diagnostics, warnings);
+    auto session = Session::open(gpu(), shipped_nodes(), *checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
 }

@@ -22,7 +22,7 @@ const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 CheckedPipeline pipeline_named(const std::string& name) {
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }
@@ -35,7 +35,8 @@ std::unique_ptr<Session> open(const CheckedPipeline& pipeline, Shot shot, Sessio
             options.captures.push_back(name);
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), nodes(), pipeline, std::move(shot), options, diagnostics, warnings);
+    auto session =
+        Session::open(gpu(), shipped_nodes(), pipeline, std::move(shot), options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
 }

@@ -11,7 +11,7 @@
 
 namespace penumbra::test {
 
-inline const NodeSet& nodes() {
+inline const NodeSet& shipped_nodes() {
     static const NodeSet set = shadow_nodes();
     return set;
 }

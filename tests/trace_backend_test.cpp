@@ -25,7 +25,7 @@ const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 CheckedPipeline load(const std::filesystem::path& file, const std::vector<std::string>& settings) {
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(file, settings, diagnostics);
-    auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     return std::move(*checked);
 }
@@ -206,14 +206,14 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits", "hits_q"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), nodes(), load(both_backends(), {}), shot, options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), shipped_nodes(), load(both_backends(), {}), shot, options,
+                                       diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     Comparison sum;
     for (const uint32_t frame : frames) {
         session->run_frame(frame, frame == frames.front());
         const StandaloneFrame standalone = session->host().frame(frame, frame == frames.front());
-        const RayMaker maker(*session, nodes(), standalone);
+        const RayMaker maker(*session, shipped_nodes(), standalone);
         const std::vector<Triangle> triangles = session->host().scene().triangles(frame);
         const AlphaOracle alpha(session->host().scene());
         const auto depth = captured<float>(*session, "view_depth");
@@ -277,11 +277,11 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session =
-        Session::open(gpu(), nodes(), raw_with(GetParam()), shot, options, diagnostics, warnings);
+        Session::open(gpu(), shipped_nodes(), raw_with(GetParam()), shot, options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
     session->run_frame(16, true);
     const StandaloneFrame standalone = session->host().frame(16, true);
-    const RayMaker maker(*session, nodes(), standalone);
+    const RayMaker maker(*session, shipped_nodes(), standalone);
     const std::vector<Triangle> now = session->host().scene().triangles(16),
                                 at_first = session->host().scene().triangles(0);
     const auto depth = captured<float>(*session, "view_depth");
@@ -341,8 +341,8 @@ TEST_F(TraceBackendRun, AutoOnThisDeviceFollowsTheRule) {
     options.size = {64, 32};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), nodes(), raw_with("auto"), plaza_shot({64, 32}, 1), options,
-                                       diagnostics, warnings);
+    const auto session = Session::open(gpu(), shipped_nodes(), raw_with("auto"), plaza_shot({64, 32}, 1),
+                                       options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
     const bool queries = gpu().caps().ray_query && !gpu().info().is_cpu;
     EXPECT_EQ(scene_slots_of(session->plan()), queries ? query_slots : tree_slots);

@@ -27,7 +27,7 @@ CheckedPipeline hybrid(const std::vector<std::string>& settings = {}) {
     Diagnostics diagnostics;
     const auto pipeline =
         load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/hybrid_shadows.json", settings, diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }
@@ -195,7 +195,7 @@ Seen render(const Model& model, const std::vector<std::string>& settings = {},
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session =
-        Session::open(gpu(), nodes(), hybrid(settings), shot, options, diagnostics, warnings);
+        Session::open(gpu(), shipped_nodes(), hybrid(settings), shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
     session->run_frame(1, false);
@@ -374,14 +374,15 @@ TEST_F(Transmit, ForSigmaGlassIsABlockerWithAColour) {
     Diagnostics diagnostics;
     const auto pipeline =
         load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/sigma_translucency.json", {}, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    const auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     ASSERT_TRUE(checked) << diagnostics.text();
     SessionOptions options;
     options.size = shot.size;
     options.optimum = options.jitter = false;
     options.captures = {"penumbra", "translucency", "transmittance", "view_depth"};
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), nodes(), *checked, shot, options, diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), shipped_nodes(), *checked, shot, options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
     session->run_frame(0, true);
     const auto penumbra = captured<uint16_t>(*session, "penumbra");

@@ -11,10 +11,10 @@
 namespace penumbra::gates {
 namespace {
 
-using RadianceLook = std::function<void(uint32_t frame, const PlanarImage& image)>;
+using Look = std::function<void(uint32_t frame, const PlanarImage& image)>;
 
 // Shows all frames, for one seed after the other.
-bool run(const RadianceBench& bench, const char* what, const Shot& shot, const RadianceLook& look) {
+bool run(const RadianceBench& bench, const char* what, const Shot& shot, const Look& look) {
     SessionOptions options;
     options.size = shot.size;
     options.captures = {bench.signal};

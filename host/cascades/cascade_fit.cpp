@@ -68,10 +68,10 @@ double farthest(const CascadeRequest& request) {
 // The smallest sphere about a slice whose centre lies on the view axis. `spread`: squared tangent of the
 // angle between the axis and the frustum's edges. The centre is as far from the near corners as from the far
 // ones, or in the far plane where the slice is wider than deep.
-struct SliceSphere {
+struct Sphere {
     double distance = 0, radius = 0;
 };
-SliceSphere sphere_about(const Slice& slice, double spread) {
+Sphere sphere_about(const Slice& slice, double spread) {
     const double distance = std::min((slice.end + slice.begin) * (1 + spread) / 2, slice.end);
     return {distance, std::hypot(slice.end - distance, slice.end * std::sqrt(spread))};
 }
@@ -141,7 +141,7 @@ CascadeFit fit_cascades(const CascadeRequest& request) {
         slice = {
             i == 0 ? request.camera.near_m : slice.end,
             glm::mix(begin + (end - begin) * share, begin * std::pow(end / begin, share), split_logarithmic)};
-        const SliceSphere sphere = sphere_about(slice, spread);
+        const Sphere sphere = sphere_about(slice, spread);
         const glm::dvec3 centre = fit.light.of(camera + forward * sphere.distance);
         const CascadeArea area = snapped(glm::dvec2(centre), sphere.radius + search, request.size);
         // From here on the whole scene's map is as fine, and it holds everything.

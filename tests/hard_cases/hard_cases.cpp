@@ -84,7 +84,7 @@ CheckedPipeline pipeline_with(const std::string& name, const std::vector<std::st
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(
         std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
-    auto result = pipeline ? check(*pipeline, nodes(), diagnostics) : std::nullopt;
+    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     if (!result) throw std::runtime_error(diagnostics.text());
     return std::move(*result);
 }
@@ -102,8 +102,8 @@ SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& opt
     session_options.pass_costs = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    session_ = Session::open(gpu(), nodes(), pipeline_with(pipeline, options.settings), std::move(shot),
-                             session_options, diagnostics, warnings);
+    session_ = Session::open(gpu(), shipped_nodes(), pipeline_with(pipeline, options.settings),
+                             std::move(shot), session_options, diagnostics, warnings);
     if (!session_) throw std::runtime_error(diagnostics.text());
 }
 
