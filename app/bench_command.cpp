@@ -39,6 +39,7 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
     Job job;
     job.bench.command = arguments.command_line;
     job.bench.options.still = arguments.still;
+    job.bench.options.still_camera = arguments.still_camera;
     job.bench.options.rounds = arguments.rounds;
     const auto frames = parse_frames(arguments.frames);
     if (!frames) return std::nullopt;
@@ -63,8 +64,9 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
                 if (!arguments.still && job.bench.options.frames[1] >= shot->frames)
                     diagnostics.add({file->string()}, "--frames",
                                     fmt::format("the shot has {} frames", shot->frames));
-                job.shots.push_back(arguments.still ? bench::standing_still(std::move(*shot))
-                                                    : std::move(*shot));
+                job.shots.push_back(arguments.still          ? bench::standing_still(std::move(*shot))
+                                    : arguments.still_camera ? bench::with_still_camera(std::move(*shot))
+                                                             : std::move(*shot));
             }
     return diagnostics.empty() ? std::optional(std::move(job)) : std::nullopt;
 }

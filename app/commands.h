@@ -139,7 +139,7 @@ struct BenchArguments {
     std::vector<std::string> shots{"colonnade", "engine", "lamp"}, sizes{"640x360"};
     std::string frames = "8..15";  // timed, of those from 0 on
     uint32_t rounds = 5;
-    bool still = false;
+    bool still = false, still_camera = false;
     std::string format = "table";
     std::vector<std::string> settings, node_folders;
     std::string device;

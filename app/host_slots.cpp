@@ -39,6 +39,7 @@ constexpr KnownSlot known_slots[] = {
     {"light", [](const Brought& of, SlotBinding& b) { b.buffer = of.blocks().light.get(); }},
     {"light_prev", [](const Brought& of, SlotBinding& b) { b.buffer = of.blocks().light_prev.get(); }},
     {"lights", [](const Brought& of, SlotBinding& b) { b.texels = of.blocks().lights.view.get(); }},
+    {"moved_boxes", [](const Brought& of, SlotBinding& b) { b.buffer = of.blocks().moved_boxes.get(); }},
     {"scene", [](const Brought& of, SlotBinding& b) { b.buffer = of.blocks().scene.get(); }},
     {"scene.nodes",
      [](const Brought& of, SlotBinding& b) { b.texels = of.resources.bvh->nodes().view.get(); }},
@@ -83,7 +84,7 @@ std::string previous_slot_of_light(const std::string& light) {
 
 // Optional inputs that are left out until a session has something to bring.
 bool brought_if_there(std::string_view name) {
-    return name == "lights" || name == "environment_lots";
+    return name == "lights" || name == "environment_lots" || name == "moved_boxes";
 }
 
 template <typename Block>
@@ -103,7 +104,8 @@ HostBlocks::HostBlocks(Device& device, const std::vector<std::string>& names, si
       light(block<blocks::Light>(device, "the light")),
       light_prev(block<blocks::Light>(device, "the previous frame's light")),
       scene(block<blocks::Scene>(device, "the scene block")),
-      cascades(block<blocks::Cascades>(device, "the cascades block")) {
+      cascades(block<blocks::Cascades>(device, "the cascades block")),
+      moved_boxes(block<blocks::MovedBoxes>(device, "the boxes of what has moved")) {
     for (const std::string& name : names)
         own_lights.push_back({block<blocks::Light>(device, name.c_str()),
                               block<blocks::Light>(device, "the previous frame's light")});
@@ -125,6 +127,10 @@ void HostBlocks::write(const StandaloneFrame& frame) {
         std::memcpy(lights.buffer.mapped, frame.lights.data(), frame.lights.size() * sizeof(blocks::Light));
     put(scene, frame.scene);
     put(cascades, frame.cascades);
+}
+
+void HostBlocks::write_moved(const blocks::MovedBoxes& boxes) {
+    put(moved_boxes, boxes);
 }
 
 std::string slot_of_light(const std::string& light) {

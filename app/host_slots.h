@@ -29,8 +29,9 @@ struct HostBlocks {
     // 0 where nobody takes it.
     HostBlocks(Device& device, const std::vector<std::string>& own_lights, size_t lights);
     void write(const StandaloneFrame& frame);
+    void write_moved(const blocks::MovedBoxes& boxes);
 
-    GpuBuffer sun, sun_prev, light, light_prev, scene, cascades;
+    GpuBuffer sun, sun_prev, light, light_prev, scene, cascades, moved_boxes;
     std::vector<OwnLight> own_lights;  // as the host's light_names()
     GpuTexels lights;
 };

@@ -278,6 +278,8 @@ void add_bench(CLI::App& app, BenchArguments& a) {
     c->add_option("--rounds", a.rounds, "times that everything is run (default: 5)")
         ->check(CLI::Range(1u, 1024u));
     c->add_flag("--still", a.still, "shots cut to their first keys: nothing moves but the jitter");
+    c->add_flag("--still-camera", a.still_camera, "the camera stays where a shot begins")
+        ->excludes("--still");
     c->add_option("--format", a.format, "table (Markdown) or json")->check(CLI::IsMember({"table", "json"}));
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipelines");
     add_node_folders(c, a.node_folders);

@@ -6,6 +6,9 @@
 #include <chrono>
 #include <cstring>
 #include <ctime>
+#include <glm/gtc/type_ptr.hpp>
+
+#include "host/scene/moved_boxes.h"
 
 namespace penumbra {
 namespace {
@@ -85,6 +88,10 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     if (same) frame.description.flags |= frame_unchanged;
     // Since the frame that was traced last, which need not be the one before: a session may start anywhere.
     const auto [moment, previous] = moments;
+    if (reads(plan(), "moved_boxes"))
+        resources_.blocks->write_moved(
+            moved_block(host_->scene().moved_boxes(traced_moment_, moment),
+                        glm::make_vec3(frame.description.camera.position.data()) - host_->shot().origin));
     if (resources_.bvh) resources_.bvh->update(moment);
     if (resources_.translucents) resources_.translucents->update(moment);
     if (host_->scene().moved(traced_moment_, moment)) {

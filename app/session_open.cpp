@@ -22,6 +22,8 @@ struct EnvironmentInput {
 
 namespace {
 
+constexpr uint64_t kept_bytes_per_tile = 512;  // kept_masks of nodes/budget/retain.json
+
 DeviceTable table_for(const Device& device, const SessionOptions& options) {
     DeviceTable table = device_table(handles_of(device));
     table.cpu = options.cpu.value_or(table.cpu);
@@ -111,6 +113,18 @@ bool bring_environment(const CheckedPipeline& pipeline, EnvironmentInput& enviro
                                                     : too_many) +
                         std::string(" (\"optional\": true)"));
     return false;
+}
+
+// To a pipeline that can do without: where the camera stands still, or somebody steers it, who may let it.
+// Masks are kept in a buffer that not every device can have of a large image.
+void bring_moved_boxes(const CheckedPipeline& pipeline, const Shot& shot, const SessionOptions& options,
+                       Target& target) {
+    const HostInput* taken = pipeline.input("moved_boxes");
+    if (!taken) return;
+    const uint64_t tiles = uint64_t{(target.extent.width + 7) / 8} * ((target.extent.height + 3) / 4);
+    const bool fits = tiles * kept_bytes_per_tile <= target.device.max_storage_bytes;
+    if (!taken->optional || (fits && (options.steered || !camera_moves(shot))))
+        target.left_out.erase("moved_boxes");
 }
 
 // Nothing after an error.
@@ -214,6 +228,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         target.inputs["lights"] = {Format::rgba32ui, {5, static_cast<uint32_t>(lights->names.size())}};
         target.left_out.erase("lights");
     }
+    bring_moved_boxes(pipeline, host.shot(), options, target);
     if (!bring_environment(pipeline, environment, target, warnings, diagnostics)) return nullptr;
 
     doing("packing memory");

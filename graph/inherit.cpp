@@ -17,6 +17,11 @@ bool alike(const PlanResource& a, const PlanResource& b) {
            a.follows == b.follows && (a.follows || same_size);
 }
 
+// A kept memo may be what another plan's parameters made of it, and nothing would ever make it anew.
+bool is_own(const PlanResource& r) {
+    return r.kept && r.memo;
+}
+
 // Compiled with CompileOptions::hand_on_history, or may be copied from and to for other reasons.
 bool hands_on(const PlanResource& r) {
     const bool image = r.kind == PortKind::image;
@@ -45,7 +50,7 @@ void ViewState::decide_reset(uint32_t flags) {
     for (const ResetAction& action : plan().reset) {
         const PlanResource& own = plan().resources[action.resource];
         const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {
-            return (r.history || r.kept) && hands_on(r) && hands_on(own) && alike(r, own) &&
+            return (r.history || r.kept) && !is_own(own) && hands_on(r) && hands_on(own) && alike(r, own) &&
                    (fits || !r.follows);
         });
         inherited_.push_back(same == theirs.end()

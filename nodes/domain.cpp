@@ -90,7 +90,8 @@ std::shared_ptr<const Domain> shadow_domain() {
         .structs = {{"Sun", sizeof(blocks::Sun)},
                     {"Light", sizeof(blocks::Light)},
                     {"Scene", sizeof(blocks::Scene)},
-                    {"Cascades", sizeof(blocks::Cascades)}},
+                    {"Cascades", sizeof(blocks::Cascades)},
+                    {"MovedBoxes", sizeof(blocks::MovedBoxes)}},
         .structs_file = "common/blocks.h",
         .bundles = {scene()},
         .capabilities = {{4472,  // RayQueryKHR

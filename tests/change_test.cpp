@@ -176,6 +176,38 @@ TEST_F(ChangeGpu, BuffersAndChainsGoOverAsFarAsBothHaveThem) {
     }
 }
 
+// What is kept in place goes over, but for a memo, which may be what another plan's parameters made of it.
+TEST_F(ChangeGpu, AKeptMemoIsNotHandedOn) {
+    static const GpuBuffer read = make_host_buffer(gpu(), 8, VK_BUFFER_USAGE_TRANSFER_DST_BIT, "read");
+    NodeSet set;
+    NodeEntry keeper;
+    keeper.type = parse_toy(R"({ "node": "keeper", "doc": "d", "host": true, "inputs": {},
+      "outputs": { "cells": { "kind": "buffer", "element": "u32", "count": { "of": "frame" }, "writes": "kept" },
+                   "memo": { "kind": "buffer", "element": "u32", "count": { "of": "frame" }, "writes": "kept", "memo": true } } })",
+                            "keeper");
+    keeper.callback = [](const HostPassContext& context) {
+        for (const char* name : {"cells", "memo"}) {
+            const VkBuffer buffer = context.resource(name)->buffer;
+            const VkBufferCopy first{0, name[0] == 'c' ? 0u : 4u, 4};
+            if (context.frame->frame_index == 0)
+                vkCmdFillBuffer(context.cmd, buffer, 0, VK_WHOLE_SIZE, 1234);
+            else
+                vkCmdCopyBuffer(context.cmd, buffer, read.get(), 1, &first);
+        }
+    };
+    set.add(std::move(keeper));
+    const auto program = program_with(
+        checked(R"("outputs": ["cells", "memo"], "nodes": { "keeper": { "type": "keeper" } })", set), {});
+    View before(program, {});
+    gpu().run([&](VkCommandBuffer cmd) { before.record(cmd, description(0), {}); });
+    View heir(program, {.heir_of = &before});
+    gpu().run([&](VkCommandBuffer cmd) { heir.record(cmd, description(1), {}); });
+    EXPECT_EQ(heir.reset().reason, Reset::Reason::none);
+    std::array<uint32_t, 2> is;
+    std::memcpy(is.data(), read.mapped, sizeof is);
+    EXPECT_EQ(is, (std::array<uint32_t, 2>{1234, 0}));
+}
+
 // A frame's block has the size of the one before it, whose history it reads, or its own where it reads none.
 TEST_F(ChangeGpu, AFrameKnowsTheSizeBefore) {
     NodeSet set;

@@ -21,6 +21,7 @@
 #include "host/generated/colonnade.h"
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
+#include "host/scene/moved_boxes.h"
 #include "host/scene/scene_file.h"
 #include "tests/gltf_files.h"
 
@@ -263,6 +264,47 @@ TEST(Scene, MovesWhatTheShotMoves) {
     EXPECT_NEAR(p.z, 1e-3 - 2, 1e-9);
     EXPECT_EQ(scene.triangles(0).size(), scene.triangles(10).size());
     EXPECT_EQ(scene.triangle_objects(), (std::vector<uint32_t>{0, 0, 0}));
+}
+
+// Every corner that is elsewhere, where it was and where it is; nothing of what rests.
+TEST(Scene, BoxesAreAroundWhatHasMoved) {
+    Shot shot;
+    shot.objects["arm"].keys = {{.frame = 0},
+                                {.frame = 10, .translation = {1, 0, 0}, .rotation_deg = {0, 90, 0}}};
+    const Scene scene(small_model(), shot);
+    EXPECT_TRUE(scene.moved_boxes(3, 3).empty());
+    EXPECT_TRUE(scene.moved_boxes(10, 11).empty());
+    const auto boxes = scene.moved_boxes(3, 7);
+    ASSERT_EQ(boxes.size(), 1u);
+    const glm::dvec3 camera(1e6, 0, -1e6);
+    const blocks::MovedBoxes block = moved_block(boxes, camera);
+    ASSERT_EQ(block.count, 1u);
+    for (const double frame : {3.0, 7.0})
+        for (const Triangle& triangle : scene.triangles(frame))
+            for (const auto& corner : triangle.v)
+                for (int axis = 0; axis < 3; ++axis) {
+                    const double at = corner[axis] + scene.bvh_origin()[axis] - camera[axis];
+                    EXPECT_LE(block.boxes[0].lo.v[axis], at);
+                    EXPECT_GE(block.boxes[0].hi.v[axis], at);
+                }
+}
+
+TEST(MovedBoxes, OfTooManySomeShareOne) {
+    const glm::dvec3 camera(0.5, 1, -2);
+    for (const size_t n : {size_t{1}, size_t{64}, size_t{65}, size_t{1000}}) {
+        std::vector<std::array<glm::dvec3, 2>> boxes;
+        for (size_t i = 0; i < n; ++i) boxes.push_back({glm::dvec3(double(i)), glm::dvec3(double(i) + 0.1)});
+        const blocks::MovedBoxes block = moved_block(boxes, camera);
+        ASSERT_EQ(block.count, std::min<size_t>(n, blocks::MOST_MOVED_BOXES));
+        for (const auto& box : boxes)
+            EXPECT_TRUE(std::any_of(block.boxes, block.boxes + block.count, [&](const blocks::MovedBox& b) {
+                const auto holds = [&](int axis) {
+                    return b.lo.v[axis] <= box[0][axis] - camera[axis] &&
+                           b.hi.v[axis] >= box[1][axis] - camera[axis];
+                };
+                return holds(0) && holds(1) && holds(2);
+            }));
+    }
 }
 
 TEST(Scene, FlattenedNodesShowNothing) {

@@ -411,7 +411,10 @@ TEST(SceneFacts, AFeatureThatIsOffCostsNoPassAndNoByte) {
             std::string deleted;
             for (const Culled& culled : plan.culled) deleted += "\"" + culled.node + "\": null, ";
             for (const BoundNode& node : pipeline_with(pipeline).nodes)
-                if (runs(plan, node.id)) deleted += "\"" + node.id + "\": { \"if\": null }, ";
+                if (runs(plan, node.id))
+                    deleted += "\"" + node.id + "\": { \"if\": null" +
+                               (node.id == "recall" ? R"(, "in": { "reuse_words_prev": null })" : "") +
+                               " }, ";
             deleted.resize(deleted.size() - 2);
             // A resource whose format was chosen goes with the node that wrote it.
             const bool fresh = pipeline == "covered" && !runs(plan, "resolve_still");

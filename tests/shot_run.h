@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A shipped pipeline's mask of a shot, frame by frame as the test wants them, 192x108 and without jitter.
+// A shipped pipeline's mask of a shot, frame by frame as the test wants them, 192x108 and, unless it wants
+// some, without jitter.
 #pragma once
 
 #include <cstdint>
@@ -20,6 +21,7 @@ class ShotRun {
     ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string> settings,
             std::vector<std::string> captures);
     void frame(uint32_t index, bool reset);
+    void set_jitter(bool wanted) { session_->set_jitter(wanted); }
 
     const View& view() const { return session_->view(); }
     std::vector<uint32_t> words(const char* name) const;  // of a buffer, in the last frame

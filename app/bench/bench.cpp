@@ -185,14 +185,24 @@ std::optional<double> PassFigures::gb_per_s() const {
     return least && *least > 0 ? std::optional(static_cast<double>(bytes) / *least * 1e-6) : std::nullopt;
 }
 
+namespace {
+
+void keep_first(auto& keys) {
+    if (keys.size() > 1) keys.erase(keys.begin() + 1, keys.end());
+}
+
+}  // namespace
+
 Shot standing_still(Shot shot) {
-    const auto cut = [](auto& keys) {
-        if (keys.size() > 1) keys.erase(keys.begin() + 1, keys.end());
-    };
-    cut(shot.camera);
-    cut(shot.sun);
-    for (auto& [name, motion] : shot.objects) cut(motion.keys);
+    shot = with_still_camera(std::move(shot));
+    keep_first(shot.sun);
+    for (auto& [name, motion] : shot.objects) keep_first(motion.keys);
     if (shot.analytic) shot.analytic->speed_px = shot.analytic->offset_px = 0;
+    return shot;
+}
+
+Shot with_still_camera(Shot shot) {
+    keep_first(shot.camera);
     shot.cuts.clear();
     return shot;
 }

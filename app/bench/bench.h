@@ -27,6 +27,7 @@ struct Options {
     uint32_t rounds = 5;
     std::optional<uint32_t> seed;  // instead of the shots'
     bool still = false;  // the shots are standing_still(): a pipeline that has settled is not run again
+    bool still_camera = false;  // the shots are with_still_camera()
 };
 
 // A figure of each round: the median over its timed frames.
@@ -77,6 +78,8 @@ struct Scene {
 
 // A shot cut to the first of all its keys: nothing moves but the sub-pixel jitter.
 Shot standing_still(Shot shot);
+// A shot whose camera stays at its first key; what else moves does.
+Shot with_still_camera(Shot shot);
 
 // `step` is called after every frame. Nothing, with diagnostics, where a scene or a plan is wrong.
 std::optional<Scene> measure(Device& device, const NodeSet& nodes, const std::vector<Contender>& contenders,

@@ -179,6 +179,11 @@ void frame_rows(Table& table, bool cpu, bool still) {
         });
 }
 
+const char* standing(const Options& options) {
+    if (options.still) return " standing still";
+    return options.still_camera ? " before a still camera" : "";
+}
+
 }  // namespace
 
 OrderedJson to_json(const Bench& bench) {
@@ -201,6 +206,7 @@ OrderedJson to_json(const Bench& bench) {
             {"frames", bench.options.frames},
             {"rounds", bench.options.rounds},
             {"still", bench.options.still},
+            {"still_camera", bench.options.still_camera},
             {"scenes", scenes}};
 }
 
@@ -219,8 +225,7 @@ std::string tables(const Bench& bench) {
             text += fmt::format(
                 "{}**{}**, {}x{}, frames {} to {}{}, {}; least / median of {} rounds{}\n\n",
                 text.empty() ? "" : "\n", bench.contenders[c].id, size[0], size[1], bench.options.frames[0],
-                bench.options.frames[1], bench.options.still ? " standing still" : "", bench.device.driver,
-                bench.options.rounds,
+                bench.options.frames[1], standing(bench.options), bench.device.driver, bench.options.rounds,
                 cpu ? fmt::format("; a native pass ({}) takes {} ms", has_avx2() ? "AVX2" : "a plain loop",
                                   number(first.native_ms.least()))
                     : "");

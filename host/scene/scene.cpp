@@ -51,6 +51,12 @@ bool shows_something(const glm::dmat4& world) {
            glm::length(glm::dvec3(world[3])) < 1e18;
 }
 
+constexpr std::array<glm::dvec3, 2> no_box{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
+
+std::array<glm::dvec3, 2> around(const std::array<glm::dvec3, 2>& a, const std::array<glm::dvec3, 2>& b) {
+    return {glm::min(a[0], b[0]), glm::max(a[1], b[1])};
+}
+
 }  // namespace
 
 Scene::Scene(Model model, const Shot& shot)
@@ -65,8 +71,7 @@ Scene::Scene(Model model, const Shot& shot)
         motions_.push_back(found == objects_.end() ? nullptr : &found->second);
     }
     for (const Mesh& mesh : model_.meshes) {
-        std::array<glm::dvec3, 2>& box = mesh_boxes_.emplace_back();
-        box = {glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
+        std::array<glm::dvec3, 2>& box = mesh_boxes_.emplace_back(no_box);
         for (const Part& part : mesh.parts) {
             for (const glm::vec3& p : part.positions) {
                 box[0] = glm::min(box[0], part.origin + glm::dvec3(p));
@@ -151,28 +156,45 @@ bool Scene::moved(double a, double b) const {
     });
 }
 
+bool Scene::deforms(const Instance& instance) const {
+    return std::ranges::any_of(parts(instance), [&](const Part& part) { return deforms(instance, part); });
+}
+
+std::array<glm::dvec3, 2> Scene::box(const Instance& instance, const glm::dmat4& world, double frame) const {
+    std::array<glm::dvec3, 2> out = no_box;
+    const auto add = [&](const glm::dvec3& local) {
+        const glm::dvec3 p(world * glm::dvec4(local, 1));
+        out = {glm::min(out[0], p), glm::max(out[1], p)};
+    };
+    if (deforms(instance)) {
+        for (const Part& part : parts(instance))
+            for (const glm::vec3& at : positions(instance, part, frame)) add(part.origin + glm::dvec3(at));
+        return out;
+    }
+    const auto& [low, high] = mesh_boxes_[static_cast<size_t>(instance.mesh)];
+    for (int corner = 0; corner < 8; ++corner)
+        add({corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z});
+    return out;
+}
+
 std::array<glm::dvec3, 2> Scene::box(double frame) const {
     const std::vector<glm::dmat4> world = transforms(frame);
-    std::array<glm::dvec3, 2> out{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
-    for (const Instance& instance : instances_) {
-        if (std::ranges::any_of(parts(instance), [&](const Part& part) { return deforms(instance, part); })) {
-            for (const Part& part : parts(instance))
-                for (const glm::vec3& at : positions(instance, part, frame)) {
-                    const glm::dvec3 p(world[static_cast<size_t>(instance.node)] *
-                                       glm::dvec4(part.origin + glm::dvec3(at), 1));
-                    out = {glm::min(out[0], p), glm::max(out[1], p)};
-                }
-            continue;
-        }
-        const auto& [low, high] = mesh_boxes_[static_cast<size_t>(instance.mesh)];
-        for (int corner = 0; corner < 8; ++corner) {
-            const glm::dvec3 local(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
-                                   corner & 4 ? high.z : low.z);
-            const glm::dvec3 p(world[static_cast<size_t>(instance.node)] * glm::dvec4(local, 1));
-            out = {glm::min(out[0], p), glm::max(out[1], p)};
-        }
-    }
+    std::array<glm::dvec3, 2> out = no_box;
+    for (const Instance& instance : instances_)
+        out = around(out, box(instance, world[static_cast<size_t>(instance.node)], frame));
     return out;
+}
+
+std::vector<std::array<glm::dvec3, 2>> Scene::moved_boxes(double a, double b) const {
+    std::vector<std::array<glm::dvec3, 2>> boxes;
+    if (!moved(a, b)) return boxes;
+    const std::vector<glm::dmat4> at_a = transforms(a), at_b = transforms(b);
+    for (const Instance& instance : instances_) {
+        const auto node = static_cast<size_t>(instance.node);
+        if (at_a[node] != at_b[node] || deforms(instance))
+            boxes.push_back(around(box(instance, at_a[node], a), box(instance, at_b[node], b)));
+    }
+    return boxes;
 }
 
 bool Scene::has_translucent() const {

@@ -67,6 +67,9 @@ class Scene {
     // A box that holds all triangles at a frame, without the shot's origin; made of the parts' boxes, so not
     // always the tightest.
     std::array<glm::dvec3, 2> box(double frame) const;
+    // Around each instance that stands elsewhere at frame b than at frame a, or has another shape, where it
+    // is at both; in box()'s frame.
+    std::vector<std::array<glm::dvec3, 2>> moved_boxes(double a, double b) const;
 
   private:
     struct Pose {
@@ -74,6 +77,9 @@ class Scene {
         std::vector<glm::dmat4> world;  // of all, with a skin or without
     };
     Pose pose(double frame) const;
+    bool deforms(const Instance& instance) const;
+    // `world`: of its node.
+    std::array<glm::dvec3, 2> box(const Instance& instance, const glm::dmat4& world, double frame) const;
     std::vector<glm::vec3> positions(const Instance& instance, const Part& part, const Pose& pose) const;
     // visit(part, corners) of every triangle in order.
     template <class Visit>

@@ -104,10 +104,14 @@ ObjectKey object_at(const ObjectMotion& motion, double frame) {
             .rotation_deg = glm::mix(a.rotation_deg, b.rotation_deg, t)};
 }
 
+bool camera_moves(const Shot& shot) {
+    return any_differs(shot.camera, [](const CameraKey& a, const CameraKey& b) {
+        return a.position == b.position && a.target == b.target && a.up == b.up;
+    });
+}
+
 bool moves(const Shot& shot) {
-    return objects_move(shot) || any_differs(shot.camera, [](const CameraKey& a, const CameraKey& b) {
-               return a.position == b.position && a.target == b.target && a.up == b.up;
-           });
+    return objects_move(shot) || camera_moves(shot);
 }
 
 bool objects_move(const Shot& shot) {

@@ -146,6 +146,7 @@ ObjectKey object_at(const ObjectMotion& motion, double frame);
 
 // Whether anything that a motion vector sees ever changes (the fact `moves`).
 bool moves(const Shot& shot);
+bool camera_moves(const Shot& shot);
 bool objects_move(const Shot& shot);  // without the camera
 
 // Halton(2, 3), 16 phases, centred, one pixel wide: the sub-pixel offset of a frame's raster in uv units.

@@ -83,7 +83,8 @@ struct ViewOptions {
     // one is copied in this one's first frame, by name, where both plans have it alike, and what this plan has
     // besides is cleared. Where something is wanted that is neither, the first frame is a reset frame. That view
     // stays until this frame has completed; both plans hand on their history (CompileOptions). What follows the
-    // frame's size may be larger or smaller here, where the last frame's size is one of this plan's.
+    // frame's size may be larger or smaller here, where the last frame's size is one of this plan's. A memo that
+    // is kept in place is never handed on: it may be what that plan's parameters made of it.
     const View* heir_of = nullptr;
     void* user = nullptr;  // for host nodes
 };

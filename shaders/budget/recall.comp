@@ -8,6 +8,7 @@
 #include "common/camera.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
+#include "common/reuse_words.glsl"
 
 const int REACH = 2;            // px
 const float SAME_DEPTH = 0.03;  // relative: half a pixel of a surface that is seen at a grazing angle
@@ -22,6 +23,8 @@ bool were_lit(ivec2 first, ivec2 last) {
             const uint at = uint(y * grid.x + x);
             const ivec2 low = max(first - ivec2(x, y) * TILE, ivec2(0)), high = min(last - ivec2(x, y) * TILE, TILE - 1);
             const uint row = (0xffu << low.x & 0xffu >> 7 - high.x) * 0x01010101u, rows = ~0u << 8 * low.y & ~0u >> 8 * (3 - high.y);
+            if (HAS_REUSE_WORDS_PREV)
+                if (reuse_words_prev[at] == REUSED) unlit |= row & rows;
             unlit |= (receiver_words_prev[at] & hits_prev[at] | uneven_prev[at]) & row & rows;
         }
     return unlit == 0u;

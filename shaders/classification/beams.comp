@@ -11,6 +11,7 @@
 #include "common/sun_sample.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
+#include "common/reuse_words.glsl"
 #include "classification/beam_query.glsl"
 
 ivec2 pixel_of_bit(ivec2 tile, uint bit) { return tile * TILE + ivec2(bit & 7u, bit >> 3); }
@@ -95,6 +96,8 @@ void main() {
     uvec4 record = uvec4(0u);
     if (listed) record = candidates[index];
     const ivec2 tile = tile_of(record);
+    if (HAS_REUSE_WORDS && listed)
+        if (reuse_words[tile_index(tile)] == REUSED) record.y = 0u;
     const uint mask = record.y;
 
     bool lit = false, shadowed = false;

@@ -6,6 +6,7 @@
 namespace penumbra::blocks {
 using uint = uint32_t;
 struct vec3 { float v[3]; };
+struct alignas(16) vec4 { float v[4]; };
 struct alignas(16) mat3x4 { float columns[3][4]; };
 #endif
 
@@ -57,12 +58,26 @@ struct Cascades {
     Cascade c[4];
 };
 
+// What casts shadows and has moved, appeared, vanished or changed its shape since the frame before: a box around each thing, where it was
+// and where it is. Things may share one.
+const uint MOST_MOVED_BOXES = 64u;
+
+struct MovedBox {
+    vec4 lo, hi;  // camera-relative metres; w: unused
+};
+
+struct MovedBoxes {
+    uint count;
+    uint unused0, unused1, unused2;
+    MovedBox boxes[MOST_MOVED_BOXES];
+};
+
 // Directions, over half a circle, that the tables of light_mask.glsl know lines of.
 const uint HALF_PLANE_DIRECTIONS = 64u;
 
 #ifdef __cplusplus
 static_assert(sizeof(Cascade) == 64 && sizeof(Cascades) == 272);
-static_assert(sizeof(Light) == 80);
+static_assert(sizeof(Light) == 80 && sizeof(MovedBoxes) == 16 + 32 * MOST_MOVED_BOXES);
 static_assert(sizeof(Sun) == 16 && sizeof(Scene) == 16);
 }
 #endif

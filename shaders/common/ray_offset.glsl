@@ -26,6 +26,7 @@
 // Includer has common/camera.glsl.
 const float ULPS = 3.0 * 1.1920929e-7;  // 2^-23
 const float DEPTH_ROUNDINGS = 8.0;
+const float MOST_GRAZING = 1.0 / 64.0;  // cosine; more grazing views see few pixels of anything
 
 // Metres. `relative`: the point, camera-relative; `in_scene`: the same in the frame of the scene's triangles.
 float robust_offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
@@ -35,10 +36,16 @@ float robust_offset_m(ivec2 p, float z, vec3 n, vec3 relative, vec3 in_scene) {
            DEPTH_ROUNDINGS * depth_rounding_m(z) * abs(dot(n, to_viewer(p))) + frame.snap_px * across * pixel_span_m(z);
 }
 
+// No ray of a pixel at this depth, or nearer, starts farther from its point, whatever its normal.
+float most_offset_m(float z, vec3 relative, vec3 in_scene) {
+    const vec3 largest = max(abs(relative), abs(in_scene));
+    return ULPS * (largest.x + largest.y + largest.z + z) + DEPTH_ROUNDINGS * depth_rounding_m(z) +
+           (2.0 * frame.snap_px + frame.grid_px / MOST_GRAZING) * pixel_span_m(z);
+}
+
 // Metres along the surface that a pixel may show beyond the end of its triangle.
 float beyond_edge_m(ivec2 p, float z, vec3 n) {
-    const float STEEPEST = 1.0 / 64.0;  // more grazing views see few pixels of anything
-    return frame.grid_px * pixel_span_m(z) / max(abs(dot(n, to_viewer(p))), STEEPEST);
+    return frame.grid_px * pixel_span_m(z) / max(abs(dot(n, to_viewer(p))), MOST_GRAZING);
 }
 
 // Of that, what a ray has to leave behind whose direction has this cosine with the normal: as much as lifts it over a neighbour that

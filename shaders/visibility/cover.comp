@@ -58,6 +58,7 @@ void main() {
     if (hopeless(tile)) asked = 0u;
     barrier();
 #endif
+    const uint turn_of_noise = CYCLE == 0u ? frame.frame_index : frame.frame_index % max(CYCLE, 1u);
     const TileShare share = tile_share(asked);
     const uint pixel_count = uint(bitCount(share.wanted));
     const mat3 axes = sun_frame(sun.to_sun);
@@ -73,7 +74,7 @@ void main() {
         const bool own = first + share.lane < pixel_count;
         const uint number = wanted_number(share, own ? first + share.lane : first);
         const ivec2 p = tile * TILE + pixel_of_lane(int(number));
-        const vec2 noise = noise_unit(noise_fixed(p, frame.frame_index, params.seed));
+        const vec2 noise = noise_unit(noise_fixed(p, turn_of_noise, params.seed));
         const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
         SeenLight seen;
         if (HAS_LIGHT)
