@@ -213,7 +213,9 @@ void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const
                            : kind == PortKind::texels    ? b.texels != VK_NULL_HANDLE
                            : kind == PortKind::structure ? b.structure != VK_NULL_HANDLE
                                                          : b.buffer != VK_NULL_HANDLE;
-        if (!bound) missing("nothing is bound to it");
+        if (!bound)
+            missing(slot.required ? "nothing is bound to it"
+                                  : "nothing is bound to it, and the plan was not told that it is left out");
         if (slot.output && !b.handover)
             missing("an image that is written is handed over (SlotBinding::handover)");
         if (!b.handover) continue;

@@ -25,8 +25,11 @@ class ShadowNode {
         pen::CompileOptions options;
         options.outputs["visibility"].host_image = true;  // the engine's graph owns what it passes on
         if (checked)
-            for (const pen::HostInput& input : checked->inputs)
+            for (const pen::HostInput& input : checked->inputs) {
                 if (input.name == "normal") target.inputs["normal"] = {pen::Format::rgba32f, extent};
+                if (input.name == "moved_boxes")
+                    target.left_out.insert(input.name);  // the camera hardly ever stands
+            }
         auto compiled = checked ? pen::compile(*checked, target, options, errors) : std::nullopt;
         if (!compiled) std::fputs(errors.text().c_str(), stderr), std::exit(2);
         plan = std::make_shared<const pen::Plan>(std::move(*compiled));

@@ -195,8 +195,11 @@ static pen::Plan compile(const char* file, pen::Extent extent, const pen::Device
     pen::Target target{
         .extent = extent, .facts = {{"alpha", false}, {"translucent", false}}, .device = table};
     if (checked)
-        for (const pen::HostInput& input : checked->inputs)
+        for (const pen::HostInput& input : checked->inputs) {
             if (input.name == "normal") target.inputs["normal"] = {pen::Format::rgba32f, extent};
+            if (input.name == "moved_boxes")
+                target.left_out.insert(input.name);  // its camera hardly ever stands
+        }
     auto plan = checked ? pen::compile(*checked, target, options, errors) : std::nullopt;
     if (!plan) std::fputs(errors.text().c_str(), stderr), std::exit(2);
     return std::move(*plan);

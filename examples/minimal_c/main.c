@@ -205,13 +205,21 @@ static void release(const resource* r) {
 }
 
 /* --- Penumbra. ----------------------------------------------------------------------------------------- */
-static penumbra_plan* compile(char** argv, const penumbra_device* host) {
+/* `ahead`: a plan for no device, whose slots say what the pipeline takes; null for that one itself. */
+static penumbra_plan* compile(char** argv, const penumbra_device* host, const penumbra_plan* ahead) {
     static const char* const outputs[] = {"visibility"}; /* to write it to a file */
     const penumbra_fact facts[] = {{.struct_size = sizeof *facts, .name = "alpha", .holds = VK_FALSE},
                                    {.struct_size = sizeof *facts, .name = "translucent", .holds = VK_FALSE}};
     const uint32_t width = (uint32_t)atoi(argv[2]), height = (uint32_t)atoi(argv[3]);
     const penumbra_input inputs[] = {
-        {.struct_size = sizeof *inputs, .name = "normal", .format = "rgba32f", .width = width, .height = height}};
+        {.struct_size = sizeof *inputs, .name = "normal", .format = "rgba32f", .width = width, .height = height},
+        {.struct_size = sizeof *inputs, .name = "moved_boxes", .left_out = VK_TRUE}}; /* the camera hardly ever stands */
+    uint32_t input_count = 1;
+    for (uint32_t i = 0; ahead && i < penumbra_plan_slot_count(ahead); ++i) {
+        penumbra_slot slot = {.struct_size = sizeof slot};
+        fine(penumbra_plan_slot(ahead, i, &slot, &error));
+        if (strcmp(slot.name, "moved_boxes") == 0) input_count = 2;
+    }
     const penumbra_plan_request request = {.struct_size = sizeof request,
                                            .width = width,
                                            .height = height,
@@ -222,7 +230,7 @@ static penumbra_plan* compile(char** argv, const penumbra_device* host) {
                                            .facts = facts,
                                            .fact_count = 2,
                                            .inputs = inputs,
-                                           .input_count = 1};
+                                           .input_count = input_count};
     penumbra_plan* plan;
     fine(penumbra_plan_create(&request, &plan, &error));
     return plan;
@@ -233,9 +241,8 @@ enum { most_slots = 32 };
 int main(int argc, char** argv) {
     if (argc != 6) return fputs("usage: minimal_c PIPELINE.json WIDTH HEIGHT FRAMES FOLDER\n", stderr), 2;
     open_device();
-    penumbra_plan* ahead = compile(argv, NULL);
+    penumbra_plan* ahead = compile(argv, NULL, NULL);
     make_device(ahead);
-    penumbra_plan_destroy(ahead);
     const penumbra_device host = {.struct_size = sizeof host,
                                   .queue_family = family,
                                   .instance = instance,
@@ -245,7 +252,8 @@ int main(int argc, char** argv) {
 
     /* Once, or when what the plan was made for changes: 1. a plan for this device, 2. its shaders, 3. a view
        for each camera. */
-    penumbra_plan* plan = compile(argv, &host);
+    penumbra_plan* plan = compile(argv, &host, ahead);
+    penumbra_plan_destroy(ahead);
     penumbra_program* program;
     fine(penumbra_program_create(&host, plan, NULL, &program, &error));
     const penumbra_view_options options = {.struct_size = sizeof options, .frames_in_flight = 1};
