@@ -42,11 +42,19 @@ OwnRays with_rays(OwnRays o, bool lit, float share, float frames) {
     return OwnRays(o.visibility + (share - o.visibility) * frames / n, n, flips, lit);
 }
 
+// Of what rounding by thresholds leaves in the kept mean, in steps squared: it does not fall with the number of frames, and where it is left
+// out, what is nothing but rounding looks like a past that is wrong.
+const float ROUNDING_VARIANCE = 2.0;
+float rounding_variance() {
+    const float steps = MANY_RAYS ? 63.0 : 127.0;  // mean_steps()
+    return ROUNDING_VARIANCE / (steps * steps);
+}
+
 // Of the mean. Samples of low discrepancy: it falls as their number to the power of 1.5; several of a frame are counted as what they are
 // worth. The prior is so that a handful of equal bits is not certainty.
 float mean_variance(OwnRays o) {
     const float n = max(o.count, 1.0), v = (n * o.visibility + 0.5) / (n + 1.0);
-    return v * (1.0 - v) * inversesqrt(n * n * n);
+    return v * (1.0 - v) * inversesqrt(n * n * n) + rounding_variance();
 }
 
 // The same of a surface that moves across the pixels and takes its samples from each: these do not repel each other.

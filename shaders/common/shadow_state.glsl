@@ -96,7 +96,9 @@ const float TESTS_STEPS = 7.0, TESTS_OCTAVES = 13.0;  // per octave, and below 1
 const uint MOST_TESTS = 127u;
 const float ALWAYS_TESTED = 1e9;
 
-// Of a cell, for soften: how far apart its taps are (at most 7 px), what its past is, whether unlike pixels are among its own and
+const int NEAR_STEP = 7;  // 1 px, and the taps count for less
+
+// Of a cell, for soften: how far apart its taps are (at most 6 px, or NEAR_STEP), what its past is, whether unlike pixels are among its own and
 // those next to it, the rays per frame that test a pixel's disc, and what the own rays say that the state is wrong by, squared.
 uint pack_softening(ivec2 steps, uint past_kind, bool unlike, float tests, float bias) {
     const uint t = rounded(clamp(TESTS_STEPS * (log2(max(tests, 1e-9)) + TESTS_OCTAVES), 0.0, float(MOST_TESTS)));

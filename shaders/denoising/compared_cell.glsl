@@ -12,6 +12,11 @@ const float DOUBTED = 2.0;       // frames: a past that drift leaves fewer is on
 const float OWN_SPREAD = 0.005;  // v (1 - v) to hold against what resampling does to the own rays' mean
 const float NEW_RESIDUAL = 0.2;  // weight of a frame in the running mean of the residual
 
+const float LEAST_REACH = 0.5;   // pixels, from which on a quarter of the penumbra's radius is softened over
+
+// How far apart soften's taps are along an axis.
+int step_for(float reach) { return reach >= 1.0 ? int(reach) : reach >= LEAST_REACH ? NEAR_STEP : 0; }
+
 void compare_cell(uint at, ivec2 cell) {
     const ivec2 first = cell * CELL;
     const uint asking = cell_asking[at];
@@ -131,6 +136,6 @@ void compare_cell(uint at, ivec2 cell) {
         sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
     }
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
-    const uint softening = pack_softening(ivec2(reach), past_kind, has_both(said_within(1)), tests, mean_bias(bias));
+    const uint softening = pack_softening(ivec2(step_for(reach.x), step_for(reach.y)), past_kind, has_both(said_within(1)), tests, mean_bias(bias));
     cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, radius_px, uintBitsToFloat(softening));
 }

@@ -15,8 +15,10 @@ Estimate with_own(Estimate around, uint word, bool first_lit) {
     return Estimate(v, EVEN_GAIN * all, EVEN_GAIN, around.each);
 }
 
-// Frames with one ray per pixel that this one is worth.
+// Frames with one ray per pixel that this one is worth: as many as its rays are worth those of one frame. They lie evenly, but so do a
+// pixel's rays of one frame after the other, n frames of which are worth n^EVEN_POINTS as well.
 float frames_worth(Estimate around, uint word) {
     const float own = word == 0u ? 1.0 : even_worth(word), others = rays_worth(around);
-    return max((others > 0.0 && word == 0u ? others : own + others) / max(others / around.each, 1.0), 1.0);
+    const float worth = (others > 0.0 && word == 0u ? others : own + others) / max(others / around.each, 1.0);
+    return pow(max(worth, 1.0), 1.0 / EVEN_POINTS);
 }

@@ -6,6 +6,7 @@
 // Includer has camera.glsl, light_space.glsl, lamp_space.glsl, corners.glsl, sheared_gather.glsl, bit_rows.glsl and rounded.glsl, and
 // declares the image view_depth, params.plane_tolerance and, perhaps, the buffer ray_points.
 
+const uint NO_POINT = 0u;       // in ray_points, of who has no ray
 const float EQUAL_SHARE = 0.6;  // of the rays of a box that all say the same: what they count
 const float UNSHEARED_SHARE = 0.7, UNSHEARED_PX = 2.8;  // of the disc's radius, and at most: how far rays of unknown points are asked
 
@@ -109,6 +110,21 @@ FurtherPoint further_point(vec2 first, uint further) {
     return FurtherPoint(r2 > 0.0 ? first * inversesqrt(r2) : vec2(1.0, 0.0), vec2(cos(turn), sin(turn)), r2);
 }
 
+// What is proved or known without a ray is so of every point of the light. It is taken for a ray to one that is as good as random, made from
+// that of whoever was asked before: were it the middle, or where the receiver's own ray went, such pixels would be asked more often than others,
+// or when that ray is blocked, and would pull the mean towards what they say.
+vec2 first_stand_in() {
+    const float f = float(frame.frame_index & 0xffffu);
+    if (HAS_LIGHT && light_is_square()) return 2.0 * fract(f * vec2(0.754877666, 0.569840291)) - 1.0;
+    const float turn = 6.2831853 * fract(f * 0.754877666);
+    return sqrt(fract(f * 0.569840291)) * vec2(cos(turn), sin(turn));
+}
+
+vec2 next_stand_in(vec2 p) {
+    if (HAS_LIGHT && light_is_square()) return vec2(-p.y, p.x);
+    return vec2(-0.7373688 * p.x - 0.6754903 * p.y, 0.6754903 * p.x - 0.7373688 * p.y);  // by the golden angle
+}
+
 void step_on(inout FurtherPoint p) {
     if (HAS_LIGHT && light_is_square()) {
         p.unit = fract(p.unit + p.turn);
@@ -137,8 +153,8 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
     const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     float further_asked = 0.0;
-    bool own_ray = false;
-    if (HAS_KNOWN) own_ray = has_ray(r.p);
+    vec2 stand_in = vec2(0.0);
+    if (HAS_RAY_WORDS && HAS_RAY_POINTS) stand_in = first_stand_in();
     for (int dy = -reach.box.y; dy <= reach.box.y; ++dy) {  // a disc of pixels, cut off at the box
         const uint row = rows[r.in_rows.y + dy] >> uint(r.in_rows.x - R);
         const int half_width = min(int(rounded(floor(sqrt(float(R * R - dy * dy)) + 1e-3))), reach.box.x);
@@ -149,13 +165,11 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
             if (HAS_LIGHT) at = window.by_radius * place_of(r.lamp, at);
             vec2 point = vec2(0.0);
             if (HAS_RAY_POINTS) {
-                int of = clamp(at_p + dy * int(frame.size.x) + dx, 0, last);
-                // What is known without a ray is so of every point of the sun, among them that of the receiver's own ray.
-                if (HAS_KNOWN && usable && !has_ray(r.p + ivec2(dx, dy))) {
-                    of = at_p;
-                    usable = own_ray;
-                }
-                point = unpack_point(ray_points[of]);
+                const int of = clamp(at_p + dy * int(frame.size.x) + dx, 0, last);
+                uint told = ray_points[of];
+                if (HAS_KNOWN && !has_ray(r.p + ivec2(dx, dy))) told = NO_POINT;
+                point = unpack_point(told);
+                if (HAS_RAY_WORDS) stand_in = point = told == NO_POINT ? next_stand_in(stand_in) : point;
                 if (HAS_LIGHT) point = untwisted(r.lamp, at.xy / window.by_radius, point);
             }
             uint word = 0u, further = 0u;
