@@ -9,6 +9,13 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 
 scripts/setup.sh --test
+# ctest runs everything at an option that it does not know.
+for option in "$@"; do
+    if [[ $option == -* && $option != --all && $option != -j* ]] && ! ctest --help | grep -qE -- "(^|[ ,|])${option%%=*}([ ,=]|\$)"; then
+        echo "test: neither ctest nor this script has an option $option" >&2
+        exit 2
+    fi
+done
 scripts/build.sh release
 scripts/scenes.sh release
 
