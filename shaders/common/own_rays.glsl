@@ -44,11 +44,8 @@ OwnRays with_rays(OwnRays o, bool lit, float share, float frames) {
 
 // Of what rounding by thresholds leaves in the kept mean, in steps squared: it does not fall with the number of frames, and where it is left
 // out, what is nothing but rounding looks like a past that is wrong.
-const float ROUNDING_VARIANCE = 2.0;
-float rounding_variance() {
-    const float steps = MANY_RAYS ? 63.0 : 127.0;  // mean_steps()
-    return ROUNDING_VARIANCE / (steps * steps);
-}
+const float ROUNDING_OF_ONE = 0.25, ROUNDING_OF_MANY = 2.0;
+float rounding_variance() { return MANY_RAYS ? ROUNDING_OF_MANY / (63.0 * 63.0) : ROUNDING_OF_ONE / (127.0 * 127.0); }
 
 // Of the mean. Samples of low discrepancy: it falls as their number to the power of 1.5; several of a frame are counted as what they are
 // worth. The prior is so that a handful of equal bits is not certainty.
