@@ -67,9 +67,9 @@ TEST_F(Shadows, HaveMoreOfABudgetThanOfSingleRays) {
     }
 }
 
-// As much as each pixel with a ray of its own has, which whatever makes the profile too steep or too flat for good ends: each ray counting
-// alike, however many its pixel has; what is known without a ray as a test of the sun's middle; rounding taken for a past that is wrong; a
-// frame of n rays counting more than n frames.
+// As much as each pixel with a ray of its own has, which whatever makes the profile too steep or too flat for
+// good ends: each ray counting alike, however many its pixel has; what is known without a ray as a test of
+// the sun's middle; rounding taken for a past that is wrong; a frame of n rays counting more than n frames.
 TEST_F(Shadows, HaveNoBiasWhereAnEdgeStandsStill) {
     for (const double width : {4.0, 8.0, 16.0}) {
         const double n = n_eff({.width_px = width}, "shadows");

@@ -4,7 +4,7 @@
 // the neighbours are wrong. And how often the bit flips tells a pixel in a penumbra, which goes on flipping, from one that a
 // shadow's edge has passed, which flips once.
 //
-// Includer has rounded.glsl and dithered.glsl.
+// Includer has rounded.glsl and dithered.glsl, and says by the constant MANY_RAYS whether frames may have several rays per pixel.
 
 const float FLIP_FRAMES = 16.0;      // that the share of flips is over
 const float MOST_FLIPS = 0.6;        // share; random bits have half at most
@@ -19,19 +19,22 @@ struct OwnRays {
 
 const OwnRays NO_RAYS = OwnRays(0.0, 0.0, 0.0, false);
 
-// In 5 bits, and above them the mean in steps of 1 / mean_steps. The count is kept as a share of
+// Of the mean as the state keeps it.
+float mean_steps() { return MANY_RAYS ? 63.0 : 127.0; }
+
+// In 5 bits, and above them the mean in steps of 1 / `steps`. The count is kept as a share of
 // `frames`, those that the state stands for, of which it is most often all.
 const float SHARE_STEPS = 3.0, FLIP_STEPS = 3.0;
 
-uint pack_own(OwnRays o, float frames, float mean_steps, uint thresholds) {
+uint pack_own(OwnRays o, float frames, float steps, uint thresholds) {
     const uint share = dithered_root(clamp(o.count / max(frames, 1e-3), 0.0, 1.0), SHARE_STEPS, threshold(thresholds, 0u));
     const uint flips = dithered(clamp(o.flips / MOST_FLIPS, 0.0, 1.0) * FLIP_STEPS, threshold(thresholds, 1u));
-    const uint mean = dithered(clamp(o.visibility, 0.0, 1.0) * mean_steps, threshold(thresholds, 3u));
+    const uint mean = dithered(clamp(o.visibility, 0.0, 1.0) * steps, threshold(thresholds, 3u));
     return (o.lit ? 1u : 0u) | share << 1 | flips << 3 | mean << 5;
 }
 
-OwnRays unpack_own(uint word, float frames, float mean_steps) {
-    return OwnRays(float(int(word >> 5)) / mean_steps, squared(word >> 1 & 3u, SHARE_STEPS) * frames,
+OwnRays unpack_own(uint word, float frames, float steps) {
+    return OwnRays(float(int(word >> 5)) / steps, squared(word >> 1 & 3u, SHARE_STEPS) * frames,
                    float(int(word >> 3 & 3u)) * (MOST_FLIPS / FLIP_STEPS), (word & 1u) != 0u);
 }
 
@@ -45,7 +48,7 @@ OwnRays with_rays(OwnRays o, bool lit, float share, float frames) {
 // Of what rounding by thresholds leaves in the kept mean, in steps squared: it does not fall with the number of frames, and where it is left
 // out, what is nothing but rounding looks like a past that is wrong.
 const float ROUNDING_OF_ONE = 0.25, ROUNDING_OF_MANY = 2.0;
-float rounding_variance() { return MANY_RAYS ? ROUNDING_OF_MANY / (63.0 * 63.0) : ROUNDING_OF_ONE / (127.0 * 127.0); }
+float rounding_variance() { return (MANY_RAYS ? ROUNDING_OF_MANY : ROUNDING_OF_ONE) / (mean_steps() * mean_steps()); }
 
 // Of the mean. Samples of low discrepancy: it falls as their number to the power of 1.5; several of a frame are counted as what they are
 // worth. The prior is so that a handful of equal bits is not certainty.

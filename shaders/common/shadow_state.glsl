@@ -21,7 +21,6 @@ const float VISIBILITY_STEPS = 1023.0, RESIDUAL_STEPS = 7.0;
 const uint COUNT_BITS = MANY_RAYS ? 7u : 6u, MEAN_BITS = MANY_RAYS ? 6u : 7u, OWN_BITS = MEAN_BITS + 5u;
 float most_steps() { return MANY_RAYS ? 126.0 : 62.0; }
 float count_steps() { return MANY_RAYS ? 16.0 : 63.0; }
-float mean_steps() { return MANY_RAYS ? 63.0 : 127.0; }
 const float COUNT_CAP = 1.0 + 62.0 * 62.0 / 63.0;  // of frames of one ray
 
 uint pack_state(ShadowState s, uint thresholds) {
