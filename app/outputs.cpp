@@ -54,19 +54,22 @@ bool is_light(const std::string& resource, Format format) {
 
 // The image that a buffer of words stands for: tiles of 8x4 or 8x8 pixels where the count says so, else one
 // row.
-Extent buffer_extent(const Plan& plan, const PlanResource& r) {
+Extent buffer_extent(const Plan& plan, const PlanResource& r, Format format) {
     const uint32_t tiles_x = (plan.extent.width + 7) / 8;
+    const uint64_t words = r.count * r.element_bytes / info(format).bytes;
     for (const uint32_t tile_height : {4u, 8u}) {
         const uint32_t tiles_y = (plan.extent.height + tile_height - 1) / tile_height;
-        if (r.count == uint64_t{tiles_x} * tiles_y) return {tiles_x, tiles_y};
+        if (words == uint64_t{tiles_x} * tiles_y) return {tiles_x, tiles_y};
     }
-    return {static_cast<uint32_t>(r.count), 1};
+    return {static_cast<uint32_t>(words), 1};
 }
 
+// Of one texel; elements that are structs are shown word by word.
 Format buffer_format(const PlanResource& r) {
     if (r.kind == PortKind::texels) return r.format;
     if (r.element == "uvec2") return Format::rg32ui;
     if (r.element == "uvec4") return Format::rgba32ui;
+    if (r.element == "vec4") return Format::rgba32f;
     if (r.element == "f32") return Format::r32f;
     return Format::r32ui;
 }
@@ -81,16 +84,18 @@ Layers captured_texels(const Session& session, const std::string& name) {
         if (pass.kind != PassKind::capture || pass.node != name) continue;
         const PlanResource& r = plan.resources[pass.bindings.front().index];
         const bool image = r.kind == PortKind::image;
-        const Extent extent = image ? r.extent : buffer_extent(plan, r);
         const Format format = image ? r.format : buffer_format(r);
+        const Extent extent = image ? r.extent : buffer_extent(plan, r, format);
         const std::span<const std::byte> all = session.view().captured(name);
+        const std::vector<std::string> names = format == Format::rgba32f && !image
+                                                   ? std::vector<std::string>{"R", "G", "B", "A"}
+                                                   : channel_names(name, format);
         Layers layers{{}, r.layered};
         for (uint32_t layer = 0; layer < r.layers; ++layer) {
             const auto bytes = all.subspan(layer * (all.size() / r.layers), all.size() / r.layers);
             layers.texels.push_back(
-                {decode_texels(format, extent.width, extent.height, bytes, channel_names(name, format)),
-                 fnv1a(bytes)});
-            layers.texels.back().image.light = is_light(name, format);
+                {decode_texels(format, extent.width, extent.height, bytes, names), fnv1a(bytes)});
+            layers.texels.back().image.light = image && is_light(name, format);
         }
         return layers;
     }

@@ -78,6 +78,19 @@ TEST_F(Shadows, HaveNoBiasWhereAnEdgeStandsStill) {
     }
 }
 
+// A past that an edge slowly leaves behind gets further rays, though it is of many frames: with few the drift test
+// is slow to see that it is over.
+TEST_F(Shadows, SpendRaysOnAPastThatIsSlowlyLeftBehind) {
+    double mean = 0;
+    for (const double speed : {-0.1, 0.1})
+        for (const uint32_t seed : {0u, 1u}) {
+            const Edge edge{.width_px = 16, .speed_px = speed, .last = 39};
+            mean += 0.25 * n_eff_inside(edge, EdgeRun(edge, "shadows_best", seed).up_to(edge.last));
+        }
+    std::printf("%.4g\n", mean);
+    EXPECT_GT(mean, 550);
+}
+
 // A first frame is softened by a part of the penumbra at every width.
 TEST_F(Shadows, AreSoftenedBelowARadiusOfFourPixels) {
     double mean = 0;

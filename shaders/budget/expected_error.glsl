@@ -12,6 +12,9 @@ const float NEARLY_BELOW = 0.05, FAINT_BELOW = 0.2;
 
 const float OF_RAYS = 20.0;        // of a past as good as so many rays a further ray is worth a quarter
 const float RESAMPLED_WORTH = 3.0; // rays that the past is worth at most where it was resampled
+// A past that frames have lately differed from by b is worth v (1 - v) / b^2 rays at most; what their noise would make of b^2, over the
+// variance of a frame: a running mean of weight .2 has .2 / 1.8 of that, taken twice.
+const float RESIDUAL_NOISE = 0.4 / 1.8;
 
 // The neighbours' rays that test a pixel's disc of radius r pixels, in own ones; what gather makes of straight edges (docs/denoiser.md).
 const float FEWEST_PX = 1.25, MOST_WORTH = 200.0;
@@ -49,6 +52,11 @@ float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
         error = between < SURE_BELOW ? SURE[ring] : between < NEARLY_BELOW ? NEARLY[ring] : between < FAINT_BELOW ? FAINT[ring] : HALF[ring];
         known_rays = past.resampled ? min(past.count, RESAMPLED_WORTH) : past.count;
         if (HAS_MOTION) known_rays = min(known_rays, COUNT_CAP);
+        if (HAS_MOTION || HAS_SUN_PREV || HAS_LIGHT_PREV) {
+            const float rays = max(neighbours, 1.0), v = past.visibility * (1.0 - past.visibility);
+            const float bias = past.residual * past.residual - RESIDUAL_NOISE * v / rays;  // squared
+            if (bias > 0.0) known_rays = min(known_rays, v / (bias * rays));
+        }
         if (between < SURE_BELOW && lit == past.visibility < 0.5) {
             error = CONTRADICTED[ring];
             known_rays = 0.0;

@@ -10,7 +10,7 @@ const float WHOLE_TEXEL = 0.02;      // px
 
 struct PixelPast {
     bool known;       // else the other members mean nothing
-    float visibility, count;
+    float visibility, count, residual;
     bool resampled;   // lay between texels
 };
 
@@ -26,5 +26,5 @@ PixelPast nearest_past(ivec2 p) {
         known = known && before.on_screen && abs(was - expected) <= SAME_DEPTH * expected;
     }
     const uint word = imageLoad(history, q).x;
-    return PixelPast(known && has_count(word), visibility_in(word), count_in(word), resampled);
+    return PixelPast(known && has_count(word), visibility_in(word), count_in(word), residual_in(word), resampled);
 }

@@ -40,10 +40,15 @@ float count_in(uint word) {
     return c < 0.0 ? 0.0 : 1.0 + c * c / count_steps();
 }
 
-ShadowState unpack_state(uint word) {
+float residual_in(uint word) {
     const uint residual = word >> 10u + COUNT_BITS;
-    const float e = 0.5 * squared(residual & 7u, RESIDUAL_STEPS), count = count_in(word);
-    return ShadowState(visibility_in(word), count, (residual & 8u) != 0u ? -e : e,
+    const float e = 0.5 * squared(residual & 7u, RESIDUAL_STEPS);
+    return (residual & 8u) != 0u ? -e : e;
+}
+
+ShadowState unpack_state(uint word) {
+    const float count = count_in(word);
+    return ShadowState(visibility_in(word), count, residual_in(word),
                        unpack_own(word >> 32u - OWN_BITS, count, mean_steps()));
 }
 
