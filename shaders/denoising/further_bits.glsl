@@ -21,4 +21,10 @@ float lit_share(uint word, bool first_lit) {
     return float(lit) / float(further + 1u);
 }
 
+// Do some of them say something else than `lit`?
+bool further_disagree(uint word, bool lit) {
+    const int occluded = bitCount(word) - 1;
+    return word != 0u && occluded != (lit ? 0 : int(further_count(word)));
+}
+
 float even_worth(uint word) { return pow(float(further_count(word) + 1u), EVEN_POINTS); }

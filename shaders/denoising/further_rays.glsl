@@ -22,3 +22,13 @@ float frames_worth(Estimate around, uint word) {
     const float worth = (others > 0.0 && word == 0u ? others : own + others) / max(others / around.each, 1.0);
     return pow(max(worth, 1.0), 1.0 / EVEN_POINTS);
 }
+
+// Frames that a past stands for at most which the pixel's own rays contradict: as many as leave an error like their difference from it, beyond
+// what is noise of these.
+const float OWN_NOISE = 4.0;
+float believed(Past past, uint word, bool first_lit) {
+    const float own = float(further_count(word) + 1u), share = lit_share(word, first_lit), d = share - past.visibility;
+    const float v = (past.count * past.visibility + own * share) / (past.count + own), variance = v * (1.0 - v);
+    const float bias = d * d - OWN_NOISE * variance / even_worth(word);
+    return bias > 0.0 ? variance / bias : past.count;
+}

@@ -40,6 +40,9 @@ bool is_settled(ivec2 cell, bool below_last) {
     bool works = has_both(said) || HAS_RAY_WORDS && said == 0u && sunward_words[tile_index(cell * CELL / TILE)] != 0u;
     bool known = false;
     for (int i = 0; i < (!works && said != 0u ? 1 : 0); ++i) works = past_disagrees(first, (said & 0xffffu) != 0u, known);
+    if (HAS_RAY_BITS)
+        for (int i = 0; i < (!works && said != 0u ? CELL * CELL : 0); ++i)
+            works = works || further_disagree(further_at(first + in_cell(i)), (said & 0xffffu) != 0u);
 
     // Who has no ray is as the others are, and is known if it was before.
     const uint sunward = sunward_words[tile_index(cell * CELL / TILE)];

@@ -81,7 +81,8 @@ Estimate agreement(Receiver r, ivec2 box) {
         const ivec2 q = clamp(r.p + box * diagonal(i), ivec2(0), last);
         flat_box = flat_box && shows(r.surface, vec2(q - r.p), imageLoad(view_depth, q).x);
     }
-    const float n = flat_box ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
+    const bool sure = flat_box && !(HAS_RAY_BITS && further_disagree(further_at(r.p), lit != 0u));
+    const float n = sure ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
     const bool told = has_ray(r.p) || flat_box && tests != 0;
     return Estimate(lit != 0u ? 1.0 : 0.0, told ? n : 0.0, max(0.4, min(1.0, 3.0 / n)), 1.0);
 }
