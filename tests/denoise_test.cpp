@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // denoise.json, for hosts that trace by themselves: on trace's own rays as if they were a host's, by how much
 // is known of them; and on images of the test's making, in every form that the host's samples may come in.
+#include <algorithm>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
 #include <limits>
@@ -190,7 +191,7 @@ class WallHost {
         std::mt19937 random(index + 1);
         for (uint32_t i = 0; i < n; ++i) {
             const uint32_t x = i % extent.width, y = i / extent.width;
-            const bool lit = random() % extent.width >= x;
+            const bool lit = further_ || random() % extent.width >= x;
             mask[i] = lit ? 255 : 0;
             if (!lit) hits[y / 4 * (extent.width / 8) + x / 8] |= 1u << (y % 4 * 8 + x % 8);
             if (broken && y < extent.height / 2) {
@@ -207,12 +208,27 @@ class WallHost {
             run_.set("mask", mask);
         else
             run_.set("hits", hits);
+        if (further_) {
+            run_.set("ray_words", std::vector<uint32_t>(hits.size(), ~0u));
+            std::vector<uint32_t> bits(n);
+            bits.at(further_->pixel) = index < further_->from ? further_->before : further_->word;
+            run_.set("ray_bits", bits);
+        }
         const Camera camera = camera_at({0, 0, 0}, 0, extent);
         run_.frame(frame_between(camera, camera, extent, index, index == 0 || index == reset_at_));
         return captured_planes(run_.view(), "visibility").at(0);
     }
     WallHost& with_mask() {
         image_ = true;
+        return *this;
+    }
+    // Every pixel's ray is lit then, and one pixel has several, in words as refine leaves them; the second
+    // counts from a frame on.
+    struct Further {
+        uint32_t pixel, before, word, from;
+    };
+    WallHost& with_further(const Further& further) {
+        further_ = further;
         return *this;
     }
     WallHost& with_reset_at(uint32_t index) {
@@ -231,6 +247,7 @@ class WallHost {
     }
     ViewRun run_;
     bool image_ = false;
+    std::optional<Further> further_;
     uint32_t reset_at_ = 0;
 };
 
@@ -263,6 +280,22 @@ TEST_F(Denoise, DoesNotShowAliasingOrPoison) {
             for (const bool alias : {true, false})
                 EXPECT_TRUE(frames(poison, alias) == expected)
                     << "mask " << mask << " poison " << poison << " alias " << alias;
+    }
+}
+
+// Of a pixel's own nine rays five are blocked, all first rays are lit, and so may earlier frames have been:
+// what they agree in is no more certain than the nine, and a past that these contradict is over.
+TEST_F(Denoise, BelievesAPixelsOwnRaysBeforeOthersThatAgree) {
+    const uint32_t pixel = 96 * 33 + 49, nine = 0b1'0001'1111, nearly_lit = 0b1'0000'0001;
+    for (const uint32_t from : {0u, 24u}) {
+        WallHost host(denoise_pipeline({"inputs.ray_words={}", "inputs.ray_bits={}",
+                                        "nodes.gather.out.frame_worth=frame_worth",
+                                        "nodes.drift.in.frames=frame_worth"}));
+        host.with_further({pixel, nearly_lit, nine, from});
+        for (uint32_t index = 0; index < from; ++index) host.frame(index);
+        const std::vector<float> image = host.frame(from);
+        EXPECT_NEAR(image.at(pixel), 4.0 / 9, from == 0 ? 0.01 : 0.15) << from;
+        EXPECT_EQ(std::ranges::count(image, 1.0f), 96 * 64 - 1) << from;
     }
 }
 

@@ -78,8 +78,8 @@ TEST_F(Shadows, HaveNoBiasWhereAnEdgeStandsStill) {
     }
 }
 
-// A past that an edge slowly leaves behind gets further rays, though it is of many frames: with few the drift test
-// is slow to see that it is over.
+// A past that an edge slowly leaves behind gets further rays, though it is of many frames: with few the drift
+// test is slow to see that it is over.
 TEST_F(Shadows, SpendRaysOnAPastThatIsSlowlyLeftBehind) {
     double mean = 0;
     for (const double speed : {-0.1, 0.1})

@@ -80,8 +80,8 @@ void compare_cell(uint at, ivec2 cell) {
                 const float most = COUNT_CAP * inversesqrt(max(worth, 1.0));
                 if (past.elsewhere) past.count = min(past.count, most);
                 past.own.count = min(past.own.count, most);
+                if (further != 0u) past.count = min(past.count, believed(past, further, bit > 0.5));
             }
-            if (further != 0u) past.count = min(past.count, believed(past, further, bit > 0.5));
             if (worth > 0.0) add_pixel(bias, past, now, worth);
             resampled = resampled || past.resampled;
             if (worth > 0.0) past.count = min(past.count, worth * squared_error(now) / max(resampling, 1e-6));

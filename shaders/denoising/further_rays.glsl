@@ -23,12 +23,12 @@ float frames_worth(Estimate around, uint word) {
     return pow(max(worth, 1.0), 1.0 / EVEN_POINTS);
 }
 
-// Frames that a past stands for at most which the pixel's own rays contradict: as many as leave an error like their difference from it, beyond
-// what is noise of these.
-const float OWN_NOISE = 4.0;
+// Frames that a past is worth at most where the pixel's own rays say otherwise: as many as are off by what the two differ, beyond the noise of
+// these. Spread evenly they have less of it than v (1 - v) / n before an edge, but not behind leaves.
+const float OWN_NOISE = 8.0;  // squared deviations that prove nothing
 float believed(Past past, uint word, bool first_lit) {
     const float own = float(further_count(word) + 1u), share = lit_share(word, first_lit), d = share - past.visibility;
     const float v = (past.count * past.visibility + own * share) / (past.count + own), variance = v * (1.0 - v);
-    const float bias = d * d - OWN_NOISE * variance / even_worth(word);
+    const float bias = d * d - OWN_NOISE * variance / own;  // squared
     return bias > 0.0 ? variance / bias : past.count;
 }
