@@ -425,5 +425,17 @@ TEST_F(FirstUse, ProgressIsShownOnATerminalAlone) {
     EXPECT_NE(on_terminal("compare " + in("a") + " " + in("t")).find("compare ["), std::string::npos);
 }
 
+// A buffer of vectors has four channels, and all of its elements: two for each of 12x8 cells.
+TEST_F(FirstUse, ABufferOfVectorsIsCapturedWhole) {
+    const std::string out = (folder_ / "cells").string();
+    ASSERT_EQ(run("render one_ray --shot lamp --size 48x32 --frames 0 --capture cells --out " + out).code, 0);
+    Diagnostics diagnostics;
+    const auto cells = read_exr(folder_ / "cells/cells.0000.exr", diagnostics);
+    ASSERT_TRUE(cells) << diagnostics.text();
+    EXPECT_EQ(cells->planes.size(), 4u);
+    EXPECT_EQ(cells->width, 2u * 12 * 8);
+    EXPECT_EQ(cells->height, 1u);
+}
+
 }  // namespace
 }  // namespace penumbra::test
