@@ -69,7 +69,8 @@ TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
     Shot shot = shot_named("colonnade");
     shot.camera.resize(1);
     shot.objects.clear();
-    for (const auto& [trickle, within, most] : {std::tuple{"0.25", 4u, 0.6}, std::tuple{"0.01", 32u, 0.35}}) {
+    for (const auto& [trickle, within, most] :
+         {std::tuple{"0.25", 4u, 0.6}, std::tuple{"0.6", 3u, 1.0}, std::tuple{"0.01", 32u, 0.35}}) {
         SCOPED_TRACE(trickle);
         ShotRun run(shot, "shadows", {std::string("nodes.pilots.params.trickle=") + trickle},
                     {"ray_words", "sunward_words", "known"});
@@ -85,6 +86,92 @@ TEST_F(Budget, NobodyWaitsForLongerThanItIsSaid) {
         const auto sunward = run.words("sunward_words");
         EXPECT_LT(double(rays), most * within * double(bits_in(sunward)));
         for (size_t i = 0; i < sunward.size(); ++i) EXPECT_EQ(cast[i] & sunward[i], sunward[i]) << i;
+    }
+}
+
+// Whichever share of the pixels has a ray, the rays of each lie evenly over the sun: half of 24 lie on either
+// side. Measured, root mean square: .03 to .05; .19 to .21 where turns go on by as many pixels as have one.
+TEST_F(Budget, APixelsRaysSeeAllOfTheSunWhateverItsShare) {
+    Shot shot = shot_named("colonnade");
+    shot.camera.resize(1);
+    shot.objects.clear();
+    for (const char* share : {"0.41", "0.6"}) {  // 13 and 19 of a tile's 32
+        SCOPED_TRACE(share);
+        ShotRun run(shot, "shadows", {std::string("nodes.pilots.params.trickle=") + share},
+                    {"ray_words", "ray_points"});
+        std::map<size_t, std::pair<int, int>> rays;  // of a pixel: all, and those to one half of the sun
+        for (uint32_t frame = 0; frame < 100; ++frame) {
+            run.frame(frame, frame == 0);
+            if (frame < 40) continue;
+            const auto points = run.words("ray_points"), words = run.words("ray_words");
+            for (size_t i = 0; i < points.size(); ++i) {
+                const size_t x = i % 192, y = i / 192;
+                if (!(words[y / 4 * tiles_across + x / 8] >> (y % 4 * 8 + x % 8) & 1) || points[i] == 0)
+                    continue;
+                auto& [all, above] = rays[i];
+                if (all == 24) continue;
+                ++all;
+                above += (points[i] & 0x8000'0000U) == 0;
+            }
+        }
+        double sum = 0, pixels = 0;
+        for (const auto& [i, counts] : rays)
+            if (counts.first == 24) {
+                sum += std::pow(counts.second / 24.0 - 0.5, 2);
+                ++pixels;
+            }
+        ASSERT_GT(pixels, 1000);
+        RecordProperty(std::string("off_by_") + share, std::to_string(std::sqrt(sum / pixels)));
+        EXPECT_LT(std::sqrt(sum / pixels), 0.08);
+    }
+}
+
+// Where nothing can change, a frame is one of many, whatever the rays around agree upon: no past of 24 frames
+// and more moves by more than its share, half as much again for what moves together. Measured: .04; .23 where
+// it is limited to what this frame allows.
+TEST_F(Budget, AFrameIsOneOfManyWhereNothingCanChange) {
+    Shot shot = shot_named("trees");
+    shot.camera.resize(1);
+    shot.objects.clear();
+    ShotRun run(shot, "one_ray", {}, {"state"});
+    std::vector<uint32_t> before;
+    double most = 0;
+    for (uint32_t frame = 0; frame < 40; ++frame) {
+        run.frame(frame, frame == 0);
+        const auto states = run.words("state");  // common/shadow_state.glsl
+        for (size_t i = 0; i < states.size() && frame > 24; ++i)
+            if ((before[i] >> 10 & 63) > 39)
+                most = std::max(most, std::abs(double(states[i] & 1023) - double(before[i] & 1023)) / 1023);
+        before = states;
+    }
+    RecordProperty("moved_by", std::to_string(most));
+    EXPECT_LT(most, 0.1);
+}
+
+// Rays of neighbours may test what they are not asked for. A pixel's own, of which the state keeps a mean,
+// are believed before the past that these have made, in frames of several rays too; as far as they agree with
+// each other, which behind leaves is less than their number says.
+TEST_F(Budget, OwnRaysOutweighAWrongPastInFramesOfSeveral) {
+    // Measured: 1229 and 800; 857 on engine where what they say counts for less the more of them a frame has,
+    // 682 on trees where several are worth more to their mean than their number.
+    for (const auto& [name, least] : {std::pair{"engine", 1000.0}, std::pair{"trees", 730.0}}) {
+        SCOPED_TRACE(name);
+        Shot shot = shot_named(name);
+        shot.camera.resize(1);
+        shot.objects.clear();
+        ShotRun covered(shot, "covered", {}, {});
+        for (uint32_t frame = 0; frame < 24; ++frame) covered.frame(frame, frame == 0);
+        const auto truth = covered.visibility();
+        ShotRun run(shot, "shadows", {}, {});
+        for (uint32_t frame = 0; frame < 64; ++frame) run.frame(frame, frame == 0);
+        const auto seen = run.visibility();
+        double error = 0, variance = 0;
+        for (size_t i = 0; i < seen.size(); ++i) {
+            error += std::pow(double(seen[i]) - double(truth[i]), 2);
+            variance += double(truth[i]) * (1 - double(truth[i]));
+        }
+        RecordProperty(std::string("n_eff_") + name, std::to_string(variance / error));
+        EXPECT_GT(variance / error, least);
     }
 }
 

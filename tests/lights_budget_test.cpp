@@ -77,15 +77,11 @@ class LightsBudget : public GpuTest {};
 TEST_F(LightsBudget, IsKeptByAllTogetherAndSpentWhereItMatters) {
     const Shot shot = shot_named("lights/interior");
     const std::string sum = "illuminance_" + shot.lights.rbegin()->first;
-    constexpr uint32_t last = 9;
     LightsRun truth(shot, "lights", {"nodes.cover.params.samples=256", "outputs=[\"illuminance\"]"},
-                    {"illuminance"});
-    truth.frame(last);
-    LightsRun bare(shot, "lights_shadows", {}, {sum}, {{"casters", false}});
-    bare.frame(last);
-    const auto lux = truth.green("illuminance"), unshadowed = bare.green(sum);
+                    {"illuminance"}),
+        bare(shot, "lights_shadows", {}, {sum}, {{"casters", false}});
     const auto relative_error = [&](const LightsRun& run) {
-        const auto seen = run.green(sum);
+        const auto seen = run.green(sum), lux = truth.green("illuminance"), unshadowed = bare.green(sum);
         double error = 0;
         for (size_t i = 0; i < lux.size(); ++i)
             if (unshadowed[i] > 0)
@@ -106,11 +102,17 @@ TEST_F(LightsBudget, IsKeptByAllTogetherAndSpentWhereItMatters) {
     settings.push_back(a_half);
     LightsRun pooled(shot, "lights_shadows", {a_half}, captures_of(shot)),
         alone(shot, "lights_shadows", settings, {sum});
-    for (uint32_t frame = 0; frame <= last; ++frame) {
+    double of_pooled = 0, of_alone = 0;  // of one frame it differs by a tenth
+    for (uint32_t frame = 0; frame <= 23; ++frame) {
         keeps(pooled, frame, 0.5);
         alone.frame(frame);
+        if (frame % 6 != 5) continue;
+        truth.frame(frame);
+        bare.frame(frame);
+        of_pooled += relative_error(pooled);
+        of_alone += relative_error(alone);
     }
-    EXPECT_LT(relative_error(pooled), 0.95 * relative_error(alone));
+    EXPECT_LT(of_pooled, 0.98 * of_alone);  // measured: .94
 }
 
 // A lamp that shines little beside another gets few rays. Both shine on everything here.

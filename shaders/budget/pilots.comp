@@ -24,10 +24,16 @@ uint bit_in_turn(uint i) {
     return (i & 1u) << 2 | (i >> 1 & 1u) << 4 | (i >> 2 & 1u) << 1 | (i >> 3 & 1u) << 3 | i >> 4 & 1u;
 }
 
-// A share of a tile's pixels, in 32nds: all of them within 32 / count frames, rounded up.
+// By how many places the turns go on from frame to frame. By as many pixels as are asked, nobody waits for longer than 32 / count frames, rounded
+// up; but a pixel's frames go round then in nearly the same rhythm as its points of the sun do for some counts (19 / 32 and NOISE_STEP's .585),
+// and all of its rays see one part of it. Seven goes together with none of them, and nobody waits for more than five frames (docs/budget.md).
+const uint MOST_ON = 7u;
+uint step_of_turns(uint count) { return count > 8u ? MOST_ON : count; }
+
+// A share of a tile's pixels, in 32nds.
 uint turn(uint count) {
     uint pixels = count >= 32u ? ~0u : 0u;
-    for (uint i = 0u; i < (count >= 32u ? 0u : count); ++i) pixels |= 1u << bit_in_turn(i + count * frame.frame_index & 31u);
+    for (uint i = 0u; i < (count >= 32u ? 0u : count); ++i) pixels |= 1u << bit_in_turn(i + step_of_turns(count) * frame.frame_index & 31u);
     return pixels;
 }
 
@@ -39,7 +45,7 @@ uint asked_of(uint kind, uint pixels, float share, ivec2 tile, bool counted) {
     const float in_32nds = clamp(32.0 * share, 0.0, 32.0);
     if (!counted) return pixels & turn(rounded(floor(in_32nds)));
     const float up = fract(place_of(tile) + 0.618034 * float(frame.frame_index & 0xffffu) + float(kind) / 3.0);
-    const uint wanted = rounded(floor(float(bitCount(pixels)) * min(share, 1.0) + up)), first = max(rounded(in_32nds), 1u) * frame.frame_index;
+    const uint wanted = rounded(floor(float(bitCount(pixels)) * min(share, 1.0) + up)), first = step_of_turns(max(rounded(in_32nds), 1u)) * frame.frame_index;
     uint asked = 0u;
     for (uint i = 0u, count = 0u; i < 32u && count < wanted; ++i) {
         const uint bit = pixels & 1u << bit_in_turn(i + first & 31u);

@@ -95,7 +95,7 @@ void compare_cell(uint at, ivec2 cell) {
             flips_per_pair += float(unlike) / max(worth, 1.0);
 
             OwnRays own = past.own;
-            if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), further == 0u ? 1.0 : even_worth(further));
+            if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), float(further_count(further) + 1u));
             g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
                          worth > 0.0 ? sqrt(max(squared_error(now), error_by_past(now, past))) : 0.5, true, own);
 #if HAS_FRAME_WORTH

@@ -18,7 +18,7 @@
 #include "denoising/working_cells.glsl"
 
 const float RESIDUAL_VARIANCE = 0.2 / 1.8;  // of a running mean with weight .2, over that of one frame
-const float CLAMP_ERRORS = 5.0;             // insurance only: the test nearly always comes first
+const float CLAMP_ERRORS = 5.0;             // insurance only, where something may have changed: the test nearly always comes first
 const float GAIN_OF_SURROUNDINGS = 1.5;     // share of the surroundings' mean difference, over that of the own
 
 // Excess of what the cells around say over what noise says, 0 where nothing moves. In a static penumbra the four
@@ -83,7 +83,9 @@ float kept(float count) { return count / (1.0 + count / (COUNT_CAP * (COUNT_CAP 
 
 void work_on(ivec2 cell) {
     const ivec2 first = cell * CELL;
-    const float radius_px = cells[2u * cell_index(cell) + 1u].z;
+    const vec2 size = cells[2u * cell_index(cell) + 1u].zw;
+    const float radius_px = size.x;
+    const bool certain = past_kind_of(floatBitsToUint(size.y)) == PAST_CERTAIN;
     const float shrink = 1.0 / (1.0 + 0.5 * excess_at(cell));
     const int step = clamp(int(0.5 * min(radius_px, 8.0) + 0.5), 1, 4);
     const ViewRays corner = view_rays(first, mat3(1.0));
@@ -95,7 +97,7 @@ void work_on(ivec2 cell) {
         const Gathered g = unpack_gathered(words, worth);
         ShadowState s = ShadowState(g.now, g.counts ? worth : 0.0, 0.0, g.own);
         if (g.counts && g.count > 0.0) {
-            const float past = clamp(g.past, g.now - CLAMP_ERRORS * g.error, g.now + CLAMP_ERRORS * g.error);
+            const float off = CLAMP_ERRORS * g.error, past = certain ? g.past : clamp(g.past, g.now - off, g.now + off);
             if (MANY_RAYS && shrink < 0.5) worth = max(worth, 1.0);
             const float left = g.count * shrink;
             s.count = min(left + worth, MANY_RAYS ? max(COUNT_CAP * sqrt(max(worth, 1.0)), kept(left)) : COUNT_CAP);

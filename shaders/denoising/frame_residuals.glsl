@@ -60,7 +60,7 @@ struct Bias {
 
 void add_pixel(inout Bias b, Past past, Estimate now, float frames) {
     // The more rays this frame has, the less of the state is the past's.
-    const float all = trust(past.count), w = all / max(frames, 1.0), d = past.own.visibility - past.visibility;
+    const float all = trust(past.count), w = all * past.count / (past.count + max(frames, 1.0) - 1.0), d = past.own.visibility - past.visibility;
     b.differences += w * d * d;
     b.noise += w * (past.elsewhere ? mean_variance_across(past.own) : mean_variance(past.own));
     if (now.rays > 1.0) b.past_noise += w * frames * squared_error(now) / max(past.count, 1.0);
