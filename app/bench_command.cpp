@@ -13,6 +13,7 @@
 #include "app/commands.h"
 #include "app/frame_range.h"
 #include "app/node_folders.h"
+#include "app/pipeline_file.h"
 #include "app/progress.h"
 #include "app/report/contenders.h"
 #include "app/view_source.h"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 
 struct Job {
     bench::Bench bench;
-    std::vector<Shot> shots;
+    std::vector<bench::Subject> subjects;
     std::vector<std::array<uint32_t, 2>> sizes;
 };
 
@@ -32,6 +33,29 @@ struct Job {
 void make_unique(std::vector<bench::Contender>& contenders) {
     for (bench::Contender& c : contenders)
         if (std::ranges::count(contenders, c.id, &bench::Contender::id) > 1) c.id = c.file;
+}
+
+std::vector<CheckedPipeline> for_lights(const std::vector<Pipeline>& pipelines, const Shot& shot,
+                                        const NodeSet& nodes, Diagnostics& diagnostics) {
+    std::vector<CheckedPipeline> checked;
+    for (Pipeline pipeline : pipelines) {
+        name_lights(pipeline, shot, {}, diagnostics);
+        if (auto c = check(pipeline, nodes, diagnostics)) checked.push_back(std::move(*c));
+    }
+    return checked;
+}
+
+bench::Subject subject_of(Shot shot, const std::vector<Pipeline>& pipelines, const NodeSet& nodes,
+                          Diagnostics& diagnostics) {
+    bench::Subject subject;
+    subject.pipelines = for_lights(pipelines, shot, nodes, diagnostics);
+    if (shot.lights.size() > 1) {
+        subject.fewer = shot;
+        subject.fewer->lights.erase(std::prev(shot.lights.end())->first);
+        subject.for_fewer = for_lights(pipelines, *subject.fewer, nodes, diagnostics);
+    }
+    subject.shot = std::move(shot);
+    return subject;
 }
 
 // Reads everything before anything is run, so that mistakes are found at once.
@@ -50,12 +74,13 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
         job.sizes.push_back(*size);
     }
     const fs::path root = shipped_root();
+    std::vector<Pipeline> pipelines;
     for (const std::string& name : arguments.pipelines) {
         const auto file = shipped_file(name, root, shipped_pipelines, diagnostics);
-        const auto pipeline = file ? load_pipeline(*file, arguments.settings, diagnostics) : std::nullopt;
-        if (auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt)
-            job.bench.contenders.push_back(
-                {file->stem().string(), file->generic_string(), std::move(*checked)});
+        auto pipeline = file ? load_pipeline(*file, arguments.settings, diagnostics) : std::nullopt;
+        if (!pipeline || !check(*pipeline, nodes, diagnostics)) continue;
+        job.bench.contenders.push_back({file->stem().string(), file->generic_string()});
+        pipelines.push_back(std::move(*pipeline));
     }
     make_unique(job.bench.contenders);
     for (const std::string& name : arguments.shots)
@@ -64,9 +89,11 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
                 if (!arguments.still && job.bench.options.frames[1] >= shot->frames)
                     diagnostics.add({file->string()}, "--frames",
                                     fmt::format("the shot has {} frames", shot->frames));
-                job.shots.push_back(arguments.still          ? bench::standing_still(std::move(*shot))
-                                    : arguments.still_camera ? bench::with_still_camera(std::move(*shot))
-                                                             : std::move(*shot));
+                job.subjects.push_back(subject_of(arguments.still ? bench::standing_still(std::move(*shot))
+                                                  : arguments.still_camera
+                                                      ? bench::with_still_camera(std::move(*shot))
+                                                      : std::move(*shot),
+                                                  pipelines, nodes, diagnostics));
             }
     return diagnostics.empty() ? std::optional(std::move(job)) : std::nullopt;
 }
@@ -74,16 +101,15 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
 bool measure_all(Job& job, Device& device, const NodeSet& nodes, Diagnostics& diagnostics,
                  std::vector<std::string>& warnings) {
     const bench::Options& options = job.bench.options;
-    Progress progress("bench", uint64_t{job.shots.size()} * job.sizes.size() * job.bench.contenders.size() *
-                                   options.rounds * (options.frames[1] + 1));
+    Progress progress("bench", uint64_t{job.subjects.size()} * job.sizes.size() *
+                                   job.bench.contenders.size() * options.rounds * (options.frames[1] + 1));
     for (const auto& size : job.sizes)
-        for (const Shot& shot : job.shots) {
+        for (const bench::Subject& subject : job.subjects) {
             auto scene = bench::measure(
-                device, nodes, job.bench.contenders, shot, size, options, [&] { progress.step(); },
-                diagnostics, warnings);
+                device, nodes, subject, size, options, [&] { progress.step(); }, diagnostics, warnings);
             if (!scene) return false;
             job.bench.scenes.push_back(std::move(*scene));
-            progress.note(fmt::format("{} at {}x{}", shot.name, size[0], size[1]));
+            progress.note(fmt::format("{} at {}x{}", subject.shot.name, size[0], size[1]));
         }
     return true;
 }

@@ -77,6 +77,33 @@ TEST_F(Cli, BenchTableHasARowPerPass) {
         EXPECT_NE(result.out.find(row), std::string::npos) << row << "\n" << result.out;
 }
 
+// Of several lights it says what one of them takes: at this size, which heaps' alignment favours, a mask and
+// a past at least, and no more than LightsMemory allows.
+TEST_F(Cli, BenchSaysWhatALightTakes) {
+    const Result result =
+        run("bench lights_shadows lights --shots lights/interior --sizes 320x180 --frames 0..1 --rounds 1 "
+            "--format json");
+    ASSERT_EQ(result.code, 0) << result.err;
+    const Json contenders = Json::parse(result.out).at("scenes").at(0).at("pipelines");
+    const auto bytes = [&](size_t i) {
+        return contenders.at(i).at("memory").at("last_light_bytes_per_pixel");
+    };
+    EXPECT_GT(bytes(0).get<double>(), 6);
+    EXPECT_LT(bytes(0).get<double>(), 10.5);
+    EXPECT_GE(bytes(1).get<double>(), 1);  // a mask
+    EXPECT_LT(bytes(1).get<double>(), 10);
+    const Result one = run("bench raw --shots lamp --sizes 96x54 --frames 0..1 --rounds 1 --format json");
+    ASSERT_EQ(one.code, 0) << one.err;
+    EXPECT_TRUE(Json::parse(one.out)
+                    .at("scenes")
+                    .at(0)
+                    .at("pipelines")
+                    .at(0)
+                    .at("memory")
+                    .at("last_light_bytes_per_pixel")
+                    .is_null());
+}
+
 TEST_F(Cli, BenchFindsMistakesBeforeItRuns) {
     expect(run("bench"), 2, "pipelines");
     expect(run("bench one_rays"), 2, "did you mean \"one_ray\"?");

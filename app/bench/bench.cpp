@@ -99,8 +99,8 @@ class Round {
 // One contender on one scene.
 class Runner {
   public:
-    Runner(std::unique_ptr<Session> session, const Contender& contender, size_t index)
-        : session_(std::move(session)), contender_(contender) {
+    Runner(std::unique_ptr<Session> session, const CheckedPipeline& pipeline, size_t index)
+        : session_(std::move(session)), pipeline_(pipeline) {
         const Plan& plan = session_->plan();
         figures_.contender = index;
         figures_.program_ms = session_->program_ms();
@@ -118,8 +118,14 @@ class Runner {
 
     void time_compile(const Target& target, Diagnostics& diagnostics) {
         const auto start = std::chrono::steady_clock::now();
-        compile(contender_.pipeline, target, {}, diagnostics);
+        compile(pipeline_, target, {}, diagnostics);
         figures_.compile_ms.values.push_back(since_ms(start));
+    }
+
+    // `without`: the plan of a shot that lacks one of the lights.
+    void compare_lights(const Plan& without) {
+        figures_.last_light_bytes = static_cast<int64_t>(figures_.memory.heap_bytes) -
+                                    static_cast<int64_t>(without.memory.heap_bytes);
     }
 
     void run(uint32_t round, const Options& options, const std::function<void()>& step) {
@@ -155,7 +161,7 @@ class Runner {
     }
 
     std::unique_ptr<Session> session_;
-    const Contender& contender_;
+    const CheckedPipeline& pipeline_;
     Figures figures_;
 };
 
@@ -207,33 +213,40 @@ Shot with_still_camera(Shot shot) {
     return shot;
 }
 
-std::optional<Scene> measure(Device& device, const NodeSet& nodes, const std::vector<Contender>& contenders,
-                             const Shot& shot, std::array<uint32_t, 2> size, const Options& options,
+std::optional<Scene> measure(Device& device, const NodeSet& nodes, const Subject& subject,
+                             std::array<uint32_t, 2> size, const Options& options,
                              const std::function<void()>& step, Diagnostics& diagnostics,
                              std::vector<std::string>& warnings) {
     SessionOptions session_options;
     session_options.size = size;
     session_options.seed = options.seed;
     session_options.hold = options.still;
+    const auto open = [&](const CheckedPipeline& pipeline, const Shot& shot) {
+        return Session::open(device, nodes, pipeline, shot, session_options, diagnostics, warnings);
+    };
+    const std::vector<CheckedPipeline>& pipelines = subject.pipelines;
     std::vector<Runner> runners;
-    for (size_t c = 0; c < contenders.size(); ++c) {
-        auto session = Session::open(device, nodes, contenders[c].pipeline, shot, session_options,
-                                     diagnostics, warnings);
+    for (size_t c = 0; c < pipelines.size(); ++c) {
+        auto session = open(pipelines[c], subject.shot);
         if (!session) return std::nullopt;
-        runners.emplace_back(std::move(session), contenders[c], c);
+        runners.emplace_back(std::move(session), pipelines[c], c);
+        if (!subject.fewer) continue;
+        session = open(subject.for_fewer[c], *subject.fewer);
+        if (!session) return std::nullopt;
+        runners.back().compare_lights(session->plan());
     }
     DeviceTable table = device_table(handles_of(device));
     table.features = features_of(device);
     const NativeImages images = native_images((size[0] + 7) / 8 * 8, size[1]);
     std::vector<uint32_t> out(images.signal.size());
-    Scene scene{shot.name, size, {}, {}};
+    Scene scene{subject.shot.name, size, {}, {}};
     for (uint32_t round = 0; round < options.rounds; ++round) {
         double native = 1e30;
         for (size_t turn = 0; turn < runners.size(); ++turn) {
             Runner& runner = runners[(turn + round) % runners.size()];
             native = std::min(native, native_ms(images, out));
-            runner.time_compile(standalone_target(contenders[(turn + round) % runners.size()].pipeline, table,
-                                                  size, runner.session().plan().facts),
+            runner.time_compile(standalone_target(pipelines[(turn + round) % runners.size()], table, size,
+                                                  runner.session().plan().facts),
                                 diagnostics);
             runner.run(round, options, step);
         }

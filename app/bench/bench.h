@@ -18,7 +18,15 @@ namespace penumbra::bench {
 
 struct Contender {
     std::string id, file;  // id: unique
-    CheckedPipeline pipeline;
+};
+
+// A shot, and each contender's pipeline for its lights. `fewer`: the same without the last of them, by name,
+// where there are several.
+struct Subject {
+    Shot shot;
+    std::vector<CheckedPipeline> pipelines;
+    std::optional<Shot> fewer;
+    std::vector<CheckedPipeline> for_fewer;
 };
 
 struct Options {
@@ -62,6 +70,8 @@ struct Figures {
     double first_frame_ms = 0;
     std::optional<double> frame_0_ms;
     MemoryReport memory;
+    // What the plan's heap has for the last of the shot's lights, by name; none where it has fewer than two.
+    std::optional<int64_t> last_light_bytes;
     std::optional<uint32_t> settles;  // Plan::settles
     // Of the last round's timed frames, those that were not run: nothing had changed, and the view had
     // settled.
@@ -82,8 +92,8 @@ Shot standing_still(Shot shot);
 Shot with_still_camera(Shot shot);
 
 // `step` is called after every frame. Nothing, with diagnostics, where a scene or a plan is wrong.
-std::optional<Scene> measure(Device& device, const NodeSet& nodes, const std::vector<Contender>& contenders,
-                             const Shot& shot, std::array<uint32_t, 2> size, const Options& options,
+std::optional<Scene> measure(Device& device, const NodeSet& nodes, const Subject& subject,
+                             std::array<uint32_t, 2> size, const Options& options,
                              const std::function<void()>& step, Diagnostics& diagnostics,
                              std::vector<std::string>& warnings);
 

@@ -34,13 +34,19 @@ std::optional<double> native_passes(const Rounds& cpu_ms, const Scene& scene) {
     return least ? std::optional(*least / *scene.native_ms.least()) : std::nullopt;
 }
 
-OrderedJson memory_of(const MemoryReport& m, const Scene& scene) {
+std::optional<double> of_last_light(const Figures& f, const Scene& scene) {
+    return f.last_light_bytes ? std::optional(double(*f.last_light_bytes) / pixels(scene)) : std::nullopt;
+}
+
+OrderedJson memory_of(const Figures& f, const Scene& scene) {
+    const MemoryReport& m = f.memory;
     return {{"heap_bytes", m.heap_bytes},
             {"live_bound_bytes", m.live_bound_bytes},
             {"optimum_bytes", m.optimum_bytes ? OrderedJson(*m.optimum_bytes) : OrderedJson()},
             {"unaliased_bytes", m.unaliased_bytes},
             {"persistent_bytes", m.persistent_bytes},
-            {"bytes_per_pixel", double(m.heap_bytes) / pixels(scene)}};
+            {"bytes_per_pixel", double(m.heap_bytes) / pixels(scene)},
+            {"last_light_bytes_per_pixel", or_null(of_last_light(f, scene))}};
 }
 
 OrderedJson json_of(const Figures& f, const Bench& bench, const Scene& scene) {
@@ -72,7 +78,7 @@ OrderedJson json_of(const Figures& f, const Bench& bench, const Scene& scene) {
             {"program_ms", f.program_ms},
             {"first_frame_ms", f.first_frame_ms},
             {"frame_0_ms", or_null(f.frame_0_ms)},
-            {"memory", memory_of(f.memory, scene)}};
+            {"memory", memory_of(f, scene)}};
 }
 
 std::string number(const std::optional<double>& value) {
@@ -170,6 +176,11 @@ void frame_rows(Table& table, bool cpu, bool still) {
     table.row("heap, bytes per pixel", [](const Figures& f, const Scene& s) {
         return number(double(f.memory.heap_bytes) / pixels(s));
     });
+    if (std::ranges::any_of(table.scenes, [&](const Scene* s) {
+            return s->contenders[table.contender].last_light_bytes.has_value();
+        }))
+        table.row("of which for the last of the lights",
+                  [](const Figures& f, const Scene& s) { return number(of_last_light(f, s)); });
     if (still)
         table.row("settles after, frames", [](const Figures& f, const Scene&) {
             return (f.settles ? fmt::format("{}", *f.settles) : "never") +

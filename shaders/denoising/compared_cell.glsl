@@ -76,7 +76,7 @@ void compare_cell(uint at, ivec2 cell) {
             // The more this frame knows, the less it asks a past that could be over: what the own rays have said, which drift does not
             // test, and what has moved across the pixels. A past that stayed where it was is drift's to doubt: cut short whenever a
             // frame has several rays, it would never be a mean of rays that repel each other.
-            if (HAS_MOTION || LIGHT_MOVES) {
+            if (MAY_CHANGE) {
                 const float most = COUNT_CAP * inversesqrt(max(worth, 1.0));
                 if (past.elsewhere) past.count = min(past.count, most);
                 past.own.count = min(past.own.count, most);
@@ -95,7 +95,7 @@ void compare_cell(uint at, ivec2 cell) {
             flips_per_pair += float(unlike) / max(worth, 1.0);
 
             OwnRays own = past.own;
-            if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), float(further_count(further) + 1u));
+            if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), own_worth(further));
             g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
                          worth > 0.0 ? sqrt(max(squared_error(now), error_by_past(now, past))) : 0.5, true, own);
 #if HAS_FRAME_WORTH
@@ -132,7 +132,7 @@ void compare_cell(uint at, ivec2 cell) {
     // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
     float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
     uint past_kind = resampled ? PAST_RESAMPLED : PAST_WHOLE;
-    if (!HAS_MOTION && !LIGHT_MOVES) {
+    if (!MAY_CHANGE) {
         past_kind = PAST_CERTAIN;
         sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
     }

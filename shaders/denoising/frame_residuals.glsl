@@ -59,8 +59,10 @@ struct Bias {
 };
 
 void add_pixel(inout Bias b, Past past, Estimate now, float frames) {
-    // The more rays this frame has, the less of the state is the past's.
-    const float all = trust(past.count), w = all * past.count / (past.count + max(frames, 1.0) - 1.0), d = past.own.visibility - past.visibility;
+    // The more rays this frame has, the less of the state is the past's; by how much, where its frames are what it says, and where they may be
+    // over by this frame's alone.
+    const float all = trust(past.count), rays = max(frames, 1.0), w = all * (MAY_CHANGE ? 1.0 / rays : past.count / (past.count + rays - 1.0));
+    const float d = past.own.visibility - past.visibility;
     b.differences += w * d * d;
     b.noise += w * (past.elsewhere ? mean_variance_across(past.own) : mean_variance(past.own));
     if (now.rays > 1.0) b.past_noise += w * frames * squared_error(now) / max(past.count, 1.0);

@@ -32,3 +32,10 @@ float believed(Past past, uint word, bool first_lit) {
     const float bias = d * d - OWN_NOISE * variance / own;  // squared
     return bias > 0.0 ? variance / bias : past.count;
 }
+
+// The same of the own rays' mean: where nothing can have changed all rays count alike, since behind leaves several are not that even. Else a
+// past that is over gives way by what this frame's are worth.
+float own_worth(uint word) {
+    if (word == 0u) return 1.0;
+    return MAY_CHANGE ? even_worth(word) : float(further_count(word) + 1u);
+}

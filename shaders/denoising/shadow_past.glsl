@@ -119,6 +119,7 @@ Past past_of(ivec2 p) {
 }
 
 const bool LIGHT_MOVES = HAS_SUN_PREV || HAS_LIGHT_PREV;
+const bool MAY_CHANGE = HAS_MOTION || LIGHT_MOVES;
 
 // A past that saw another light, or this one elsewhere. `p`: the receiver, along towards_light.
 Past under_this_light(Past past, vec3 p) {
