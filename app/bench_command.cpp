@@ -39,8 +39,10 @@ std::vector<CheckedPipeline> for_lights(const std::vector<Pipeline>& pipelines, 
                                         const NodeSet& nodes, Diagnostics& diagnostics) {
     std::vector<CheckedPipeline> checked;
     for (Pipeline pipeline : pipelines) {
+        const size_t before = diagnostics.size();
         name_lights(pipeline, shot, {}, diagnostics);
-        if (auto c = check(pipeline, nodes, diagnostics)) checked.push_back(std::move(*c));
+        auto c = diagnostics.size() == before ? check(pipeline, nodes, diagnostics) : std::nullopt;
+        if (c) checked.push_back(std::move(*c));
     }
     return checked;
 }

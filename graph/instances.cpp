@@ -68,7 +68,8 @@ class Writer {
         constexpr size_t most = 100'000;
         size_t written = 0;
         const auto count = [&](const std::string& family) {
-            if (!family.empty()) written += members_[family].size();
+            if (const auto found = members_.find(family); found != members_.end())
+                written += found->second.size();
         };
         for (const PipelineNode& node : pipeline_.nodes) {
             count(node.instances);

@@ -107,6 +107,7 @@ TEST_F(Cli, BenchSaysWhatALightTakes) {
 TEST_F(Cli, BenchFindsMistakesBeforeItRuns) {
     expect(run("bench"), 2, "pipelines");
     expect(run("bench one_rays"), 2, "did you mean \"one_ray\"?");
+    expect(run("bench lights_shadows --shots lamp"), 2, "takes lights that are near, and the shot has none");
     expect(run("bench raw --shots lamb"), 2, "did you mean \"lamp\"?");
     expect(run("bench raw --sizes 640"), 2, "is not WIDTHxHEIGHT");
     expect(run("bench raw --frames 4..2"), 2, "is not A..B");

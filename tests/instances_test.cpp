@@ -163,6 +163,11 @@ TEST_F(Instances, MistakesAreSaid) {
               "p.json:2:78: inputs.sun.instances: no instance is of \"lights\"; did you mean");
     EXPECT_EQ(error(pipeline("", R"("a": {"of": "lights"}, "b": {"of": "lihgts"})")),
               "instances.b: no input and no node is of the family \"lihgts\"; did you mean \"lights\"?");
+    // Whose last member is asked for by a node of no family.
+    EXPECT_EQ(error(pipeline("", ""), {R"(nodes.all={"type": "filter", "in": {"signal": "visibility@last"}, )"
+                                       R"("out": {"filtered": "whole"}})"})
+                  .substr(0, 57),
+              "p.json:2:78: inputs.sun.instances: no instance is of \"lig");
     EXPECT_EQ(error(pipeline("", R"("a": {})")), "instances.a: key \"of\" is missing");
     EXPECT_EQ(error(pipeline("", R"("a": {"of": "lights", "facts": {"caster": true}})")).substr(0, 47),
               "instances.a.facts.caster: no fact \"caster\" (fac");
