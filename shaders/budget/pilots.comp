@@ -27,8 +27,8 @@ uint bit_in_turn(uint i) {
 // By how many places the turns go on from frame to frame. By as many pixels as are asked, nobody waits for longer than 32 / count frames, rounded
 // up; but a pixel's frames go round then in nearly the same rhythm as its points of the sun do for some counts (19 / 32 and NOISE_STEP's .585),
 // and all of its rays see one part of it. Seven goes together with none of them, and nobody waits for more than five frames (docs/budget.md).
-const uint MOST_ON = 7u;
-uint step_of_turns(uint count) { return count > 8u ? MOST_ON : count; }
+const uint TURN_STEP = 7u;
+uint step_of_turns(uint count) { return count > 8u ? TURN_STEP : count; }
 
 // A share of a tile's pixels, in 32nds.
 uint turn(uint count) {

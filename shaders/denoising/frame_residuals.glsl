@@ -59,8 +59,8 @@ struct Bias {
 };
 
 void add_pixel(inout Bias b, Past past, Estimate now, float frames) {
-    // The more rays this frame has, the less of the state is the past's; by how much, where its frames are what it says, and where they may be
-    // over by this frame's alone.
+    // The more rays this frame has, the less of the state is the past's: by its share of all frames, and where its own may be over by this
+    // frame's number alone.
     const float all = trust(past.count), rays = max(frames, 1.0), w = all * (MAY_CHANGE ? 1.0 / rays : past.count / (past.count + rays - 1.0));
     const float d = past.own.visibility - past.visibility;
     b.differences += w * d * d;
