@@ -39,6 +39,7 @@ void Compiler::lower(const SelectedNode& selected) {
             check_backend(port.bundle->backends.back(), node.place, "nodes." + node.id);
         }
     }
+    if (node.type().by_class) variant_.cpu = target_.device.cpu;
     pass.variant = to_string(variant_);
     bind(selected);
     fill_constants(selected);

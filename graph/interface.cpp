@@ -377,6 +377,7 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "PER_THREAD_Y = 1u;\nlayout(constant_id = {}) const bool ON_CPU = false;\n"
         "layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
         on_cpu_constant, frame_binding);
+    if (variant.cpu) text += fmt::format("#define CLASS_CPU {:d}\n", *variant.cpu);
     for (const auto& [name, exists] : variant.outputs)
         text += fmt::format("#define HAS_{} {:d}\n", upper(name), exists);
     const std::vector<uint32_t> bindings = port_bindings(type);

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -71,11 +72,12 @@ ParamValue value_of(const Param& param, std::span<const std::byte> bytes);
 bool fits(const Param& param, const ParamValue& value);
 
 // What is compiled on its own: a format that the layout of what is stored names, an output that need not
-// exist (a store needs memory, which what is absent has none of), a backend.
+// exist (a store needs memory, which what is absent has none of), a backend, a class of devices.
 struct Variant {
     std::map<std::string, Format> formats;        // ports with has_format_choice()
     std::map<std::string, bool> outputs;          // optional and conditional ones, HAS_NAME in GLSL
     std::map<std::string, std::string> backends;  // by the bundle's parameter
+    std::optional<bool> cpu;                      // the device's class, CLASS_CPU in GLSL: NodeType::by_class
 };
 bool has_format_choice(const Port& port);
 const Param* backend_param(const NodeType& type, const Bundle& bundle);  // nullptr: the last backend it is

@@ -171,6 +171,8 @@ class DeclarationReader {
         const ObjectReader reader(json, "classes", vocabulary::classes, diagnostics_);
         if (const Json* cpu = reader.find("cpu")) read_class(*cpu, "classes.cpu", type_.cpu);
         if (const Json* gpu = reader.find("gpu")) read_class(*gpu, "classes.gpu", type_.gpu);
+        type_.by_class = reader.flag("compiled");
+        if (type_.host && type_.by_class) reader.error("compiled", "a host node has no shader");
     }
 
     void read_class(const Json& json, const std::string& path, ClassOverrides& overrides) {

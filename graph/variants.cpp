@@ -113,6 +113,7 @@ std::string to_string(const Variant& variant) {
     for (const auto& [port, format] : variant.formats) add(port, info(format).name);
     for (const auto& [port, present] : variant.outputs) add(port, present ? "1" : "0");
     for (const auto& [param, backend] : variant.backends) add(param, backend);
+    if (variant.cpu) add("class", *variant.cpu ? "cpu" : "gpu");
     return key;
 }
 
@@ -139,6 +140,7 @@ std::vector<Variant> all_variants(const NodeType& type) {
     multiply(possible_outputs(type), [](Variant& v, const std::map<std::string, bool>& outputs) {
         v.outputs.insert(outputs.begin(), outputs.end());
     });
+    if (type.by_class) multiply(std::array{false, true}, [](Variant& v, bool cpu) { v.cpu = cpu; });
     return variants;
 }
 

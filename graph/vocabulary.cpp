@@ -161,6 +161,7 @@ constexpr auto dispatch_keys = std::to_array<Key>({
 constexpr auto classes_keys = std::to_array<Key>({
     {"cpu", Holds::object, "on CPU devices", {.object = &device_class}},
     {"gpu", Holds::object, "on all others", {.object = &device_class}},
+    {"compiled", Holds::flag, "the shader is compiled for each class, and CLASS_CPU is 1 or 0 to its preprocessor; default: once for both"},
 });
 
 constexpr auto device_class_keys = std::to_array<Key>({group, per_thread});

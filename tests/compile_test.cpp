@@ -115,6 +115,26 @@ TEST(CompileVariants, OnlyPossibleOnesAreCompiled) {
         EXPECT_NE(glsl.find(line), std::string::npos) << line;
 }
 
+TEST(CompileVariants, AShaderMayBeCompiledForEachClass) {
+    NodeSet set;
+    set.add({.type = parse_toy(R"({ "node": "tint", "doc": "d", "shader": "s.comp",
+      "outputs": { "tinted": { "kind": "image", "format": "r8" } }, "dispatch": { "over": "frame" },
+      "classes": { "compiled": true } })",
+                               "tint")});
+    const NodeType& type = set.find("tint")->type;
+    std::map<std::string, std::string> glsl;
+    for (const Variant& v : all_variants(type)) glsl[to_string(v)] = generate_glsl(type, v);
+    ASSERT_EQ(glsl.size(), 2u);
+    EXPECT_NE(glsl.at("class=cpu").find("#define CLASS_CPU 1\n"), std::string::npos);
+    EXPECT_NE(glsl.at("class=gpu").find("#define CLASS_CPU 0\n"), std::string::npos);
+    for (const bool cpu : {false, true}) {
+        const CompiledText result = compile_text(
+            set, R"("outputs": ["tinted"], "nodes": { "tint": { "type": "tint" } })", target_of({8, 8}, cpu));
+        ASSERT_TRUE(result.plan) << result.errors;
+        EXPECT_EQ(result.plan->passes[0].variant, cpu ? "class=cpu" : "class=gpu");
+    }
+}
+
 // What a texel buffer is written as depends on its format, so the chosen one is compiled, not the first.
 TEST(CompileVariants, WrittenTexelsAreOfTheFormatThatThePipelineChooses) {
     NodeSet set;

@@ -140,6 +140,7 @@ struct NodeType {
     std::vector<Param> params;
     Dispatch dispatch;
     ClassOverrides cpu, gpu;
+    bool by_class = false;  // the shader is compiled for each class
     std::vector<std::string> counters;
     Place place;
 

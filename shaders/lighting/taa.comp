@@ -11,7 +11,7 @@
 // blurs it every time. Where nothing moves, a pixel's history is its own.
 //
 // Where IN_A_ROW (lanes_in_a_row.glsl: a software device) an invocation goes down a column: of the 3x3 pixels around each only the
-// lower three are new. Elsewhere it has one pixel.
+// lower three are new. Elsewhere it has one pixel, and no loop over rows.
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
 #include "common/branch.glsl"
@@ -97,7 +97,12 @@ void main() {
         color_above = color_row(x, first - 1, 0, color_sides);
         color_here = color_row(x, first, 1, color_sides);
     }
-    for (int row = 0; row < rows; ++row) {
+#if CLASS_CPU
+    for (int row = 0; row < rows; ++row)
+#else
+    const int row = 0;  // docs/gpu.md: a compiler that the loop is too much for
+#endif
+    {
         const ivec2 p = ivec2(x, first + row);
         ColorRow color_below;
         if (IN_A_ROW) color_below = color_row(x, p.y + 1, row + 2, color_sides);
