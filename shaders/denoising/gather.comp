@@ -38,9 +38,11 @@ uint lit_or_sky(ivec2 cell) {
 }
 
 mat3 towards_light;   // to the sun's light space; where the light is near, world axes (lamp_space.glsl)
-ViewRays first_rays;  // around the workgroup's first pixel
+ViewRays first_rays;  // around first_pixel()
 
-ViewRays rays_of(ivec2 p) { return moved(first_rays, vec2(p - cell_of(0u) * CELL)); }
+// Every 32 pixels, whatever a workgroup's share: what is computed from here is then rounded alike on every device.
+ivec2 first_pixel() { return cell_of(0u) * CELL & ~31; }
+ViewRays rays_of(ivec2 p) { return moved(first_rays, vec2(p - first_pixel())); }
 vec3 normal_at(ivec2 p) { return unit_or_zero(decode_normal(imageLoad(guide_normal, p))); }
 
 // What is found out about the cells of the list, `at` their places in it; 13.5 KiB of the 16 that every device has.
@@ -95,7 +97,7 @@ void ask_around(uint asking) {
 
 void main() {
     towards_light = HAS_LIGHT ? mat3(1.0) : transpose(sun_frame(sun.to_sun));
-    first_rays = view_rays(cell_of(0u) * CELL, towards_light);
+    first_rays = view_rays(first_pixel(), towards_light);
     if (gl_LocalInvocationIndex == 0u) wide_count = narrow_count = 0u;
     settle_cells();
     const uint lane = gl_LocalInvocationIndex, lanes = lanes_in_workgroup();
