@@ -22,36 +22,44 @@ const float FEW = 4.0, LONE = 2.0;  // samples of a gather, in motion: fewer
 const float WIDE = 1.4;  // pixels' angles
 const float DRIFT_SHARE = 0.4;  // of the new value in the running mean
 const int FAR_STEP = 5;  // px between taps of far_drift(): a gather's window, so that no two share a ray
-const float KERNEL[3] = float[](6.0, 4.0, 1.0);
 
-Gathered gathered_at(ivec2 p) { return decode_gathered(texelFetch(gathered, p, 0).xy); }
+Gathered gathered_at(ivec2 p) { return decode_gathered(imageLoad(gathered, p).xy); }
 
 // Means over similar pixels.
 struct Around {
     float variance, samples, spread;
 };
 
-// Weights of the 25 pixels around, 0 where another surface is.
-void window(ivec2 p, Shown here, out float weights[25]) {
-    for (int i = 0; i < 25; ++i) {
-        const ivec2 o = ivec2(i % 5, i / 5) - 2;
-        weights[i] = o == ivec2(0) || same_surface(here, shown(p + o)) ? KERNEL[abs(o.x)] * KERNEL[abs(o.y)] : 0.0;
-    }
+// Of the 25 pixels around, and their weights: 6, 4, 1 along an axis.
+ivec2 near_tap(int i) { return ivec2(i % 5, i / 5) - 2; }
+float near_weight(int i) {
+    const vec2 o = abs(vec2(near_tap(i))), weights = 6.0 - 0.5 * o * (o + 3.0);
+    return weights.x * weights.y;
 }
 
-Around look_around(ivec2 p, float weights[25]) {
+// Which of them show the same surface, as bits: an array of weights would lie in memory, as no register can be asked by number.
+uint near_pixels(ivec2 p, Shown here) {
+    uint kept = 0u;
+    for (int i = 0; i < 25; ++i) {
+        const ivec2 o = near_tap(i);
+        if (o == ivec2(0) || same_surface(here, shown(p + o))) kept |= 1u << uint(i);
+    }
+    return kept;
+}
+
+Around look_around(ivec2 p, uint near) {
     float sum = 0.0, variance = 0.0, samples = 0.0, squares = 0.0;
     vec3 mean = vec3(0.0);
     for (int i = 0; i < 25; ++i) {
-        if (weights[i] == 0.0) continue;
-        const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
-        const Gathered g = gathered_at(q);
+        if ((near >> uint(i) & 1u) == 0u) continue;
+        const Gathered g = gathered_at(p + near_tap(i));
         if (!(g.samples > 0.0)) continue;
-        sum += weights[i];
-        variance += weights[i] * g.deviation * g.deviation;
-        samples += weights[i] * g.samples;
-        mean += weights[i] * g.radiance;
-        squares += weights[i] * dot(g.radiance, g.radiance);
+        const float weight = near_weight(i);
+        sum += weight;
+        variance += weight * g.deviation * g.deviation;
+        samples += weight * g.samples;
+        mean += weight * g.radiance;
+        squares += weight * dot(g.radiance, g.radiance);
     }
     if (!(sum > 0.0)) return Around(0.0, 0.0, 0.0);
     mean /= sum;
@@ -67,18 +75,18 @@ struct Candidate {
 };
 
 Drift drift_at(ivec2 then) {
-    return decode_drift(texelFetch(drift_prev, clamp(then, ivec2(0), ivec2(frame.prev_size) - 1) / 2, 0).xy);
+    return decode_drift(imageLoad(drift_prev, clamp(then, ivec2(0), ivec2(frame.prev_size) - 1) / 2).xy);
 }
 
 vec4 past(bool image_past, ivec2 q) {
     if (HAS_HISTORY && !pixels_have_pasts()) return vec4(0.0);
-    const uint word = HAS_HISTORY ? texelFetch(history, q, 0).x : image_past ? texelFetch(past_image, q, 0).x : texelFetch(past_surface, q, 0).x;
-    const vec2 bytes = HAS_HISTORY ? texelFetch(frames_prev, q, 0).xx : texelFetch(past_frames, q, 0).xy;
+    const uint word = HAS_HISTORY ? imageLoad(history, q).x : image_past ? imageLoad(past_image, q).x : imageLoad(past_surface, q).x;
+    const vec2 bytes = HAS_HISTORY ? imageLoad(frames_prev, q).xx : imageLoad(past_frames, q).xy;
     const Past past = decode_past(word, texel_byte(image_past ? bytes.y : bytes.x));
     return vec4(past.radiance, past.frames);
 }
 
-ivec2 far_tap(int i) { return FAR_STEP * (ivec2(i % 5, i / 5) - 2); }
+ivec2 far_tap(int i) { return FAR_STEP * near_tap(i); }
 
 // Which of 25 pixels over 25x25 have a like lobe, as bits.
 uint far_pixels(ivec2 p, Shown here) {
@@ -115,7 +123,7 @@ float variance_of_lone(Around around, float roughness) {
 }
 
 // `least2`: variance of a frame, at least.
-Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samples, float variance, float least2, uint far, bool moving) {
+Candidate judge(bool image_past, ivec2 p, vec2 uv, uint near, float samples, float variance, float least2, uint far, bool moving) {
     const vec4 own = past(image_past, p);
     if (!(own.w > 0.0)) return Candidate(own.rgb, 0.0, 1e30, Drift(vec3(0.0), 0.0, 0.0));
     const ivec2 then = previous_texel(uv);
@@ -126,15 +134,15 @@ Candidate judge(bool image_past, ivec2 p, vec2 uv, float weights[25], float samp
     vec3 sum = vec3(0.0);
     float sums = 0.0;
     for (int i = 0; i < 25; ++i) {
-        if (weights[i] == 0.0) continue;
-        const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
+        if ((near >> uint(i) & 1u) == 0u) continue;
+        const ivec2 q = p + near_tap(i);
         const vec4 its = past(image_past, q);
         const Gathered g = gathered_at(q);
         if (!(its.w > 0.0 && g.samples > 0.0)) continue;
         const vec3 term = g.radiance - its.rgb;
         const float size = length(term);
-        sum += weights[i] * term * (size > limit ? limit / size : 1.0);
-        sums += weights[i];
+        sum += near_weight(i) * term * (size > limit ? limit / size : 1.0);
+        sums += near_weight(i);
     }
     if (!(sums > 0.0)) return Candidate(own.rgb, min(own.w, MOST_FRAMES), 0.0, carried);
     const float share = few ? 1.0 : DRIFT_SHARE;
@@ -171,18 +179,17 @@ void for_pixel(ivec2 p) {
         return;
     }
     const Gathered g = gathered_at(p);
-    float weights[25];
-    window(p, here, weights);
-    const Around around = look_around(p, weights);
+    const uint near = near_pixels(p, here);
+    const Around around = look_around(p, near);
     const uint far = far_pixels(p, here);
     const vec2 of_surface = past_of_surface(p), still = pixel_uv(p);
     const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
     // Few samples at rest know less of their variance than their neighbours show.
     const float variance = !moving && around.samples < 6.0 ? max(around.variance, around.spread) : around.variance;
     const float least2 = moving && around.samples < LONE ? variance_of_lone(around, here.roughness) : variance;
-    Candidate best = judge(false, p, of_surface, weights, around.samples, variance, least2, far, moving);
+    Candidate best = judge(false, p, of_surface, near, around.samples, variance, least2, far, moving);
     if (HAS_PAST_IMAGE) {
-        const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), weights, around.samples, variance, least2, far, moving);
+        const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), near, around.samples, variance, least2, far, moving);
         if (other.error2 < best.error2) best = other;
     }
     // What moves is elsewhere in the mirror than any past expects.

@@ -40,9 +40,9 @@ float pair_weight(Shown a, Shown b, vec4 of_a, vec4 of_b) {
 
 // Radiance and its expected deviation; of the first level in an image each.
 vec4 signal_at(ivec2 p) {
-    if (HAS_SIGNAL) return texelFetch(signal, p, 0);
-    const Past past = decode_past(texelFetch(accumulated, p, 0).x, texel_byte(texelFetch(frames, p, 0).x));
-    return vec4(past.radiance, texelFetch(deviation, p, 0).x);
+    if (HAS_SIGNAL) return imageLoad(signal, p);
+    const Past past = decode_past(imageLoad(accumulated, p).x, texel_byte(imageLoad(frames, p).x));
+    return vec4(past.radiance, imageLoad(deviation, p).x);
 }
 
 void for_pixel(ivec2 p) {

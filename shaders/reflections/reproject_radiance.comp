@@ -20,13 +20,13 @@ const float IMAGELESS = 0.5;  // roughness from which on a lobe mirrors no image
 
 bool past_is(Shown here, ivec2 q, float depth, float tolerance) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
-    const KeptSurface then = decode_surface(texelFetch(surface_prev, q, 0).x);
+    const KeptSurface then = decode_surface(imageLoad(surface_prev, q).x);
     if (!(then.z > 0.0) || !(abs(then.z - depth) <= tolerance)) return false;
     return dot(here.n, then.n) > 0.9 && alike(here.roughness, then.roughness);
 }
 
 vec4 history_texel(ivec2 q) {
-    const Past past = decode_past(texelFetch(history, q, 0).x, texel_byte(texelFetch(frames_prev, q, 0).x));
+    const Past past = decode_past(imageLoad(history, q).x, texel_byte(imageLoad(frames_prev, q).x));
     return vec4(past.radiance, past.frames);
 }
 
@@ -90,7 +90,7 @@ void for_pixel(ivec2 p) {
         const float depth = change != 0.0 ? here.z + change : previous_depth(here.x);
         of_surface = past_at(here, past_of_surface(p), depth, DEPTH_TOLERANCE * here.z / cosine);
 #if HAS_PAST_IMAGE
-        if (here.roughness < IMAGELESS) of_image = past_at(here, past_of_image(p, here.z, decode_gathered(texelFetch(gathered, p, 0).xy).distance_m), here.z, 1e30);
+        if (here.roughness < IMAGELESS) of_image = past_at(here, past_of_image(p, here.z, decode_gathered(imageLoad(gathered, p).xy).distance_m), here.z, 1e30);
 #endif
     }
     const uint thresholds = thresholds_at(p);

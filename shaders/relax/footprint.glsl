@@ -27,8 +27,8 @@ bool was_seen(Shown here, Expected e, ivec2 q) {
     if (!(z > 0.0) || !(abs(z - e.depth) <= e.tolerance)) return false;
     const vec3 n = unpack_direction(imageLoad(octahedral_normal_prev, q).x);
     if (!(dot(here.n, n) > 0.0 && length(cross(here.n, n)) <= e.most_sine)) return false;
-    if (HAS_MATERIAL && !alike(here.roughness, texelFetch(roughness_prev, q, 0).x)) return false;
-    return decode_frames(texelFetch(frames_prev, q, 0).x) > 0.0;
+    if (HAS_MATERIAL && !alike(here.roughness, imageLoad(roughness_prev, q).x)) return false;
+    return decode_frames(imageLoad(frames_prev, q).x) > 0.0;
 }
 
 // Whether Catmull-Rom reads the texel x, y of 0 to 3; the corners weigh least and are left out.
@@ -62,9 +62,9 @@ Past past_at(Footprint f) {
     for (int i = 0; i < 4; ++i) {
         if (!(f.shares[i] > 0.0)) continue;
         const ivec2 q = f.first + corner(i);
-        past.slow += f.shares[i] * texelFetch(slow_prev, q, 0);
-        past.fast += f.shares[i] * texelFetch(fast_prev, q, 0);
-        past.frames += f.shares[i] * decode_frames(texelFetch(frames_prev, q, 0).x);
+        past.slow += f.shares[i] * imageLoad(slow_prev, q);
+        past.fast += f.shares[i] * imageLoad(fast_prev, q);
+        past.frames += f.shares[i] * decode_frames(imageLoad(frames_prev, q).x);
     }
     past.slow /= f.seen;
     past.fast /= f.seen;
@@ -77,8 +77,8 @@ Past past_at(Footprint f) {
         if (!of_twelve(i % 4, i / 4)) continue;
         const ivec2 q = f.first + ivec2(i % 4, i / 4) - 1;
         const float weight = wx[i % 4] * wy[i / 4];
-        slow += weight * texelFetch(slow_prev, q, 0);
-        fast += weight * texelFetch(fast_prev, q, 0);
+        slow += weight * imageLoad(slow_prev, q);
+        fast += weight * imageLoad(fast_prev, q);
         weights += weight;
     }
     // Its negative lobes would make light negative beside what is bright.

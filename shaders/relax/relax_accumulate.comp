@@ -88,7 +88,7 @@ float same_mirror(Shown here, vec2 uv, float tangent) {
     const ivec2 q = previous_texel(uv);
     if (!(imageLoad(view_depth_prev, q).x > 0.0)) return 1.0;
     const vec3 n = unpack_direction(imageLoad(octahedral_normal_prev, q).x);
-    const float rough = (texelFetch(roughness_prev, q, 0).x - here.roughness) / (0.01 + 0.15 * here.roughness);
+    const float rough = (imageLoad(roughness_prev, q).x - here.roughness) / (0.01 + 0.15 * here.roughness);
     return lasting_weight(angle_between(here.n, n) / max(tangent, 1e-3)) * smooth_weight(rough);
 }
 
@@ -105,7 +105,7 @@ void for_pixel(ivec2 p) {
         store(p, Mixed(vec4(0.0), vec4(0.0), 0.0), 0.0, here.roughness);
         return;
     }
-    const vec4 now = texelFetch(blurred, p, 0);
+    const vec4 now = imageLoad(blurred, p);
     const vec3 viewer = to_viewer(p), viewer_before = to_viewer_before(here.x, viewer);
     const vec2 of_surface = past_of_surface(p);
     const Past surface = surface_past(here, of_surface, abs(dot(here.n, viewer)), abs(dot(here.n, viewer_before)), p);

@@ -29,8 +29,8 @@ struct Lobe {
 
 Lobe own_lobe(ivec2 p, Shown here) {
     const float angle = atan(lobe_tangent(here.roughness));
-    if (LOBE == LOBE_SPECULAR) return Lobe(angle * LOBE_SHARE, texelFetch(confidence, p, 0).x);
-    const float share = decode_frames(texelFetch(frames, p, 0).x) < SHORT ? SHORT_LOBE_SHARE : LOBE_SHARE;
+    if (LOBE == LOBE_SPECULAR) return Lobe(angle * LOBE_SHARE, imageLoad(confidence, p).x);
+    const float share = decode_frames(imageLoad(frames, p).x) < SHORT ? SHORT_LOBE_SHARE : LOBE_SHARE;
     return Lobe(angle * share / sqrt(float(STEP)), 1.0);
 }
 
@@ -51,7 +51,7 @@ ivec2 shifted(ivec2 p) {
 
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
-    const vec4 own = texelFetch(signal, p, 0);
+    const vec4 own = imageLoad(signal, p);
     if (!(here.z > 0.0)) {
         imageStore(filtered, p, own);
         return;
@@ -67,7 +67,7 @@ void for_pixel(ivec2 p) {
         const ivec2 o = ivec2(i % 3, i / 3) - 1, q = p + o * int(STEP) + shift;
         const Shown there = shown(q);
         if (!(there.z > 0.0) || !coplanar(here, there)) continue;
-        const vec4 other = texelFetch(signal, q, 0);
+        const vec4 other = imageLoad(signal, q);
         const float weight = KERNEL[abs(o.x)] * KERNEL[abs(o.y)] * lobe_weight(lobe, here, there) * roughness_weight(here, there) *
                              exp(-abs(luminance(other.rgb) - light) / width);
         sum += weight * other.rgb;

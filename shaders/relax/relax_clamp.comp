@@ -37,7 +37,7 @@ Around look_around(ivec2 p) {
     for (int i = 0; i < 25; ++i) {
         const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
         if (!inside_frame(q) || !(imageLoad(view_depth, q).x > 0.0)) continue;
-        const vec3 c = to_ycocg(texelFetch(fast_now, q, 0).rgb), b = texelFetch(blurred, q, 0).rgb;
+        const vec3 c = to_ycocg(imageLoad(fast_now, q).rgb), b = imageLoad(blurred, q).rgb;
         const float light = luminance(b);
         sum += c;
         squares += c * c;
@@ -51,12 +51,12 @@ Around look_around(ivec2 p) {
 }
 
 void for_pixel(ivec2 p) {
-    vec4 of_slow = texelFetch(slow_fixed, p, 0), of_fast = texelFetch(fast_now, p, 0);
+    vec4 of_slow = imageLoad(slow_fixed, p), of_fast = imageLoad(fast_now, p);
     if (!(imageLoad(view_depth, p).x > 0.0)) {
         store(p, vec4(0.0), vec4(0.0));
         return;
     }
-    if (decode_frames(texelFetch(frames, p, 0).x) <= FIX_FRAMES) {
+    if (decode_frames(imageLoad(frames, p).x) <= FIX_FRAMES) {
         store(p, of_slow, vec4(of_slow.rgb, of_fast.w));
         return;
     }
@@ -75,7 +75,7 @@ void for_pixel(ivec2 p) {
     slow_light = mix(slow_light, around.frame_mean, min(go, 1.0));
     of_fast.rgb = mix(of_fast.rgb, around.frame_mean, min(go, 1.0));
 
-    const vec3 now = texelFetch(blurred, p, 0).rgb;
+    const vec3 now = imageLoad(blurred, p).rgb;
     const float light = luminance(slow_light), light_now = luminance(now);
     const float temporal = sqrt(max(of_slow.w * of_slow.w - light_before * light_before, 0.0));
     const float beyond = abs(light - light_now) - SPATIAL_DEVIATIONS * around.frame_deviation - TEMPORAL_DEVIATIONS * temporal;

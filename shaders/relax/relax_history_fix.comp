@@ -16,12 +16,12 @@ float weight_of(Shown here, Shown there) {
 }
 
 void for_pixel(ivec2 p) {
-    const vec4 own = texelFetch(slow_now, p, 0);
-    const float length_now = decode_frames(texelFetch(frames, p, 0).x);
+    const vec4 own = imageLoad(slow_now, p);
+    const float length_now = decode_frames(imageLoad(frames, p).x);
     const Shown here = shown(p);
     // Published without the second: a mirror's image must not be blurred wider than its lobe.
     float stride = round(14.0 / (1.0 + length_now));
-    if (LOBE == LOBE_SPECULAR) stride = min(stride, 0.5 * footprint_px(here, texelFetch(fast_now, p, 0).w));
+    if (LOBE == LOBE_SPECULAR) stride = min(stride, 0.5 * footprint_px(here, imageLoad(fast_now, p).w));
     if (!(here.z > 0.0) || length_now > FIX_FRAMES || stride < 1.0) {
         imageStore(slow_fixed, p, own);
         return;
@@ -34,7 +34,7 @@ void for_pixel(ivec2 p) {
         const Shown there = shown(q);
         const float weight = there.z > 0.0 ? weight_of(here, there) : 0.0;
         if (!(weight > 0.0)) continue;
-        const vec4 other = texelFetch(slow_now, q, 0);
+        const vec4 other = imageLoad(slow_now, q);
         sum += weight * other.rgb;
         squares += weight * other.w * other.w;
         weights += weight;

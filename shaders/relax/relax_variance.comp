@@ -15,13 +15,13 @@ const float SHORT = 3.0;
 const float GAUSSIAN[2] = float[](0.5, 0.25);
 
 void for_pixel(ivec2 p) {
-    const vec4 own = texelFetch(slow, p, 0);
+    const vec4 own = imageLoad(slow, p);
     const Shown here = shown(p);
     if (!(here.z > 0.0)) {
         imageStore(estimated, p, vec4(0.0));
         return;
     }
-    const float length_now = decode_frames(texelFetch(frames, p, 0).x);
+    const float length_now = decode_frames(imageLoad(frames, p).x);
     const bool few = length_now < SHORT;
     const int reach = few ? 2 : 1;
     float mean = 0.0, squares = 0.0, weights = 0.0;
@@ -32,7 +32,7 @@ void for_pixel(ivec2 p) {
             if (!(there.z > 0.0)) continue;
             const float weight = q == p ? (few ? 1.0 : GAUSSIAN[0] * GAUSSIAN[0])
                                         : few ? likeness(here, there) : GAUSSIAN[abs(x)] * GAUSSIAN[abs(y)];
-            const vec4 texel = texelFetch(slow, q, 0);
+            const vec4 texel = imageLoad(slow, q);
             mean += weight * luminance(texel.rgb);
             squares += weight * texel.w * texel.w;
             weights += weight;
