@@ -60,7 +60,7 @@ std::vector<Xy> legend_places(const std::vector<std::string>& types) {
 }
 
 std::string milliseconds(double ms) {
-    return fmt::format("{:.{}f}", ms, ms < 10 ? 1 : 0);
+    return fmt::format("{:.{}f}", ms, ms < 1 ? 2 : ms < 10 ? 1 : 0);
 }
 
 // What all bars share is said once, in the title.
@@ -97,7 +97,7 @@ Names names_of(const std::vector<PipelineCosts>& costs) {
 
 double PipelineCosts::total() const {
     return std::accumulate(passes.begin(), passes.end(), 0.0,
-                           [](double sum, const PassCost& p) { return sum + p.cpu_ms; });
+                           [](double sum, const PassCost& p) { return sum + p.ms; });
 }
 
 std::optional<PipelineCosts> read_costs(const std::string& file, Diagnostics& diagnostics) {
@@ -111,14 +111,19 @@ std::optional<PipelineCosts> read_costs(const std::string& file, Diagnostics& di
     const Json report = Json::parse(stream, nullptr, false);
     if (report.is_discarded()) return wrong("is no JSON");
     try {
-        PipelineCosts costs{
-            report.at("pipeline"), report.at("shot"), report.at("device").at("name"), report.at("size"), {}};
+        PipelineCosts costs{report.at("pipeline"),
+                            report.at("shot"),
+                            report.at("device").at("name"),
+                            report.at("size"),
+                            {},
+                            false};
         for (const Json& pass : report.at("passes")) {
             if (pass.at("type") == "capture" || pass.at("type") == "validate") continue;
-            const Json& cpu = pass.at("cpu_ms").at("median");
-            if (cpu.is_null())
-                return wrong("has no CPU times of passes, which render measures on devices of the class cpu");
-            costs.passes.push_back({pass.at("node"), pass.at("type"), cpu});
+            const Json& cpu = pass.at("cpu_ms").at("median");  // on devices of the class cpu alone
+            costs.by_cpu = !cpu.is_null();
+            const Json& ms = costs.by_cpu ? cpu : pass.at("ms").at("median");
+            if (ms.is_null()) return wrong("has no times of passes: the device has no timestamps");
+            costs.passes.push_back({pass.at("node"), pass.at("type"), ms});
         }
         if (!(costs.total() > 0)) return wrong("has no pass that took any time");
         return costs;
@@ -138,27 +143,31 @@ std::string cost_figure(const std::vector<PipelineCosts>& costs) {
     const double height = static_cast<double>(costs.size()) * (bar + gap) + gap;
     const std::vector<Xy> legend = legend_places(types);
     const double legend_height = legend.empty() ? 0 : legend.back().y;
-    Svg svg(width, top + height + bottom + 24 + legend_height, "CPU milliseconds per pass, " + names.title);
+    const bool by_cpu = std::ranges::all_of(costs, &PipelineCosts::by_cpu);
+    const std::string unit = by_cpu                                                ? "CPU ms"
+                             : std::ranges::none_of(costs, &PipelineCosts::by_cpu) ? "GPU ms"
+                                                                                   : "CPU or GPU ms";
+    Svg svg(width, top + height + bottom + 24 + legend_height, unit + " per pass, " + names.title);
     svg.text({16, 24}, names.title, "head");
     const report::Frame frame{
         {left, top}, {width - left - right, height}, report::linear_axis({longest}, true), {}};
-    frame.draw(svg, "CPU ms per frame, median per pass", "");
+    frame.draw(svg, unit + " per frame, median per pass", "");
     double y = top + gap;
     for (size_t i = 0; i < costs.size(); ++i, y += bar + gap) {
         svg.text({left - 10, y + 20}, names.bars[i], "head", Svg::Anchor::end);
         double from = 0;
         for (const PassCost& pass : costs[i].passes) {
-            const double x = frame.at(from, 0).x, size = frame.at(from + pass.cpu_ms, 0).x - x;
+            const double x = frame.at(from, 0).x, size = frame.at(from + pass.ms, 0).x - x;
             const auto colour =
                 static_cast<size_t>(std::find(types.begin(), types.end(), pass.type) - types.begin());
             svg.rect({x, y}, {size, bar}, fmt::format("pass c{}", colour % colours),
-                     fmt::format("{}, {}: {} ms", names.bars[i], pass.node, milliseconds(pass.cpu_ms)));
-            const std::string label = fmt::format("{} {}", pass.node, milliseconds(pass.cpu_ms));
+                     fmt::format("{}, {}: {} ms", names.bars[i], pass.node, milliseconds(pass.ms)));
+            const std::string label = fmt::format("{} {}", pass.node, milliseconds(pass.ms));
             if (size > report::text_width(label, pass_text) + 4)
                 svg.text({x + size / 2, y + 19}, label, "on", Svg::Anchor::middle);
             else if (size > report::text_width(pass.node, pass_text) + 4)
                 svg.text({x + size / 2, y + 19}, pass.node, "on", Svg::Anchor::middle);
-            from += pass.cpu_ms;
+            from += pass.ms;
         }
         svg.text({frame.at(from, 0).x + 7, y + 20}, milliseconds(from), "tick");
     }

@@ -14,18 +14,19 @@ namespace penumbra {
 
 struct PassCost {
     std::string node, type;
-    double cpu_ms = 0;
+    double ms = 0;
 };
 
 struct PipelineCosts {
     std::string pipeline, shot, device;
     std::array<uint32_t, 2> size{};
     std::vector<PassCost> passes;  // in plan order, without captures
+    bool by_cpu = false;           // process CPU time; else the device's timestamps
 
     double total() const;
 };
 
-// What is wrong with the file is a diagnostic: none, no report, or one without CPU times.
+// What is wrong with the file is a diagnostic: none, no report, or one without times of passes.
 std::optional<PipelineCosts> read_costs(const std::string& file, Diagnostics& diagnostics);
 
 // A whole SVG file. A node type has the same colour in every bar.

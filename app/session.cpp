@@ -117,6 +117,7 @@ FrameCost Session::run_passes(const std::function<void(VkCommandBuffer)>& record
     const std::vector<SlotBinding> slots = bind_slots();
     cost.pass_cpu_ms.resize(plan().passes.size());
     device_.run([&](VkCommandBuffer cmd) {
+        if (before_) before_(cmd);
         record_before(cmd);
         if (pass_by_pass()) view_->begin(cmd, last_, slots);
     });

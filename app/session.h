@@ -79,6 +79,9 @@ class Session {
         last_frame_.reset();
     }
 
+    // Recorded before every frame's passes from the next one on, and no part of their cost.
+    void set_before(std::function<void(VkCommandBuffer)> record) { before_ = std::move(record); }
+
     // The last frame's passes once more, on the same inputs and the history that they have just left.
     FrameCost repeat_frame();
     // From the next frame on, on a CPU device: whether every pass is a submission of its own.
@@ -126,6 +129,7 @@ class Session {
     Device& device_;
     uint32_t seed_ = 0;
     bool pass_costs_ = true, hold_ = false;
+    std::function<void(VkCommandBuffer)> before_;
     double program_ms_ = 0;
     FrameDescription last_;
     std::optional<StandaloneFrame> last_frame_;  // that was run

@@ -240,13 +240,22 @@ TEST_F(Explain, ReportsThatSayNothingOfTimeAreTheCommandsMistake) {
     expect_nothing(costs("nosuch.json"), 2, "nosuch.json: no such file");
     expect_nothing(costs(file("broken.json", "{")), 2, "is no JSON");
     expect_nothing(costs(file("other.json", "{}")), 2, "is no report.json");
-    const Json gpu = {
-        {"pipeline", "raw"},
-        {"shot", "s"},
-        {"device", {{"name", "d"}}},
-        {"size", {4, 4}},
-        {"passes", {{{"node", "trace"}, {"type", "trace"}, {"cpu_ms", {{"median", nullptr}}}}}}};
-    expect_nothing(costs(file("gpu.json", gpu.dump())), 2, "no CPU times");
+    // Of a GPU the device's timestamps tell, if it has them.
+    const auto on_gpu = [&](const Json& ms) {
+        const Json pass = {{"node", "trace"},
+                           {"type", "trace"},
+                           {"cpu_ms", {{"median", nullptr}}},
+                           {"ms", {{"median", ms}}}};
+        return Json{{"pipeline", "raw"},
+                    {"shot", "s"},
+                    {"device", {{"name", "d"}}},
+                    {"size", {4, 4}},
+                    {"passes", {pass}}}
+            .dump();
+    };
+    expect_nothing(costs(file("dark.json", on_gpu(nullptr))), 2, "no times of passes");
+    ASSERT_EQ(costs(file("gpu.json", on_gpu(0.25))).code, 0);
+    EXPECT_NE(read_file(out()).find("GPU ms per frame"), std::string::npos);
 }
 
 // What the processor sees of a tile's beam agrees with what the node made of it: nothing is in what is lit,

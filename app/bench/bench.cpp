@@ -7,6 +7,7 @@
 #include <set>
 
 #include "app/bench/native_pass.h"
+#include "app/bench/wake.h"
 #include "app/commands.h"
 #include "app/mask_passes.h"
 #include "app/report/statistics.h"
@@ -68,6 +69,7 @@ class Round {
             frame_cpu_.push_back(cost.cpu_ms);
             wall_.push_back(*cost.wall_ms);
             record_us_.push_back(1e3 * *cost.record_cpu_ms / static_cast<double>(cpu_.size()));
+            if (cost.ms) sum_ms_.push_back(*cost.ms);
             for (size_t p = 0; p < ms_.size(); ++p)
                 if (cost.passes[p].ms) ms_[p].push_back(*cost.passes[p].ms);
         } else {
@@ -82,6 +84,7 @@ class Round {
             if (!samples.empty()) rounds.values.push_back(median_of(samples));
         };
         put(figures.pass_cpu_ms, sum_);
+        put(figures.pass_ms, sum_ms_);
         if (cpu_device) put(figures.frame_cpu_ms, frame_cpu_);
         put(figures.wall_ms, wall_);
         put(figures.record_us, record_us_);
@@ -93,7 +96,7 @@ class Round {
 
   private:
     std::vector<std::vector<double>> cpu_, ms_;
-    std::vector<double> sum_, frame_cpu_, wall_, record_us_;
+    std::vector<double> sum_, sum_ms_, frame_cpu_, wall_, record_us_;
 };
 
 // One contender on one scene.
@@ -150,6 +153,9 @@ class Runner {
     }
 
     const Session& session() const { return *session_; }
+    void keep_awake(const Wake& wake) {
+        session_->set_before([&wake](VkCommandBuffer commands) { wake.record(commands); });
+    }
     Figures take() { return std::move(figures_); }
 
   private:
@@ -225,11 +231,14 @@ std::optional<Scene> measure(Device& device, const NodeSet& nodes, const Subject
         return Session::open(device, nodes, pipeline, shot, session_options, diagnostics, warnings);
     };
     const std::vector<CheckedPipeline>& pipelines = subject.pipelines;
+    std::optional<Wake> wake;
+    if (!device.info().is_cpu) wake.emplace(device);
     std::vector<Runner> runners;
     for (size_t c = 0; c < pipelines.size(); ++c) {
         auto session = open(pipelines[c], subject.shot);
         if (!session) return std::nullopt;
         runners.emplace_back(std::move(session), pipelines[c], c);
+        if (wake) runners.back().keep_awake(*wake);
         if (!subject.fewer) continue;
         session = open(subject.for_fewer[c], *subject.fewer);
         if (!session) return std::nullopt;

@@ -61,6 +61,7 @@ struct Figures {
     size_t contender = 0;
     std::vector<PassFigures> passes;
     Rounds pass_cpu_ms;     // the sum over passes
+    Rounds pass_ms;         // the same by the device's timestamps
     Rounds frame_cpu_ms;    // the frame as one submission, recording included; CPU devices only
     Rounds wall_ms;         // the same from submission to completion
     Rounds record_us;       // CPU time of recording, per pass

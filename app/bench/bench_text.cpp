@@ -67,6 +67,7 @@ OrderedJson json_of(const Figures& f, const Bench& bench, const Scene& scene) {
             {"passes", passes},
             {"sum",
              {{"cpu_ms", json_of(f.pass_cpu_ms)},
+              {"ms", json_of(f.pass_ms)},
               {"native_passes", or_null(native_passes(f.pass_cpu_ms, scene))}}},
             {"frame",
              {{"cpu_ms", json_of(f.frame_cpu_ms)},
@@ -149,6 +150,10 @@ void pass_rows(Table& table, bool cpu) {
         table.row("sum", [](const Figures& f, const Scene& s) { return costs(f.pass_cpu_ms, s); });
         table.row("frame as one submission",
                   [](const Figures& f, const Scene& s) { return costs(f.frame_cpu_ms, s); });
+    } else {
+        table.row("sum", [](const Figures& f, const Scene&) {
+            return number(f.pass_ms.least()) + " / " + number(f.pass_ms.median()) + " ms";
+        });
     }
 }
 
