@@ -135,7 +135,8 @@ void DenoiserCheck::guides(const View& view, const HostFrame& host) {
         const double length2 = glm::dot(given, given);
         const glm::dvec3 n = length2 > 1e-4 && length2 < 1e4 ? given / std::sqrt(length2) : world[2];
         for (int c = 0; c < 3; ++c)  // the nearest of 1024 steps, or its neighbour where it is a tie
-            normals.near(i, normal[i] >> (10 * c) & 1023, 1023 * (0.5 * n[c] + 0.5), 0.505);
+            normals.near(i, normal[i] >> (10 * c) & 1023, 1023 * (0.5 * n[c] + 0.5),
+                         0.605);  // Vulkan: .6 of a step
         normals.same(i, normal[i] >> 30, 3);
     }
 }
@@ -334,7 +335,8 @@ void DenoiserCheck::filters(const View& view) {
                 variance.near(p, static_cast<double>(gpu[1][p]), e.variance,
                               half_ulp(e.variance) + 1e-5 * (1 + e.variance));
             } else {
-                visibility.near(p, 255 * static_cast<double>(gpu[0][p]), 255 * model::with_contrast(e), 0.51);
+                visibility.near(p, 255 * static_cast<double>(gpu[0][p]), 255 * model::with_contrast(e),
+                                0.61);  // Vulkan: .6 of a step
             }
         }
     }
