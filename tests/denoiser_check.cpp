@@ -10,6 +10,8 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <set>
 
+#include "tests/gpu_test.h"
+
 namespace penumbra::test {
 namespace {
 
@@ -135,8 +137,7 @@ void DenoiserCheck::guides(const View& view, const HostFrame& host) {
         const double length2 = glm::dot(given, given);
         const glm::dvec3 n = length2 > 1e-4 && length2 < 1e4 ? given / std::sqrt(length2) : world[2];
         for (int c = 0; c < 3; ++c)  // the nearest of 1024 steps, or its neighbour where it is a tie
-            normals.near(i, normal[i] >> (10 * c) & 1023, 1023 * (0.5 * n[c] + 0.5),
-                         0.605);  // Vulkan: .6 of a step
+            normals.near(i, normal[i] >> (10 * c) & 1023, 1023 * (0.5 * n[c] + 0.5), texel_steps(0.005));
         normals.same(i, normal[i] >> 30, 3);
     }
 }
@@ -336,7 +337,7 @@ void DenoiserCheck::filters(const View& view) {
                               half_ulp(e.variance) + 1e-5 * (1 + e.variance));
             } else {
                 visibility.near(p, 255 * static_cast<double>(gpu[0][p]), 255 * model::with_contrast(e),
-                                0.61);  // Vulkan: .6 of a step
+                                texel_steps(0.01));
             }
         }
     }

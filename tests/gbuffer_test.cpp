@@ -233,8 +233,9 @@ TEST_F(GBufferTest, MatchesDoublePrecision) {
     EXPECT_GT(moved, 2);
     EXPECT_LT(depth_error, 2e-6);
     EXPECT_LT(normal_error, 1e-6);
-    EXPECT_LT(motion_error_px, 1e-3);
-    EXPECT_LT(change_error, 2e-6);
+    const double by_device = device_->info().is_cpu ? 1 : 2;  // which interpolates as finely as it likes
+    EXPECT_LT(motion_error_px, by_device * 5e-4);
+    EXPECT_LT(change_error, by_device * 1e-6);
     for (const auto& [name, value] : {std::pair("depth_error_1e9", depth_error),
                                       {"normal_error_1e9", normal_error},
                                       {"motion_error_px_1e9", motion_error_px},

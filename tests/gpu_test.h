@@ -12,6 +12,12 @@ namespace penumbra::test {
 // The device of this process; PENUMBRA_TEST_DEVICE chooses one by a part of its name.
 Device& gpu();
 
+// How far from a value the fixed-point texel may be that stores it, in steps: Vulkan asks for .6, a CPU
+// rounds to the nearest. With what a test allows the value itself.
+inline double texel_steps(double of_value) {
+    return (gpu().info().is_cpu ? 0.5 : 0.6) + of_value;
+}
+
 class GpuTest : public ::testing::Test {
   protected:
     void SetUp() override { messages_before_ = gpu().messages().size(); }

@@ -145,6 +145,12 @@ TEST(NodeType, VariantsAreTheProductOfTheStorageFormatLists) {  // at most 16
         "");
 }
 
+TEST(NodeType, AHostNodeHasNoShaderToCompileForAClass) {
+    EXPECT_EQ(errors(R"({"node": "n", "doc": "d", "host": true,
+        "outputs": {"v": {"kind": "image", "format": "r8"}}, "classes": {"compiled": true}})"),
+              "n:2:86: classes.compiled: a host node has no shader\n");
+}
+
 TEST(Condition, HoldsUnderFactsAndConstantParameters) {
     const NodeType type = parse_toy(with_params(R"({
         "mode": {"type": "enum", "values": ["tent", "plane"], "default": "tent", "doc": "d", "constant": true},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Work that keeps a GPU's clocks where a program that draws without pause has them. Between the frames that
 // are timed the host moves models and rebuilds trees, which takes many times as long as the frame; a GPU
-// slows down meanwhile, and what is timed then takes up to twice as long.
+// slows down meanwhile, and what is timed then takes several times as long.
 #pragma once
 
 #include "host/device/gpu.h"

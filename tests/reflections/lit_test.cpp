@@ -174,9 +174,10 @@ TEST_F(LitPicture, ALampOnTheFloorIsTheFormula) {
 
 // Alone under a black sky. Cook and Torrance 1982 with GGX and Schlick's Fresnel term, in double precision.
 TEST_F(LitPicture, TheSunOnDiffuseAndGlossySurfaces) {
+    const float half = 128.0f / 255;  // .5 is a tie, which a device may round either way
     const std::vector<Surface> surfaces{{{0.8f, 0.4f, 0.2f}, 0, 1},
-                                        {{0.8f, 0.4f, 0.2f}, 0, 0.5f},
-                                        {{0.8f, 0.4f, 0.2f}, 1, 0.5f},
+                                        {{0.8f, 0.4f, 0.2f}, 0, half},
+                                        {{0.8f, 0.4f, 0.2f}, 1, half},
                                         {{0.8f, 0.4f, 0.2f}, 1, 0.8f}};
     Shot shot = lit_shot(surfaces, linear_sky(0, 0), {64, 36});
     const glm::dvec3 l = glm::normalize(glm::dvec3(0.2, 0.8, -0.7));
@@ -198,7 +199,7 @@ TEST_F(LitPicture, TheSunOnDiffuseAndGlossySurfaces) {
                          glossy = d * g * f / (4 * p.to_viewer.y),  // times the cosine of the light
                 diffuse = s.metallic > 0 ? 0 : base * (1 - mirrored_share(0.04, b)) * l.y / std::numbers::pi;
             const double expected = sun_color[c] * std::numbers::pi * (glossy + diffuse);
-            ASSERT_NEAR(p.rgb[static_cast<int>(c)], expected, 1.5e-2 * expected + 2e-3)
+            ASSERT_NEAR(p.rgb[static_cast<int>(c)], expected, 1e-2 * expected + 2e-3)
                 << "strip " << p.strip << ", " << c;
         }
     }
