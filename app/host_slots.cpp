@@ -39,6 +39,7 @@ constexpr KnownSlot known_slots[] = {
     {"light", [](const Brought& of, SlotBinding& b) { b.buffer = of.blocks().light.get(); }},
     {"light_prev", [](const Brought& of, SlotBinding& b) { b.buffer = of.blocks().light_prev.get(); }},
     {"lights", [](const Brought& of, SlotBinding& b) { b.texels = of.blocks().lights.view.get(); }},
+    {"emitters", [](const Brought& of, SlotBinding& b) { b.texels = of.blocks().emitters.view.get(); }},
     {"moved_boxes", [](const Brought& of, SlotBinding& b) { b.buffer = of.blocks().moved_boxes.get(); }},
     {"scene", [](const Brought& of, SlotBinding& b) { b.buffer = of.blocks().scene.get(); }},
     {"scene.nodes",
@@ -84,7 +85,7 @@ std::string previous_slot_of_light(const std::string& light) {
 
 // Optional inputs that are left out until a session has something to bring.
 bool brought_if_there(std::string_view name) {
-    return name == "lights" || name == "environment_lots" || name == "moved_boxes";
+    return name == "lights" || name == "emitters" || name == "environment_lots" || name == "moved_boxes";
 }
 
 template <typename Block>
@@ -98,7 +99,7 @@ void put(const GpuBuffer& buffer, const auto& value) {
 
 }  // namespace
 
-HostBlocks::HostBlocks(Device& device, const std::vector<std::string>& names, size_t count)
+HostBlocks::HostBlocks(Device& device, const std::vector<std::string>& names, size_t count, size_t emitting)
     : sun(block<blocks::Sun>(device, "the sun")),
       sun_prev(block<blocks::Sun>(device, "the previous frame's sun")),
       light(block<blocks::Light>(device, "the light")),
@@ -112,6 +113,9 @@ HostBlocks::HostBlocks(Device& device, const std::vector<std::string>& names, si
     if (count)
         lights = make_host_texels(device, count * sizeof(blocks::Light), VK_FORMAT_R32G32B32A32_UINT,
                                   "the lights");
+    if (emitting)
+        emitters = make_host_texels(device, 2 * emitting * sizeof(Texel), VK_FORMAT_R32G32B32A32_UINT,
+                                    "the bodies that shine");
 }
 
 void HostBlocks::write(const StandaloneFrame& frame) {
@@ -125,6 +129,8 @@ void HostBlocks::write(const StandaloneFrame& frame) {
     }
     if (lights.buffer.mapped)
         std::memcpy(lights.buffer.mapped, frame.lights.data(), frame.lights.size() * sizeof(blocks::Light));
+    if (emitters.buffer.mapped)
+        std::memcpy(emitters.buffer.mapped, frame.emitters.data(), frame.emitters.size() * sizeof(Texel));
     put(scene, frame.scene);
     put(cascades, frame.cascades);
 }

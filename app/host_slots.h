@@ -27,13 +27,13 @@ struct HostBlocks {
 
     // `own_lights`: those that a pipeline has inputs for, each; `lights`: how many the input "lights" holds,
     // 0 where nobody takes it.
-    HostBlocks(Device& device, const std::vector<std::string>& own_lights, size_t lights);
+    HostBlocks(Device& device, const std::vector<std::string>& own_lights, size_t lights, size_t emitters);
     void write(const StandaloneFrame& frame);
     void write_moved(const blocks::MovedBoxes& boxes);
 
     GpuBuffer sun, sun_prev, light, light_prev, scene, cascades, moved_boxes;
     std::vector<OwnLight> own_lights;  // as the host's light_names()
-    GpuTexels lights;
+    GpuTexels lights, emitters;
 };
 
 // What lies on the device behind the slots, where some pass reads it: an empty one is in no plan's slots.

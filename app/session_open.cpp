@@ -60,6 +60,7 @@ std::unique_ptr<StandaloneHost> make_host(Device& device, const CheckedPipeline&
     host.light = lights.chosen.name;
     host.lights = lights.names;
     host.steered = options.steered;
+    host.emitters = pipeline.input("emitters");
     host.materials = pipeline.input("material") || pipeline.input("emissive");
     try {
         return std::make_unique<StandaloneHost>(device, std::move(shot), std::move(scene), host);
@@ -190,7 +191,8 @@ void Session::make_resources(const SessionOptions& options, KeptScene& kept, con
         r.cascade_maps = std::make_unique<CascadeMaps>(device_, scene, options.cascade_size,
                                                        host_->cascade_layers(), needs("cascade_bounds"));
     r.blocks = std::make_unique<HostBlocks>(device_, lights.each ? lights.names : std::vector<std::string>{},
-                                            lights.together ? lights.names.size() : 0);
+                                            lights.together ? lights.names.size() : 0,
+                                            reads(plan(), "emitters") ? host_->emitters().size() : 0);
 }
 
 std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, const CheckedPipeline& pipeline,
@@ -227,6 +229,11 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (lights->together) {
         target.inputs["lights"] = {Format::rgba32ui, {5, static_cast<uint32_t>(lights->names.size())}};
         target.left_out.erase("lights");
+    }
+    if (pipeline.input("emitters") && host.emitters().size() > 0) {
+        target.inputs["emitters"] = {Format::rgba32ui,
+                                     {2 * static_cast<uint32_t>(host.emitters().size()), 1}};
+        target.left_out.erase("emitters");
     }
     bring_moved_boxes(pipeline, host.shot(), options, target);
     if (!bring_environment(pipeline, environment, target, warnings, diagnostics)) return nullptr;

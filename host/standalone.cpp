@@ -27,6 +27,7 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, std::shared_ptr<const 
                                const StandaloneOptions& options)
     : shot_(std::move(shot)),
       scene_(std::move(scene)),
+      emitters_(options.emitters ? Emitters(*scene_) : Emitters()),
       options_(options),
       sub_pixel_bits_(shot_.analytic ? 24 : device.limits().subPixelPrecisionBits),
       gbuffer_(device, *scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
@@ -112,6 +113,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
         out.lights.push_back(light_block(one, moment(index), camera - shot_.origin));
         out.lights_prev.push_back(light_block(one, moment(previous), camera - shot_.origin));
     }
+    out.emitters = emitters_.texels(moment(index), camera - shot_.origin);
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_->bvh_origin());
     for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
     out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);

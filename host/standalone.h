@@ -11,6 +11,7 @@
 
 #include "host/cascades/cascade_fit.h"
 #include "host/gbuffer/gbuffer.h"
+#include "host/materials/emitters.h"
 #include "host/scene/scene.h"
 #include "host/scene/scene_file.h"
 #include "host/shots/light_choice.h"
@@ -28,6 +29,7 @@ struct StandaloneOptions {
     std::string light = "sun";        // a name of the shot's: which one masks are of
     std::vector<std::string> lights;  // names of the shot's: those that a pipeline takes together
     bool materials = false;           // whether the G-buffer has `material` and `emissive`
+    bool emitters = false;            // whether frames have what shines
     bool steered = false;             // somebody will steer(): maps are made for any camera and sun
 };
 
@@ -45,6 +47,7 @@ struct StandaloneFrame {
     blocks::Sun sun{}, sun_prev{};                   // of the previous frame; of this one where there is none
     blocks::Light light{}, light_prev{};             // of the one that masks are of, where it is not the sun
     std::vector<blocks::Light> lights, lights_prev;  // in the options' order
+    std::vector<Texel> emitters;                     // host/materials/emitters.h
     blocks::Scene scene{};
     blocks::Cascades cascades{};
 };
@@ -94,6 +97,7 @@ class StandaloneHost {
         return options_.light == "sun" ? nullptr : &shot_.lights.at(options_.light);
     }
 
+    const Emitters& emitters() const { return emitters_; }
     const std::string& light_name() const { return options_.light; }  // "sun", or of light()
 
     const std::vector<std::string>& light_names() const { return options_.lights; }
@@ -104,6 +108,7 @@ class StandaloneHost {
   private:
     Shot shot_;
     std::shared_ptr<const Scene> scene_;
+    Emitters emitters_;
     StandaloneOptions options_;
     uint32_t sub_pixel_bits_;  // of what drew the G-buffer; many where nothing was rasterised
     GBuffer gbuffer_;

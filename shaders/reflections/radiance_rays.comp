@@ -19,6 +19,7 @@
 #include "reflections/incident.glsl"
 #include "reflections/lobe.glsl"
 #include "reflections/pixel_lobe.glsl"
+#include "reflections/emitters.glsl"
 #include "reflections/ray_texel.glsl"
 #include "reflections/ray_word.glsl"
 #include "reflections/ray_numbers.glsl"
@@ -31,10 +32,23 @@ void store(ivec2 p, vec4 ray, uint direction) {
 #endif
 }
 
-Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 direction, out float weight) {
+// `signs`: of what is stored of red and green, as `radiance` of reconnect takes them.
+Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 direction, out float weight, out vec2 signs) {
     const uint index = is_narrow(roughness) ? ray_index(p, time) : index_in_turn(p, time);
-    bool turned;
-    direction = sample_lobe(lobe, roughness, lobe_numbers(index), turned);
+    vec2 u = lobe_numbers(index);
+    bool turned = false, aims = false;
+    Emitter emitter = Emitter(vec3(0.0), 0.0);
+    vec3 x = vec3(0.0);
+    if (HAS_AIMED) {
+        emitter = emitter_of(rounded(255.0 * imageLoad(aimed, p).x));
+        x = position(p, imageLoad(view_depth, p).x);
+        if (emitter.radius > 0.0) {
+            aims = u.x < 0.5;
+            u.x = fract(2.0 * u.x);
+        }
+    }
+    direction = aims ? aimed_direction(emitter, x, u) : sample_lobe(lobe, roughness, u, turned);
+    signs = vec2(aims || lies_in_cone(emitter, x, direction) ? -1.0 : 1.0, aims ? -1.0 : 1.0);
     weight = is_mirror(roughness) ? 1.0 : turned ? 0.0 : sample_weight(lobe, direction);
     return incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p, time));
 }
@@ -53,16 +67,18 @@ void for_pixel(ivec2 p) {
     const uint first = frame.frame_index * RAYS_PER_PIXEL;
     vec3 direction;
     float weight;
-    Incident light = ray_of(p, lobe, roughness, first, direction, weight);
+    vec2 signs;
+    Incident light = ray_of(p, lobe, roughness, first, direction, weight, signs);
     if (RAYS_PER_PIXEL > 1u) {  // one has no weight
         vec4 sum = weight * vec4(light.radiance, 1.0);
         for (uint i = 1u; i < RAYS_PER_PIXEL; ++i) {
-            light = ray_of(p, lobe, roughness, first + i, direction, weight);
+            light = ray_of(p, lobe, roughness, first + i, direction, weight, signs);
             sum += weight * vec4(light.radiance, 1.0);
         }
         if (sum.w > 0.0) light.radiance = sum.rgb / sum.w;
     }
-    const vec4 ray = encode_ray(light.radiance, light.distance_m, light.moves);
+    vec4 ray = encode_ray(light.radiance, light.distance_m, light.moves);
+    ray.rg *= signs;
     store(p, ray, encode_ray_word(RayWord(direction, missed(ray) ? -direction : light.normal), roughness));
 }
 

@@ -22,6 +22,7 @@
 #include "reflections/ray_word.glsl"
 #include "reflections/radiance_word.glsl"
 #include "reflections/gathered_texel.glsl"
+#include "reflections/emitters.glsl"
 #if ASKS
 #include "common/hash.glsl"
 #include "common/ray_origin.glsl"
@@ -32,6 +33,7 @@
 #endif
 #endif
 
+const int FEW_AIMED = 4;  // neighbours: one in 16 such windows has no ray that was not aimed
 const int REACH = int(RADIUS), SIDE = 2 * REACH + 1, TAPS = SIDE * SIDE;
 
 vec3 normal_at(ivec2 p) { return unpack_direction(imageLoad(octahedral_normal, p).x); }
@@ -59,13 +61,47 @@ Found found(vec3 x, vec4 ray, RayWord word) {
                  max(cosine_at(word.hit_normal, word.direction), LEAST_COSINE));
 }
 
-// Density and response of a lobe at x for what was found: per area there, in units of what its own ray saw.
-vec2 at_found(Lobe lobe, vec3 x, Found f) {
-    if (f.far) return density_and_response(lobe, f.at);
-    const vec3 to = f.at - x;
+// A pixel's ray. Where it might have been aimed: whether it went into the cone, and whether it was drawn from it.
+struct Ray {
+    vec4 found;  // ray_texel.glsl
+    bool in_cone, aimed;
+};
+
+Ray ray_at(ivec2 p) {
+    const vec4 ray = texelFetch(radiance, p, 0);
+    return Ray(vec4(abs(ray.rg), ray.ba), HAS_AIMED && ray.r < 0.0, HAS_AIMED && ray.g < 0.0);
+}
+
+// How a pixel draws its ray.
+struct Source {
+    vec3 x;
+    Lobe lobe;
+    Emitter emitter;  // that it may be aimed at
+};
+
+Source source_at(ivec2 p, vec3 x, Lobe lobe) {
+    const uint number = HAS_AIMED ? rounded(255.0 * imageLoad(aimed, p).x) : 0u;
+    return Source(x, lobe, emitter_of(number));
+}
+
+// Density and response per steradian. `in_cone`: where that is known better than by the direction's digits.
+vec2 in_direction(Source s, vec3 l, bool in_cone) {
+    vec2 both = density_and_response(s.lobe, l);
+    if (HAS_AIMED) {
+        if (s.emitter.radius > 0.0) both.x = 0.5 * (both.x + (in_cone ? cone_density(s.emitter, s.x) : 0.0));
+    }
+    return both;
+}
+
+vec2 in_direction(Source s, vec3 l) { return in_direction(s, l, HAS_AIMED && lies_in_cone(s.emitter, s.x, l)); }
+
+// The same for what was found: per area there, in units of what its own ray saw.
+vec2 at_found(Source s, Found f) {
+    if (f.far) return in_direction(s, f.at);
+    const vec3 to = f.at - s.x;
     const float d2 = max(dot(to, to), 1e-10);
     const vec3 direction = to * inversesqrt(d2);
-    return density_and_response(lobe, direction) * (f.m * f.m * cosine_at(f.normal, direction) / (d2 * f.cosine));
+    return in_direction(s, direction) * (f.m * f.m * cosine_at(f.normal, direction) / (d2 * f.cosine));
 }
 
 struct Sums {
@@ -116,10 +152,18 @@ uint kept_taps(ivec2 p, vec3 x, vec3 n, float z) {
     return kept;
 }
 
+float response_over_density(vec2 both) { return both.y / max(both.x, 1e-30); }
+
 // No ray but the pixel's own tells of its lobe. Has it none, what its surface sees around it stands in, as no sample at all.
-void store_alone(ivec2 p, vec3 x, vec3 n, float z, vec4 own) {
-    if (has_ray(own)) {
-        store(p, own.rgb, abs(own.w), own.w < 0.0, 0.0, 1.0);
+void store_alone(ivec2 p, Source s, float roughness, float z, Ray own) {
+    const vec3 x = s.x, n = s.lobe.n;
+    if (has_ray(own.found)) {
+        float weight = 1.0;
+        if (HAS_AIMED) {
+            const vec3 direction = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness).direction;
+            if (s.emitter.radius > 0.0) weight = response_over_density(in_direction(s, direction, own.in_cone));
+        }
+        store(p, weight * own.found.rgb, abs(own.found.w), own.found.w < 0.0, 0.0, 1.0);
         return;
     }
     vec3 sum = vec3(0.0);
@@ -128,7 +172,7 @@ void store_alone(ivec2 p, vec3 x, vec3 n, float z, vec4 own) {
         const ivec2 q = p + tap(i);
         if (!inside_frame(q)) continue;
         const float z_q = imageLoad(view_depth, q).x;
-        const vec4 ray = texelFetch(radiance, q, 0);
+        const vec4 ray = ray_at(q).found;
         if (!(z_q > 0.0) || !has_ray(ray) || !near_plane(x, n, z, q, z_q)) continue;
         sum += ray.rgb;
         inverse_m += 1.0 / abs(ray.w);
@@ -154,37 +198,58 @@ void offer(inout Choice choice, int i, float difference) {
     }
 }
 
+// The rays of a window as their own pixels drew them.
+struct Window {
+    vec4 lobes;      // response over density in the lobe and that times L, of rays outside of their cones
+    vec4 beside;     // the gather's weight and that times L, of the same
+    float response;  // response over density, of rays that were not aimed
+    float rays;      // how many these are
+    bool aimed;      // whether any might have been
+};
+
+void add(inout Window window, Source s, Ray ray, vec3 direction, float w) {
+    const float in_lobe = response_over_density(density_and_response(s.lobe, direction));
+    window.aimed = window.aimed || s.emitter.radius > 0.0;
+    if (!ray.aimed) {
+        window.response += in_lobe;
+        window.rays += 1.0;
+    }
+    if (ray.in_cone) return;
+    window.lobes += in_lobe * vec4(ray.found.rgb, 1.0);
+    window.beside += w * vec4(ray.found.rgb, 1.0);
+}
+
 // Sums over the pixel's ray and those of the neighbours that are kept but not hidden; these count as densities all the same, since they
-// could have found what is seen. `around`: response over density of each ray in its own pixel, and of that times L.
-Sums gather(ivec2 p, uint kept, uint hidden, vec3 x, Lobe lobe, float roughness, vec4 own, out vec4 around, inout Choice choice) {
+// could have found what is seen.
+Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, Ray own, out Window window, inout Choice choice) {
     const float others = float(bitCount(kept));
-    const bool ray_here = has_ray(own);
+    const bool ray_here = has_ray(own.found);
     const RayWord own_word = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness);
-    const Found own_found = found(x, own, own_word);
-    const vec2 own_lobe = density_and_response(lobe, own_word.direction);
+    const Found own_found = found(source.x, own.found, own_word);
+    const vec2 own_lobe = in_direction(source, own_word.direction, own.in_cone);
     Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
-    around = vec4(0.0);
+    window = Window(vec4(0.0), vec4(0.0), 0.0, 0.0, false);
     float own_weight = 0.0;
     for (int i = 0; i < TAPS; ++i) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
         const ivec2 q = p + tap(i);
         const vec3 x_q = position(q, imageLoad(view_depth, q).x);
         const float roughness_q = pixel_roughness(q);
-        const Lobe lobe_q = pixel_lobe(q, normal_at(q), roughness_q);
-        const vec4 ray = texelFetch(radiance, q, 0);
+        const Source source_q = source_at(q, x_q, pixel_lobe(q, normal_at(q), roughness_q));
+        const Ray ray = ray_at(q);
         const RayWord word = decode_ray_word(texelFetch(ray_direction, q, 0).x, roughness_q);
-        const vec2 here = at_found(lobe, x, found(x_q, ray, word)), there = density_and_response(lobe_q, word.direction);
+        const vec2 here = at_found(source, found(x_q, ray.found, word)), there = in_direction(source_q, word.direction, ray.in_cone);
         const float w = here.y / max(others * there.x + here.x, 1e-30);
-        if (ASKS == 0 || (hidden >> uint(i) & 1u) == 0u) add(sums, w, ray);
-        if (ASKS == 1) offer(choice, i, w * length(ray_here ? ray.rgb - own.rgb : ray.rgb));
-        around += there.y / max(there.x, 1e-30) * vec4(ray.rgb, 1.0);
+        if (ASKS == 0 || (hidden >> uint(i) & 1u) == 0u) add(sums, w, ray.found);
+        if (ASKS == 1) offer(choice, i, w * length(ray_here ? ray.found.rgb - own.found.rgb : ray.found.rgb));
+        add(window, source_q, ray, word.direction, w);
         if (!ray_here) continue;
-        const float of_own = at_found(lobe_q, x_q, own_found).x;
+        const float of_own = at_found(source_q, own_found).x;
         own_weight += own_lobe.y / max(others * of_own + own_lobe.x, 1e-30);
     }
     if (ray_here) {
-        add(sums, own_weight / others, own);
-        around += own_lobe.y / max(own_lobe.x, 1e-30) * vec4(own.rgb, 1.0);
+        add(sums, own_weight / others, own.found);
+        add(window, source, own, own_word.direction, own_weight / others);
     }
     return sums;
 }
@@ -237,43 +302,49 @@ void for_pixel(ivec2 p) {
         store(p, vec3(0.0), 0.0, false, 0.0, 0.0);
         return;
     }
-    const vec4 own = texelFetch(radiance, p, 0);
+    const Ray own = ray_at(p);
     const float roughness = pixel_roughness(p);
-    const Lobe lobe = pixel_lobe(p, normal_at(p), roughness);
-    const vec3 x = position(p, z);
-    const bool ray_here = has_ray(own);
-    const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, x, lobe.n, z);
+    const Source source = source_at(p, position(p, z), pixel_lobe(p, normal_at(p), roughness));
+    const bool ray_here = has_ray(own.found);
+    const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, source.x, source.lobe.n, z);
     if (kept == 0u) {
-        store_alone(p, x, lobe.n, z, own);
+        store_alone(p, source, roughness, z, own);
         return;
     }
 
-    vec4 around;
+    Window window;
     Choice choice = Choice(0.0, 0.0, -1);
 #if ASKS
     const uint number = noise_hash(uint(p.x) ^ noise_hash(uint(p.y) ^ noise_hash(frame.frame_index)));
     choice.u = noise_unit(uvec2(number)).x;
 #endif
-    Sums sums = gather(p, kept, 0u, x, lobe, roughness, own, around, choice);
+    Sums sums = gather(p, kept, 0u, source, roughness, own, window, choice);
 #if ASKS
-    const uint hidden = is_wide(roughness) && choice.tap >= 0 ? hidden_with(p, kept, choice.tap, x, lobe.n) : 0u;
+    const uint hidden = is_wide(roughness) && choice.tap >= 0 ? hidden_with(p, kept, choice.tap, source.x, source.lobe.n) : 0u;
     if (hidden != 0u) {  // what the pixel sees in its place is like the rest of what it sees
         const float all = sums.weight;
-        sums = gather(p, kept, hidden, x, lobe, roughness, own, around, choice);
+        sums = gather(p, kept, hidden, source, roughness, own, window, choice);
         scale(sums, min(all / max(sums.weight, 1e-20), MOST_SCALE));
     }
 #endif
     if (!(sums.weight > 1e-20)) {
-        store_alone(p, x, lobe.n, z, own);
+        store_alone(p, source, roughness, z, own);
         return;
     }
 
     // Weights sum up to the response's integral in the mean, which neighbours' rays tell well. Divided by their sum instead, what only
     // some pixels find well is too faint, in every frame; so what the sum lacks or has too much of is their mean radiance. For glossy lobes
     // by half, since it may be more than there is, and what is cut off at 0 is too bright in the mean.
-    const bool whole = ray_here && is_wide(roughness) && around.w > 0.0;
-    const float integral = whole ? around.w / (float(bitCount(kept)) + 1.0) : sums.weight;
-    const vec3 mean = whole ? mix(sums.radiance / sums.weight, around.rgb / around.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5) : vec3(0.0);
+    // Where rays might have been aimed the sum tells of how many were. It is not divided by, and the mean is that of the others; of a few
+    // rays there may be none.
+    const bool wide = ray_here && is_wide(roughness) && window.lobes.w > 0.0;
+    const float integral = !wide && !window.aimed ? sums.weight : window.rays > 0.0 ? window.response / window.rays : 1.0;
+    vec3 mean = vec3(0.0);
+    if (!window.aimed || bitCount(kept) >= FEW_AIMED) {
+        const vec3 beside = window.beside.rgb / max(window.beside.w, 1e-20);
+        if (wide) mean = mix(beside, window.lobes.rgb / window.lobes.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5);
+        else mean = beside;
+    }
     const vec3 g = max((sums.radiance + mean * (integral - sums.weight)) / integral, 0.0);
     const float samples = sums.weight * sums.weight / sums.squares;
     const float spread = sums.of_squares2 - 2.0 * dot(g, sums.of_squares) + dot(g, g) * sums.squares;

@@ -95,6 +95,30 @@ TEST(RadiancePlan, LampsThatAreNotThereTakeNothing) {
             << name;
 }
 
+// A host that knows of nothing that shines, and one that does.
+TEST(RadiancePlan, WhatShinesTakesAByteWhereItIsThere) {
+    const auto plan_with = [](const char* name, bool emitters, const std::vector<std::string>& settings) {
+        static const NodeSet nodes = shadow_nodes();
+        Diagnostics diagnostics;
+        const auto pipeline = load_pipeline(std::string(PENUMBRA_SOURCE_DIR "/pipelines/") + name + ".json",
+                                            settings, diagnostics);
+        const auto checked = check(*pipeline, nodes, diagnostics);
+        Target target = standalone_target(*checked, reference_device(), full_hd, {});
+        if (emitters && target.left_out.erase("emitters"))
+            target.inputs["emitters"] = {Format::rgba32ui, {6, 1}};
+        return *compile(*checked, target, {}, diagnostics);
+    };
+    for (const char* name : {"reflections", "indirect"}) {
+        const Plan with = plan_with(name, true, {}), without = plan_with(name, false, {}),
+                   never = plan_with(name, false, {"nodes.aim=null"});
+        EXPECT_EQ(passes_of(with, "aim_rays"), 1u) << name;
+        EXPECT_EQ(without.passes.size(), never.passes.size()) << name;
+        EXPECT_EQ(without.memory.unaliased_bytes, never.memory.unaliased_bytes) << name;
+        EXPECT_LE(bytes_per_pixel(with.memory.heap_bytes), 40.01) << name;
+        EXPECT_EQ(with.memory.persistent_bytes, without.memory.persistent_bytes) << name;
+    }
+}
+
 class RadianceFacts : public GpuTest {
   protected:
     // All images with what the scene says and with the fact taken for true.
