@@ -123,6 +123,7 @@ const std::vector<Exception>& exceptions() {
         {"polaris10", "radiance_reference", "VGPRs", 109},
         {"polaris10", "radiance_reference", "waves per SIMD", 2},
         {"polaris10", "radiance_rays", "waves per SIMD", 2},
+        {"polaris10", "reconnect", "VGPRs", 97},
         {"polaris10", "reconnect", "waves per SIMD", 2},
     };
     return list;

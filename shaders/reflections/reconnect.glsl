@@ -33,7 +33,6 @@
 #endif
 #endif
 
-const int FEW_AIMED = 4;  // neighbours: one in 16 such windows has no ray that was not aimed
 const int REACH = int(RADIUS), SIDE = 2 * REACH + 1, TAPS = SIDE * SIDE;
 
 vec3 normal_at(ivec2 p) { return unpack_direction(imageLoad(octahedral_normal, p).x); }
@@ -154,31 +153,46 @@ uint kept_taps(ivec2 p, vec3 x, vec3 n, float z) {
 
 float response_over_density(vec2 both) { return both.y / max(both.x, 1e-30); }
 
-// No ray but the pixel's own tells of its lobe. Has it none, what its surface sees around it stands in, as no sample at all.
-void store_alone(ivec2 p, Source s, float roughness, float z, Ray own) {
-    const vec3 x = s.x, n = s.lobe.n;
-    if (has_ray(own.found)) {
-        float weight = 1.0;
-        if (HAS_AIMED) {
-            const vec3 direction = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness).direction;
-            if (s.emitter.radius > 0.0) weight = response_over_density(in_direction(s, direction, own.in_cone));
-        }
-        store(p, weight * own.found.rgb, abs(own.found.w), own.found.w < 0.0, 0.0, 1.0);
-        return;
-    }
-    vec3 sum = vec3(0.0);
-    float inverse_m = 0.0, count = 0.0;
+// The mean of what rays around found, and of the inverse of how far away: of those on the same plane, or of all that missed their cones.
+struct Surroundings {
+    vec3 radiance;
+    float inverse_m, rays;
+};
+
+Surroundings surroundings(ivec2 p, Source s, float z, bool same_plane) {
+    Surroundings mean = Surroundings(vec3(0.0), 0.0, 0.0);
     for (int i = 0; i < TAPS; ++i) {
         const ivec2 q = p + tap(i);
-        if (!inside_frame(q)) continue;
+        if (q == p || !inside_frame(q)) continue;
         const float z_q = imageLoad(view_depth, q).x;
-        const vec4 ray = ray_at(q).found;
-        if (!(z_q > 0.0) || !has_ray(ray) || !near_plane(x, n, z, q, z_q)) continue;
-        sum += ray.rgb;
-        inverse_m += 1.0 / abs(ray.w);
-        count += 1.0;
+        const Ray ray = ray_at(q);
+        if (!(z_q > 0.0) || !has_ray(ray.found)) continue;
+        if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : ray.in_cone) continue;
+        mean = Surroundings(mean.radiance + ray.found.rgb, mean.inverse_m + 1.0 / abs(ray.found.w), mean.rays + 1.0);
     }
-    store(p, sum / max(count, 1.0), count / max(inverse_m, 1e-10), false, 0.0, 0.0);
+    const float each = 1.0 / max(mean.rays, 1.0);
+    return Surroundings(mean.radiance * each, mean.inverse_m * each, mean.rays);
+}
+
+// No ray but the pixel's own tells of its lobe. Has it none, what its surface sees around it stands in, as no sample at all. A ray that
+// might have been aimed counts as much as it has to; what it then lacks is taken from others', whatever they are of: without a bias, and
+// what is the same everywhere stays so.
+void store_alone(ivec2 p, Source s, float roughness, float z, Ray own) {
+    if (!has_ray(own.found)) {
+        const Surroundings around = surroundings(p, s, z, true);
+        store(p, around.radiance, around.rays > 0.0 ? 1.0 / max(around.inverse_m, 1e-10) : 0.0, false, 0.0, 0.0);
+        return;
+    }
+    vec3 radiance = own.found.rgb;
+    if (HAS_AIMED) {
+        if (s.emitter.radius > 0.0) {
+            const vec3 direction = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness).direction;
+            const Surroundings around = surroundings(p, s, z, false);
+            const float weight = response_over_density(in_direction(s, direction, own.in_cone));
+            if (around.rays > 0.0) radiance = max(around.radiance + weight * (radiance - around.radiance), 0.0);
+        }
+    }
+    store(p, radiance, abs(own.found.w), own.found.w < 0.0, 0.0, 1.0);
 }
 
 // A neighbour, drawn in proportion to what it makes of a difference.
@@ -201,7 +215,7 @@ void offer(inout Choice choice, int i, float difference) {
 // The rays of a window as their own pixels drew them.
 struct Window {
     vec4 lobes;      // response over density in the lobe and that times L, of rays outside of their cones
-    vec4 beside;     // the gather's weight and that times L, of the same
+    vec4 beside;     // the gather's weight of these, of that times L
     float response;  // response over density, of rays that were not aimed
     float rays;      // how many these are
     bool aimed;      // whether any might have been
@@ -209,14 +223,14 @@ struct Window {
 
 void add(inout Window window, Source s, Ray ray, vec3 direction, float w) {
     const float in_lobe = response_over_density(density_and_response(s.lobe, direction));
-    window.aimed = window.aimed || s.emitter.radius > 0.0;
-    if (!ray.aimed) {
-        window.response += in_lobe;
-        window.rays += 1.0;
+    const vec4 found = vec4(ray.found.rgb, 1.0);
+    if (!ray.in_cone) window.lobes += in_lobe * found;
+    if (HAS_AIMED) {
+        window.aimed = window.aimed || s.emitter.radius > 0.0;
+        if (!ray.aimed) window.response += in_lobe;
+        if (!ray.aimed) window.rays += 1.0;
+        if (!ray.in_cone) window.beside += w * found;
     }
-    if (ray.in_cone) return;
-    window.lobes += in_lobe * vec4(ray.found.rgb, 1.0);
-    window.beside += w * vec4(ray.found.rgb, 1.0);
 }
 
 // Sums over the pixel's ray and those of the neighbours that are kept but not hidden; these count as densities all the same, since they
@@ -251,6 +265,7 @@ Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, Ray
         add(sums, own_weight / others, own.found);
         add(window, source, own, own_word.direction, own_weight / others);
     }
+    if (!HAS_AIMED) window.beside = vec4(sums.radiance, sums.weight);
     return sums;
 }
 
@@ -335,15 +350,16 @@ void for_pixel(ivec2 p) {
     // Weights sum up to the response's integral in the mean, which neighbours' rays tell well. Divided by their sum instead, what only
     // some pixels find well is too faint, in every frame; so what the sum lacks or has too much of is their mean radiance. For glossy lobes
     // by half, since it may be more than there is, and what is cut off at 0 is too bright in the mean.
-    // Where rays might have been aimed the sum tells of how many were. It is not divided by, and the mean is that of the others; of a few
-    // rays there may be none.
-    const bool wide = ray_here && is_wide(roughness) && window.lobes.w > 0.0;
-    const float integral = !wide && !window.aimed ? sums.weight : window.rays > 0.0 ? window.response / window.rays : 1.0;
+    const bool wide = ray_here && is_wide(roughness) && window.lobes.w > 0.0 && window.beside.w > 0.0;
+    float integral = wide ? window.lobes.w / (float(bitCount(kept)) + 1.0) : sums.weight;
     vec3 mean = vec3(0.0);
-    if (!window.aimed || bitCount(kept) >= FEW_AIMED) {
-        const vec3 beside = window.beside.rgb / max(window.beside.w, 1e-20);
-        if (wide) mean = mix(beside, window.lobes.rgb / window.lobes.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5);
-        else mean = beside;
+    if (wide) mean = mix(window.beside.rgb / window.beside.w, window.lobes.rgb / window.lobes.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5);
+    if (HAS_AIMED) {  // the sum tells of how many were aimed: it is not divided by, and the mean is that of the others
+        if (window.aimed) integral = window.rays > 0.0 ? window.response / window.rays : 1.0;
+        if (window.aimed && !wide) {
+            const Surroundings all = surroundings(p, source, z, false);
+            mean = window.beside.w > 0.0 ? window.beside.rgb / window.beside.w : all.rays > 0.0 ? all.radiance : sums.radiance / sums.weight;
+        }
     }
     const vec3 g = max((sums.radiance + mean * (integral - sums.weight)) / integral, 0.0);
     const float samples = sums.weight * sums.weight / sums.squares;
