@@ -65,17 +65,23 @@ TEST(RadiancePlan, LeavesOutWhatTheSceneDoesNotHave) {
     EXPECT_LT(mirrors.memory.heap_bytes, all.memory.heap_bytes);
 }
 
+// For a host that has texels of this extent for an optional input; of none where it is 0.
+Plan plan_beside(const char* name, const std::string& input, Extent texels,
+                 const std::vector<std::string>& settings) {
+    static const NodeSet nodes = shadow_nodes();
+    Diagnostics diagnostics;
+    const auto pipeline =
+        load_pipeline(std::string(PENUMBRA_SOURCE_DIR "/pipelines/") + name + ".json", settings, diagnostics);
+    const auto checked = check(*pipeline, nodes, diagnostics);
+    Target target = standalone_target(*checked, reference_device(), full_hd, {});
+    if (texels.width && target.left_out.erase(input)) target.inputs[input] = {Format::rgba32ui, texels};
+    return *compile(*checked, target, {}, diagnostics);
+}
+
 // A host without lamps, and one that has some.
 TEST(RadiancePlan, LampsThatAreNotThereTakeNothing) {
     const auto plan_with = [](const char* name, bool lamps, const std::vector<std::string>& settings) {
-        static const NodeSet nodes = shadow_nodes();
-        Diagnostics diagnostics;
-        const auto pipeline = load_pipeline(std::string(PENUMBRA_SOURCE_DIR "/pipelines/") + name + ".json",
-                                            settings, diagnostics);
-        const auto checked = check(*pipeline, nodes, diagnostics);
-        Target target = standalone_target(*checked, reference_device(), full_hd, {});
-        if (lamps && target.left_out.erase("lights")) target.inputs["lights"] = {Format::rgba32ui, {5, 3}};
-        return *compile(*checked, target, {}, diagnostics);
+        return plan_beside(name, "lights", lamps ? Extent{5, 3} : Extent{0, 0}, settings);
     };
     for (const char* name : {"lit", "lit_fast", "reference_lit"}) {
         const Plan with = plan_with(name, true, {}), without = plan_with(name, false, {}),
@@ -98,15 +104,7 @@ TEST(RadiancePlan, LampsThatAreNotThereTakeNothing) {
 // A host that knows of nothing that shines, and one that does.
 TEST(RadiancePlan, WhatShinesTakesAByteWhereItIsThere) {
     const auto plan_with = [](const char* name, bool emitters, const std::vector<std::string>& settings) {
-        static const NodeSet nodes = shadow_nodes();
-        Diagnostics diagnostics;
-        const auto pipeline = load_pipeline(std::string(PENUMBRA_SOURCE_DIR "/pipelines/") + name + ".json",
-                                            settings, diagnostics);
-        const auto checked = check(*pipeline, nodes, diagnostics);
-        Target target = standalone_target(*checked, reference_device(), full_hd, {});
-        if (emitters && target.left_out.erase("emitters"))
-            target.inputs["emitters"] = {Format::rgba32ui, {6, 1}};
-        return *compile(*checked, target, {}, diagnostics);
+        return plan_beside(name, "emitters", emitters ? Extent{6, 1} : Extent{0, 0}, settings);
     };
     for (const char* name : {"reflections", "indirect"}) {
         const Plan with = plan_with(name, true, {}), without = plan_with(name, false, {}),
