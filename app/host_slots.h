@@ -26,7 +26,7 @@ struct HostBlocks {
     };
 
     // `own_lights`: those that a pipeline has inputs for, each; `lights`: how many the input "lights" holds,
-    // 0 where nobody takes it.
+    // `emitters` how many bodies shine for that input; 0 where nobody takes it.
     HostBlocks(Device& device, const std::vector<std::string>& own_lights, size_t lights, size_t emitters);
     void write(const StandaloneFrame& frame);
     void write_moved(const blocks::MovedBoxes& boxes);

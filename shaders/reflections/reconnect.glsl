@@ -356,9 +356,10 @@ void for_pixel(ivec2 p) {
     if (wide) mean = mix(window.beside.rgb / window.beside.w, window.lobes.rgb / window.lobes.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5);
     if (HAS_AIMED) {  // the sum tells of how many were aimed: it is not divided by, and the mean is that of the others
         if (window.aimed) integral = window.rays > 0.0 ? window.response / window.rays : 1.0;
-        if (window.aimed && !wide) {
+        if (window.aimed && window.beside.w > 0.0 && !wide) mean = window.beside.rgb / window.beside.w;
+        if (window.aimed && !(window.beside.w > 0.0)) {  // all went into their cones
             const Surroundings all = surroundings(p, source, z, false);
-            mean = window.beside.w > 0.0 ? window.beside.rgb / window.beside.w : all.rays > 0.0 ? all.radiance : sums.radiance / sums.weight;
+            mean = all.rays > 0.0 ? all.radiance : sums.radiance / sums.weight;
         }
     }
     const vec3 g = max((sums.radiance + mean * (integral - sums.weight)) / integral, 0.0);

@@ -87,7 +87,8 @@ Shot bulb_over_floors(std::array<uint32_t, 2> size) {
 }
 
 struct Judged {
-    double bias, squared;  // of the mean's, and per frame, over the truth's sum
+    double bias;     // of the mean over pixels and frames, relative
+    double squared;  // error of a frame, summed over pixels and channels
 };
 
 Judged judge(const Shot& shot, const PlanarImage& truth, const std::string& pipeline,
