@@ -3,11 +3,16 @@
 // an old one.
 #include "host/images/image_file.h"
 
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfOutputFile.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <webp/demux.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <csignal>
@@ -195,6 +200,28 @@ TEST_F(ImageFile, HeadersMayNotClaimMoreThanTheFileHolds) {
     EXPECT_NE(claim(24999, 24999).find("PENUMBRA_INPUT_LIMIT_MIB: \"much\" is no whole number"),
               std::string::npos);
     ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
+}
+
+// The address of texel (0, 0) of such a file is outside of memory (sanitized builds say so of pointers).
+TEST_F(ImageFile, WindowsMayBeFarAway) {
+    const std::array<float, 6> texels{1, 2, 3, 4, 5, 6};
+    for (const int corner : {-1000000000, -1, 1000000000}) {
+        Imf::Header header(3, 2);
+        header.dataWindow() = {{corner, corner}, {corner + 2, corner + 1}};
+        header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+        const std::string path = (folder_ / "far.exr").string();
+        {
+            Imf::OutputFile file(path.c_str(), header);
+            Imf::FrameBuffer planes;
+            planes.insert("Y", Imf::Slice::Make(Imf::FLOAT, texels.data(), header.dataWindow()));
+            file.setFrameBuffer(planes);
+            file.writePixels(2);
+        }
+        Diagnostics diagnostics;
+        const auto image = read_exr(path, diagnostics);
+        ASSERT_TRUE(image) << diagnostics.text();
+        EXPECT_TRUE(std::ranges::equal(image->planes.at(0).values, texels)) << corner;
+    }
 }
 
 // Of an attribute's size, too, and of each part: OpenEXR takes so much memory before it reads.

@@ -45,7 +45,6 @@ function(penumbra_sanitized TARGET)
   target_link_libraries(${TARGET} PRIVATE OpenEXR::OpenEXR TinyGLTF::TinyGLTF draco::draco meshoptimizer::meshoptimizer
     PNG::PNG ZLIB::ZLIB JPEG::JPEG ${WEBP_DEMUX_LIBRARY} ${WEBP_MUX_LIBRARY} ${WEBP_LIBRARY} nlohmann_json::nlohmann_json glm::glm fmt::fmt Vulkan::Headers)
 endfunction()
-find_package(OpenEXR CONFIG REQUIRED)
 add_library(sanitized OBJECT ${SANITIZED_SOURCES})
 penumbra_sanitized(sanitized -O1 -fsanitize=fuzzer-no-link)
 target_precompile_headers(sanitized PRIVATE ${PRECOMPILED})

@@ -43,11 +43,13 @@ Imf::PixelType pixel_type(PlaneType type) {
 }
 
 // A slice over a full plane whose first texel is `data`, for an image whose data window starts at (x0, y0).
+// OpenEXR asks for the address of texel (0, 0), which may lie anywhere: it is an integer that wraps until the
+// window's corner is added again.
 template <class T>
 Imf::Slice slice(Imf::PixelType type, T* data, size_t width, int64_t x0, int64_t y0) {
-    const auto offset = static_cast<ptrdiff_t>((y0 * static_cast<int64_t>(width) + x0) * int64_t(sizeof(T)));
-    char* base = const_cast<char*>(reinterpret_cast<const char*>(data)) - offset;
-    return {type, base, sizeof(T), sizeof(T) * width};
+    const auto first = static_cast<uint64_t>(y0) * width + static_cast<uint64_t>(x0);
+    const uintptr_t base = reinterpret_cast<uintptr_t>(data) - first * sizeof(T);
+    return {type, reinterpret_cast<char*>(base), sizeof(T), sizeof(T) * width};
 }
 
 // IEC 61966-2-1.
