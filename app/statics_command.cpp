@@ -107,8 +107,8 @@ int run_statics(const StaticsArguments& arguments) {
     for (const CheckedPipeline& pipeline : pipelines) {
         const std::string what = "compiling the shaders of " + pipeline.name;
         doing(what);
-        const Target target =
-            standalone_target(pipeline, table, {1920, 1080}, *facts, {1024, 1024}, max_cascades);
+        Target target = standalone_target(pipeline, table, {1920, 1080}, *facts, {1024, 1024}, max_cascades);
+        target.left_out.clear();  // as facts that are not named: what a host may bring is there
         Diagnostics diagnostics;
         const auto plan = compile(pipeline, target, {}, diagnostics);
         if (!plan) {

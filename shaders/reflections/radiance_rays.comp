@@ -32,8 +32,8 @@ void store(ivec2 p, vec4 ray, uint direction) {
 #endif
 }
 
-// `signs`: of what is stored of red and green, as `radiance` of reconnect takes them.
-Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 direction, out float weight, out vec2 signs) {
+// `marks`: as mark() takes them.
+Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 direction, out float weight, out bvec2 marks) {
     const uint index = is_narrow(roughness) ? ray_index(p, time) : index_in_turn(p, time);
     vec2 u = lobe_numbers(index);
     bool turned = false, aims = false;
@@ -48,7 +48,7 @@ Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 directi
         }
     }
     direction = aims ? aimed_direction(emitter, x, u) : sample_lobe(lobe, roughness, u, turned);
-    signs = vec2(aims || lies_in_cone(emitter, x, direction) ? -1.0 : 1.0, aims ? -1.0 : 1.0);
+    marks = bvec2(aims || lies_in_cone(emitter, x, direction), aims);
     weight = is_mirror(roughness) ? 1.0 : turned ? 0.0 : sample_weight(lobe, direction);
     return incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p, time));
 }
@@ -67,18 +67,17 @@ void for_pixel(ivec2 p) {
     const uint first = frame.frame_index * RAYS_PER_PIXEL;
     vec3 direction;
     float weight;
-    vec2 signs;
-    Incident light = ray_of(p, lobe, roughness, first, direction, weight, signs);
+    bvec2 marks;
+    Incident light = ray_of(p, lobe, roughness, first, direction, weight, marks);
     if (RAYS_PER_PIXEL > 1u) {  // one has no weight
         vec4 sum = weight * vec4(light.radiance, 1.0);
         for (uint i = 1u; i < RAYS_PER_PIXEL; ++i) {
-            light = ray_of(p, lobe, roughness, first + i, direction, weight, signs);
+            light = ray_of(p, lobe, roughness, first + i, direction, weight, marks);
             sum += weight * vec4(light.radiance, 1.0);
         }
         if (sum.w > 0.0) light.radiance = sum.rgb / sum.w;
     }
-    vec4 ray = encode_ray(light.radiance, light.distance_m, light.moves);
-    ray.rg *= signs;
+    const vec4 ray = mark(encode_ray(light.radiance, light.distance_m, light.moves), marks);
     store(p, ray, encode_ray_word(RayWord(direction, missed(ray) ? -direction : light.normal), roughness));
 }
 

@@ -43,9 +43,10 @@ ivec2 tap(int i) { return ivec2(i % SIDE, i / SIDE) - REACH; }
 struct Found {
     vec3 at;  // camera-relative, or a unit vector
     vec3 normal;
-    bool far;
     float m, cosine;  // how far away and how steeply the ray met it
 };
+
+bool is_far(Found f) { return !(f.m < NO_HIT_M); }
 
 const float LEAST_COSINE = 0.005;  // a normal is off by less
 
@@ -55,20 +56,8 @@ float cosine_at(vec3 normal, vec3 direction) {
 }
 
 Found found(vec3 x, vec4 ray, RayWord word) {
-    const bool far = missed(ray);
-    return Found(far ? word.direction : x + abs(ray.w) * word.direction, word.hit_normal, far, abs(ray.w),
+    return Found(missed(ray) ? word.direction : x + abs(ray.w) * word.direction, word.hit_normal, abs(ray.w),
                  max(cosine_at(word.hit_normal, word.direction), LEAST_COSINE));
-}
-
-// A pixel's ray. Where it might have been aimed: whether it went into the cone, and whether it was drawn from it.
-struct Ray {
-    vec4 found;  // ray_texel.glsl
-    bool in_cone, aimed;
-};
-
-Ray ray_at(ivec2 p) {
-    const vec4 ray = texelFetch(radiance, p, 0);
-    return Ray(vec4(abs(ray.rg), ray.ba), HAS_AIMED && ray.r < 0.0, HAS_AIMED && ray.g < 0.0);
 }
 
 // How a pixel draws its ray.
@@ -96,7 +85,7 @@ vec2 in_direction(Source s, vec3 l) { return in_direction(s, l, HAS_AIMED && lie
 
 // The same for what was found: per area there, in units of what its own ray saw.
 vec2 at_found(Source s, Found f) {
-    if (f.far) return in_direction(s, f.at);
+    if (is_far(f)) return in_direction(s, f.at);
     const vec3 to = f.at - s.x;
     const float d2 = max(dot(to, to), 1e-10);
     const vec3 direction = to * inversesqrt(d2);
@@ -113,11 +102,12 @@ struct Sums {
 
 void add(inout Sums s, float w, vec4 ray) {
     const float w2 = w * w;
+    const vec3 found = radiance_of(ray);
     s.weight += w;
     s.squares += w2;
-    s.radiance += w * ray.rgb;
-    s.of_squares += w2 * ray.rgb;
-    s.of_squares2 += w2 * dot(ray.rgb, ray.rgb);
+    s.radiance += w * found;
+    s.of_squares += w2 * found;
+    s.of_squares2 += w2 * dot(found, found);
     s.inverse_m += w / abs(ray.w);
     s.moving += ray.w < 0.0 ? w : 0.0;
 }
@@ -165,10 +155,10 @@ Surroundings surroundings(ivec2 p, Source s, float z, bool same_plane) {
         const ivec2 q = p + tap(i);
         if (q == p || !inside_frame(q)) continue;
         const float z_q = imageLoad(view_depth, q).x;
-        const Ray ray = ray_at(q);
-        if (!(z_q > 0.0) || !has_ray(ray.found)) continue;
-        if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : ray.in_cone) continue;
-        mean = Surroundings(mean.radiance + ray.found.rgb, mean.inverse_m + 1.0 / abs(ray.found.w), mean.rays + 1.0);
+        const vec4 ray = texelFetch(radiance, q, 0);
+        if (!(z_q > 0.0) || !has_ray(ray)) continue;
+        if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : went_into_cone(ray)) continue;
+        mean = Surroundings(mean.radiance + radiance_of(ray), mean.inverse_m + 1.0 / abs(ray.w), mean.rays + 1.0);
     }
     const float each = 1.0 / max(mean.rays, 1.0);
     return Surroundings(mean.radiance * each, mean.inverse_m * each, mean.rays);
@@ -177,22 +167,18 @@ Surroundings surroundings(ivec2 p, Source s, float z, bool same_plane) {
 // No ray but the pixel's own tells of its lobe. Has it none, what its surface sees around it stands in, as no sample at all. A ray that
 // might have been aimed counts as much as it has to; what it then lacks is taken from others', whatever they are of: without a bias, and
 // what is the same everywhere stays so.
-void store_alone(ivec2 p, Source s, float roughness, float z, Ray own) {
-    if (!has_ray(own.found)) {
-        const Surroundings around = surroundings(p, s, z, true);
+void store_alone(ivec2 p, Source s, float roughness, vec4 own, Surroundings around) {
+    if (!has_ray(own)) {
         store(p, around.radiance, around.rays > 0.0 ? 1.0 / max(around.inverse_m, 1e-10) : 0.0, false, 0.0, 0.0);
         return;
     }
-    vec3 radiance = own.found.rgb;
+    vec3 radiance = radiance_of(own);
     if (HAS_AIMED) {
-        if (s.emitter.radius > 0.0) {
-            const vec3 direction = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness).direction;
-            const Surroundings around = surroundings(p, s, z, false);
-            const float weight = response_over_density(in_direction(s, direction, own.in_cone));
-            if (around.rays > 0.0) radiance = max(around.radiance + weight * (radiance - around.radiance), 0.0);
-        }
+        const vec3 direction = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness).direction;
+        const float weight = response_over_density(in_direction(s, direction, went_into_cone(own)));
+        if (around.rays > 0.0) radiance = max(around.radiance + weight * (radiance - around.radiance), 0.0);
     }
-    store(p, radiance, abs(own.found.w), own.found.w < 0.0, 0.0, 1.0);
+    store(p, radiance, abs(own.w), own.w < 0.0, 0.0, 1.0);
 }
 
 // A neighbour, drawn in proportion to what it makes of a difference.
@@ -218,31 +204,31 @@ struct Window {
     vec4 beside;     // the gather's weight of these, of that times L
     float response;  // response over density, of rays that were not aimed
     float rays;      // how many these are
-    bool aimed;      // whether any might have been
+    float aimed;     // of how many might have been
 };
 
-void add(inout Window window, Source s, Ray ray, vec3 direction, float w) {
+void add(inout Window window, Source s, vec4 ray, vec3 direction, float w) {
     const float in_lobe = response_over_density(density_and_response(s.lobe, direction));
-    const vec4 found = vec4(ray.found.rgb, 1.0);
-    if (!ray.in_cone) window.lobes += in_lobe * found;
+    const vec4 found = vec4(radiance_of(ray), 1.0);
+    if (!(HAS_AIMED && went_into_cone(ray))) window.lobes += in_lobe * found;
     if (HAS_AIMED) {
-        window.aimed = window.aimed || s.emitter.radius > 0.0;
-        if (!ray.aimed) window.response += in_lobe;
-        if (!ray.aimed) window.rays += 1.0;
-        if (!ray.in_cone) window.beside += w * found;
+        window.aimed += s.emitter.radius > 0.0 ? 1.0 : 0.0;
+        if (!was_aimed(ray)) window.response += in_lobe;
+        if (!was_aimed(ray)) window.rays += 1.0;
+        if (!went_into_cone(ray)) window.beside += w * found;
     }
 }
 
 // Sums over the pixel's ray and those of the neighbours that are kept but not hidden; these count as densities all the same, since they
 // could have found what is seen.
-Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, Ray own, out Window window, inout Choice choice) {
+Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, vec4 own, out Window window, inout Choice choice) {
     const float others = float(bitCount(kept));
-    const bool ray_here = has_ray(own.found);
+    const bool ray_here = has_ray(own);
     const RayWord own_word = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness);
-    const Found own_found = found(source.x, own.found, own_word);
-    const vec2 own_lobe = in_direction(source, own_word.direction, own.in_cone);
+    const Found own_found = found(source.x, own, own_word);
+    const vec2 own_lobe = in_direction(source, own_word.direction, went_into_cone(own));
     Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
-    window = Window(vec4(0.0), vec4(0.0), 0.0, 0.0, false);
+    window = Window(vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0);
     float own_weight = 0.0;
     for (int i = 0; i < TAPS; ++i) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
@@ -250,19 +236,19 @@ Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, Ray
         const vec3 x_q = position(q, imageLoad(view_depth, q).x);
         const float roughness_q = pixel_roughness(q);
         const Source source_q = source_at(q, x_q, pixel_lobe(q, normal_at(q), roughness_q));
-        const Ray ray = ray_at(q);
+        const vec4 ray = texelFetch(radiance, q, 0);
         const RayWord word = decode_ray_word(texelFetch(ray_direction, q, 0).x, roughness_q);
-        const vec2 here = at_found(source, found(x_q, ray.found, word)), there = in_direction(source_q, word.direction, ray.in_cone);
+        const vec2 here = at_found(source, found(x_q, ray, word)), there = in_direction(source_q, word.direction, went_into_cone(ray));
         const float w = here.y / max(others * there.x + here.x, 1e-30);
-        if (ASKS == 0 || (hidden >> uint(i) & 1u) == 0u) add(sums, w, ray.found);
-        if (ASKS == 1) offer(choice, i, w * length(ray_here ? ray.found.rgb - own.found.rgb : ray.found.rgb));
+        if (ASKS == 0 || (hidden >> uint(i) & 1u) == 0u) add(sums, w, ray);
+        if (ASKS == 1) offer(choice, i, w * length(ray_here ? radiance_of(ray) - radiance_of(own) : radiance_of(ray)));
         add(window, source_q, ray, word.direction, w);
         if (!ray_here) continue;
         const float of_own = at_found(source_q, own_found).x;
         own_weight += own_lobe.y / max(others * of_own + own_lobe.x, 1e-30);
     }
     if (ray_here) {
-        add(sums, own_weight / others, own.found);
+        add(sums, own_weight / others, own);
         add(window, source, own, own_word.direction, own_weight / others);
     }
     if (!HAS_AIMED) window.beside = vec4(sums.radiance, sums.weight);
@@ -280,9 +266,9 @@ bool hides(ivec2 p, vec3 n, Found f, out float blocker_m) {
     const float OFF = 0.005, WAY = 0.97;
     const RayStart start = ray_start(p, n);
     const vec3 target = f.at + scene.camera_from_origin + OFF * f.m * f.normal;
-    const vec3 origin = f.far ? ray_origin(start, n, f.at) : ray_origin_to(start, n, target), way = f.far ? f.at : target - origin;
+    const vec3 origin = is_far(f) ? ray_origin(start, n, f.at) : ray_origin_to(start, n, target), way = is_far(f) ? f.at : target - origin;
     float t = 0.0;
-    const bool hidden = occluded_at(origin, way, 0.0, f.far ? 1e30 : WAY, t);
+    const bool hidden = occluded_at(origin, way, 0.0, is_far(f) ? 1e30 : WAY, t);
     blocker_m = t * length(way);
     return hidden;
 }
@@ -297,19 +283,21 @@ uint hidden_with(ivec2 p, uint kept, int chosen, vec3 x, vec3 n) {
     float blocker_m;
     if (!hides(p, n, there, blocker_m)) return 0u;
     const bool beside = blocker_m < BESIDE * length(way);
-    const float reach = NEAR * (there.far ? 1.0 : distance(there.at, x));
+    const float reach = NEAR * (is_far(there) ? 1.0 : distance(there.at, x));
     uint hidden = 1u << uint(chosen);
     for (int i = 0; i < TAPS; ++i) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
         const ivec2 q = p + tap(i);
         const vec3 x_q = position(q, imageLoad(view_depth, q).x);
         const Found f = found_by(q, x_q);
-        const bool near = f.far == there.far && distance(f.at, there.at) < reach;
+        const bool near = is_far(f) == is_far(there) && distance(f.at, there.at) < reach;
         if (near || beside && dot(x_q - x, way) > ON_SIDE * dot(way, way)) hidden |= 1u << uint(i);
     }
     return hidden;
 }
 #endif
+
+const float LEAST_INTEGRAL = 0.25;  // of a response: few rays may tell of less than any lobe has
 
 void for_pixel(ivec2 p) {
     const float z = imageLoad(view_depth, p).x;
@@ -317,23 +305,19 @@ void for_pixel(ivec2 p) {
         store(p, vec3(0.0), 0.0, false, 0.0, 0.0);
         return;
     }
-    const Ray own = ray_at(p);
+    const vec4 own = texelFetch(radiance, p, 0);
     const float roughness = pixel_roughness(p);
     const Source source = source_at(p, position(p, z), pixel_lobe(p, normal_at(p), roughness));
-    const bool ray_here = has_ray(own.found);
+    const bool ray_here = has_ray(own);
     const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, source.x, source.lobe.n, z);
-    if (kept == 0u) {
-        store_alone(p, source, roughness, z, own);
-        return;
-    }
-
-    Window window;
+    Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
+    Window window = Window(vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0);
     Choice choice = Choice(0.0, 0.0, -1);
 #if ASKS
     const uint number = noise_hash(uint(p.x) ^ noise_hash(uint(p.y) ^ noise_hash(frame.frame_index)));
     choice.u = noise_unit(uvec2(number)).x;
 #endif
-    Sums sums = gather(p, kept, 0u, source, roughness, own, window, choice);
+    if (kept != 0u) sums = gather(p, kept, 0u, source, roughness, own, window, choice);
 #if ASKS
     const uint hidden = is_wide(roughness) && choice.tap >= 0 ? hidden_with(p, kept, choice.tap, source.x, source.lobe.n) : 0u;
     if (hidden != 0u) {  // what the pixel sees in its place is like the rest of what it sees
@@ -342,8 +326,12 @@ void for_pixel(ivec2 p) {
         scale(sums, min(all / max(sums.weight, 1e-20), MOST_SCALE));
     }
 #endif
-    if (!(sums.weight > 1e-20)) {
-        store_alone(p, source, roughness, z, own);
+    const bool alone = !(sums.weight > 1e-20), stand_in = alone && !ray_here;
+    const bool lacks = HAS_AIMED && (alone ? source.emitter.radius > 0.0 : window.aimed > 0.0 && !(window.beside.w > 0.0));
+    Surroundings around = Surroundings(vec3(0.0), 0.0, 0.0);
+    if (stand_in || lacks) around = surroundings(p, source, z, stand_in);
+    if (alone) {
+        store_alone(p, source, roughness, own, around);
         return;
     }
 
@@ -355,12 +343,9 @@ void for_pixel(ivec2 p) {
     vec3 mean = vec3(0.0);
     if (wide) mean = mix(window.beside.rgb / window.beside.w, window.lobes.rgb / window.lobes.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5);
     if (HAS_AIMED) {  // the sum tells of how many were aimed: it is not divided by, and the mean is that of the others
-        if (window.aimed) integral = window.rays > 0.0 ? window.response / window.rays : 1.0;
-        if (window.aimed && window.beside.w > 0.0 && !wide) mean = window.beside.rgb / window.beside.w;
-        if (window.aimed && !(window.beside.w > 0.0)) {  // all went into their cones
-            const Surroundings all = surroundings(p, source, z, false);
-            mean = all.rays > 0.0 ? all.radiance : sums.radiance / sums.weight;
-        }
+        if (window.aimed > 0.0) integral = LOBE == LOBE_DIFFUSE || window.rays == 0.0 ? 1.0 : max(window.response / window.rays, LEAST_INTEGRAL);
+        if (window.aimed > 0.0 && window.beside.w > 0.0 && !wide) mean = window.beside.rgb / window.beside.w;
+        if (lacks) mean = around.rays > 0.0 ? around.radiance : sums.radiance / sums.weight;  // all went into their cones
     }
     const vec3 g = max((sums.radiance + mean * (integral - sums.weight)) / integral, 0.0);
     const float samples = sums.weight * sums.weight / sums.squares;

@@ -70,20 +70,29 @@ TEST(Emitters, LeaveOutWhatNobodyCanAimAt) {
 
 class AimRays : public GpuTest {};
 
-// A bulb of 3 cm above glossy floors, and a dim wall: a lobe finds it once in hundreds of rays.
-Shot bulb_over_floors(std::array<uint32_t, 2> size) {
+struct Plate {
+    double from, to;  // in x, m
+};
+const Plate beside = {2, 2.2}, under_half = {0.3, 0.5}, under_all = {0.1, 0.5};
+
+// A bulb of 3 cm above glossy floors, and a dim wall: a lobe finds it once in hundreds of rays. The plate is
+// beneath it.
+Shot bulb_over_floors(std::array<uint32_t, 2> size, const Plate& plate) {
     Model floor = striped_floor({0.12f, 0.25f, 0.45f, 0.7f});
     const auto lamp = static_cast<int>(floor.materials.size());
     floor.materials.push_back(shining({400, 300, 200}));
     floor.materials.push_back(shining({0.4f, 0.4f, 0.4f}));
+    floor.materials.push_back(shining({0, 0, 0}));
     for (const auto& [shape, material] :
-         {std::pair{cube({0.3, 0.9, -1.5}, 0.03), lamp}, {box({-5, 0, -3.2}, {5, 3, -3.1}), lamp + 1}}) {
+         {std::pair{cube({0.3, 0.9, -1.5}, 0.03), lamp},
+          {box({-5, 0, -3.2}, {5, 3, -3.1}), lamp + 1},
+          {box({plate.from, 0.84, -1.7}, {plate.to, 0.85, -1.3}), lamp + 2}}) {
         floor.meshes.emplace_back().parts.push_back(to_part(shape, material));
         Node& node = floor.nodes.emplace_back();
         node.name = "body";
         node.mesh = static_cast<int>(floor.meshes.size()) - 1;
     }
-    return night_shot(floor, size, 64);
+    return night_shot(floor, size, 96);
 }
 
 struct Judged {
@@ -92,9 +101,8 @@ struct Judged {
 };
 
 Judged judge(const Shot& shot, const PlanarImage& truth, const std::string& pipeline,
-             const std::vector<std::string>& settings) {
+             const std::vector<std::string>& settings, uint32_t frames = 48) {
     const auto session = open_shipped(pipeline, shot, settings, {}, {}, false);
-    constexpr uint32_t frames = 48;
     double sum = 0, of_truth = 0, squared = 0;
     for (uint32_t frame = 0; frame < frames; ++frame) {
         session->run_frame(frame, true);
@@ -113,7 +121,7 @@ Judged judge(const Shot& shot, const PlanarImage& truth, const std::string& pipe
 
 // In first frames, which hold nothing but the gather: as bright as the truth, and a fraction of the error.
 TEST_F(AimRays, FindWhatLobesFindByChance) {
-    const Shot shot = bulb_over_floors({64, 36});
+    const Shot shot = bulb_over_floors({64, 36}, beside);
     for (const auto& [signal, pipeline] : {std::pair{"specular", "reflections"}, {"diffuse", "indirect"}}) {
         const PlanarImage truth = truth_of(shot, signal, 4096);
         const Judged aimed = judge(shot, truth, pipeline, {}),
@@ -122,6 +130,17 @@ TEST_F(AimRays, FindWhatLobesFindByChance) {
                     by_lobes.bias, aimed.squared, by_lobes.squared);
         EXPECT_LT(std::abs(aimed.bias), 0.02) << signal;
         EXPECT_LT(aimed.squared, 0.65 * by_lobes.squared) << signal;
+    }
+}
+
+// Rays go everywhere into a body's cone, and those that meet black things before it take no light from what
+// is beside it.
+TEST_F(AimRays, FindWhatIsHalfHiddenOrNotThere) {
+    for (const Plate& plate : {under_half, under_all}) {
+        const Shot shot = bulb_over_floors({64, 36}, plate);
+        const Judged aimed = judge(shot, truth_of(shot, "diffuse", 16384), "indirect", {}, 96);
+        std::printf("from %.1f: bias %.4f\n", plate.from, aimed.bias);
+        EXPECT_LT(std::abs(aimed.bias), 0.01);
     }
 }
 
