@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which body that shines a pixel's ray of this frame may be aimed at, if any: one of those of which the lobe shows something but would
-// find it by chance alone, with a chance in proportion to what it brings, hidden or not. All that follows holds for any choice that knows
-// nothing of where the rays go.
+// find it by chance alone, with a chance in proportion to what it brings, hidden or not, and the less the more of the lobe it fills, down
+// to none from a half on. All that follows holds for any choice that knows nothing of where the rays go.
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
@@ -28,7 +28,6 @@ uint chosen(ivec2 p, float z, float roughness) {
     const vec2 u = noise_unit(uvec2(number, noise_hash(number)));
     float sum = 0.0, u_kept = u.x;
     uint kept = 0u;
-    const float peak = density_and_response(lobe, mirrored).y;
     for (uint i = 0u; i < uint(textureSize(emitters) / 2); ++i) {
         const Emitter emitter = emitter_of(i + 1u);
         const vec3 to = emitter.center - x;
@@ -36,7 +35,7 @@ uint chosen(ivec2 p, float z, float roughness) {
         if (!(d2 > emitter.radius * emitter.radius)) continue;
         const vec2 what = uintBitsToFloat(texelFetch(emitters, int(2u * i + 1u)).xy);
         const float sees = what.y / d2, shown = density_and_response(lobe, towards(emitter, x, mirrored)).y * sees;
-        const float weight = what.x * shown * max(1.0 - peak * sees, 0.0);
+        const float fills = LOBE == LOBE_DIFFUSE ? 0.0 : share_of_lobe(emitter, x, lobe), weight = what.x * shown * max(1.0 - 2.0 * fills, 0.0);
         if (!(weight > 0.0)) continue;
         sum += weight;
         const float share = weight / sum;

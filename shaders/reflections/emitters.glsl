@@ -2,7 +2,7 @@
 // Rays that are aimed at bodies that shine: half of those of a pixel which has one go into the cone around that body, the
 // other half into its lobe, and a ray's density is that of both together.
 //
-// Includer has common/sun_sample.glsl and declares: uniform usamplerBuffer emitters (host/materials/emitters.h).
+// Includer has common/sun_sample.glsl and reflections/lobe.glsl and declares: uniform usamplerBuffer emitters (host/materials/emitters.h).
 
 struct Emitter {
     vec3 center;  // camera-relative
@@ -13,6 +13,15 @@ Emitter emitter_of(uint number) {
     if (number == 0u) return Emitter(vec3(0.0), 0.0);
     const uvec4 sphere = texelFetch(emitters, int(2u * (number - 1u)));
     return Emitter(uintBitsToFloat(sphere.xyz), uintBitsToFloat(sphere.w));
+}
+
+// How much of the lobe goes into its disc, roughly: of GGX as it is around the mirrored direction, whose marginal along an axis has the
+// cumulative distribution (1 + t / sqrt(1 + t^2)) / 2, t in units of 2 alpha.
+float share_of_lobe(Emitter emitter, vec3 x, Lobe lobe) {
+    const vec3 to = emitter.center - x;
+    const float m = length(to), unit = 2.0 * sqrt(lobe.alpha2), away = length(to / m - reflect(-lobe.v, lobe.n)), radius = emitter.radius / m;
+    const vec3 t = vec3(away + radius, away - radius, radius) / unit, below = t * inversesqrt(1.0 + t * t);
+    return 0.5 * (below.x - below.y) * below.z;
 }
 
 // Of the cone around it.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The two ways a surface mirrors light: the GGX lobe of its roughness, without its colour, and the diffuse one. What is kept
 // of either is demodulated, the mean of incident radiance under the lobe: sum w L / sum w, 1 wherever L is.
-//   density  q(l): of directions as sample_lobe() draws them (GGX: those of visible normals, Heitz 2018);
+//   density  q(l): of directions as draw_direction() draws them (GGX: visible normals, of which most that would mirror into the surface are
+//   left out: Tokuyoshi and Eto 2024, "Bounded VNDF Sampling for the Smith-GGX BRDF");
 //   response F(l): reflectance times cosine, but for colour and Fresnel: D G2 / (4 n.v), (n.l)+ / pi.
 //
 // Includer has common/sun_sample.glsl and declares: constant LOBE.
@@ -13,6 +14,7 @@ bool is_mirror(float roughness) { return LOBE == LOBE_SPECULAR && roughness * ro
 struct Lobe {
     vec3 n, v;
     float alpha2, n_v, lambda_v;
+    float bound;  // how far down normals are drawn: 1 for all that are visible
 };
 
 // Smith's Lambda for GGX, of a direction with this cosine.
@@ -24,7 +26,9 @@ float smith_lambda(float cosine, float alpha2) {
 // `n`, `v`: unit vectors, v towards the viewer.
 Lobe make_lobe(vec3 n, vec3 v, float roughness) {
     const float alpha = max(roughness * roughness, LEAST_ALPHA), n_v = max(dot(n, v), 1e-4);
-    return Lobe(n, v, alpha * alpha, n_v, LOBE == LOBE_SPECULAR ? smith_lambda(n_v, alpha * alpha) : 0.0);
+    if (LOBE == LOBE_DIFFUSE) return Lobe(n, v, alpha * alpha, n_v, 0.0, 1.0);
+    const float alpha2 = min(alpha * alpha, 1.0), cosine2 = n_v * n_v, s = 1.0 + sqrt(max(1.0 - cosine2, 0.0)), s2 = s * s;
+    return Lobe(n, v, alpha2, n_v, smith_lambda(n_v, alpha2), (1.0 - alpha2) * s2 / (s2 + alpha2 * cosine2));
 }
 
 // GGX of the half vector. The sine from a cross product: 1 - cosine^2 has no digits left where alpha is small.
@@ -34,15 +38,18 @@ float ggx(Lobe lobe, vec3 h) {
     return lobe.alpha2 / (3.141592653589793 * width * width);
 }
 
-// Density and response at a unit direction; a half vector below the surface has neither.
+// 1 / (4 n.v q / D): for a bound of 1 one plus Smith's Lambda.
+float drawn(Lobe lobe) { return 0.5 * (lobe.bound + 1.0) + lobe.lambda_v; }
+
+// Density and response at a unit direction; below the surface there is neither, as a ray that is drawn there finds nothing.
 vec2 density_and_response(Lobe lobe, vec3 l) {
     const float n_l = dot(lobe.n, l);
     if (LOBE == LOBE_DIFFUSE) return vec2(max(n_l, 0.0) * 0.3183098861837907);
     const vec3 sum = lobe.v + l;
     const float length2 = dot(sum, sum);
-    if (!(length2 > 1e-12) || !(dot(sum, lobe.n) > 0.0)) return vec2(0.0);
-    const float d = ggx(lobe, sum * inversesqrt(length2)) / (4.0 * lobe.n_v), visible = 1.0 + lobe.lambda_v;
-    return vec2(d / visible, n_l > 0.0 ? d / (visible + smith_lambda(n_l, lobe.alpha2)) : 0.0);
+    if (!(length2 > 1e-12) || !(n_l > 0.0)) return vec2(0.0);
+    const float d = ggx(lobe, sum * inversesqrt(length2)) / (4.0 * lobe.n_v);
+    return vec2(d / drawn(lobe), d / (1.0 + lobe.lambda_v + smith_lambda(n_l, lobe.alpha2)));
 }
 
 // Response over density of a drawn direction.
@@ -50,10 +57,10 @@ float sample_weight(Lobe lobe, vec3 l) {
     const float n_l = dot(lobe.n, l);
     if (!(n_l > 0.0)) return 0.0;
     if (LOBE == LOBE_DIFFUSE) return 1.0;
-    return (1.0 + lobe.lambda_v) / (1.0 + lobe.lambda_v + smith_lambda(n_l, lobe.alpha2));
+    return drawn(lobe) / (1.0 + lobe.lambda_v + smith_lambda(n_l, lobe.alpha2));
 }
 
-// Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+// Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps": of a cap that ends at the bound.
 vec3 draw_direction(Lobe lobe, vec2 u) {
     const mat3 basis = sun_frame(lobe.n);
     if (LOBE == LOBE_DIFFUSE) {
@@ -62,14 +69,17 @@ vec3 draw_direction(Lobe lobe, vec2 u) {
     }
     const float alpha = sqrt(lobe.alpha2);
     const vec3 v = lobe.v * basis, stretched = normalize(vec3(alpha * v.xy, max(v.z, 1e-4)));
-    const float z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z, angle = 6.283185307179586 * u.x;
+    const float least = -lobe.bound * stretched.z, z = mix(1.0, least, u.y), angle = 6.283185307179586 * u.x;
     const vec3 cap = vec3(sqrt(clamp(1.0 - z * z, 0.0, 1.0)) * vec2(cos(angle), sin(angle)), z) + stretched;
     const vec3 h = normalize(vec3(alpha * cap.xy, max(cap.z, 0.0)));
     return basis * reflect(-v, h);
 }
 
-// A direction above the surface. Visible normals also send rays into it; those are drawn anew, and after four tries (rough and
-// at grazing view, under 1 in 100) turned up. `u` in 0..1; `turned`: that has happened.
+// Times R2's steps another sequence that fills the square evenly, also where only some of its numbers are asked for.
+const float ANEW = 46.0;
+
+// A direction above the surface. A few of those drawn go into it (rough and at grazing view). Those are drawn
+// anew, by numbers that are anywhere for those that failed, and after four tries turned up. `u` in 0..1; `turned`: that has happened.
 vec3 sample_lobe(Lobe lobe, float roughness, vec2 u, out bool turned) {
     turned = false;
     if (is_mirror(roughness)) return reflect(-lobe.v, lobe.n);
@@ -77,7 +87,7 @@ vec3 sample_lobe(Lobe lobe, float roughness, vec2 u, out bool turned) {
     for (int attempt = 0; attempt < 4; ++attempt) {
         l = draw_direction(lobe, u);
         if (dot(lobe.n, l) > 1e-5) return normalize(l);
-        u = fract(u + vec2(0.6180339887, 0.7548776662));
+        u = fract(ANEW * u);
     }
     turned = true;
     return normalize(l + lobe.n * (1e-5 - 2.0 * min(dot(lobe.n, l), 0.0)));

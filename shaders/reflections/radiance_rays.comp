@@ -33,7 +33,7 @@ void store(ivec2 p, vec4 ray, uint direction) {
 }
 
 // `marks`: as mark() takes them.
-Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 direction, out float weight, out bvec2 marks) {
+Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 direction, out float weight, out bvec3 marks) {
     const uint index = is_narrow(roughness) ? ray_index(p, time) : index_in_turn(p, time);
     vec2 u = lobe_numbers(index);
     bool turned = false, aims = false;
@@ -47,9 +47,12 @@ Incident ray_of(ivec2 p, Lobe lobe, float roughness, uint time, out vec3 directi
             u.x = fract(2.0 * u.x);
         }
     }
-    direction = aims ? aimed_direction(emitter, x, u) : sample_lobe(lobe, roughness, u, turned);
-    marks = bvec2(aims || lies_in_cone(emitter, x, direction), aims);
+    // Where rays are aimed none is drawn anew, since the density of what is drawn in the end is not known.
+    direction = aims ? aimed_direction(emitter, x, u) : HAS_AIMED && !is_mirror(roughness) ? draw_direction(lobe, u) : sample_lobe(lobe, roughness, u, turned);
+    const bool below = !(dot(lobe.n, direction) > 0.0);
+    marks = bvec3(aims || lies_in_cone(emitter, x, direction), aims, below);
     weight = is_mirror(roughness) ? 1.0 : turned ? 0.0 : sample_weight(lobe, direction);
+    if (below) return Incident(vec3(0.0), MISS_M, vec3(0.0), false);
     return incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p, time));
 }
 
@@ -67,7 +70,7 @@ void for_pixel(ivec2 p) {
     const uint first = frame.frame_index * RAYS_PER_PIXEL;
     vec3 direction;
     float weight;
-    bvec2 marks;
+    bvec3 marks;
     Incident light = ray_of(p, lobe, roughness, first, direction, weight, marks);
     if (RAYS_PER_PIXEL > 1u) {  // one has no weight
         vec4 sum = weight * vec4(light.radiance, 1.0);

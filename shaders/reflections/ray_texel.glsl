@@ -11,14 +11,16 @@ vec4 encode_ray(vec3 radiance, float distance_m, bool moves) {
     return vec4(radiance, moves ? -kept : kept);
 }
 
-// Of a ray that might have been aimed: whether it goes into its pixel's cone, and whether it was drawn from it. These are signs of red and
-// green, for which black has to be a number that no device takes for 0: the least normal half.
+// Of a ray that might have been aimed: whether it goes into its pixel's cone, whether it was drawn from it, and whether it goes into the
+// surface and found nothing. These are signs of the colours, for which black has to be a number that no device takes for 0: the least
+// normal half.
 const float MARKED_BLACK = 6.103515625e-5;
 
-vec4 mark(vec4 ray, bvec2 marks) { return vec4(mix(ray.rg, -max(ray.rg, MARKED_BLACK), marks), ray.ba); }
+vec4 mark(vec4 ray, bvec3 marks) { return vec4(mix(ray.rgb, -max(ray.rgb, MARKED_BLACK), marks), ray.a); }
 bool went_into_cone(vec4 ray) { return ray.r < 0.0; }
 bool was_aimed(vec4 ray) { return ray.g < 0.0; }
-vec3 radiance_of(vec4 ray) { return vec3(mix(abs(ray.rg), vec2(0.0), equal(ray.rg, vec2(-MARKED_BLACK))), ray.b); }
+bool went_below(vec4 ray) { return ray.b < 0.0; }
+vec3 radiance_of(vec4 ray) { return mix(abs(ray.rgb), vec3(0.0), equal(ray.rgb, vec3(-MARKED_BLACK))); }
 
 bool has_ray(vec4 ray) { return ray.w != 0.0; }
 bool missed(vec4 ray) { return !(abs(ray.w) < NO_HIT_M); }

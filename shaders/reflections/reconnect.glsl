@@ -143,7 +143,14 @@ uint kept_taps(ivec2 p, vec3 x, vec3 n, float z) {
 
 float response_over_density(vec2 both) { return both.y / max(both.x, 1e-30); }
 
-// The mean of what rays around found, and of the inverse of how far away: of those on the same plane, or of all that missed their cones.
+// Whether another pixel's ray went where that one or this one might have aimed it: what is taken to be around such things is not of them.
+bool at_a_body(Source s, vec3 x_q, vec3 direction, vec4 ray) {
+    return HAS_AIMED && (went_into_cone(ray) || lies_in_cone(s.emitter, x_q, direction));
+}
+
+vec3 direction_of(ivec2 p, float roughness) { return decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness).direction; }
+
+// The mean of what rays around found, and of the inverse of how far away: of those on the same plane, or of all that met no body.
 struct Surroundings {
     vec3 radiance;
     float inverse_m, rays;
@@ -156,8 +163,8 @@ Surroundings surroundings(ivec2 p, Source s, float z, bool same_plane) {
         if (q == p || !inside_frame(q)) continue;
         const float z_q = imageLoad(view_depth, q).x;
         const vec4 ray = texelFetch(radiance, q, 0);
-        if (!(z_q > 0.0) || !has_ray(ray)) continue;
-        if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : went_into_cone(ray)) continue;
+        if (!(z_q > 0.0) || !has_ray(ray) || HAS_AIMED && went_below(ray)) continue;
+        if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : at_a_body(s, position(q, z_q), direction_of(q, pixel_roughness(q)), ray)) continue;
         mean = Surroundings(mean.radiance + radiance_of(ray), mean.inverse_m + 1.0 / abs(ray.w), mean.rays + 1.0);
     }
     const float each = 1.0 / max(mean.rays, 1.0);
@@ -174,8 +181,7 @@ void store_alone(ivec2 p, Source s, float roughness, vec4 own, Surroundings arou
     }
     vec3 radiance = radiance_of(own);
     if (HAS_AIMED) {
-        const vec3 direction = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness).direction;
-        const float weight = response_over_density(in_direction(s, direction, went_into_cone(own)));
+        const float weight = went_below(own) ? 0.0 : response_over_density(in_direction(s, direction_of(p, roughness), went_into_cone(own)));
         if (around.rays > 0.0) radiance = max(around.radiance + weight * (radiance - around.radiance), 0.0);
     }
     store(p, radiance, abs(own.w), own.w < 0.0, 0.0, 1.0);
@@ -200,22 +206,23 @@ void offer(inout Choice choice, int i, float difference) {
 
 // The rays of a window as their own pixels drew them.
 struct Window {
-    vec4 lobes;      // response over density in the lobe and that times L, of rays outside of their cones
+    vec4 lobes;      // response over density in the lobe and that times L, of rays that met no body
     vec4 beside;     // the gather's weight of these, of that times L
     float response;  // response over density, of rays that were not aimed
     float rays;      // how many these are
     float aimed;     // of how many might have been
 };
 
-void add(inout Window window, Source s, vec4 ray, vec3 direction, float w) {
-    const float in_lobe = response_over_density(density_and_response(s.lobe, direction));
+// `s`: of the pixel whose ray it is.
+void add(inout Window window, Source s, vec4 ray, vec3 direction, float w, bool at_a_body) {
+    const float in_lobe = HAS_AIMED && went_below(ray) ? 0.0 : response_over_density(density_and_response(s.lobe, direction));
     const vec4 found = vec4(radiance_of(ray), 1.0);
-    if (!(HAS_AIMED && went_into_cone(ray))) window.lobes += in_lobe * found;
+    if (!at_a_body) window.lobes += in_lobe * found;
     if (HAS_AIMED) {
         window.aimed += s.emitter.radius > 0.0 ? 1.0 : 0.0;
         if (!was_aimed(ray)) window.response += in_lobe;
         if (!was_aimed(ray)) window.rays += 1.0;
-        if (!went_into_cone(ray)) window.beside += w * found;
+        if (!at_a_body) window.beside += w * found;
     }
 }
 
@@ -226,7 +233,8 @@ Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, vec
     const bool ray_here = has_ray(own);
     const RayWord own_word = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness);
     const Found own_found = found(source.x, own, own_word);
-    const vec2 own_lobe = in_direction(source, own_word.direction, went_into_cone(own));
+    vec2 own_lobe = in_direction(source, own_word.direction, went_into_cone(own));
+    if (HAS_AIMED && went_below(own)) own_lobe.y = 0.0;
     Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
     window = Window(vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0);
     float own_weight = 0.0;
@@ -239,17 +247,17 @@ Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, vec
         const vec4 ray = texelFetch(radiance, q, 0);
         const RayWord word = decode_ray_word(texelFetch(ray_direction, q, 0).x, roughness_q);
         const vec2 here = at_found(source, found(x_q, ray, word)), there = in_direction(source_q, word.direction, went_into_cone(ray));
-        const float w = here.y / max(others * there.x + here.x, 1e-30);
+        const float w = HAS_AIMED && went_below(ray) ? 0.0 : here.y / max(others * there.x + here.x, 1e-30);
         if (ASKS == 0 || (hidden >> uint(i) & 1u) == 0u) add(sums, w, ray);
         if (ASKS == 1) offer(choice, i, w * length(ray_here ? radiance_of(ray) - radiance_of(own) : radiance_of(ray)));
-        add(window, source_q, ray, word.direction, w);
+        add(window, source_q, ray, word.direction, w, at_a_body(source, x_q, word.direction, ray));
         if (!ray_here) continue;
         const float of_own = at_found(source_q, own_found).x;
         own_weight += own_lobe.y / max(others * of_own + own_lobe.x, 1e-30);
     }
     if (ray_here) {
         add(sums, own_weight / others, own);
-        add(window, source, own, own_word.direction, own_weight / others);
+        add(window, source, own, own_word.direction, own_weight / others, at_a_body(source, source.x, own_word.direction, own));
     }
     if (!HAS_AIMED) window.beside = vec4(sums.radiance, sums.weight);
     return sums;
@@ -327,7 +335,7 @@ void for_pixel(ivec2 p) {
     }
 #endif
     const bool alone = !(sums.weight > 1e-20), stand_in = alone && !ray_here;
-    const bool lacks = HAS_AIMED && (alone ? source.emitter.radius > 0.0 : window.aimed > 0.0 && !(window.beside.w > 0.0));
+    const bool lacks = HAS_AIMED && (alone ? source.emitter.radius > 0.0 || went_below(own) : window.aimed > 0.0 && !(window.beside.w > 0.0));
     Surroundings around = Surroundings(vec3(0.0), 0.0, 0.0);
     if (stand_in || lacks) around = surroundings(p, source, z, stand_in);
     if (alone) {

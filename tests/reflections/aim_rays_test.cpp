@@ -77,14 +77,16 @@ const Plate beside = {2, 2.2}, under_half = {0.3, 0.5}, under_all = {0.1, 0.5};
 
 // A bulb of 3 cm above glossy floors, and a dim wall: a lobe finds it once in hundreds of rays. The plate is
 // beneath it.
-Shot bulb_over_floors(std::array<uint32_t, 2> size, const Plate& plate) {
-    Model floor = striped_floor({0.12f, 0.25f, 0.45f, 0.7f});
+Shot bulb_over_floors(std::array<uint32_t, 2> size, const Plate& plate,
+                      const std::vector<float>& roughness = {0.12f, 0.25f, 0.45f, 0.7f},
+                      double half_m = 0.03) {
+    Model floor = striped_floor(roughness);
     const auto lamp = static_cast<int>(floor.materials.size());
     floor.materials.push_back(shining({400, 300, 200}));
     floor.materials.push_back(shining({0.4f, 0.4f, 0.4f}));
     floor.materials.push_back(shining({0, 0, 0}));
     for (const auto& [shape, material] :
-         {std::pair{cube({0.3, 0.9, -1.5}, 0.03), lamp},
+         {std::pair{cube({0.3, 0.9, -1.5}, half_m), lamp},
           {box({-5, 0, -3.2}, {5, 3, -3.1}), lamp + 1},
           {box({plate.from, 0.84, -1.7}, {plate.to, 0.85, -1.3}), lamp + 2}}) {
         floor.meshes.emplace_back().parts.push_back(to_part(shape, material));
@@ -131,6 +133,19 @@ TEST_F(AimRays, FindWhatLobesFindByChance) {
         EXPECT_LT(std::abs(aimed.bias), 0.02) << signal;
         EXPECT_LT(aimed.squared, 0.65 * by_lobes.squared) << signal;
     }
+}
+
+// A body as large as the lobes are wide: rays are aimed at the part of it that they reach, and what is beside
+// it is not taken to be as bright. Rough lobes send rays into the surface, whose density counts as well.
+TEST_F(AimRays, FindTheRimOfALargeBody) {
+    const Shot shot = bulb_over_floors({96, 54}, beside, {0.2f, 0.7f}, 0.1);
+    const PlanarImage truth = truth_of(shot, "specular", 4096);
+    const Judged aimed = judge(shot, truth, "reflections", {}),
+                 by_lobes = judge(shot, truth, "reflections", {"nodes.aim=null"});
+    std::printf("bias %.4f, %.4f by lobes; squared error %.1f, %.1f\n", aimed.bias, by_lobes.bias,
+                aimed.squared, by_lobes.squared);
+    EXPECT_LT(std::abs(aimed.bias), 0.02);
+    EXPECT_LT(aimed.squared, 0.6 * by_lobes.squared);
 }
 
 // Rays go everywhere into a body's cone, and those that meet black things before it take no light from what

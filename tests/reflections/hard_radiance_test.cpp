@@ -167,11 +167,11 @@ TEST_P(WhiteFurnace, StaysWhiteAtAGrazingView) {
 
 // Poles of a pixel's width: no neighbour is like them. Some rays are aimed at a body beside them.
 TEST_P(WhiteFurnace, StaysWhiteOnThinGeometry) {
-    Model model = striped_floor({0.2f});
-    model.materials[0].emissive = {1, 1, 1};
+    Model model = striped_floor({0.2f, 1});
+    for (Material& material : model.materials) material.emissive = {1, 1, 1};
     for (int i = 0; i < 20; ++i) {
         const double x = -2 + 0.2 * i;
-        add_part(model, box({x, 0, 0}, {x + 0.01, 1, 0.01}), 0);
+        add_part(model, box({x, 0, 0}, {x + 0.01, 1, 0.01}), i % 2);
     }
     add_part(model, box({-0.3, 0.8, 1}, {0.3, 1.4, 1.6}), 0);
     expect_white(in_motion(night_shot(model, {48, 27}, 4)), 400);

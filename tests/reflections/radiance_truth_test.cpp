@@ -77,6 +77,54 @@ TEST_F(RadianceTruth, ALambertPlaneUnderALinearSky) {
     }
 }
 
+// Response of the GGX lobe of a floor, without its Fresnel term.
+double ggx_response(const glm::dvec3& v, const glm::dvec3& l, double roughness) {
+    const double a2 = std::pow(roughness, 4);
+    const glm::dvec3 h = glm::normalize(v + l);
+    const double d = a2 / (std::numbers::pi * std::pow(h.y * h.y * (a2 - 1) + 1, 2));
+    const auto lambda = [&](double c) { return 0.5 * std::sqrt(1 + a2 * (1 - c * c) / (c * c)) - 0.5; };
+    return d / (4 * v.y * (1 + lambda(v.y) + lambda(l.y)));
+}
+
+// The mean height of what a lobe of the floor shows, by quadrature over the hemisphere.
+double mean_height(const glm::dvec3& v, double roughness) {
+    constexpr int n = 200;
+    double sum = 0, all = 0;
+    for (int i = 0; i < n; ++i)
+        for (int k = 0; k < n; ++k) {
+            const double y = (i + 0.5) / n, angle = 2 * std::numbers::pi * (k + 0.5) / n,
+                         across = std::sqrt(1 - y * y);
+            const double f =
+                ggx_response(v, {across * std::cos(angle), y, across * std::sin(angle)}, roughness);
+            sum += f * y;
+            all += f;
+        }
+    return sum / all;
+}
+
+// Rough lobes under a linear sky: rays that a lobe would send into the surface are drawn anew without
+// favouring any direction.
+TEST_F(RadianceTruth, ARoughFloorUnderALinearSky) {
+    for (const float roughness : {0.5f, 0.75f, 1.0f}) {
+        Shot shot = night_shot(striped_floor({roughness}), {24, 14});
+        shot.environment = linear_sky(0, 2);
+        shot.camera = {{0, {0, 2.5, 1}, {0, 0, 0}, {0, 1, 0}}};
+        const Camera camera = camera_at(shot, 0, 24.0 / 14);
+        const PlanarImage truth = truth_of(shot, "specular", 4096);
+        double sum = 0, expected = 0, receivers = 0;
+        for (size_t i = 0; i < truth.planes[0].values.size(); ++i) {
+            if (truth.planes[3].values[i] == 0) continue;
+            glm::dvec3 origin;
+            const glm::dvec3 l = mirrored(camera, shot.size, i, origin);
+            sum += double(truth.planes[0].values[i]);
+            expected += 1 + mean_height({-l.x, l.y, -l.z}, roughness);
+            ++receivers;
+        }
+        EXPECT_GT(receivers, 200);
+        EXPECT_NEAR(sum, expected, 1e-3 * expected) << roughness;
+    }
+}
+
 // One texel of a dark sky, which is bilinear around it.
 class BrightSpot {
   public:
@@ -112,15 +160,6 @@ class BrightSpot {
         return double(radiance) * sum * (2.0 / n) * (2.0 / n) * step * 2 * std::numbers::pi / width;
     }
 };
-
-// Response of the GGX lobe of a floor, without its Fresnel term.
-double ggx_response(const glm::dvec3& v, const glm::dvec3& l, double roughness) {
-    const double a2 = std::pow(roughness, 4);
-    const glm::dvec3 h = glm::normalize(v + l);
-    const double d = a2 / (std::numbers::pi * std::pow(h.y * h.y * (a2 - 1) + 1, 2));
-    const auto lambda = [&](double c) { return 0.5 * std::sqrt(1 + a2 * (1 - c * c) / (c * c)) - 0.5; };
-    return d / (4 * v.y * (1 + lambda(v.y) + lambda(l.y)));
-}
 
 // A spot of a thousandth of the sky that has all of its light. Sixteen rays of the lobe find it here and
 // there; with as many from the sky's lots every pixel knows it.
