@@ -68,7 +68,7 @@ TEST_F(RadianceGates, SixteenRaysAreWorthAboutAsMany) {
     for (size_t c = 1; c < roughness_classes; ++c) {
         const double gain = *by_many->back().n_eff(c) / *by_one->back().n_eff(c);
         EXPECT_GT(gain, 8) << c;
-        EXPECT_LT(gain, 64) << c << ": they are spread evenly, no more";
+        EXPECT_LT(gain, 128) << c << ": they are spread evenly, no more";
     }
     const auto furnace = gates::measure_furnace(bench(many, "specular"));
     ASSERT_TRUE(furnace);
@@ -101,17 +101,17 @@ TEST_F(RadianceGates, OursAreWorthManyRaysAndForgetALamp) {
     }
 }
 
-// In motion a lone bright sample, which shows no variance, is no reason to cast out a past, nor has the
-// surface's past precedence over the image's: 292 rays, 24 of a narrow lobe; 223 and 16 where either was so.
+// In motion a lone bright sample, which shows no variance, is no reason to cast out a past: 7 rays of the
+// narrowest lobes, else none. Nor has the surface's past precedence over the image's: 929 rays between .3 and
+// .5, else 818.
 TEST_F(RadianceGates, InMotionALoneSampleIsNotBelieved) {
-    study_.size = {128, 72};
+    study_.size = {160, 90};
+    study_.seeds = 3;
     study_.moving_frames = 17;
-    study_.seeds = 6;
     const auto moving = gates::measure_moving(bench(pipeline("reflections", "specular"), "specular"));
     ASSERT_TRUE(moving) << diagnostics_.text();
-    EXPECT_GT(*moving->n_eff(), 255);
-    std::printf("narrow %.1f all %.1f\n", *moving->n_eff(1), *moving->n_eff());
-    EXPECT_GT(*moving->n_eff(1), 20);
+    EXPECT_GT(*moving->n_eff(0), 1);
+    EXPECT_GT(*moving->n_eff(3), 870);
 }
 
 // What a mirror of little roughness shows is found where its image was; without that 2 rays are left of 16.

@@ -150,7 +150,7 @@ TEST_F(Relax, ABrighterImageIsTheSameImage) {
     };
     const auto image = run(1), brighter = run(8);
     for (size_t i = 0; i < image[1].size(); ++i)
-        ASSERT_NEAR(brighter[1][i], 8 * image[1][i], 1e-3 * brighter[1][i]) << "pixel " << i;
+        ASSERT_NEAR(brighter[1][i], 8 * image[1][i], 5e-3 * brighter[1][i]) << "pixel " << i;
 }
 
 }  // namespace
