@@ -259,7 +259,6 @@ Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, vec
         add(sums, own_weight / others, own);
         add(window, source, own, own_word.direction, own_weight / others, at_a_body(source, source.x, own_word.direction, own));
     }
-    if (!HAS_AIMED) window.beside = vec4(sums.radiance, sums.weight);
     return sums;
 }
 
@@ -344,12 +343,11 @@ void for_pixel(ivec2 p) {
     }
 
     // Weights sum up to the response's integral in the mean, which neighbours' rays tell well. Divided by their sum instead, what only
-    // some pixels find well is too faint, in every frame; so what the sum lacks or has too much of is their mean radiance. For glossy lobes
-    // by half, since it may be more than there is, and what is cut off at 0 is too bright in the mean.
-    const bool wide = ray_here && is_wide(roughness) && window.lobes.w > 0.0 && window.beside.w > 0.0;
+    // some pixels find well is too faint, in every frame; so what the sum lacks or has too much of is their mean radiance.
+    const bool wide = ray_here && is_wide(roughness) && window.lobes.w > 0.0;
     float integral = wide ? window.lobes.w / (float(bitCount(kept)) + 1.0) : sums.weight;
     vec3 mean = vec3(0.0);
-    if (wide) mean = mix(window.beside.rgb / window.beside.w, window.lobes.rgb / window.lobes.w, LOBE == LOBE_DIFFUSE ? 1.0 : 0.5);
+    if (wide) mean = window.lobes.rgb / window.lobes.w;
     if (HAS_AIMED) {  // the sum tells of how many were aimed: it is not divided by, and the mean is that of the others
         if (window.aimed > 0.0) integral = LOBE == LOBE_DIFFUSE || window.rays == 0.0 ? 1.0 : max(window.response / window.rays, LEAST_INTEGRAL);
         if (window.aimed > 0.0 && window.beside.w > 0.0 && !wide) mean = window.beside.rgb / window.beside.w;
