@@ -54,7 +54,7 @@ void add_render(CLI::App& app, RenderArguments& a) {
     c->add_flag("--cold", a.cold, "start at A with a reset instead of executing from frame 0");
     c->add_option("--size", a.size, "WxH instead of the shot's size");
     c->add_option("--capture", a.captures, "also write these resources")->delimiter(',');
-    c->add_option("--every", a.every, "write every Nth frame")->check(CLI::PositiveNumber);
+    c->add_option("--every", a.every, "write every Nth frame")->check(CLI::Range(1u, 1u << 24));
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline, as nodes.filter0.params.step=2");
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
