@@ -214,15 +214,15 @@ struct Window {
 };
 
 // `s`: of the pixel whose ray it is.
-void add(inout Window window, Source s, vec4 ray, vec3 direction, float w, bool at_a_body) {
+void add(inout Window window, Source s, vec4 ray, vec3 direction, float w, bool of_body) {
     const float in_lobe = HAS_AIMED && went_below(ray) ? 0.0 : response_over_density(density_and_response(s.lobe, direction));
     const vec4 found = vec4(radiance_of(ray), 1.0);
-    if (!at_a_body) window.lobes += in_lobe * found;
+    if (!of_body) window.lobes += in_lobe * found;
     if (HAS_AIMED) {
         window.aimed += s.emitter.radius > 0.0 ? 1.0 : 0.0;
         if (!was_aimed(ray)) window.response += in_lobe;
         if (!was_aimed(ray)) window.rays += 1.0;
-        if (!at_a_body) window.beside += w * found;
+        if (!of_body) window.beside += w * found;
     }
 }
 
