@@ -135,9 +135,21 @@ TEST_F(AimRays, FindWhatLobesFindByChance) {
     }
 }
 
-// A body as large as the lobes are wide: rays are aimed at the part of it that they reach, and what is beside
-// it is not taken to be as bright. Rough lobes send rays into the surface, whose density counts as well.
-TEST_F(AimRays, FindTheRimOfALargeBody) {
+// Narrow lobes that meet a body's rim: what is around it is not taken to be as bright as the body, because a
+// neighbour's ray has met it.
+TEST_F(AimRays, FindTheRimOfABody) {
+    const Shot shot = bulb_over_floors({96, 54}, beside, {0.03f, 0.04f, 0.05f, 0.06f});
+    const PlanarImage truth = truth_of(shot, "specular", 4096);
+    const Judged aimed = judge(shot, truth, "reflections", {}),
+                 by_lobes = judge(shot, truth, "reflections", {"nodes.aim=null"});
+    std::printf("bias %.4f, %.4f by lobes; squared error %.1f, %.1f\n", aimed.bias, by_lobes.bias,
+                aimed.squared, by_lobes.squared);
+    EXPECT_LT(aimed.squared, by_lobes.squared);
+}
+
+// Rough lobes send rays into the surface: drawn anew, such a ray has another density than the one that is
+// weighed against the cone's.
+TEST_F(AimRays, FindALargeBodyFromRoughSurfaces) {
     const Shot shot = bulb_over_floors({96, 54}, beside, {0.2f, 0.7f}, 0.1);
     const PlanarImage truth = truth_of(shot, "specular", 4096);
     const Judged aimed = judge(shot, truth, "reflections", {}),

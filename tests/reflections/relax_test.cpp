@@ -149,8 +149,12 @@ TEST_F(Relax, ABrighterImageIsTheSameImage) {
         return last("relax", shot);
     };
     const auto image = run(1), brighter = run(8);
-    for (size_t i = 0; i < image[1].size(); ++i)
+    size_t off = 0;  // numbers round otherwise at the ends of a half float's range, of a pixel here and there
+    for (size_t i = 0; i < image[1].size(); ++i) {
         ASSERT_NEAR(brighter[1][i], 8 * image[1][i], 5e-3 * brighter[1][i]) << "pixel " << i;
+        off += std::abs(brighter[1][i] - 8 * image[1][i]) > 1e-3f * brighter[1][i];
+    }
+    EXPECT_LE(off, 2u);
 }
 
 }  // namespace
