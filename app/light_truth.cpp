@@ -17,6 +17,7 @@
 #include "host/scene/scene_translucents.h"
 #include "host/truth/coverage.h"
 #include "host/truth/light_visibility.h"
+#include "host/truth/octahedral.h"
 #include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
@@ -95,8 +96,7 @@ class Frame {
           bvh_(build_bvh(triangles_)),
           alpha_(make_scene_alpha(session.host().scene())),
           leaf_words_(alpha_leaf_words(alpha_, bvh_, triangles_)),
-          has_alpha_(has_alpha(session.host().scene())),
-          no_noise_(16384) {
+          has_alpha_(has_alpha(session.host().scene())) {
         if (session.host().scene().has_translucent())
             translucents_.emplace(session.host().scene(), session.host().moment(frame));
     }
@@ -104,8 +104,8 @@ class Frame {
     bool has_translucent() const { return translucents_.has_value(); }
 
     Receiver receiver(uint32_t x, uint32_t y, float depth, std::array<float, 2> normal) const {
-        const CoverageReceiver r = coverage_receiver(standalone_, 0, no_noise_, {{x, y}, depth, normal});
-        return {r.start, r.normal, light_.reaches(r.start)};
+        const auto [off_surface, start] = ray_start_to(standalone_, {{x, y}, depth, normal}, light_.centre());
+        return {start, octahedral_normal(normal), light_.reaches(off_surface)};
     }
 
     Rays rays(const Receiver& r, uint32_t side, uint32_t seed) const {
@@ -142,7 +142,6 @@ class Frame {
     SceneAlpha alpha_;
     std::vector<std::array<uint32_t, 2>> leaf_words_;
     bool has_alpha_;
-    std::vector<uint32_t> no_noise_;
     std::optional<TranslucentTriangles> translucents_;
 };
 

@@ -7,6 +7,7 @@
 #include <bit>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "app/light_truth.h"
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/models/shapes.h"
@@ -110,36 +111,41 @@ TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
     EXPECT_EQ(sunk, 0u);
 }
 
-class TerrainStart : public GpuTest {};
-
-// Slopes of up to 8 degrees under a high sun shade nobody. Their triangles are a few pixels wide, so that
+// Slopes of up to 8 degrees under a high light shade nobody. Their triangles are a few pixels wide, so that
 // many pixels' centres lie just past the edge of what they show, and half of those below a neighbour: rays
 // that start there find it from beneath.
-TEST_F(TerrainStart, NobodyIsSeenFromBelow) {
-    Shape shape = ground(20, 20, 200, 200);
-    uint32_t state = 1;
-    for (glm::vec3& at : shape.positions) {
-        state = state * 1664525u + 1013904223u;
-        at.y = 0.02f * float(state >> 8) * 0x1p-24f;
+class TerrainStart : public GpuTest {
+  protected:
+    TerrainStart()
+        : path_(std::filesystem::temp_directory_path() / fmt::format("penumbra_terrain_{}.glb", getpid())) {
+        Shape shape = ground(20, 20, 200, 200);
+        uint32_t state = 1;
+        for (glm::vec3& at : shape.positions) {
+            state = state * 1664525u + 1013904223u;
+            at.y = 0.02f * float(state >> 8) * 0x1p-24f;
+        }
+        Model model;
+        model.materials = {{{1, 1, 1, 1}}};
+        model.meshes.push_back({{to_part(std::move(shape), 0)}});
+        model.nodes = {Node{.name = "terrain", .mesh = 0}};
+        write_file(path_, to_glb(model));
+        shot_.name = "terrain";
+        shot_.model = path_;
+        shot_.size = {320, 180};
+        shot_.frames = 8;
+        shot_.vertical_fov_deg = 60;
+        shot_.near = 0.05;
+        shot_.camera = {{0, {12, 2, 14}, {0, 0, 0}, {0, 1, 0}}, {7, {11.3, 2, 14}, {0.2, 0, 0}, {0, 1, 0}}};
+        shot_.sun_angular_radius_deg = 0.27;
+        shot_.sun = {{0, {0.3, 0.8, 0.2}}};
     }
-    Model model;
-    model.materials = {{{1, 1, 1, 1}}};
-    model.meshes.push_back({{to_part(std::move(shape), 0)}});
-    model.nodes = {Node{.name = "terrain", .mesh = 0}};
-    const auto path =
-        std::filesystem::temp_directory_path() / fmt::format("penumbra_terrain_{}.glb", getpid());
-    write_file(path, to_glb(model));
-    Shot shot;
-    shot.name = "terrain";
-    shot.model = path;
-    shot.size = {320, 180};
-    shot.frames = 8;
-    shot.vertical_fov_deg = 60;
-    shot.near = 0.05;
-    shot.camera = {{0, {12, 2, 14}, {0, 0, 0}, {0, 1, 0}}, {7, {11.3, 2, 14}, {0.2, 0, 0}, {0, 1, 0}}};
-    shot.sun_angular_radius_deg = 0.27;
-    shot.sun = {{0, {0.3, 0.8, 0.2}}};
+    ~TerrainStart() override { std::filesystem::remove(path_); }
 
+    std::filesystem::path path_;
+    Shot shot_;
+};
+
+TEST_F(TerrainStart, NobodyIsSeenFromBelow) {
     static const NodeSet nodes = shadow_nodes();
     for (const char* name : {"raw", "covered"}) {
         Diagnostics diagnostics;
@@ -152,7 +158,7 @@ TEST_F(TerrainStart, NobodyIsSeenFromBelow) {
         options.optimum = false;
         options.captures = {"view_depth", "visibility"};
         std::vector<std::string> warnings;
-        const auto session = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);
+        const auto session = Session::open(gpu(), nodes, *checked, shot_, options, diagnostics, warnings);
         ASSERT_TRUE(session) << diagnostics.text();
         size_t receivers = 0, dark = 0;
         for (uint32_t frame = 0; frame < 8; ++frame) {
@@ -167,7 +173,30 @@ TEST_F(TerrainStart, NobodyIsSeenFromBelow) {
         EXPECT_GT(receivers, 200'000u) << name;
         EXPECT_EQ(dark, 0u) << name;
     }
-    std::filesystem::remove(path);
+}
+
+// The sun stands below the horizon: rays go ahead towards the lamp.
+TEST_F(TerrainStart, NorByALampsTruth) {
+    shot_.sun = {{0, {0.3, -0.8, 0.2}}};
+    ShotLight lamp;
+    lamp.kind = LightKind::point;
+    lamp.radius = 0.2;
+    lamp.keys = {{.frame = 0, .position = {8, 40, 8}}};
+    shot_.lights["lamp"] = lamp;
+    size_t receivers = 0, dark = 0;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = open_light_truth(gpu(), shot_, "lamp", diagnostics, warnings, false);
+    ASSERT_TRUE(session) << diagnostics.text();
+    for (uint32_t frame = 0; frame < 8; ++frame) {
+        const penumbra::Truth truth = counted_light_truth(*session, frame, 64);
+        for (size_t i = 0; i < truth.visibility.size(); ++i) {
+            receivers += truth.receiver[i] > 0;
+            dark += truth.receiver[i] > 0 && truth.visibility[i] < 1;
+        }
+    }
+    EXPECT_GT(receivers, 200'000u);
+    EXPECT_EQ(dark, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Planes, RayStart,

@@ -12,6 +12,7 @@
 
 #include "host/generated/noise.h"
 #include "host/generated/tuning/families.h"
+#include "host/generated/tuning/night.h"
 #include "host/models/glb_writer.h"
 #include "host/scene/scene.h"
 #include "tests/embree_scene.h"
@@ -25,7 +26,7 @@ using namespace tuning;
 const fs::path folder = fs::path(PENUMBRA_SOURCE_DIR) / "scenes/tuning";
 
 // FNV-1a, 64 bits.
-uint64_t hash_of(const TuningScene& scene) {
+uint64_t hash_of(const auto& scene) {
     uint64_t hash = 14695981039346656037u;
     const auto add = [&](std::span<const std::byte> bytes) {
         for (const std::byte b : bytes) hash = (hash ^ std::to_integer<uint64_t>(b)) * 1099511628211u;
@@ -106,6 +107,31 @@ TEST(TuningScenes, CommittedOnesCoverWhatSettingsMayBe) {
     EXPECT_GT(*std::max_element(widths.begin(), widths.end()), 15);
     EXPECT_LT(*std::min_element(suns.begin(), suns.end()), 0.2);
     EXPECT_GT(*std::max_element(suns.begin(), suns.end()), 2.5);
+}
+
+TEST(NightScenes, AreTheSameBytesOnEveryMachineAndCanBeShown) {
+    std::set<std::string> kinds;
+    size_t shining = 0;
+    for (uint32_t seed = 0; seed < 24; ++seed) {
+        const NightScene scene = make_night_scene(seed);
+        const fs::path file = fs::path(::testing::TempDir()) / (scene.name + ".shot.json");
+        std::ofstream(file) << scene.shot;
+        Diagnostics diagnostics;
+        const auto shot = read_shot(file, diagnostics);
+        ASSERT_TRUE(shot) << diagnostics.text();
+        EXPECT_FALSE(shot->lights.empty()) << scene.name;
+        for (const auto& [name, light] : shot->lights)
+            kinds.insert(std::to_string(static_cast<int>(light.kind)));
+        shining += std::ranges::any_of(scene.model.materials,
+                                       [](const Material& m) { return m.emissive != Material().emissive; });
+        EXPECT_GE(shown_triangles(scene.model), 48u) << scene.name;
+        fs::remove(file);
+    }
+    EXPECT_EQ(kinds.size(), 6u);
+    EXPECT_GE(shining, 16u);
+    EXPECT_LT(shining, 24u);
+    EXPECT_EQ(hash_of(make_night_scene(1)), 5496504154378078113u);
+    EXPECT_EQ(hash_of(make_night_scene(1001)), 8633757245503214918u);
 }
 
 // ---- what is in the picture, at 320x180 in a frame after the cut

@@ -55,20 +55,29 @@ class Surface {
     glm::dvec3 relative() const { return at(depth_); }
 
     // Of a depth that is of the pixel's centre.
-    glm::dvec3 start(const glm::dvec3& n, const glm::dvec3& in_scene, const glm::dvec3& to_sun) const {
+    glm::dvec3 off_surface(const glm::dvec3& n, const glm::dvec3& in_scene) const {
         const glm::dvec3 point = relative(), largest = glm::max(glm::abs(point), glm::abs(in_scene));
-        const glm::dvec3 viewer = orthographic() ? world_[2] : -glm::normalize(at(1));
-        const double facing = std::abs(glm::dot(n, viewer)), cosine = glm::dot(n, to_sun);
-        const double span = 2 / (frame_.size[1] * std::abs(clip_[1].y)) * (orthographic() ? 1 : depth_);
         const double offset =
-            3 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) + 8 * depth_rounding() * facing;
+            3 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) + 8 * depth_rounding() * facing(n);
+        return in_scene + n * offset;
+    }
+    // Metres along the unit vector `towards`, by which a ray leaves behind what its pixel may show beyond a
+    // triangle's end.
+    double ahead(const glm::dvec3& n, const glm::dvec3& towards) const {
+        const double cosine = glm::dot(n, towards);
+        const double span = 2 / (frame_.size[1] * std::abs(clip_[1].y)) * (orthographic() ? 1 : depth_);
         const double beyond =
-            span * std::ldexp(0.5, -int(frame_.sub_pixel_bits)) / std::max(facing, 1.0 / 64);
-        return in_scene + n * offset + (cosine > 0 ? beyond * std::min(0.25 / cosine, 1.0) : 0.0) * to_sun;
+            span * std::ldexp(0.5, -int(frame_.sub_pixel_bits)) / std::max(facing(n), 1.0 / 64);
+        return cosine > 0 ? beyond * std::min(0.25 / cosine, 1.0) : 0.0;
     }
 
   private:
     bool orthographic() const { return (frame_.flags & frame_orthographic) != 0; }
+
+    double facing(const glm::dvec3& n) const {
+        const glm::dvec3 viewer = orthographic() ? world_[2] : -glm::normalize(at(1));
+        return std::abs(glm::dot(n, viewer));
+    }
 
     glm::dvec3 at(double depth) const {
         const glm::dvec2 uv =
@@ -111,16 +120,28 @@ glm::dmat3 sun_frame(const glm::dvec3& s) {
             glm::dvec3(b, sign + s.y * s.y * a, -s.y), s};
 }
 
+RayStart ray_start_to(const StandaloneFrame& frame, const CoveragePixel& pixel, const glm::dvec3& target) {
+    const Surface surface(frame.description, pixel);
+    const glm::dvec3 n = octahedral_normal(pixel.normal);
+    const glm::dvec3 off_surface =
+        surface.off_surface(n, surface.relative() + vector(frame.scene.camera_from_origin.v));
+    const glm::dvec3 way = target - off_surface;
+    const double length = std::max(glm::length(way), 1e-15);
+    const double ahead = std::min(surface.ahead(n, way / length) / length, 0.01);
+    return {off_surface, glm::vec3(off_surface + ahead * way)};  // a float, as the nodes'
+}
+
 CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
                                    std::span<const uint32_t> blue_noise, const CoveragePixel& pixel) {
     const Surface surface(frame.description, pixel);
     CoverageReceiver r;
     r.normal = octahedral_normal(pixel.normal);
-    const glm::dvec3 in_scene = surface.relative() + vector(frame.scene.camera_from_origin.v);
-    r.start =
-        glm::vec3(surface.start(r.normal, in_scene, vector(frame.sun.to_sun.v)));  // floats, as the node's
+    const glm::dvec3 to_sun = vector(frame.sun.to_sun.v),
+                     off_surface = surface.off_surface(
+                         r.normal, surface.relative() + vector(frame.scene.camera_from_origin.v));
+    r.start = glm::vec3(off_surface + surface.ahead(r.normal, to_sun) * to_sun);  // floats, as the node's
     const auto [turn, dither] = noise(blue_noise, pixel.at, frame.description.index, seed);
-    const glm::dmat3 axes = sun_frame(vector(frame.sun.to_sun.v));
+    const glm::dmat3 axes = sun_frame(to_sun);
     const double c = std::cos(2 * pi * turn), s = std::sin(2 * pi * turn);
     r.axes = {c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2]};
     r.dither = 0.002 + 0.996 * dither;  // line_dither() of light_mask.glsl

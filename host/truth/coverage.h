@@ -40,6 +40,13 @@ struct CoveragePixel {
     std::array<float, 2> normal{};  // octahedral, as the node guides writes receiver_normal
 };
 
+// Where the rays of a pixel to a light that is near start, in the tree's frame (ray_origin_to() of
+// ray_origin.glsl); `off_surface` is the point that is in reach of the light or not.
+struct RayStart {
+    glm::dvec3 off_surface{0}, start{0};
+};
+RayStart ray_start_to(const StandaloneFrame& frame, const CoveragePixel& pixel, const glm::dvec3& target);
+
 // `blue_noise`: the 128 x 128 words of the node's table.
 CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
                                    std::span<const uint32_t> blue_noise, const CoveragePixel& pixel);

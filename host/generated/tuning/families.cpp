@@ -15,6 +15,8 @@ double snapped(double x) {
     return std::round(x * grid) / grid + 0.0;  // no negative zero
 }
 
+}  // namespace
+
 void snap(Model& model) {
     for (Node& node : model.nodes)
         for (int i = 0; i < 3; ++i) node.translation[i] = snapped(node.translation[i]);
@@ -23,8 +25,6 @@ void snap(Model& model) {
             for (glm::vec3& p : part.positions)
                 for (int i = 0; i < 3; ++i) p[i] = static_cast<float>(snapped(p[i]));
 }
-
-}  // namespace
 
 void Stage::add_movable(Shape shape, int material, const glm::dvec3& place) {
     movable.push_back("moved_" + std::to_string(movable.size()));

@@ -67,6 +67,9 @@ struct TuningScene {
     std::string shot;
 };
 
+// Rounds what a model's triangles stand on, so that its bytes are the same on every machine.
+void snap(Model& model);
+
 TuningScene make_tuning_scene(const Family& family, uint32_t seed);
 
 }  // namespace penumbra::tuning

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes tuning scenes and their shots: those of scenes/tuning/, or any other ones.
+// Writes tuning scenes and their shots: those of scenes/tuning/, or any other ones. Rooms at night come where
+// their family is named.
 //   penumbra_make_tuning_shots --out DIR [--family NAME] [--seed N]
 #include <charconv>
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include <string_view>
 
 #include "host/generated/tuning/families.h"
+#include "host/generated/tuning/night.h"
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 
@@ -28,11 +30,12 @@ std::optional<Arguments> refused(const std::string& why) {
         stderr,
         "%s\nusage: penumbra_make_tuning_shots --out DIR [--family NAME] [--seed N]\nfamilies:", why.c_str());
     for (const tuning::Family& family : tuning::all_families) std::fprintf(stderr, " %s", family.name);
-    std::fprintf(stderr, "\n");
+    std::fprintf(stderr, " %s\n", tuning::night_family);
     return std::nullopt;
 }
 
 bool known(std::string_view name) {
+    if (name == tuning::night_family) return true;
     for (const tuning::Family& family : tuning::all_families)
         if (name == family.name) return true;
     return false;
@@ -63,6 +66,12 @@ std::optional<Arguments> parse(std::span<char*> words) {
     return out;
 }
 
+void write(const std::filesystem::path& folder, const std::string& name, const Model& model,
+           const std::string& shot) {
+    write_file(folder / (name + ".glb"), to_glb(model));
+    write_file(folder / (name + ".shot.json"), std::as_bytes(std::span(shot)));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -70,16 +79,21 @@ int main(int argc, char** argv) {
     if (!arguments) return 2;
     try {
         std::filesystem::create_directories(arguments->out);
+        const std::vector<uint32_t> seeds =
+            arguments->seed
+                ? std::vector<uint32_t>{*arguments->seed}
+                : std::vector<uint32_t>(tuning::committed_seeds.begin(), tuning::committed_seeds.end());
+        if (arguments->family == tuning::night_family)
+            for (const uint32_t seed : seeds) {
+                const tuning::NightScene scene = tuning::make_night_scene(seed);
+                write(arguments->out, scene.name, scene.model, scene.shot);
+                std::printf("%s: %zu triangles\n", scene.name.c_str(), scene.model.triangle_count());
+            }
         for (const tuning::Family& family : tuning::all_families) {
             if (arguments->family && *arguments->family != family.name) continue;
-            for (const uint32_t seed : arguments->seed
-                                           ? std::vector<uint32_t>{*arguments->seed}
-                                           : std::vector<uint32_t>(tuning::committed_seeds.begin(),
-                                                                   tuning::committed_seeds.end())) {
+            for (const uint32_t seed : seeds) {
                 const tuning::TuningScene scene = tuning::make_tuning_scene(family, seed);
-                write_file(arguments->out / (scene.name + ".glb"), to_glb(scene.model));
-                write_file(arguments->out / (scene.name + ".shot.json"),
-                           std::as_bytes(std::span(scene.shot)));
+                write(arguments->out, scene.name, scene.model, scene.shot);
                 const tuning::Setting& s = scene.setting;
                 std::printf("%s: %zu triangles, penumbrae of %.2f px about the middle, sun of %.2f degrees\n",
                             scene.name.c_str(), scene.model.triangle_count(), s.width_px, s.sun_radius_deg);

@@ -34,10 +34,6 @@ glm::dvec3 direction(double azimuth_deg, double elevation_deg) {
     return {std::cos(e) * std::sin(a), std::sin(e), std::cos(e) * std::cos(a)};
 }
 
-std::string vector_text(const glm::dvec3& v) {
-    return fmt::format("[{:.5f}, {:.5f}, {:.5f}]", v.x, v.y, v.z);
-}
-
 std::string camera_key(double frame, const glm::dvec3& position, const glm::dvec3& target,
                        const glm::dvec3& up) {
     return fmt::format(R"(      {{ "frame": {}, "position": {}, "target": {}, "up": {} }})", frame,
@@ -139,6 +135,10 @@ std::string object_keys(const Setting& setting, const std::vector<std::string>& 
 }
 
 }  // namespace
+
+std::string vector_text(const glm::dvec3& v) {
+    return fmt::format("[{:.5f}, {:.5f}, {:.5f}]", v.x, v.y, v.z);
+}
 
 Setting make_setting(const Ranges& ranges, uint32_t seed) {
     const uint32_t turn = ranges.family + families * seed;

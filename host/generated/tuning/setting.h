@@ -47,6 +47,9 @@ struct Setting {
 
 Setting make_setting(const Ranges& ranges, uint32_t seed);
 
+// Three numbers of a shot.
+std::string vector_text(const glm::dvec3& v);
+
 // The shot's text. `movable`: names of the nodes that may move.
 std::string shot_text(const Setting& setting, const std::string& model_file,
                       const std::vector<std::string>& movable);
