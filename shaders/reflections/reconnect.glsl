@@ -158,14 +158,17 @@ struct Surroundings {
 
 Surroundings surroundings(ivec2 p, Source s, float z, bool same_plane) {
     Surroundings mean = Surroundings(vec3(0.0), 0.0, 0.0);
-    for (int i = 0; i < TAPS; ++i) {
-        const ivec2 q = p + tap(i);
-        if (q == p || !inside_frame(q)) continue;
-        const float z_q = imageLoad(view_depth, q).x;
-        const vec4 ray = texelFetch(radiance, q, 0);
-        if (!(z_q > 0.0) || !has_ray(ray) || HAS_AIMED && went_below(ray)) continue;
-        if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : at_a_body(s, position(q, z_q), direction_of(q, pixel_roughness(q)), ray)) continue;
-        mean = Surroundings(mean.radiance + radiance_of(ray), mean.inverse_m + 1.0 / abs(ray.w), mean.rays + 1.0);
+    const int FARTHEST = 7;  // where few pixels have rays all of those near may have met bodies
+    for (int apart = 1; apart <= FARTHEST && mean.rays == 0.0; apart += 2) {
+        for (int i = 0; i < TAPS; ++i) {
+            const ivec2 q = p + apart * tap(i);
+            if (q == p || !inside_frame(q)) continue;
+            const float z_q = imageLoad(view_depth, q).x;
+            const vec4 ray = texelFetch(radiance, q, 0);
+            if (!(z_q > 0.0) || !has_ray(ray) || HAS_AIMED && went_below(ray)) continue;
+            if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : at_a_body(s, position(q, z_q), direction_of(q, pixel_roughness(q)), ray)) continue;
+            mean = Surroundings(mean.radiance + radiance_of(ray), mean.inverse_m + 1.0 / abs(ray.w), mean.rays + 1.0);
+        }
     }
     const float each = 1.0 / max(mean.rays, 1.0);
     return Surroundings(mean.radiance * each, mean.inverse_m * each, mean.rays);
@@ -330,7 +333,7 @@ void for_pixel(ivec2 p) {
     if (hidden != 0u) {  // what the pixel sees in its place is like the rest of what it sees
         const float all = sums.weight;
         sums = gather(p, kept, hidden, source, roughness, own, window, choice);
-        scale(sums, min(all / max(sums.weight, 1e-20), MOST_SCALE));
+        if (!(window.aimed > 0.0)) scale(sums, min(all / max(sums.weight, 1e-20), MOST_SCALE));
     }
 #endif
     const bool alone = !(sums.weight > 1e-20), stand_in = alone && !ray_here;

@@ -135,6 +135,35 @@ TEST_F(AimRays, FindWhatLobesFindByChance) {
     }
 }
 
+// With a ray in one pixel of four all of a window's may have gone into cones, and tell nothing of what is
+// beside the body; it is not as bright.
+TEST_F(AimRays, AreFewAndAllAimed) {
+    const Shot shot = bulb_over_floors({64, 36}, beside);
+    for (const auto& [signal, pipeline] : {std::pair{"specular", "reflections"}, {"diffuse", "indirect"}}) {
+        const PlanarImage truth = truth_of(shot, signal, 4096);
+        const std::string few = "nodes.rays.params.rays=quarter";
+        const Judged aimed = judge(shot, truth, pipeline, {few}),
+                     by_lobes = judge(shot, truth, pipeline, {few, "nodes.aim=null"});
+        std::printf("%s: bias %.4f, %.4f by lobes; squared error %.4f, %.4f\n", signal, aimed.bias,
+                    by_lobes.bias, aimed.squared, by_lobes.squared);
+        EXPECT_LT(aimed.squared, 0.65 * by_lobes.squared) << signal;
+    }
+}
+
+// Where what a neighbour found is hidden, its weight does not go to the others: one of them may have met the
+// body.
+TEST_F(AimRays, AskWhatHides) {
+    const Shot shot = bulb_over_floors({64, 36}, under_half);
+    for (const auto& [signal, pipeline] : {std::pair{"specular", "reflections"}, {"diffuse", "indirect"}}) {
+        const PlanarImage truth = truth_of(shot, signal, 4096);
+        const Judged asking = judge(shot, truth, pipeline, {"nodes.reconnect.type=reconnect_asking"}),
+                     trusting = judge(shot, truth, pipeline, {});
+        std::printf("%s: bias %.4f, %.4f trusting; squared error %.4f, %.4f\n", signal, asking.bias,
+                    trusting.bias, asking.squared, trusting.squared);
+        EXPECT_LT(asking.squared, 1.05 * trusting.squared) << signal;
+    }
+}
+
 // Narrow lobes that meet a body's rim: what is around it is not taken to be as bright as the body, because a
 // neighbour's ray has met it.
 TEST_F(AimRays, FindTheRimOfABody) {
