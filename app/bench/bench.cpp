@@ -182,6 +182,10 @@ double native_ms(const NativeImages& images, std::vector<uint32_t>& out) {
     return least;
 }
 
+void keep_first(auto& keys) {
+    if (keys.size() > 1) keys.erase(keys.begin() + 1, keys.end());
+}
+
 }  // namespace
 
 std::optional<double> Rounds::least() const {
@@ -196,14 +200,6 @@ std::optional<double> PassFigures::gb_per_s() const {
     const auto least = ms.least();
     return least && *least > 0 ? std::optional(static_cast<double>(bytes) / *least * 1e-6) : std::nullopt;
 }
-
-namespace {
-
-void keep_first(auto& keys) {
-    if (keys.size() > 1) keys.erase(keys.begin() + 1, keys.end());
-}
-
-}  // namespace
 
 Shot standing_still(Shot shot) {
     shot = with_still_camera(std::move(shot));
