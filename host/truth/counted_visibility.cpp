@@ -195,11 +195,10 @@ void CountedVisibility::Tree::walk(const Touches& touches, Visit&& visit) const 
 
 std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double view_depth,
                                                      const glm::dvec3& normal) const {
-    constexpr double reach_px = 1.0 / 64;
     const glm::dvec3 point = ray.origin + view_depth * ray.direction;
     const double pixel = ray.pixel_m + view_depth * ray.pixel_m_per_m;
     // Depths are floats: what they round by is far less than a pixel, except at grazing views.
-    const glm::dvec3 margin(reach_px * pixel + 0x1p-20 * (taxi(point) + view_depth));
+    const glm::dvec3 margin(ray.reach_px * pixel + 0x1p-20 * (taxi(point) + view_depth));
     const auto near_point = [&](const TreeBox& box) {
         return glm::all(glm::lessThanEqual(box.lo - margin, point)) &&
                glm::all(glm::greaterThanEqual(box.hi + margin, point));

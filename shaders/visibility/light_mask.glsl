@@ -51,10 +51,10 @@ bool mask_is_full(LightMask a) { return mask_is_empty(mask_flipped(a, true)); }
 // One sample of those in a mask that is not empty, and the number of the only sample in a mask.
 LightMask mask_lowest(LightMask a) {
     const uvec4 lo = a.lo & (~a.lo + 1u), hi = a.hi & (~a.hi + 1u);  // of each word the lowest bit
-    const bool x = lo.x != 0u, y = x || lo.y != 0u, z = y || lo.z != 0u, w = z || lo.w != 0u;
-    const bool x2 = w || hi.x != 0u, y2 = x2 || hi.y != 0u, z2 = y2 || hi.z != 0u;
-    return LightMask(uvec4(lo.x, x ? 0u : lo.y, y ? 0u : lo.z, z ? 0u : lo.w),
-                     uvec4(w ? 0u : hi.x, x2 ? 0u : hi.y, y2 ? 0u : hi.z, z2 ? 0u : hi.w));
+    // What lies before each word, as bits: SwiftShader's compiler takes gigabytes and minutes for as many branches before a walk.
+    const uint xy = lo.x | lo.y, xyz = xy | lo.z, all = xyz | lo.w, x2 = all | hi.x, y2 = x2 | hi.y, z2 = y2 | hi.z;
+    return LightMask(mix(lo, uvec4(0u), notEqual(uvec4(0u, lo.x, xy, xyz), uvec4(0u))),
+                     mix(hi, uvec4(0u), notEqual(uvec4(all, x2, y2, z2), uvec4(0u))));
 }
 int mask_index(LightMask a) {
     const uvec4 lo = mix(uvec4(0u), uvec4(0u, 32u, 64u, 96u), notEqual(a.lo, uvec4(0u))),
