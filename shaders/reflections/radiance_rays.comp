@@ -71,13 +71,15 @@ void for_pixel(ivec2 p) {
     vec3 direction;
     float weight;
     bvec3 marks;
-    Incident light;
-    vec4 sum = vec4(0.0);
-    for (uint i = 0u; i < RAYS_PER_PIXEL; ++i) {
-        light = ray_of(p, lobe, roughness, first + i, direction, weight, marks);
-        sum += weight * vec4(light.radiance, 1.0);
+    Incident light = ray_of(p, lobe, roughness, first, direction, weight, marks);
+    if (RAYS_PER_PIXEL > 1u) {  // one has no weight
+        vec4 sum = weight * vec4(light.radiance, 1.0);
+        for (uint i = 1u; i < RAYS_PER_PIXEL; ++i) {
+            light = ray_of(p, lobe, roughness, first + i, direction, weight, marks);
+            sum += weight * vec4(light.radiance, 1.0);
+        }
+        if (sum.w > 0.0) light.radiance = sum.rgb / sum.w;
     }
-    if (RAYS_PER_PIXEL > 1u && sum.w > 0.0) light.radiance = sum.rgb / sum.w;  // one has no weight
     const vec4 ray = mark(encode_ray(light.radiance, light.distance_m, light.moves), marks);
     store(p, ray, encode_ray_word(RayWord(direction, missed(ray) ? -direction : light.normal), roughness));
 }

@@ -158,17 +158,15 @@ struct Surroundings {
 
 Surroundings surroundings(ivec2 p, Source s, float z, bool same_plane) {
     Surroundings mean = Surroundings(vec3(0.0), 0.0, 0.0);
-    const int FARTHEST = 7;  // where few pixels have rays all of those near may have met bodies
-    for (int apart = 1; apart <= FARTHEST && mean.rays == 0.0; apart += 2) {
-        for (int i = 0; i < TAPS; ++i) {
-            const ivec2 q = p + apart * tap(i);
-            if (q == p || !inside_frame(q)) continue;
-            const float z_q = imageLoad(view_depth, q).x;
-            const vec4 ray = texelFetch(radiance, q, 0);
-            if (!(z_q > 0.0) || !has_ray(ray) || HAS_AIMED && went_below(ray)) continue;
-            if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : at_a_body(s, position(q, z_q), direction_of(q, pixel_roughness(q)), ray)) continue;
-            mean = Surroundings(mean.radiance + radiance_of(ray), mean.inverse_m + 1.0 / abs(ray.w), mean.rays + 1.0);
-        }
+    const int RINGS = 4;  // where few pixels have rays all of those near may have met bodies: then up to seven times as far away
+    for (int k = 0; k < RINGS * TAPS && (k % TAPS != 0 || mean.rays == 0.0); ++k) {
+        const ivec2 q = p + (2 * (k / TAPS) + 1) * tap(k % TAPS);
+        if (q == p || !inside_frame(q)) continue;
+        const float z_q = imageLoad(view_depth, q).x;
+        const vec4 ray = texelFetch(radiance, q, 0);
+        if (!(z_q > 0.0) || !has_ray(ray) || HAS_AIMED && went_below(ray)) continue;
+        if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : at_a_body(s, position(q, z_q), direction_of(q, pixel_roughness(q)), ray)) continue;
+        mean = Surroundings(mean.radiance + radiance_of(ray), mean.inverse_m + 1.0 / abs(ray.w), mean.rays + 1.0);
     }
     const float each = 1.0 / max(mean.rays, 1.0);
     return Surroundings(mean.radiance * each, mean.inverse_m * each, mean.rays);
