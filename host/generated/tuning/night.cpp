@@ -177,21 +177,15 @@ NightScene make_night_scene(uint32_t seed) {
     snap(out.model);
     const std::string sky = ground == Ground::open_sky ? R"("down": [0.1, 0.1, 0.1], "up": [0.3, 0.4, 0.6])"
                                                        : R"("down": [0, 0, 0], "up": [0, 0, 0])";
-    out.shot = fmt::format(R"({{
-  "penumbra_shot": 1,
-  "scene": "{}.glb",
-  "size": [640, 360],
-  "frames": {},
-  "fps": {},
-  "camera": {{
-    "vertical_fov_deg": {},
-    "near": 0.05,
-    "keys": [
-      {{ "frame": 0, "position": {}, "target": [0, 0.8, -1] }},
-      {{ "frame": {}, "position": {}, "target": {} }}
-    ]
-  }},
-  "sun": {{ "angular_radius_deg": 0.2665, "keys": [{{ "frame": 0, "to_sun": [0.3, -1, 0.2] }}] }},
+    const std::string camera =
+        fmt::format(R"(      {{ "frame": 0, "position": {}, "target": [0, 0.8, -1] }},
+      {{ "frame": {}, "position": {}, "target": {} }})",
+                    vector_text({x, 1.6, z}), frames - 1, vector_text({x + 0.5 * step, 1.65, z - 0.15}),
+                    vector_text({0.15 * step, 0.8, -1}));
+    out.shot =
+        shot_head(name + ".glb", camera) +
+        fmt::format(
+            R"(  "sun": {{ "angular_radius_deg": 0.2665, "keys": [{{ "frame": 0, "to_sun": [0.3, -1, 0.2] }}] }},
   "environment": {{ {} }},
   "lights": {{
 {}
@@ -200,9 +194,7 @@ NightScene make_night_scene(uint32_t seed) {
   "seed": 0
 }}
 )",
-                           name, frames, fps, vertical_fov_deg, vector_text({x, 1.6, z}), frames - 1,
-                           vector_text({x + 0.5 * step, 1.65, z - 0.15}), vector_text({0.15 * step, 0.8, -1}),
-                           sky, room.lamps());
+            sky, room.lamps());
     return out;
 }
 

@@ -179,8 +179,7 @@ Setting make_setting(const Ranges& ranges, uint32_t seed) {
     return out;
 }
 
-std::string shot_text(const Setting& setting, const std::string& model_file,
-                      const std::vector<std::string>& movable) {
+std::string shot_head(const std::string& model_file, const std::string& camera_keys) {
     return fmt::format(R"({{
   "penumbra_shot": 1,
   "scene": "{}",
@@ -194,7 +193,14 @@ std::string shot_text(const Setting& setting, const std::string& model_file,
 {}
     ]
   }},
-  "sun": {{
+)",
+                       model_file, frames, fps, vertical_fov_deg, camera_keys);
+}
+
+std::string shot_text(const Setting& setting, const std::string& model_file,
+                      const std::vector<std::string>& movable) {
+    return shot_head(model_file, camera_keys(setting)) +
+           fmt::format(R"(  "sun": {{
     "angular_radius_deg": {:.5f},
     "keys": [
 {}
@@ -204,7 +210,6 @@ std::string shot_text(const Setting& setting, const std::string& model_file,
   "seed": 0
 }}
 )",
-                       model_file, frames, fps, vertical_fov_deg, camera_keys(setting),
                        setting.sun_radius_deg, sun_keys(setting), object_keys(setting, movable));
 }
 

@@ -50,6 +50,9 @@ Setting make_setting(const Ranges& ranges, uint32_t seed);
 // Three numbers of a shot.
 std::string vector_text(const glm::dvec3& v);
 
+// A shot's text up to the end of its camera.
+std::string shot_head(const std::string& model_file, const std::string& camera_keys);
+
 // The shot's text. `movable`: names of the nodes that may move.
 std::string shot_text(const Setting& setting, const std::string& model_file,
                       const std::vector<std::string>& movable);
