@@ -49,11 +49,11 @@ class ViewRays {
             (glm::dvec2(x, y) + 0.5) / size - glm::dvec2(frame_.jitter[0], frame_.jitter[1]);
         const glm::dvec2 ndc = 2.0 * uv - 1.0, scale(clip_[0].x, clip_[1].y);
         const double pixel = 2 / (size.y * std::abs(scale.y)),
-                     reach_px = std::ldexp(4, -int(frame_.sub_pixel_bits));
+                     grid_px = std::ldexp(0.5, -int(frame_.sub_pixel_bits));
         if (frame_.flags & frame_orthographic)
             return {eye_ + axes_ * glm::dvec3((ndc - glm::dvec2(clip_[3])) / scale, 0), -axes_[2], pixel, 0,
-                    reach_px};
-        return {eye_, axes_ * glm::dvec3((ndc + glm::dvec2(clip_[2])) / scale, -1), 0, pixel, reach_px};
+                    grid_px};
+        return {eye_, axes_ * glm::dvec3((ndc + glm::dvec2(clip_[2])) / scale, -1), 0, pixel, grid_px};
     }
 
   private:

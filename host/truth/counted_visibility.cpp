@@ -197,8 +197,10 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
                                                      const glm::dvec3& normal) const {
     const glm::dvec3 point = ray.origin + view_depth * ray.direction;
     const double pixel = ray.pixel_m + view_depth * ray.pixel_m_per_m;
+    const double facing = std::abs(glm::dot(normal, glm::normalize(ray.direction)));
+    const double reach_px = ray.grid_px * std::max(8.0, 2 / std::max(facing, 1.0 / 64));
     // Depths are floats: what they round by is far less than a pixel, except at grazing views.
-    const glm::dvec3 margin(ray.reach_px * pixel + 0x1p-20 * (taxi(point) + view_depth));
+    const glm::dvec3 margin(reach_px * pixel + 0x1p-20 * (taxi(point) + view_depth));
     const auto near_point = [&](const TreeBox& box) {
         return glm::all(glm::lessThanEqual(box.lo - margin, point)) &&
                glm::all(glm::greaterThanEqual(box.hi + margin, point));

@@ -22,8 +22,7 @@ namespace penumbra {
 struct ViewRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};
     double pixel_m = 0, pixel_m_per_m = 0;  // what a pixel spans there: constant, and per metre of view depth
-    double reach_px =
-        1.0 / 64;  // how far away a triangle may lie that is shown: eight half steps of a rasteriser's grid
+    double grid_px = 0x1p-9;  // half a step of the rasteriser's grid, by which it moves outlines
 };
 
 struct SurfacePoint {
@@ -46,8 +45,8 @@ class CountedVisibility {
 
     // What a rasteriser showed at `view_depth` with this normal: the triangle that lies there, and the point
     // of it that the view ray meets. A rasteriser moves outlines by a part of a pixel, so the ray may pass
-    // beside the triangle; the point is then the triangle's nearest. None where no triangle is within the
-    // ray's reach.
+    // beside the triangle; the point is then the triangle's nearest. None where no triangle is within
+    // eight half steps of the grid, or two as they lie on the surface.
     std::optional<SurfacePoint> shown(const ViewRay& ray, double view_depth, const glm::dvec3& normal) const;
 
     // The share of directions that neither point into the point's own surface nor meet another triangle.
