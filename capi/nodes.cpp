@@ -25,8 +25,9 @@ penumbra_code penumbra_nodes_add(penumbra_nodes* nodes, const char* declaration,
         Mistakes mistakes;
         const auto json = parse_json(named(declaration, "declaration"), "declaration", mistakes.diagnostics);
         const Json* name = json ? json->find("node") : nullptr;
-        const auto type = json ? parse_node_type(*json, name ? name->string : "", set.domain(), mistakes.diagnostics)
-                               : std::nullopt;
+        const auto type =
+            json ? parse_node_type(*json, name ? name->string : "", set.domain(), mistakes.diagnostics)
+                 : std::nullopt;
         if (!type) throw mistakes;
         if (!type->host) misuse(type->name, "is no node of the host's: its declaration says \"host\": true");
         if (set.find(type->name)) misuse(type->name, "there is a node type of this name");
@@ -42,7 +43,13 @@ penumbra_code penumbra_nodes_add(penumbra_nodes* nodes, const char* declaration,
 penumbra_code penumbra_call_read(const penumbra_call* call, penumbra_call_info* info, penumbra_error* error) {
     return guarded(error, [&] {
         const HostPassContext& c = given(call, "call").context;
-        write(info, {0, c.frame->frame_index, c.cmd, c.pass->node.c_str(), c.user, {c.frame->size.v[0], c.frame->size.v[1]}},
+        write(info,
+              {0,
+               c.frame->frame_index,
+               c.cmd,
+               c.pass->node.c_str(),
+               c.user,
+               {c.frame->size.v[0], c.frame->size.v[1]}},
               "info");
     });
 }
@@ -55,12 +62,15 @@ penumbra_code penumbra_call_port(const penumbra_call* call, const char* port, pe
             return write(bound, {0, r->image, r->view, r->buffer, r->texels, r->bytes}, "bound");
         const SlotBinding* s = c.slot(port);
         if (!s) misuse(port, "nothing is bound to a port of this name");
-        write(bound, {0, s->handover ? s->handover->image : VK_NULL_HANDLE, s->image, s->buffer, s->texels, s->range}, "bound");
+        write(
+            bound,
+            {0, s->handover ? s->handover->image : VK_NULL_HANDLE, s->image, s->buffer, s->texels, s->range},
+            "bound");
     });
 }
 
-penumbra_code penumbra_call_param(const penumbra_call* call, const char* param, double* values, uint32_t* count,
-                                  penumbra_error* error) {
+penumbra_code penumbra_call_param(const penumbra_call* call, const char* param, double* values,
+                                  uint32_t* count, penumbra_error* error) {
     return guarded(error, [&] {
         const HostPassContext& c = given(call, "call").context;
         const auto value = c.param(named(param, "param"));
@@ -81,7 +91,8 @@ penumbra_code penumbra_call_param(const penumbra_call* call, const char* param, 
         else
             numbers = {double(std::get<uint32_t>(*value))};
         uint32_t& room = given(count, "count");
-        if (values && room < numbers.size()) misuse("count", std::string(param) + " has " + std::to_string(numbers.size()) + " numbers");
+        if (values && room < numbers.size())
+            misuse("count", std::string(param) + " has " + std::to_string(numbers.size()) + " numbers");
         room = static_cast<uint32_t>(numbers.size());
         if (values) std::ranges::copy(numbers, values);
     });

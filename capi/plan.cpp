@@ -9,8 +9,10 @@ using namespace penumbra::c;
 
 namespace {
 
-static_assert(PENUMBRA_IMAGE == static_cast<int>(PortKind::image) && PENUMBRA_TEXELS == static_cast<int>(PortKind::texels) &&
-              PENUMBRA_BUFFER == static_cast<int>(PortKind::buffer) && PENUMBRA_BLOCK == static_cast<int>(PortKind::block) &&
+static_assert(PENUMBRA_IMAGE == static_cast<int>(PortKind::image) &&
+              PENUMBRA_TEXELS == static_cast<int>(PortKind::texels) &&
+              PENUMBRA_BUFFER == static_cast<int>(PortKind::buffer) &&
+              PENUMBRA_BLOCK == static_cast<int>(PortKind::block) &&
               PENUMBRA_STRUCTURE == static_cast<int>(PortKind::structure));
 
 Plan make_plan(const penumbra_plan_request& r) {
@@ -20,7 +22,8 @@ Plan make_plan(const penumbra_plan_request& r) {
     const char* file = named(r.file, "request.file");
     const auto pipeline =
         r.text ? parse_pipeline(r.text, file, settings, errors) : load_pipeline(file, settings, errors);
-    const auto checked = pipeline ? check(*pipeline, r.nodes ? r.nodes->set : shadow_nodes(), errors) : std::nullopt;
+    const auto checked =
+        pipeline ? check(*pipeline, r.nodes ? r.nodes->set : shadow_nodes(), errors) : std::nullopt;
     if (!checked) throw mistakes;
     Target target;
     target.extent = {r.width, r.height};
@@ -39,8 +42,9 @@ Plan make_plan(const penumbra_plan_request& r) {
         const auto format = format_named(named(input.format, "request.inputs.format"));
         if (!format) {
             const std::vector<std::string> names = format_names();
-            misuse(std::string("request.inputs of \"") + name + "\"",
-                   std::string("there is no format \"") + input.format + "\"" + did_you_mean(input.format, names));
+            misuse(std::string("request.inputs of \"") + name + "\"", std::string("there is no format \"") +
+                                                                          input.format + "\"" +
+                                                                          did_you_mean(input.format, names));
         }
         target.inputs[name] = {*format, {input.width, input.height}, std::max(input.layers, 1u)};
     });
@@ -50,9 +54,21 @@ Plan make_plan(const penumbra_plan_request& r) {
     options.hand_on_history = r.hand_on_history;
     for (const std::string& name : texts(r.host_images, r.host_image_count, "request.host_images"))
         options.outputs[name].host_image = true;
+    for_each(r.output_uses, r.output_use_count, "request.output_uses", [&](const penumbra_output_use& use) {
+        OutputUse& own = options.outputs[named(use.name, "request.output_uses.name")];
+        own.host_image |= use.host_image != 0;
+        if (use.image_usage) own.image_usage = use.image_usage;
+        if (use.buffer_usage) own.buffer_usage = use.buffer_usage;
+        if (use.stages) own.stages = use.stages;
+        if (use.access) own.access = use.access;
+    });
     auto plan = compile(*checked, target, options, errors);
     if (!plan) throw mistakes;
     return std::move(*plan);
+}
+
+VkFormat format_of(PortKind kind, Format format) {
+    return kind == PortKind::image || kind == PortKind::texels ? info(format).vk : VK_FORMAT_UNDEFINED;
 }
 
 }  // namespace
@@ -86,13 +102,37 @@ penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penu
         const std::vector<HostSlot>& slots = given(plan, "plan").plan->slots;
         if (index >= slots.size()) misuse("index", "the plan has " + std::to_string(slots.size()) + " slots");
         const HostSlot& s = slots[index];
-        const bool texels = s.kind == PortKind::image || s.kind == PortKind::texels;
         write(slot,
-              {0, static_cast<penumbra_slot_kind>(s.kind), s.name.c_str(),
-               texels ? info(s.format).vk : VK_FORMAT_UNDEFINED, s.extent.width, s.extent.height, s.layers, s.bytes,
-               s.output, s.required, s.use.stages, s.use.access},
+              {0, static_cast<penumbra_slot_kind>(s.kind), s.name.c_str(), format_of(s.kind, s.format),
+               s.extent.width, s.extent.height, s.layers, s.bytes, s.output, s.required, s.use.stages,
+               s.use.access},
               "slot");
     });
+}
+
+uint32_t penumbra_plan_output_count(const penumbra_plan* plan) {
+    return plan ? static_cast<uint32_t>(plan->plan->outputs.size()) : 0;
+}
+
+penumbra_code penumbra_plan_output(const penumbra_plan* plan, uint32_t index, penumbra_slot* output,
+                                   penumbra_error* error) {
+    return guarded(error, [&] {
+        const Plan& p = *given(plan, "plan").plan;
+        if (index >= p.outputs.size())
+            misuse("index", "the plan has " + std::to_string(p.outputs.size()) + " outputs");
+        const PlanOutput& o = p.outputs[index];
+        const PlanResource& r = p.resources[o.resource];
+        const auto bytes = static_cast<uint32_t>(r.kind == PortKind::image ? 0 : r.buffer_bytes());
+        write(
+            output,
+            {0, static_cast<penumbra_slot_kind>(r.kind), o.name.c_str(), format_of(r.kind, r.format),
+             r.extent.width, r.extent.height, r.layers, bytes, VK_TRUE, VK_TRUE, o.use.stages, o.use.access},
+            "output");
+    });
+}
+
+uint32_t penumbra_plan_pass_count(const penumbra_plan* plan) {
+    return plan ? static_cast<uint32_t>(plan->plan->passes.size()) : 0;
 }
 
 uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan) {
@@ -103,7 +143,8 @@ penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t inde
                                         penumbra_requirement* requirement, penumbra_error* error) {
     return guarded(error, [&] {
         const std::vector<Requirement>& needs = given(plan, "plan").needs;
-        if (index >= needs.size()) misuse("index", "the plan has " + std::to_string(needs.size()) + " requirements");
+        if (index >= needs.size())
+            misuse("index", "the plan has " + std::to_string(needs.size()) + " requirements");
         const Requirement& r = needs[index];
         write(requirement, {0, kind_name(r.kind), r.name.c_str(), r.why.c_str(), r.value}, "requirement");
     });
@@ -124,13 +165,15 @@ penumbra_code penumbra_plan_unmet(const penumbra_plan* plan, const penumbra_devi
             const auto own = std::ranges::find_if(p.needs, [&](const Requirement& r) {  // whose text stays
                 return r.kind == missing[i].kind && r.name == missing[i].name;
             });
-            auto* to = reinterpret_cast<penumbra_requirement*>(reinterpret_cast<char*>(list) + size_t{i} * stride);
+            auto* to =
+                reinterpret_cast<penumbra_requirement*>(reinterpret_cast<char*>(list) + size_t{i} * stride);
             write(to, {0, kind_name(own->kind), own->name.c_str(), own->why.c_str(), own->value}, "list");
         }
     });
 }
 
-penumbra_code penumbra_plan_memory(const penumbra_plan* plan, penumbra_memory* memory, penumbra_error* error) {
+penumbra_code penumbra_plan_memory(const penumbra_plan* plan, penumbra_memory* memory,
+                                   penumbra_error* error) {
     return guarded(error, [&] {
         const MemoryReport& m = given(plan, "plan").plan->memory;
         write(memory, {0, m.heap_bytes, m.shared_bytes, m.persistent_bytes}, "memory");

@@ -12,7 +12,8 @@ DeviceHandles handles_of(const penumbra_device* from) {
     DeviceHandles handles{d.instance, d.physical, d.device, d.queue_family, d.get_instance_proc_addr, {}};
     if (d.allocate)
         handles.memory.allocate = [d](const MemoryRequest& r, MemoryBlock& block) {
-            const penumbra_memory_request request{sizeof request, r.properties, r.need, r.mapped, r.linear, r.what};
+            const penumbra_memory_request request{sizeof request, r.properties, r.need,
+                                                  r.mapped,       r.linear,     r.what};
             penumbra_memory_block given{sizeof given, VK_NULL_HANDLE, 0, nullptr, nullptr};
             const VkResult result = d.allocate(d.memory_user, &request, &given);
             block = {given.memory, given.offset, given.mapped, given.user};

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What the parts of the C interface share: what its handles hold, structs that are read and written by their sizes, and the end
-// of every exception.
+// What the parts of the C interface share: what its handles hold, structs that are read and written by their
+// sizes, and the end of every exception.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <memory>
 
@@ -35,15 +36,39 @@ namespace penumbra::c {
 
 [[noreturn]] void misuse(std::string place, std::string text);
 
-// The sizes of the header's first version: what every caller has at least.
+// What every caller has of a struct at least: to the last member of the header's first version, which stays
+// here whatever is added behind it. A struct without a line here is refused in any size.
 template <class T>
-constexpr uint32_t first_size = sizeof(T);
+constexpr size_t first_size = ~size_t{0};
+#define PENUMBRA_FIRST(type, last) \
+    template <>                    \
+    inline constexpr size_t first_size<type> = offsetof(type, last) + sizeof(type::last)
+PENUMBRA_FIRST(penumbra_error, text);
+PENUMBRA_FIRST(penumbra_device, memory_user);
+PENUMBRA_FIRST(penumbra_call_info, size);
+PENUMBRA_FIRST(penumbra_fact, name);
+PENUMBRA_FIRST(penumbra_input, layers);
+PENUMBRA_FIRST(penumbra_output_use, access);
+PENUMBRA_FIRST(penumbra_plan_request, hand_on_history);
+PENUMBRA_FIRST(penumbra_slot, access);
+PENUMBRA_FIRST(penumbra_requirement, value);
+PENUMBRA_FIRST(penumbra_memory, persistent_bytes);
+PENUMBRA_FIRST(penumbra_program_options, pipeline_cache);
+PENUMBRA_FIRST(penumbra_view_options, user);
+PENUMBRA_FIRST(penumbra_frame, flags);
+PENUMBRA_FIRST(penumbra_handover, family_after);
+PENUMBRA_FIRST(penumbra_external, handover);
+PENUMBRA_FIRST(penumbra_output, bytes);
+PENUMBRA_FIRST(penumbra_pass_statistics, counter_count);
+#undef PENUMBRA_FIRST
 
-// The caller's struct as this library knows it: what an older one does not have is 0.
+// The caller's struct as this library knows it: what an older one does not have is 0. A size is one that a
+// struct can have, so that elements which lie as far apart as it says are aligned.
 template <class T>
 T read(const T* from, const char* what) {
     if (!from) misuse(what, "is null");
-    if (from->struct_size < first_size<T>) misuse(std::string(what) + ".struct_size", "is too small; is it set?");
+    if (from->struct_size < first_size<T> || from->struct_size % alignof(T) != 0)
+        misuse(std::string(what) + ".struct_size", "is no size of this struct; is it set?");
     T own{};
     std::memcpy(&own, from, std::min<size_t>(from->struct_size, sizeof own));
     return own;
@@ -62,7 +87,8 @@ void for_each(const T* list, uint32_t count, const char* what, F&& function) {
     if (count == 0) return;
     const uint32_t stride = read(list, what).struct_size;
     for (uint32_t i = 0; i < count; ++i)
-        function(read(reinterpret_cast<const T*>(reinterpret_cast<const char*>(list) + size_t{i} * stride), what));
+        function(
+            read(reinterpret_cast<const T*>(reinterpret_cast<const char*>(list) + size_t{i} * stride), what));
 }
 
 inline std::vector<std::string> texts(const char* const* list, uint32_t count, const char* what) {

@@ -21,9 +21,28 @@ SlotBinding binding_of(const penumbra_external& e) {
     b.structure = e.structure;
     if (!e.handover) return b;
     const penumbra_handover h = read(e.handover, "externals.handover");
-    b.handover = Handover{h.image,        h.stages_before, h.stages_after, h.access_before, h.access_after,
-                          h.layout_before, h.layout_after,  h.family_before, h.family_after, h.aspects};
+    Handover& own = b.handover.emplace();
+    own.image = h.image;
+    own.stages_before = h.stages_before;
+    own.stages_after = h.stages_after;
+    own.access_before = h.access_before;
+    own.access_after = h.access_after;
+    if (h.layout_before) own.layout_before = h.layout_before;
+    if (h.layout_after) own.layout_after = h.layout_after;
+    own.family_before = h.family_before;
+    own.family_after = h.family_after;
+    own.aspects = h.aspects;
     return b;
+}
+
+// With this frame's externals; what the last frame had is not this frame's.
+View& bound(penumbra_view* view, const penumbra_external* externals, uint32_t count) {
+    penumbra_view& v = given(view, "view");
+    v.externals = Externals(v.view->plan());
+    for_each(externals, count, "externals", [&](const penumbra_external& e) {
+        v.externals[named(e.name, "externals.name")] = binding_of(e);
+    });
+    return *v.view;
 }
 
 Camera camera_of(const penumbra_camera& c) {
@@ -90,7 +109,8 @@ penumbra_code penumbra_view_create(const penumbra_program* program, const penumb
     return guarded(error, [&] {
         given(view, "view") = nullptr;
         const penumbra_view_options o =
-            options ? read(options, "options") : penumbra_view_options{sizeof o, 0, 0, 0, nullptr, nullptr, nullptr};
+            options ? read(options, "options")
+                    : penumbra_view_options{sizeof o, 0, 0, 0, nullptr, nullptr, nullptr};
         ViewOptions own;
         if (o.frames_in_flight) own.frames_in_flight = o.frames_in_flight;
         own.timestamps = !o.no_timestamps;
@@ -111,13 +131,27 @@ penumbra_code penumbra_view_record(penumbra_view* view, VkCommandBuffer cmd, con
                                    const penumbra_external* externals, uint32_t external_count,
                                    penumbra_error* error) {
     return guarded(error, [&] {
-        penumbra_view& v = given(view, "view");
-        v.externals = Externals(v.view->plan());  // what the last frame had is not this frame's
-        for_each(externals, external_count, "externals", [&](const penumbra_external& e) {
-            v.externals[named(e.name, "externals.name")] = binding_of(e);
-        });
-        v.view->record(cmd, frame_of(read(frame, "frame")), v.externals);
+        View& v = bound(view, externals, external_count);
+        v.record(cmd, frame_of(read(frame, "frame")), view->externals);
     });
+}
+
+penumbra_code penumbra_view_begin(penumbra_view* view, VkCommandBuffer cmd, const penumbra_frame* frame,
+                                  const penumbra_external* externals, uint32_t external_count,
+                                  penumbra_error* error) {
+    return guarded(error, [&] {
+        View& v = bound(view, externals, external_count);
+        v.begin(cmd, frame_of(read(frame, "frame")), view->externals);
+    });
+}
+
+penumbra_code penumbra_view_record_pass(penumbra_view* view, VkCommandBuffer cmd, uint32_t pass,
+                                        penumbra_error* error) {
+    return guarded(error, [&] { given(view, "view").view->record_pass(cmd, pass); });
+}
+
+penumbra_code penumbra_view_end(penumbra_view* view, VkCommandBuffer cmd, penumbra_error* error) {
+    return guarded(error, [&] { given(view, "view").view->end(cmd); });
 }
 
 penumbra_code penumbra_view_set_param(penumbra_view* view, const char* node, const char* param,
@@ -129,7 +163,8 @@ penumbra_code penumbra_view_set_param(penumbra_view* view, const char* node, con
         for (size_t i = 0; i < pass->params.size(); ++i) {
             const Param& p = pass->params[i].param;
             if (p.name != named(param, "param")) continue;
-            if (!v.set_param(static_cast<size_t>(pass - v.plan().passes.data()), i, param_of(p, values, count)))
+            if (!v.set_param(static_cast<size_t>(pass - v.plan().passes.data()), i,
+                             param_of(p, values, count)))
                 misuse(std::string(node) + "." + param, "the value is out of range");
             return;
         }
@@ -145,8 +180,8 @@ penumbra_code penumbra_view_output(const penumbra_view* view, const char* name, 
     });
 }
 
-penumbra_code penumbra_view_captured(const penumbra_view* view, const char* name, const void** data, size_t* size,
-                                     penumbra_error* error) {
+penumbra_code penumbra_view_captured(const penumbra_view* view, const char* name, const void** data,
+                                     size_t* size, penumbra_error* error) {
     return guarded(error, [&] {
         const auto bytes = given(view, "view").view->captured(named(name, "name"));
         given(data, "data") = bytes.data();
@@ -168,7 +203,8 @@ penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame
         const uint32_t stride = read(passes, "passes").struct_size;
         for (uint32_t p = 0; p < all; ++p) {
             const PassStatistics& s = completed->passes[p];
-            auto* to = reinterpret_cast<penumbra_pass_statistics*>(reinterpret_cast<char*>(passes) + size_t{p} * stride);
+            auto* to = reinterpret_cast<penumbra_pass_statistics*>(reinterpret_cast<char*>(passes) +
+                                                                   size_t{p} * stride);
             write(to,
                   {0, v.plan().passes[p].node.c_str(), s.ms.value_or(-1), s.counters.data(),
                    static_cast<uint32_t>(s.counters.size())},

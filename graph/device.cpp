@@ -68,14 +68,18 @@ void require(VkResult result, const char* call, const std::string& what) {
     throw Failure({code, what, fmt::format("{} failed with {}", call, result_name(result)), result});
 }
 
-GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
+void check_physical(const DeviceHandles& handles) {
     const auto given = [](bool there, const char* member) {
         if (!there) fail(ErrorCode::usage, fmt::format("DeviceHandles::{}", member), "is null");
     };
     given(handles.instance != VK_NULL_HANDLE, "instance");
     given(handles.physical != VK_NULL_HANDLE, "physical");
-    given(handles.device != VK_NULL_HANDLE, "device");
     given(handles.get_instance_proc_addr != nullptr, "get_instance_proc_addr");
+}
+
+GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
+    check_physical(handles);
+    if (handles.device == VK_NULL_HANDLE) fail(ErrorCode::usage, "DeviceHandles::device", "is null");
     if (!handles.memory.allocate != !handles.memory.release)
         fail(ErrorCode::usage, "DeviceHandles::memory", "has one of its two functions");
     const auto loaded = [](auto function, const char* name) {

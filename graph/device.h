@@ -16,6 +16,8 @@ namespace penumbra {
 // Throws Failure unless `result` is VK_SUCCESS. `call` is the function's name, `what` the object or pass.
 void require(VkResult result, const char* call, const std::string& what);
 [[noreturn]] void fail(ErrorCode code, std::string place, std::string text);
+// Throws Failure where something is null that a physical device is asked with.
+void check_physical(const DeviceHandles& handles);
 
 class GraphDevice {
   public:

@@ -108,6 +108,27 @@ HeldMemory allocate_heap(const GraphDevice& device, const Heap& heap) {
                        .what = what.c_str()});
 }
 
+void check_device(const Plan& plan, const DeviceHandles& handles) {
+    const DeviceTable device = device_table(handles);
+    const auto refuse = [&](const std::string& why) {
+        fail(ErrorCode::usage, plan.pipeline,
+             fmt::format("the plan was compiled for the device \"{}\", and this is \"{}\"{}: compile it with "
+                         "device_table(handles)",
+                         plan.device, device.name, why));
+    };
+    if (plan.device != device.name) refuse("");
+    for (const PlanResource& r : plan.resources) {
+        if (r.slot) continue;  // the host's
+        const MemoryNeed need =
+            r.kind == PortKind::image
+                ? device.image_memory({r.format, r.extent, r.layers, r.levels, r.image_usage})
+                : device.buffer_memory(r.buffer_bytes(), r.buffer_usage);
+        if (need.size > r.bytes || r.alignment % need.alignment != 0 ||
+            need.type_bits != plan.heaps[r.heap].memory_type_bits)
+            refuse(fmt::format(", which asks for other memory for \"{}\"", r.names.back()));
+    }
+}
+
 TransientMemory::TransientMemory(DevicePtr device, const Plan& plan) : device_(std::move(device)) {
     for (const Heap& heap : plan.heaps)
         if (heap.shared) parts_.push_back({heap, allocate_heap(*device_, heap)});
@@ -133,6 +154,8 @@ uint64_t TransientMemory::bytes() const {
 PlanMemory::PlanMemory(const GraphDevice& device, const Plan& plan,
                        std::shared_ptr<const TransientMemory> transients)
     : device_(device), transients_(std::move(transients)), instances_(plan.resources.size()) {
+    if (transients_ && transients_->device().get() != device.get())
+        fail(ErrorCode::usage, "ViewOptions::transients", "was made on another device");
     std::vector<const MemoryBlock*> blocks;
     heaps_.resize(plan.heaps.size());
     for (uint32_t h = 0; h < plan.heaps.size(); ++h) {

@@ -32,6 +32,10 @@ class TransientMemory {
 
 HeldMemory allocate_heap(const GraphDevice& device, const Heap& heap);
 
+// Throws Failure unless the plan was compiled for this device: its offsets hold where every resource takes
+// what it took then.
+void check_device(const Plan& plan, const DeviceHandles& handles);
+
 class PlanMemory {
   public:
     // `transients`: of the shared heaps; null: these too are this plan's alone.

@@ -35,6 +35,7 @@ ProgramState::ProgramState(const DeviceHandles& handles, std::shared_ptr<const P
     : device_(std::make_shared<const GraphDevice>(handles)),
       plan_(std::move(plan)),
       passes_(plan_->passes.size()) {
+    check_device(*plan_, handles);
     for (int linear = 0; linear < 2; ++linear) {
         VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
         create.magFilter = create.minFilter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
@@ -250,8 +251,10 @@ uint64_t ProgramState::bytes() const {
 }
 
 Program::Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan,
-                 const ProgramOptions& options)
-    : state_(std::make_unique<const ProgramState>(handles, std::move(plan), options)) {}
+                 const ProgramOptions& options) {
+    if (!plan) fail(ErrorCode::usage, "Program", "the plan is null");
+    state_ = std::make_unique<const ProgramState>(handles, std::move(plan), options);
+}
 Program::~Program() = default;
 
 const DeviceHandles& Program::handles() const {

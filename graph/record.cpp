@@ -53,6 +53,10 @@ VkClearColorValue poison_colour(FormatClass kind, uint32_t pattern) {
     return colour;
 }
 
+void check_commands(VkCommandBuffer cmd, const Plan& plan) {
+    if (cmd == VK_NULL_HANDLE) fail(ErrorCode::usage, plan.pipeline, "the command buffer is null");
+}
+
 }  // namespace
 
 void ViewState::memory_dependency(VkCommandBuffer cmd, const Dependency& d,
@@ -86,7 +90,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
         fail(ErrorCode::usage, plan().pipeline,
              fmt::format("the frame is {}x{}, the plan was compiled for up to {}x{}", size.width, size.height,
                          plan().extent.width, plan().extent.height));
-    if (cmd == VK_NULL_HANDLE) fail(ErrorCode::usage, plan().pipeline, "the command buffer is null");
+    check_commands(cmd, plan());
     check_slot_bindings(slots);
     parity_ = static_cast<uint32_t>(recorded_ & 1);
     slot_ = static_cast<uint32_t>(recorded_ % slots_.size());
@@ -253,6 +257,7 @@ void ViewState::record_poison(VkCommandBuffer cmd, size_t pass) const {
 void ViewState::record_pass(VkCommandBuffer cmd, size_t index) {
     if (index != next_pass_ || index >= plan().passes.size())
         fail(ErrorCode::usage, plan().pipeline, "passes are recorded in order, between begin() and end()");
+    check_commands(cmd, plan());
     ++next_pass_;
     const PlanPass& pass = plan().passes[index];
     const Slot& slot = slots_[slot_];
@@ -341,6 +346,7 @@ void ViewState::record_host_pass(VkCommandBuffer cmd, size_t index) const {
 void ViewState::end(VkCommandBuffer cmd) {
     if (next_pass_ != plan().passes.size())
         fail(ErrorCode::usage, plan().pipeline, "end() comes behind begin() and every pass");
+    check_commands(cmd, plan());
     next_pass_ = not_begun;
     record_dependency(cmd, plan().end[parity_]);
     record_handovers(cmd, true);

@@ -6,7 +6,7 @@
 #include <map>
 #include <string_view>
 
-#include "graph/functions.h"
+#include "graph/device.h"
 #include "graph/limits.h"
 
 namespace penumbra {
@@ -20,7 +20,9 @@ const std::map<uint32_t, const char*>& capability_features() {
     static const std::map<uint32_t, const char*> features = {{9, "shaderFloat16"},
                                                              {10, "shaderFloat64"},
                                                              {11, "shaderInt64"},
+                                                             {12, "shaderBufferInt64Atomics"},
                                                              {22, "shaderInt16"},
+                                                             {25, "shaderImageGatherExtended"},
                                                              {39, "shaderInt8"},
                                                              {49, "shaderStorageImageExtendedFormats"},
                                                              {55, "shaderStorageImageReadWithoutFormat"},
@@ -29,7 +31,11 @@ const std::map<uint32_t, const char*>& capability_features() {
                                                              {4434, "uniformAndStorageBuffer16BitAccess"},
                                                              {4448, "storageBuffer8BitAccess"},
                                                              {4449, "uniformAndStorageBuffer8BitAccess"},
-                                                             {5345, "vulkanMemoryModel"}};
+                                                             {5345, "vulkanMemoryModel"},
+                                                             {6016, "shaderIntegerDotProduct"},
+                                                             {6017, "shaderIntegerDotProduct"},
+                                                             {6018, "shaderIntegerDotProduct"},
+                                                             {6019, "shaderIntegerDotProduct"}};
     return features;
 }
 const std::map<uint32_t, VkSubgroupFeatureFlags> capability_operations = {
@@ -37,8 +43,9 @@ const std::map<uint32_t, VkSubgroupFeatureFlags> capability_operations = {
     {63, VK_SUBGROUP_FEATURE_ARITHMETIC_BIT}, {64, VK_SUBGROUP_FEATURE_BALLOT_BIT},
     {65, VK_SUBGROUP_FEATURE_SHUFFLE_BIT},    {66, VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT},
     {67, VK_SUBGROUP_FEATURE_CLUSTERED_BIT},  {68, VK_SUBGROUP_FEATURE_QUAD_BIT}};
-// Shader, Matrix, SampledBuffer, ImageBuffer, ImageQuery: with every device.
-constexpr uint32_t always_there[] = {0, 1, 46, 47, 50};
+// Shader, Matrix, Sampled1D, Image1D, SampledBuffer, ImageBuffer, ImageQuery: with every device.
+constexpr uint32_t always_there[] = {0, 1, 43, 44, 46, 47, 50};
+const std::string unknown_capability = "SPIR-V capability ";
 
 std::vector<uint32_t> capabilities_of(const std::vector<uint32_t>& spirv) {
     std::vector<uint32_t> found;
@@ -81,7 +88,7 @@ void need_of_shader(const Plan& plan, const PlanPass& pass, Needs& needs) {
             for (const std::string& feature : own->second.features)
                 needs.add(Kind::feature, feature, 0, pass.node);
         } else if (std::ranges::find(always_there, capability) == std::end(always_there)) {
-            needs.add(Kind::feature, "SPIR-V capability " + std::to_string(capability), 0, pass.node);
+            needs.add(Kind::feature, unknown_capability + std::to_string(capability), 0, pass.node);
         }
     }
 }
@@ -131,6 +138,7 @@ std::vector<Requirement> requirements(const Plan& plan) {
 }
 
 std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
+    check_physical(handles);
     const auto load = [&]<class F>(F& function, const char* name) {
         function = reinterpret_cast<F>(handles.get_instance_proc_addr(handles.instance, name));
     };
@@ -157,6 +165,9 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
         {"shaderFloat64", core.shaderFloat64 != 0},
         {"shaderInt64", core.shaderInt64 != 0},
         {"shaderInt16", core.shaderInt16 != 0},
+        {"shaderBufferInt64Atomics", v12.shaderBufferInt64Atomics != 0},
+        {"shaderImageGatherExtended", core.shaderImageGatherExtended != 0},
+        {"shaderIntegerDotProduct", v13.shaderIntegerDotProduct != 0},
         {"shaderInt8", v12.shaderInt8 != 0},
         {"shaderStorageImageExtendedFormats", core.shaderStorageImageExtendedFormats != 0},
         {"shaderStorageImageReadWithoutFormat", core.shaderStorageImageReadWithoutFormat != 0},
@@ -186,9 +197,11 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
             case Kind::limit:
                 return limits.at(r.name) >= r.value;
             case Kind::feature:
-                // An extension's own feature is there where the extension is.
-                return std::ranges::none_of(
-                    known, [&](const NamedFeature& f) { return r.name == f.name && !f.there; });
+                // An extension's own feature is there where the extension is; nobody knows what else a shader
+                // declares.
+                return !r.name.starts_with(unknown_capability) &&
+                       std::ranges::none_of(
+                           known, [&](const NamedFeature& f) { return r.name == f.name && !f.there; });
             case Kind::format: {
                 VkFormatProperties supported;
                 vk.vkGetPhysicalDeviceFormatProperties(handles.physical, info(*format_named(r.name)).vk,

@@ -222,6 +222,11 @@ void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const
         if (kind == PortKind::structure) missing("an acceleration structure cannot be handed over");
         if (kind == PortKind::image ? b.handover->image == VK_NULL_HANDLE : b.buffer == VK_NULL_HANDLE)
             missing("what is handed over is not named (Handover::image, SlotBinding::buffer)");
+        if (kind != PortKind::image) continue;
+        if (!slot.output && b.handover->layout_before == VK_IMAGE_LAYOUT_UNDEFINED)
+            missing("is read, and a Handover::layout_before of UNDEFINED would lose what it holds");
+        if (b.handover->layout_after == VK_IMAGE_LAYOUT_UNDEFINED)
+            missing("an image cannot be handed back in UNDEFINED (Handover::layout_after)");
     }
 }
 
@@ -276,8 +281,10 @@ bool ViewState::set_param(size_t pass, size_t param, const ParamValue& value) {
 
 std::span<const std::byte> ViewState::captured(std::string_view name) const {
     for (size_t i = 0; i < capture_passes_.size(); ++i)
-        if (plan().passes[capture_passes_[i]].node == name)
+        if (plan().passes[capture_passes_[i]].node == name) {
+            if (recorded_ == 0) return {};
             return {slots_[slot_].captures[i].data(), slots_[slot_].captures[i].size()};
+        }
     fail(ErrorCode::usage, fmt::format("\"{}\"", name), "the plan does not capture it");
 }
 
@@ -304,6 +311,7 @@ void ViewState::read_statistics(const Slot& slot, std::vector<PassStatistics>& p
 }
 
 std::vector<PassStatistics> ViewState::statistics() const {
+    if (recorded_ == 0) return {};
     std::vector<PassStatistics> passes = completed_.passes;  // of the right shape
     std::vector<uint64_t> ticks(ticks_.size());
     read_statistics(slots_[slot_], passes, ticks);
@@ -351,8 +359,10 @@ std::optional<ParamValue> HostPassContext::param(std::string_view name) const {
     return std::nullopt;
 }
 
-View::View(std::shared_ptr<const Program> program, const ViewOptions& options)
-    : state_(std::make_unique<ViewState>(std::move(program), options)) {}
+View::View(std::shared_ptr<const Program> program, const ViewOptions& options) {
+    if (!program) fail(ErrorCode::usage, "View", "the program is null");
+    state_ = std::make_unique<ViewState>(std::move(program), options);
+}
 View::~View() = default;
 
 void View::record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots) {

@@ -10,7 +10,7 @@ if [[ -z $formatter ]] || ! "$formatter" --version | grep -q 'version 14\.'; the
     exit 1
 fi
 
-mapfile -d '' -t files < <(find graph nodes host app tests examples \( -name '*.h' -o -name '*.cpp' \) -print0 2>/dev/null)
+mapfile -d '' -t files < <(find include capi graph nodes host app tests examples \( -name '*.h' -o -name '*.cpp' \) -print0 2>/dev/null)
 [[ ${#files[@]} -gt 0 ]] || { echo "format: found no source files" >&2; exit 1; }
 case ${1:-} in
     --check) "$formatter" --dry-run --Werror "${files[@]}" ;;

@@ -147,7 +147,7 @@ TEST_F(CApiGpu, TextsAreCutToTheirRoom) {
     EXPECT_STREQ(own.error.text, "is null");
 }
 
-// An older caller's structs are shorter, a newer one's longer; one that says nothing is wrong.
+// A newer caller's structs are longer; one that says nothing is wrong.
 TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
     struct Newer {
         penumbra_plan_request request;
@@ -181,6 +181,47 @@ TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
     EXPECT_NE(std::strstr(error_.text, "alhpa"), nullptr) << error_.text;
 }
 
+// Programs of older headers: members that came later are taken as 0, and are not written.
+TEST_F(CApiGpu, AnOlderCallersStructsAreShorter) {
+    const auto older = []<class T, class M>(T& t, M T::*last) {
+        const auto* end = reinterpret_cast<const char*>(&(t.*last)) + sizeof(M);
+        t.struct_size = static_cast<uint32_t>(end - reinterpret_cast<const char*>(&t));
+        std::memset(reinterpret_cast<char*>(&t) + t.struct_size, 0x7f, sizeof t - t.struct_size);
+    };
+    penumbra_device device = host_device();
+    penumbra_plan_request request = request_of(text);
+    older(request, &penumbra_plan_request::hand_on_history);
+    request.device = &device;
+    ASSERT_LT(request.struct_size, sizeof request);
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_program* program = nullptr;
+    ASSERT_EQ(penumbra_program_create(&device, plan_, nullptr, &program, &error_), PENUMBRA_OK)
+        << error_.text;
+    penumbra_view* view = nullptr;
+    ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_frame frame{};
+    frame.size[0] = 29;
+    frame.size[1] = 13;
+    older(frame, &penumbra_frame::flags);
+    gpu().run([&](VkCommandBuffer cmd) {
+        EXPECT_EQ(penumbra_view_record(view, cmd, &frame, nullptr, 0, &error_), PENUMBRA_USAGE);
+        EXPECT_STREQ(error_.place, "the slot \"depth\"") << "the frame itself was read";
+    });
+    frame.struct_size -= uint32_t{alignof(penumbra_frame)};
+    EXPECT_EQ(penumbra_view_record(view, VK_NULL_HANDLE, &frame, nullptr, 0, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "frame.struct_size");
+    // Elements that lie so far apart would not be aligned.
+    penumbra_input inputs[2]{};
+    inputs[0].struct_size = uint32_t{sizeof inputs[0] - alignof(penumbra_input) / 2};
+    request.inputs = inputs;
+    request.input_count = 2;
+    penumbra_plan* none = nullptr;
+    EXPECT_EQ(penumbra_plan_create(&request, &none, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "request.inputs.struct_size");
+    penumbra_view_destroy(view);
+    penumbra_program_destroy(program);
+}
+
 TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     EXPECT_EQ(penumbra_plan_create(nullptr, nullptr, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_create(nullptr, &plan_, &error_), PENUMBRA_USAGE);
@@ -193,6 +234,12 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     EXPECT_EQ(penumbra_view_captured(nullptr, nullptr, nullptr, nullptr, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_view_completed(nullptr, nullptr, nullptr, nullptr, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_view_set_param(nullptr, nullptr, nullptr, nullptr, 0, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_begin(nullptr, nullptr, nullptr, nullptr, 0, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_record_pass(nullptr, nullptr, 0, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_end(nullptr, nullptr, nullptr), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_output(nullptr, 0, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_output_count(nullptr), 0u);
+    EXPECT_EQ(penumbra_plan_pass_count(nullptr), 0u);
     EXPECT_EQ(penumbra_plan_slot_count(nullptr), 0u);
     EXPECT_EQ(penumbra_view_bytes(nullptr), 0u);
     EXPECT_FALSE(penumbra_view_settled(nullptr));

@@ -151,10 +151,21 @@ class CFramesGpu : public GpuTest {
             fresh.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
             fresh.oldLayout = VK_IMAGE_LAYOUT_GENERAL;
             vkCmdPipelineBarrier2(cmd, &dependency);
-            code = penumbra_view_record(view, cmd, &frame_, externals.begin(), uint32_t(externals.size()),
-                                        &error_);
+            code = in_parts_ ? record_in_parts(view, cmd, externals)
+                             : penumbra_view_record(view, cmd, &frame_, externals.begin(),
+                                                    uint32_t(externals.size()), &error_);
         });
         return code;
+    }
+    penumbra_code record_in_parts(penumbra_view* view, VkCommandBuffer cmd,
+                                  std::initializer_list<penumbra_external> externals) {
+        if (const penumbra_code code = penumbra_view_begin(view, cmd, &frame_, externals.begin(),
+                                                           uint32_t(externals.size()), &error_))
+            return code;
+        EXPECT_EQ(penumbra_view_end(view, cmd, &error_), PENUMBRA_USAGE) << "no pass has been recorded";
+        for (uint32_t pass = 0; pass < passes_; ++pass)
+            if (const penumbra_code code = penumbra_view_record_pass(view, cmd, pass, &error_)) return code;
+        return penumbra_view_end(view, cmd, &error_);
     }
     std::vector<float> row(penumbra_view* view) {
         const void* data = nullptr;
@@ -172,6 +183,8 @@ class CFramesGpu : public GpuTest {
     penumbra_plan_request request_;
     penumbra_frame frame_;
     uint32_t flags_ = 0;
+    uint32_t passes_ = 0;
+    bool in_parts_ = false;
     const char* output_ = "doubled";
     GpuImage image_;
     GpuBuffer buffer_;
@@ -203,7 +216,9 @@ TEST_F(CFramesGpu, WhatAHostSaysOfAFrameReachesIt) {
     part.range = 12;
     uint64_t completed = 0;
     uint32_t passes = 0;
+    passes_ = penumbra_plan_pass_count(made);
     for (uint32_t f = 0; f < 4; ++f) {
+        in_parts_ = f == 2;
         ASSERT_EQ(record(view, 40 + f, {f % 2 ? numbers_ : part, given_}), PENUMBRA_OK) << error_.text;
         const float kept = static_cast<float>(f + 1);
         EXPECT_EQ(row(view),
@@ -269,6 +284,38 @@ TEST_F(CFramesGpu, WhatAHostAsksOfAPlanIsInIt) {
     }
     EXPECT_EQ(outputs, 1u);
     penumbra_plan_destroy(lent);
+
+    // The same, and what else is done with an output.
+    request_.host_image_count = 0;
+    penumbra_output_use use = sized<penumbra_output_use>();
+    use.name = "doubled";
+    use.host_image = VK_TRUE;
+    request_.output_uses = &use;
+    request_.output_use_count = 1;
+    lent = plan();
+    EXPECT_EQ(penumbra_plan_slot_count(lent), 2u);
+    penumbra_plan_destroy(lent);
+    use.host_image = VK_FALSE;
+    use.stages = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+    use.access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT;
+    lent = plan();
+    ASSERT_EQ(penumbra_plan_output_count(lent), 1u);
+    penumbra_slot output = sized<penumbra_slot>();
+    ASSERT_EQ(penumbra_plan_output(lent, 0, &output, &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_STREQ(output.name, "doubled");
+    EXPECT_EQ(output.kind, PENUMBRA_IMAGE);
+    EXPECT_EQ(output.format, VK_FORMAT_R32_SFLOAT);
+    EXPECT_EQ(output.width, width);
+    EXPECT_EQ(output.height, height);
+    EXPECT_EQ(output.layers, 1u);
+    EXPECT_TRUE(output.output);
+    EXPECT_EQ(output.stages, use.stages);
+    EXPECT_EQ(output.access, use.access);
+    EXPECT_EQ(penumbra_plan_output(lent, 1, &output, &error_), PENUMBRA_USAGE);
+    penumbra_plan_destroy(lent);
+    use.name = "nosuch";
+    penumbra_plan* none = nullptr;
+    EXPECT_EQ(penumbra_plan_create(&request_, &none, &error_), PENUMBRA_PIPELINE);
     penumbra_plan_destroy(whole);
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 #include "penumbra/user_nodes.h"
 #include "tests/embedding_host.h"
@@ -91,6 +92,18 @@ TEST_F(HostAsksGpu, RequirementsSayWhatAndWhy) {
     ASSERT_EQ(missing.size(), 1u);
     EXPECT_EQ(missing[0].name, "maxImageDimension2D");
     EXPECT_EQ(missing[0].why, huge.resources.front().names.front());
+
+    // What a shader of the host's declares and penumbra does not know is said, and is never there.
+    Plan strange = *plan;
+    std::vector<uint32_t>& spirv = strange.modules.at(*strange.passes.front().module);
+    const uint32_t input_attachment[] = {2u << 16 | 17u, 40u};
+    spirv.insert(spirv.begin() + 5, std::begin(input_attachment), std::end(input_attachment));
+    const auto unknown = unmet(strange, handles_of(gpu()));
+    ASSERT_EQ(unknown.size(), 1u);
+    EXPECT_EQ(unknown[0].name, "SPIR-V capability 40");
+    EXPECT_EQ(unknown[0].why, strange.passes.front().node);
+    spirv[6] = 25;
+    EXPECT_TRUE(need_of(requirements(strange), "shaderImageGatherExtended"));
 }
 
 TEST_F(HostAsksGpu, SlotsSayWhatTheHostMayBring) {
@@ -112,24 +125,28 @@ TEST_F(HostAsksGpu, SlotsSayWhatTheHostMayBring) {
     EXPECT_EQ(plan->slots[*plan->slot("sun")].use.access, VK_ACCESS_2_UNIFORM_READ_BIT);
 }
 
+void usage(const std::function<void()>& function, const std::string& place, const std::string& text) {
+    const auto error = attempt(function);
+    ASSERT_TRUE(error) << place;
+    EXPECT_EQ(error->code, ErrorCode::usage) << to_string(*error);
+    EXPECT_EQ(error->result, VK_SUCCESS);
+    EXPECT_EQ(error->place, place);
+    EXPECT_NE(error->text.find(text), std::string::npos) << error->text;
+}
+
 // Whatever the host gets wrong is its own mistake, in a place, and never Vulkan's.
 TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
     const CheckedPipeline pipeline = checked(given_and_history);
     const auto plan = plan_of(pipeline, capturing(pipeline));
-    const auto usage = [](auto&& function, const std::string& place, const std::string& text) {
-        const auto error = attempt(function);
-        ASSERT_TRUE(error) << place;
-        EXPECT_EQ(error->code, ErrorCode::usage) << to_string(*error);
-        EXPECT_EQ(error->result, VK_SUCCESS);
-        EXPECT_EQ(error->place, place);
-        EXPECT_NE(error->text.find(text), std::string::npos) << error->text;
-    };
     DeviceHandles none = handles_of(gpu());
     none.device = VK_NULL_HANDLE;
     usage([&] { Program(none, plan); }, "DeviceHandles::device", "null");
     none = handles_of(gpu());
     none.get_instance_proc_addr = nullptr;
     usage([&] { Program(none, plan); }, "DeviceHandles::get_instance_proc_addr", "null");
+    usage([&] { unmet(*plan, none); }, "DeviceHandles::get_instance_proc_addr", "null");
+    usage([&] { Program(handles_of(gpu()), nullptr); }, "Program", "null");
+    usage([&] { View(nullptr, {}); }, "View", "null");
     none = handles_of(gpu());
     none.get_instance_proc_addr = +[](VkInstance instance, const char* name) -> PFN_vkVoidFunction {
         return std::strcmp(name, "vkGetPhysicalDeviceProperties") ? vkGetInstanceProcAddr(instance, name)
@@ -151,6 +168,8 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
     usage([&] { externals["givn"]; }, "p", "did you mean \"given\"?");
     usage([&] { view.output("nothing"); }, "\"nothing\"", "no such output");
     usage([&] { view.captured("given"); }, "\"given\"", "does not capture");
+    EXPECT_TRUE(view.statistics().empty());
+    EXPECT_TRUE(view.captured(plan->outputs.front().name).empty());
     gpu().run([&](VkCommandBuffer cmd) {
         usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "nothing is bound");
         FrameDescription wrong = description(0);
@@ -161,8 +180,35 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
         externals["given"].image = reinterpret_cast<VkImageView>(1);  // is never looked at
         externals["given"].handover = Handover{};
         usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "Handover::image");
+        Handover& handover = *externals["given"].handover;
+        handover.image = reinterpret_cast<VkImage>(1);
+        handover.layout_before = VK_IMAGE_LAYOUT_UNDEFINED;
+        usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "would lose");
+        handover.layout_before = handover.layout_after;
+        handover.layout_after = VK_IMAGE_LAYOUT_UNDEFINED;
+        usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "handed back");
     });
     usage([&] { view.record(VK_NULL_HANDLE, description(0), externals); }, "p", "command buffer");
+}
+
+// Offsets are one device's: a plan for another would bind images on top of each other.
+TEST_F(HostAsksGpu, APlanForAnotherDeviceIsRefused) {
+    const CheckedPipeline pipeline = checked(given_and_history);
+    const Plan plan = *plan_of(pipeline, {});
+    const auto refused = [&](auto&& change, const std::string& text) {
+        Plan other = plan;
+        change(other);
+        usage([&] { Program(handles_of(gpu()), std::make_shared<const Plan>(other)); }, "p", text);
+    };
+    refused([](Plan& p) { p.device = reference_device().name; }, "device_table(handles)");
+    refused([](Plan& p) { p.resources.back().bytes -= 1; }, "\"" + plan.resources.back().names.back() + "\"");
+    refused([](Plan& p) { p.resources.back().alignment /= 2; }, "other memory");
+    refused([](Plan& p) { p.heaps[p.resources.back().heap].memory_type_bits ^= 1; }, "other memory");
+    const Device second({});
+    const auto sharing = plan_of(pipeline, {.share_transients = true});
+    const auto theirs = Program(handles_of(second), sharing).make_transients();
+    const auto program = std::make_shared<Program>(handles_of(gpu()), sharing);
+    usage([&] { View(program, {.transients = theirs}); }, "ViewOptions::transients", "another device");
 }
 
 // A part of a buffer of the host's: the shader sees that part, from its beginning to its end. Counters come

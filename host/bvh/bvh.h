@@ -10,13 +10,20 @@
 //
 // Node, 3 texels. Children 0..i-1 are nodes, the rest leaves; every box is lo..hi on the grid origin + q *
 // 2^(e-127).
-//   0  origin.x, origin.y, origin.z (float bits)    e.x | e.y << 8 | e.z << 16 | node mask << 24 | leaf mask
-//   << 28 1  first child node << 2 | axis    first leaf - i (mod 2^32)    lo.x    hi.x      (byte k of a
-//   word: child k) 2  lo.y    hi.y    lo.z    hi.z Child k is node (first child node + k) or leaf (first leaf
-//   - i + k). Child nodes ascend along `axis`.
+//
+//   texel 0: origin.x, origin.y, origin.z (float bits), bits: e.x | e.y << 8 | e.z << 16 | node mask << 24
+//            | leaf mask << 28
+//   texel 1: first child node << 2 | axis, first leaf - i (mod 2^32), lo.x, hi.x
+//   texel 2: lo.y, hi.y, lo.z, hi.z
+//
+// Byte k of lo and hi is child k's, which is node (first child node + k) or leaf (first leaf - i + k). Child
+// nodes ascend along `axis`.
+//
 // Leaf, 3 texels: v0, v1, v2, v3 (12 floats in order); triangles (v0, v1, v2) and (v2, v1, v3). Alone: v3 =
-// v2. Node 0 is the root. An empty scene has a root without children and one leaf of zeros, so no buffer is
-// ever empty.
+// v2.
+//
+// Node 0 is the root. An empty scene has a root without children and one leaf of zeros, so no buffer is ever
+// empty.
 //
 // Size: 3 texels per node and per leaf, about 0.5 leaves and 0.2 nodes per triangle in a connected mesh.
 // Vulkan guarantees maxTexelBufferElements >= 65536 only (about 40 000 triangles); lavapipe and desktop

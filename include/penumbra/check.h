@@ -77,4 +77,4 @@ struct CheckedPipeline {
 std::optional<CheckedPipeline> check(const Pipeline& pipeline, const NodeSet& nodes,
                                      Diagnostics& diagnostics);
 
-}  // namespace PENUMBRA_API
+}  // namespace penumbra

@@ -14,9 +14,10 @@
 namespace penumbra PENUMBRA_API {
 
 struct CompileOptions {
-    bool alias = true;                  // false: every resource has memory of its own
-    bool poison = false;                // lets the view fill every activated resource with a pattern (tests)
-    // What lives within a frame gets heaps of its own, which several views may share (ViewOptions::transients).
+    bool alias = true;    // false: every resource has memory of its own
+    bool poison = false;  // lets the view fill every activated resource with a pattern (tests)
+    // What lives within a frame gets heaps of its own, which several views may share
+    // (ViewOptions::transients).
     bool share_transients = false;
     // Another plan's view may take over what this one's leaves for its next frame, and the other way round
     // (ViewOptions::heir_of): both were compiled so.
@@ -27,8 +28,8 @@ struct CompileOptions {
     // The smallest possible heap, for reports: an exhaustive search of at most so many nodes (1 to 2 us
     // each); 0: none.
     uint64_t optimum_search_nodes = 0;
-    // Called now and then during that search with the share of those nodes that it has visited, from 0 for each
-    // heap; the search may end at any.
+    // Called now and then during that search with the share of those nodes that it has visited, from 0 for
+    // each heap; the search may end at any.
     std::function<void(double share)> optimum_progress;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The host's device, as penumbra sees it: handles, the way to Vulkan's functions, and where memory comes from.
-// Penumbra creates no instance, device or queue, links no loader, submits nothing and waits for nothing.
+// The host's device, as penumbra sees it: handles, the way to Vulkan's functions, and where memory comes
+// from. Penumbra creates no instance, device or queue, links no loader, submits nothing and waits for
+// nothing.
 #pragma once
 
 #include <vulkan/vulkan_core.h>
@@ -30,8 +31,8 @@ struct MemoryBlock {
 };
 
 // The host's allocator; empty functions: vkAllocateMemory, once per request. May be called from any thread
-// that makes or destroys a program or a view, never while a frame is recorded. What it fails with is
-// reported as ErrorCode::out_of_memory.
+// that makes or destroys a program, transients or a view (of shared ones whoever is the last), never while a
+// frame is recorded. What it fails with is reported as ErrorCode::out_of_memory.
 struct HostMemory {
     std::function<VkResult(const MemoryRequest&, MemoryBlock&)> allocate;
     std::function<void(const MemoryBlock&)> release;

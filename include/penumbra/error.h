@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What goes wrong on a device, as a value: whose fault it is, where, and what to do. The runtime's calls throw
-// a Failure that carries it; attempt() gives it back as a value, for hosts without exceptions around.
+// What goes wrong on a device, as a value: whose fault it is, where, and what to do. The runtime's calls
+// throw a Failure that carries it; attempt() gives it back as a value, for hosts without exceptions around.
 // Mistakes in pipelines are Diagnostics (diagnostic.h) and are never thrown.
 #pragma once
 
@@ -18,11 +18,11 @@
 namespace penumbra PENUMBRA_API {
 
 enum class ErrorCode : uint32_t {
-    usage = 1,       // the host has passed what it may not, or nothing where something is needed
-    unsupported = 2, // the device lacks something
+    usage = 1,          // the host has passed what it may not, or nothing where something is needed
+    unsupported = 2,    // the device lacks something
     out_of_memory = 3,  // of the host or the device, or the host's allocator has given none
     device_lost = 4,
-    vulkan = 5       // another Vulkan call failed
+    vulkan = 5  // another Vulkan call failed
 };
 
 struct Error {

@@ -50,4 +50,4 @@ const FormatInfo& info(Format format);
 std::optional<Format> format_named(std::string_view name);
 std::vector<std::string> format_names();
 
-}  // namespace PENUMBRA_API
+}  // namespace penumbra

@@ -33,10 +33,11 @@ static_assert(sizeof(FrameBlock) == 64 * 3 + 48 + 16 + 32 + 16 + 16);
 
 using std140::FrameBlock;
 
-// frame_depth_at_centres: each pixel's depth was computed for its very centre; a rasteriser interpolates that of
-// a point up to half a step of its grid beside it.
-// frame_unchanged: but for the jitter and the index, all that the host brings is as it was in the frame recorded
-// before; it is what View::settled() counts, and is not in the block.
+// frame_depth_at_centres: each pixel's depth was computed for its very centre; a rasteriser interpolates that
+// of a point up to half a step of its grid beside it.
+//
+// frame_unchanged: but for the jitter and the index, all that the host brings is as it was in the frame
+// recorded before; it is what View::settled() counts, and is not in the block.
 enum FrameFlags : uint32_t {
     frame_reset = 1,
     frame_orthographic = 2,
@@ -57,20 +58,28 @@ struct Camera {
 std::array<double, 16> perspective(double vertical_fov_rad, double aspect, double near_m);
 
 struct FrameDescription {
+    // Of this frame, and of the one recorded before it, whatever frames the host has left out in between.
     Camera camera, previous;
-    std::array<double, 2> jitter{0, 0}, prev_jitter{0, 0};  // uv
+    // By how much of the image's width and height the picture was moved right and down when it was drawn:
+    // what a pixel shows lies at its centre's uv - jitter in the unjittered picture. A host adds 2 w times it
+    // to clip space.
+    std::array<double, 2> jitter{0, 0}, prev_jitter{0, 0};
     std::array<uint32_t, 2> size{1, 1};  // pixels
     // Of the last recorded frame, for make_frame_block() alone: a view knows it.
     std::array<uint32_t, 2> prev_size{1, 1};
+    // Counts the recorded frames, in steps of 1: numbers that should differ from frame to frame follow from
+    // it, and so does which frames may have had the same jitter (docs: coverage, "While the camera stands
+    // still").
     uint32_t index = 0;
-    float dt_s = 0;
+    float dt_s = 0;  // since the frame before
     uint32_t flags = 0;
-    // VkPhysicalDeviceLimits::subPixelPrecisionBits of the device that rasterised the depth; 0: of the view's own. A depth
-    // that nobody rasterised is as exact as its texels, which any number of bits is safe for.
+    // VkPhysicalDeviceLimits::subPixelPrecisionBits of the device that rasterised the depth; 0: of the view's
+    // own. A depth that nobody rasterised is as exact as its texels, which any number of bits is safe for.
     uint32_t sub_pixel_bits = 0;
 };
 
-// Where neither the frame nor the caller knows the rasteriser, it is one of the least precise that Vulkan allows.
+// Where neither the frame nor the caller knows the rasteriser, it is one of the least precise that Vulkan
+// allows.
 FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_pixel_bits = 4);
 
 }  // namespace penumbra

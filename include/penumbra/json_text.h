@@ -63,4 +63,4 @@ void merge_patch(Json& target, const Json& patch);
 // a.b.c=...").
 void set_path(Json& target, std::string_view path, std::string_view value_text, const Place& place);
 
-}  // namespace PENUMBRA_API
+}  // namespace penumbra

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The node types a pipeline may name: declarations with their compiled shaders. An explicit table that a host
-// fills (shadow_nodes() are penumbra's own); no static registration, which would vanish from a static library.
+// fills (shadow_nodes() are penumbra's own); no static registration, which would vanish from a static
+// library.
 #pragma once
 
 #include <cstddef>
@@ -17,11 +18,13 @@
 
 namespace penumbra PENUMBRA_API {
 
-struct Variant;          // interface.h
 struct HostPassContext;  // view.h: command buffer, bindings and parameters of a host node's pass
 using HostCallback = std::function<void(const HostPassContext&)>;
 
-// SPIR-V per variant key (interface.h: to_string(Variant)).
+// How a shader is specialised beyond constants, and its SPIR-V by the variant's name: penumbra's own, of no
+// use to a host. Nodes of a host's own are recorded by it (NodeEntry::callback) or compiled from GLSL
+// (user_nodes.h).
+struct Variant;
 using ShaderVariants = std::map<std::string, std::vector<uint32_t>>;
 
 // Gives a variant that ShaderVariants lack, for nodes that are compiled when they are used (user_nodes.h):
@@ -35,10 +38,10 @@ struct TableData {
 
 struct NodeEntry {
     NodeType type;
-    ShaderVariants shaders;
+    ShaderVariants shaders;  // penumbra's own
     std::vector<TableData> tables;
-    HostCallback callback;  // host nodes
-    ShaderSupplier supplier;
+    HostCallback callback;    // host nodes
+    ShaderSupplier supplier;  // penumbra's own
 };
 
 // The variant's SPIR-V; nullptr where the entry has none and cannot supply it (reported only if that failed).
@@ -60,7 +63,9 @@ class NodeSet {
     const NodeEntry* find(std::string_view name) const { return share(name).get(); }
     std::vector<std::string> names() const;  // sorted
     // An empty one where nothing has said which.
-    std::shared_ptr<const Domain> domain() const { return domain_ ? domain_ : std::make_shared<const Domain>(); }
+    std::shared_ptr<const Domain> domain() const {
+        return domain_ ? domain_ : std::make_shared<const Domain>();
+    }
 
   private:
     std::shared_ptr<const Domain> domain_;

@@ -19,7 +19,7 @@
 
 namespace penumbra PENUMBRA_API {
 
-// Whose extent a rule is about, as declared and as link_ports() finds it.
+// Whose extent a rule is about, as declared and as it is found among the type's ports.
 struct SizeOf {
     std::string name = "frame";    // "frame", a port of the same type, or empty: nothing's
     std::optional<uint32_t> port;  // its index; none: the frame, or nothing
@@ -55,8 +55,9 @@ struct Port {
     bool levels = false;          // mip chain
     std::string element;          // buffer: u32 uvec2 uvec4 f32 vec4 or a struct; block: the struct's name
     ExtentRule extent;            // outputs of kind image and texels
-    SizeOf layers_of{.name = ""};  // outputs with layers: a texels port with a row for each; nothing: as `extent`
-    CountRule count;              // outputs of kind buffer
+    // Outputs with layers: a texels port with a row for each; nothing: as `extent`.
+    SizeOf layers_of{.name = ""};
+    CountRule count;  // outputs of kind buffer
     Writes writes = Writes::all;
     // Output: what frames before left in it spares work and changes nothing that is put out.
     bool memo = false;
@@ -70,10 +71,10 @@ struct Port {
     bool indirect = false;  // holds dispatch arguments
     bool optional = false;
     std::vector<uint32_t> with;  // indices of inputs beside which it is not optional
-    Condition condition;  // "if": the port exists only where this holds
+    Condition condition;         // "if": the port exists only where this holds
     // Output of numbers: what each channel may hold, inclusive, infinite where an end is open. Fewer than the
-    // format's channels: the others may hold anything finite. A promise, which `validate` checks
-    // (validate.h).
+    // format's channels: the others may hold anything finite. A promise, which the
+    // command `penumbra validate` checks.
     std::vector<std::array<double, 2>> ranges;
     std::string doc;
     Place place;
@@ -125,7 +126,7 @@ struct Table {
     Format format = Format::r8;
     std::array<uint32_t, 2> extent{1, 1};
     bool storage = false;  // "as": a storage image instead of a sampled one
-    Condition condition;  // "if": the table exists only where this holds
+    Condition condition;   // "if": the table exists only where this holds
 };
 
 struct NodeType {

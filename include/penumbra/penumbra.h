@@ -3,12 +3,12 @@
    mean stands in the C++ headers of the same names (plan.h, device.h, view.h); here is what C adds.
 
    Every struct begins with its size, which the caller sets: sizeof(struct) of the header that it was compiled
-   with. Members are only ever added at the end; those that an older caller does not have are taken as 0. Arrays
-   are of the caller's structs: their elements' sizes are those that the first element says.
+   with. Members are only ever added at the end; those that an older caller does not have are taken as 0.
+   Arrays are of the caller's structs: their elements' sizes are those that the first element says.
 
-   Functions that can fail return a penumbra_code and fill in `error`, which may be null. Nothing throws across
-   this header. Different objects may be used from different threads at once, one object by one at a time;
-   plans and programs, once made, by any number. */
+   Functions that can fail return a penumbra_code and fill in `error`, which may be null. Nothing throws
+   across this header. Different objects may be used from different threads at once, one object by one at a
+   time; plans and programs, once made, by any number. */
 #ifndef PENUMBRA_PENUMBRA_H
 #define PENUMBRA_PENUMBRA_H
 
@@ -42,9 +42,10 @@ typedef enum penumbra_code {
 typedef struct penumbra_error {
     uint32_t struct_size;
     penumbra_code code;
-    VkResult result;  /* what Vulkan said, if it was asked */
-    char place[256];  /* slot, pass, resource or function; of a pipeline the first mistake's file:line:column */
-    char text[2048];  /* of a pipeline every mistake, a line each; cut off where it is longer */
+    VkResult result; /* what Vulkan said, if it was asked */
+    /* Slot, pass, resource or function; of a pipeline the first mistake's file:line:column. */
+    char place[256];
+    char text[2048]; /* of a pipeline every mistake, a line each; cut off where it is longer */
 } penumbra_error;
 
 /* PENUMBRA_VERSION_TEXT of the library. */
@@ -91,12 +92,12 @@ typedef void (*penumbra_record)(const penumbra_call* call);
 PENUMBRA_API penumbra_code penumbra_nodes_create(penumbra_nodes** nodes, penumbra_error* error);
 PENUMBRA_API void penumbra_nodes_destroy(penumbra_nodes* nodes);
 /* One that the caller records: `declaration` is JSON, with "host": true. */
-PENUMBRA_API penumbra_code penumbra_nodes_add(penumbra_nodes* nodes, const char* declaration, penumbra_record record,
-                                              penumbra_error* error);
-/* Those of a folder, NAME.json with a shader beside each, which is compiled when a plan needs it: of the library penumbra_glsl.
-   `cache`: a folder for what has been compiled; null: the default one, "": none. */
-PENUMBRA_API penumbra_code penumbra_nodes_add_folder(penumbra_nodes* nodes, const char* folder, const char* cache,
-                                                     penumbra_error* error);
+PENUMBRA_API penumbra_code penumbra_nodes_add(penumbra_nodes* nodes, const char* declaration,
+                                              penumbra_record record, penumbra_error* error);
+/* Those of a folder, NAME.json with a shader beside each, which is compiled when a plan needs it: of the
+   library penumbra_glsl. `cache`: a folder for what has been compiled; null: the default one, "": none. */
+PENUMBRA_API penumbra_code penumbra_nodes_add_folder(penumbra_nodes* nodes, const char* folder,
+                                                     const char* cache, penumbra_error* error);
 
 typedef struct penumbra_call_info {
     uint32_t struct_size;
@@ -126,21 +127,34 @@ typedef struct penumbra_input {
     uint32_t width, height, layers;
 } penumbra_input;
 
+/* What the caller does with an output after a frame, where that is not any stage's read of it (OutputUse). */
+typedef struct penumbra_output_use {
+    uint32_t struct_size;
+    VkBool32 host_image; /* the caller brings an image for it, every frame */
+    const char* name;
+    VkImageUsageFlags image_usage; /* 0 of each: as plan.h has it */
+    VkBufferUsageFlags buffer_usage;
+    VkPipelineStageFlags2 stages;
+    VkAccessFlags2 access;
+} penumbra_output_use;
+
 typedef struct penumbra_plan_request {
     uint32_t struct_size;
     uint32_t width, height;
-    const char* file;                     /* a pipeline's */
-    const char* text;                     /* null: as the file has it; else `file` is its name and folder */
-    const penumbra_device* device;        /* null: a plan to look at, for no device */
-    const char* const* settings;          /* "nodes.filter0.params.step=2" */
-    const char* const* features;          /* of those that nodes may need, what is enabled */
-    const char* const* captures;          /* resources to copy out every frame */
-    const char* const* host_images;       /* outputs that the caller brings an image for, every frame */
-    const penumbra_fact* facts;           /* what is not named is true */
-    const penumbra_input* inputs;         /* what is not named is as the pipeline has it */
+    const char* file;               /* a pipeline's */
+    const char* text;               /* null: as the file has it; else `file` is its name and folder */
+    const penumbra_device* device;  /* null: a plan to look at, for no device */
+    const char* const* settings;    /* "nodes.filter0.params.step=2" */
+    const char* const* features;    /* of those that nodes may need, what is enabled */
+    const char* const* captures;    /* resources to copy out every frame */
+    const char* const* host_images; /* outputs that the caller brings an image for, every frame */
+    const penumbra_fact* facts;     /* what is not named is true */
+    const penumbra_input* inputs;   /* what is not named is as the pipeline has it */
     uint32_t setting_count, feature_count, capture_count, host_image_count, fact_count, input_count;
     VkBool32 share_transients, hand_on_history;
-    const penumbra_nodes* nodes; /* null: those that ship */
+    const penumbra_nodes* nodes;            /* null: those that ship */
+    const penumbra_output_use* output_uses; /* what is not named is read, by any stage */
+    uint32_t output_use_count;
 } penumbra_plan_request;
 
 PENUMBRA_API penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbra_plan** plan,
@@ -162,9 +176,9 @@ typedef struct penumbra_slot {
     const char* name; /* the plan's, like all text here */
     VkFormat format;  /* images and texels */
     uint32_t width, height, layers;
-    uint32_t bytes; /* blocks */
+    uint32_t bytes; /* blocks; of outputs all but images */
     VkBool32 output, required;
-    VkPipelineStageFlags2 stages;
+    VkPipelineStageFlags2 stages; /* of the frame's accesses; of an output of the caller's, after it */
     VkAccessFlags2 access;
 } penumbra_slot;
 
@@ -182,12 +196,19 @@ typedef struct penumbra_memory {
 PENUMBRA_API uint32_t penumbra_plan_slot_count(const penumbra_plan* plan);
 PENUMBRA_API penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penumbra_slot* slot,
                                               penumbra_error* error);
+/* The pipeline's outputs, which penumbra_view_output() gives by name: of the largest frame. */
+PENUMBRA_API uint32_t penumbra_plan_output_count(const penumbra_plan* plan);
+PENUMBRA_API penumbra_code penumbra_plan_output(const penumbra_plan* plan, uint32_t index,
+                                                penumbra_slot* output, penumbra_error* error);
+PENUMBRA_API uint32_t penumbra_plan_pass_count(const penumbra_plan* plan);
 PENUMBRA_API uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan);
 PENUMBRA_API penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,
-                                                     penumbra_requirement* requirement, penumbra_error* error);
+                                                     penumbra_requirement* requirement,
+                                                     penumbra_error* error);
 /* Those that the physical device cannot meet; `list` may be null, or has room for `*count`. */
 PENUMBRA_API penumbra_code penumbra_plan_unmet(const penumbra_plan* plan, const penumbra_device* device,
-                                               uint32_t* count, penumbra_requirement* list, penumbra_error* error);
+                                               uint32_t* count, penumbra_requirement* list,
+                                               penumbra_error* error);
 PENUMBRA_API penumbra_code penumbra_plan_memory(const penumbra_plan* plan, penumbra_memory* memory,
                                                 penumbra_error* error);
 
@@ -210,7 +231,8 @@ PENUMBRA_API penumbra_code penumbra_program_pipeline_cache(const penumbra_progra
                                                            void* data, penumbra_error* error);
 PENUMBRA_API void penumbra_program_record_uploads(const penumbra_program* program, VkCommandBuffer cmd);
 PENUMBRA_API penumbra_code penumbra_transients_create(const penumbra_program* program,
-                                                      penumbra_transients** transients, penumbra_error* error);
+                                                      penumbra_transients** transients,
+                                                      penumbra_error* error);
 PENUMBRA_API void penumbra_transients_destroy(penumbra_transients* transients);
 PENUMBRA_API uint64_t penumbra_transients_bytes(const penumbra_transients* transients);
 
@@ -237,8 +259,10 @@ typedef struct penumbra_camera {
     double near_m;
 } penumbra_camera;
 
-/* DEPTH_AT_CENTRES: of each pixel's very centre, computed; a rasteriser interpolates it for a point beside it.
-   UNCHANGED: but for the jitter and the index, all that the caller brings is as it was in the frame recorded before. */
+/* DEPTH_AT_CENTRES: of each pixel's very centre, computed; a rasteriser interpolates it for a point beside
+   it.
+   UNCHANGED: but for the jitter and the index, all that the caller brings is as it was in the frame
+   recorded before. */
 enum {
     PENUMBRA_FRAME_RESET = 1,
     PENUMBRA_FRAME_ORTHOGRAPHIC = 2,
@@ -248,10 +272,10 @@ enum {
 
 typedef struct penumbra_frame {
     uint32_t struct_size;
-    uint32_t index;
-    penumbra_camera camera, previous;
-    double jitter[2], prev_jitter[2];   /* uv */
-    uint32_t size[2];                   /* pixels, at most the plan's */
+    uint32_t index;                   /* counts recorded frames, in steps of 1 */
+    penumbra_camera camera, previous; /* of this frame and of the one recorded before */
+    double jitter[2], prev_jitter[2]; /* uv by which the picture was moved right and down (frame_block.h) */
+    uint32_t size[2];                 /* pixels, at most the plan's */
     float dt_s;
     uint32_t flags;
     uint32_t sub_pixel_bits; /* of the rasteriser that drew the depth; 0: of the view's own device */
@@ -263,8 +287,10 @@ typedef struct penumbra_handover {
     VkImage image;
     VkPipelineStageFlags2 stages_before, stages_after;
     VkAccessFlags2 access_before, access_after;
-    VkImageLayout layout_before, layout_after;
-    uint32_t family_before, family_after; /* VK_QUEUE_FAMILY_IGNORED: the frame's */
+    VkImageLayout layout_before, layout_after; /* 0: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL */
+    /* VK_QUEUE_FAMILY_IGNORED: the frame's. 0 is a family like any other, and not what a host wants that says
+     * nothing. */
+    uint32_t family_before, family_after;
 } penumbra_handover;
 
 typedef struct penumbra_external {
@@ -280,12 +306,23 @@ typedef struct penumbra_external {
 } penumbra_external;
 
 PENUMBRA_API penumbra_code penumbra_view_record(penumbra_view* view, VkCommandBuffer cmd,
-                                                const penumbra_frame* frame, const penumbra_external* externals,
-                                                uint32_t external_count, penumbra_error* error);
+                                                const penumbra_frame* frame,
+                                                const penumbra_external* externals, uint32_t external_count,
+                                                penumbra_error* error);
+
+/* The same in parts, for passes in separate command buffers of one queue: begin, every pass in order, end. */
+PENUMBRA_API penumbra_code penumbra_view_begin(penumbra_view* view, VkCommandBuffer cmd,
+                                               const penumbra_frame* frame,
+                                               const penumbra_external* externals, uint32_t external_count,
+                                               penumbra_error* error);
+PENUMBRA_API penumbra_code penumbra_view_record_pass(penumbra_view* view, VkCommandBuffer cmd, uint32_t pass,
+                                                     penumbra_error* error);
+PENUMBRA_API penumbra_code penumbra_view_end(penumbra_view* view, VkCommandBuffer cmd, penumbra_error* error);
 
 /* One number for a scalar, 0 or 1 for a bool, an enum's index, or a vector's numbers. */
 PENUMBRA_API penumbra_code penumbra_view_set_param(penumbra_view* view, const char* node, const char* param,
-                                                   const double* values, uint32_t count, penumbra_error* error);
+                                                   const double* values, uint32_t count,
+                                                   penumbra_error* error);
 
 typedef struct penumbra_output {
     uint32_t struct_size;
@@ -297,8 +334,8 @@ typedef struct penumbra_output {
 } penumbra_output;
 
 /* What a port of the caller's node is bound to in this frame. */
-PENUMBRA_API penumbra_code penumbra_call_port(const penumbra_call* call, const char* port, penumbra_output* bound,
-                                              penumbra_error* error);
+PENUMBRA_API penumbra_code penumbra_call_port(const penumbra_call* call, const char* port,
+                                              penumbra_output* bound, penumbra_error* error);
 /* A dynamic parameter as this view has it, like penumbra_view_set_param(); `values` may be null. */
 PENUMBRA_API penumbra_code penumbra_call_param(const penumbra_call* call, const char* param, double* values,
                                                uint32_t* count, penumbra_error* error);
@@ -320,13 +357,15 @@ typedef struct penumbra_pass_statistics {
 
 /* Of the last frame known to have completed. `count` is the passes'; `passes` may be null, or has room for
    `*count`. `*frame` is UINT64_MAX where none has. */
-PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame, uint32_t* count,
-                                                   penumbra_pass_statistics* passes, penumbra_error* error);
-/* Why the most recently recorded frame had no history: "none" (it had), "first_frame", "asked", or "not_handed_on",
-   of which `resource` says what; the view's text. `resource` may be null. */
+PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame,
+                                                   uint32_t* count, penumbra_pass_statistics* passes,
+                                                   penumbra_error* error);
+/* Why the most recently recorded frame had no history: "none" (it had), "first_frame", "asked", or
+   "not_handed_on", of which `resource` says what; the view's text. `resource` may be null. */
 PENUMBRA_API const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource);
-/* Whether as many UNCHANGED frames have been recorded as the plan's pasts take to settle: until something changes,
-   the outputs of the last frame are as good as those of another one would be, and need not be recorded again. */
+/* Whether as many UNCHANGED frames have been recorded as the plan's pasts take to settle: until something
+   changes, the outputs of the last frame are as good as those of another one would be, and need not be
+   recorded again. */
 PENUMBRA_API VkBool32 penumbra_view_settled(const penumbra_view* view);
 PENUMBRA_API uint64_t penumbra_view_bytes(const penumbra_view* view);
 

@@ -33,8 +33,9 @@ struct HostInput {
     Place instances_place;
 };
 
-// `port: "name"`, `port: "name@-1"` or `port: null` (explicitly unbound). `port: "name@before"` is what the member
-// before this node's own has of that name, nothing for a family's first; `port: "name@last"` what the last one has.
+// `port: "name"`, `port: "name@-1"` or `port: null` (explicitly unbound). `port: "name@before"` is what the
+// member before this node's own has of that name, nothing for a family's first; `port: "name@last"` what the
+// last one has.
 struct Wire {
     enum class Member : uint8_t { own, before, last };
 

@@ -41,7 +41,7 @@ struct ImageNeed {
     VkImageUsageFlags usage = 0;
 };
 
-// All that compile() asks of a device. device_table() (memory.h) reads a real one; reference_device() is a
+// All that compile() asks of a device. device_table() (device.h) reads a real one; reference_device() is a
 // fixed one for tests and for planning without a device.
 struct DeviceTable {
     std::string name;
@@ -95,8 +95,8 @@ struct OutputUse {
     bool host_image = false;
 };
 
-// What follows the frame's active size, which may change from frame to frame and is at most Plan::extent: width and
-// height go through the steps, each max(ceil(x / div) * mul, 1).
+// What follows the frame's active size, which may change from frame to frame and is at most Plan::extent:
+// width and height go through the steps, each max(ceil(x / div) * mul, 1).
 struct Follows {
     struct Step {
         std::array<uint32_t, 2> div{1, 1}, mul{1, 1};
@@ -126,7 +126,7 @@ struct HostSlot {
     Format format = Format::r8;
     Extent extent;
     uint32_t layers = 1;
-    std::optional<Follows> follows;    // images: a frame of a smaller active size uses their top left part
+    std::optional<Follows> follows;  // images: a frame of a smaller active size uses their top left part
     std::string element;
     uint32_t bytes = 0;                // blocks: size of the struct
     std::vector<std::string> readers;  // node ids; of an output the writer's
@@ -243,7 +243,7 @@ struct PlanPass {
     std::vector<uint32_t> constants;  // specialisation data: ids 0 .. n-1, four bytes each
     std::vector<std::byte> push;      // the parameters' initial values
     std::vector<PlanParam> params;
-    std::optional<uint32_t> mip_level;  // offset in `push`: the level of a dispatch
+    std::optional<uint32_t> mip_level;        // offset in `push`: the level of a dispatch
     std::array<uint32_t, 3> groups{1, 1, 1};  // at the plan's extent
     // What the dispatch is over; a group covers so many pixels of it. Nothing: `groups` holds for every size.
     std::optional<Follows> over;
@@ -312,7 +312,7 @@ struct Plan {
     std::string pipeline;
     std::shared_ptr<const Domain> domain;
     Extent extent;  // of the largest frame
-    Facts facts;  // every fact, with its value
+    Facts facts;    // every fact, with its value
     std::string device;
     bool cpu = false;
     bool aliased = true;
@@ -329,8 +329,8 @@ struct Plan {
     std::array<Dependency, 2> end;      // makes the outputs visible to the host
     std::vector<std::string> counters;  // "node.counter", in the counter buffer's order
     bool jitter = false;                // a node asks the host to jitter
-    // Frames that are alike, but for the jitter and their index, after which no output gets better by one more:
-    // pasts settle one behind the other. Nothing: there is one that never does.
+    // Frames that are alike, but for the jitter and their index, after which no output gets better by one
+    // more: pasts settle one behind the other. Nothing: there is one that never does.
     std::optional<uint32_t> settles;
     MemoryReport memory;
 
@@ -340,4 +340,4 @@ struct Plan {
     const PlanPass* pass(std::string_view node) const;  // nullptr: it does not run
 };
 
-}  // namespace PENUMBRA_API
+}  // namespace penumbra

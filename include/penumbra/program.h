@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A plan's pipelines and tables on a device, shared by any number of views, of which each may have a thread of
-// its own: nothing in here changes after construction.
+// A plan's pipelines and tables on a device, shared by any number of views, of which each may have a thread
+// of its own: nothing in here changes after construction.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,8 @@ class ProgramState;
 class Program {
   public:
     // Throws Failure. `plan` was compiled for this device (device_table(handles)).
-    Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan, const ProgramOptions& options = {});
+    Program(const DeviceHandles& handles, std::shared_ptr<const Plan> plan,
+            const ProgramOptions& options = {});
     ~Program();
     Program(const Program&) = delete;
     Program& operator=(const Program&) = delete;

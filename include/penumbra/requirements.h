@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a plan needs of a device, as data: read from its shaders' SPIR-V, its bindings and its resources. A host
-// asks before it makes its device; what is enabled, only the host can tell.
+// What a plan needs of a device, as data: read from its shaders' SPIR-V, its bindings and its resources. A
+// host asks before it makes its device; what is enabled, only the host can tell.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,11 @@ struct Requirement {
     enum class Kind : uint8_t {
         version,    // of Vulkan; value: VK_MAKE_API_VERSION
         extension,  // to enable
-        feature,    // to enable, by the name of its member in Vulkan's structs
-        subgroup,   // operations in compute shaders; value: VkSubgroupFeatureFlags
-        limit,      // by the name of its member in VkPhysicalDeviceLimits; value: the least
-        format      // of penumbra's names; value: VkFormatFeatureFlags
+        feature,  // to enable, by the name of its member in Vulkan's structs; "SPIR-V capability N", which is
+                  // never met: a shader of the host's declares what penumbra has no feature for
+        subgroup,  // operations in compute shaders; value: VkSubgroupFeatureFlags
+        limit,     // by the name of its member in VkPhysicalDeviceLimits; value: the least
+        format     // of penumbra's names; value: VkFormatFeatureFlags
     };
     Kind kind = Kind::feature;
     std::string name;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Nodes of a user's own, without rebuilding anything: a folder of declarations (NAME.json), each with its
-// shader beside it. A variant of a shader is compiled when the first plan needs it, and kept on disk
-// (shader_cache.h).
+// shader beside it. A variant of a shader is compiled when the first plan needs it, and kept on disk.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +14,8 @@
 
 namespace penumbra PENUMBRA_API {
 
-// What has been compiled, on disk. `warn` is told what had to be thrown away and that a folder cannot be written.
+// What has been compiled, on disk. `warn` is told what had to be thrown away and that a folder cannot be
+// written.
 class ShaderCache;
 // $XDG_CACHE_HOME/penumbra, or ~/.cache/penumbra; empty where neither variable is an absolute path.
 std::filesystem::path default_shader_cache();

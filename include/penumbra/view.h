@@ -42,7 +42,7 @@ struct Handover {
 
 // What fills one host slot of this frame; the members that the slot's kind does not use are ignored.
 struct SlotBinding {
-    VkImageView image = VK_NULL_HANDLE;  // kind image
+    VkImageView image = VK_NULL_HANDLE;                               // kind image
     VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;  // while the frame reads it
     VkBufferView texels = VK_NULL_HANDLE;                             // kind texels
     VkBuffer buffer = VK_NULL_HANDLE;  // kinds buffer and block; of texels where they are handed over
@@ -56,7 +56,7 @@ struct SlotBinding {
 // A frame's bindings by name. Made once; record() takes it as it is.
 class Externals {
   public:
-    explicit Externals(const Plan& plan);  // which outlives it
+    explicit Externals(const Plan& plan);            // which outlives it
     SlotBinding& operator[](std::string_view slot);  // throws Failure, with a suggestion, where there is none
     bool has(std::string_view slot) const;
     operator std::span<const SlotBinding>() const { return bindings_; }
@@ -70,8 +70,8 @@ class View;
 
 struct ViewOptions {
     uint32_t frames_in_flight = 2;
-    // Fills every activated resource before its first use: floats with NaN, unorm and snorm with 0.7312 and words with
-    // 0xDEADBEEF for pattern 0; other values for pattern 1. The plan must have been compiled with
+    // Fills every activated resource before its first use: floats with NaN, unorm and snorm with 0.7312 and
+    // words with 0xDEADBEEF for pattern 0; other values for pattern 1. The plan must have been compiled with
     // CompileOptions::poison.
     std::optional<uint32_t> poison;
     bool timestamps = true;        // two queries per pass; not where the queue has none
@@ -80,11 +80,12 @@ struct ViewOptions {
     // frame waits for what is in them.
     std::shared_ptr<const TransientMemory> transients;
     // The view whose place this one takes, with other facts, say: what its last frame has left for the next
-    // one is copied in this one's first frame, by name, where both plans have it alike, and what this plan has
-    // besides is cleared. Where something is wanted that is neither, the first frame is a reset frame. That view
-    // stays until this frame has completed; both plans hand on their history (CompileOptions). What follows the
-    // frame's size may be larger or smaller here, where the last frame's size is one of this plan's. A memo that
-    // is kept in place is never handed on: it may be what that plan's parameters made of it.
+    // one is copied in this one's first frame, by name, where both plans have it alike, and what this plan
+    // has besides is cleared. Where something is wanted that is neither, the first frame is a reset frame.
+    // That view stays until this frame has completed; both plans hand on their history (CompileOptions). What
+    // follows the frame's size may be larger or smaller here, where the last frame's size is one of this
+    // plan's. A memo that is kept in place is never handed on: it may be what that plan's parameters made of
+    // it.
     const View* heir_of = nullptr;
     void* user = nullptr;  // for host nodes
 };
@@ -92,10 +93,10 @@ struct ViewOptions {
 // Why a frame had no history.
 struct Reset {
     enum class Reason : uint8_t {
-        none,            // it had
-        first_frame,     // there was none before
-        asked,           // frame_reset in the frame's flags
-        not_handed_on    // the view that this one is the heir of does not have `resource` alike
+        none,          // it had
+        first_frame,   // there was none before
+        asked,         // frame_reset in the frame's flags
+        not_handed_on  // the view that this one is the heir of does not have `resource` alike
     };
     Reason reason = Reason::none;
     std::string resource;
@@ -120,7 +121,8 @@ struct HostPassContext {
     void* user = nullptr;             // ViewOptions::user
     const ViewState* view = nullptr;  // for the functions below
 
-    // What a port is bound to in this frame: a resource of the plan, or what the host has bound; null: neither.
+    // What a port is bound to in this frame: a resource of the plan, or what the host has bound; null:
+    // neither.
     const ResourceHandles* resource(std::string_view port) const;
     const SlotBinding* slot(std::string_view port) const;
     // A parameter's value in this view; nothing where there is none of this name.
@@ -145,9 +147,9 @@ class View {
     View(const View&) = delete;
     View& operator=(const View&) = delete;
 
-    // Records the whole frame, of any size up to the plan's. `slots` is parallel to Plan::slots (Externals fills it by name); one without a
-    // handle is a Failure that names it, and nothing has been recorded then. The first frame is a reset frame
-    // whatever its flags.
+    // Records the whole frame, of any size up to the plan's. `slots` is parallel to Plan::slots (Externals
+    // fills it by name); one without a handle is a Failure that names it, and nothing has been recorded then.
+    // The first frame is a reset frame whatever its flags.
     void record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
 
     // The same in parts, for hosts that put passes into separate command buffers of the same queue: begin,
@@ -162,11 +164,13 @@ class View {
     // The same by names.
     bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
 
-    // The most recently recorded frame's output.
+    // The most recently recorded frame's output; before the first, that one's, of which nothing is written
+    // yet.
     const ResourceHandles& output(std::string_view name) const;
-    // Bytes of a captured resource, tightly packed, after the most recently recorded frame has completed.
+    // Bytes of a captured resource, tightly packed, after the most recently recorded frame has completed;
+    // none before the first.
     std::span<const std::byte> captured(std::string_view name) const;
-    // Per pass, after the most recently recorded frame has completed.
+    // Per pass, after the most recently recorded frame has completed; empty before the first.
     std::vector<PassStatistics> statistics() const;
     // Of the last frame that is known to have completed, which is frames_in_flight before the last one
     // recorded: costs no waiting. Null: there is none yet.
@@ -175,10 +179,10 @@ class View {
     // Of the most recently recorded frame.
     const Reset& reset() const;
 
-    // Whether as many frames of frame_unchanged have been recorded, one after the other, as the plan's pasts take
-    // to settle (Plan::settles): a host to which nothing changes keeps the outputs of the last frame, which another
-    // one would make no better, and records none. A parameter that is set is a change; of what a host's own passes keep
-    // for themselves, the host alone knows whether it changes.
+    // Whether as many frames of frame_unchanged have been recorded, one after the other, as the plan's pasts
+    // take to settle (Plan::settles): a host to which nothing changes keeps the outputs of the last frame,
+    // which another one would make no better, and records none. A parameter that is set is a change; of what
+    // a host's own passes keep for themselves, the host alone knows whether it changes.
     bool settled() const;
 
     const Plan& plan() const;
