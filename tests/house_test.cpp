@@ -52,45 +52,6 @@ std::set<std::string> in_groups(const fs::path& folder, const std::string& suffi
     return names;
 }
 
-std::vector<fs::path> documents() {
-    std::vector<fs::path> files{root / "README.md"};
-    for (const auto& entry : fs::recursive_directory_iterator(root / "docs"))
-        if (entry.path().extension() == ".md") files.push_back(entry.path());
-    return files;
-}
-
-// Whoever opens a document in the middle of all learns there what its figure is: the first time that it is
-// named, or before.
-TEST(House, ADocumentSaysWhatNEffIs) {
-    size_t users = 0;
-    for (const fs::path& file : documents()) {
-        const std::string text = std::regex_replace(read(file), std::regex("\\s+"), " ");
-        const size_t first = text.find("N_eff");
-        if (first == std::string::npos) continue;
-        ++users;
-        const std::string known = text.substr(0, first + 300);
-        EXPECT_TRUE(std::regex_search(known, std::regex("[Ee]ffective (rays|samples)"))) << file;
-    }
-    EXPECT_GT(users, 10u);
-}
-
-// A table with more columns than a page is wide is read by nobody.
-TEST(House, ATableOfADocumentHasAtMostEightColumns) {
-    const std::vector<fs::path> files = documents();
-    size_t tables = 0;
-    for (const fs::path& file : files) {
-        std::istringstream lines(read(file));
-        bool code = false;
-        for (std::string line; std::getline(lines, line);) {
-            if (line.starts_with("```")) code = !code;
-            if (code || !line.starts_with("|--")) continue;
-            ++tables;
-            EXPECT_LE(std::ranges::count(line, '|'), 9) << file << ": " << line;
-        }
-    }
-    EXPECT_GT(tables, 100u);
-}
-
 // The framework works for any domain: what a node set is about stands with the node set.
 TEST(House, TheGraphKnowsNothingOfShadows) {
     const std::regex words("scene|bvh|tlas|alpha|ray_?quer|\\bsun|caster|shadow|penumbra_light",
