@@ -146,6 +146,16 @@ TEST(GltfFeatures, TextureCoordinatesAreTransformedAndColoursRead) {
     EXPECT_EQ(part.colors[2], (std::array<uint8_t, 4>{0, 128, 255, 255}));
 }
 
+// Section 3.9.6; a primitive without a material has the default one, which is single-sided.
+TEST(GltfFeatures, SidesAreTheMaterials) {
+    for (const int material : {-1, 0, 1}) {
+        Glb glb = square_file();
+        glb.json["materials"] = {{{"doubleSided", true}}, {{"name", "one"}}};
+        if (material >= 0) primitive(glb)["material"] = material;
+        EXPECT_EQ(loaded(glb, "sides.glb").meshes[0].parts[0].single_sided, material != 0) << material;
+    }
+}
+
 TEST(GltfFeatures, InstancesAreNodes) {
     Glb glb = square_file();
     const int translations = glb.floats({0, 0, 0, 5, 0, 0, 9, 0, 0}, "VEC3", 3);

@@ -154,6 +154,22 @@ TEST_F(Gltf, UnsupportedGeometryIsAnError) {
             4, R"(,"extensionsUsed":["KHR_mesh_of_tomorrow"],"extensionsRequired":["KHR_mesh_of_tomorrow"])"),
         "KHR_mesh_of_tomorrow");
     EXPECT_TRUE(load(positions_file(4, R"(,"extensionsRequired":["KHR_materials_unlit"])")));
+    expect_error(positions_file(9), "there is no mode 9");
+}
+
+// Strips are joined by corners that come twice: that is no loss to warn of.
+TEST_F(Gltf, JoinsOfStripsAreNoTriangles) {
+    Buffer buffer;
+    buffer.add(zigzag);
+    const std::vector<uint8_t> corners{0, 1, 2, 2, 2, 3, 4};
+    const size_t offset = buffer.add(corners);
+    const auto model = load(one_primitive(
+        buffer, view(0, 60) + "," + view(offset, corners.size()),
+        R"({"bufferView":0,"componentType":5126,"count":5,"type":"VEC3"},{"bufferView":1,"componentType":5121,"count":7,"type":"SCALAR"})",
+        R"("attributes":{"POSITION":0},"indices":1,"mode":5)"));
+    ASSERT_TRUE(model) << diagnostics_.text();
+    EXPECT_EQ(model->triangle_count(), 2u);
+    EXPECT_EQ(model->dropped_degenerate, 0u);
 }
 
 TEST_F(Gltf, BadImageKeepsTheModel) {

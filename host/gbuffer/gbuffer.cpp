@@ -240,11 +240,12 @@ void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const 
         record.camera_local = glm::vec4(glm::vec3(camera), glm::determinant(linear) / largest);
         record.camera_local_low = glm::vec4(camera - glm::dvec3(glm::vec3(camera)), 0);
         record.base_color = glm::vec4(1);
-        record.metallic_roughness = glm::vec4(0, 1, 0, 0);
+        const float single_sided = item.part->single_sided ? 1.0f : 0.0f;
+        record.metallic_roughness = glm::vec4(0, 1, single_sided, 0);
         if (item.part->material >= 0) {
             const Material& material = scene_.model().materials[static_cast<size_t>(item.part->material)];
             record.base_color = glm::make_vec4(material.base_color.data());
-            record.metallic_roughness = glm::vec4(material.metallic, material.roughness, 0, 0);
+            record.metallic_roughness = glm::vec4(material.metallic, material.roughness, single_sided, 0);
             record.emissive = glm::vec4(glm::make_vec3(material.emissive.data()), 0);
         }
         std::memcpy(records + i, &record, sizeof(record));

@@ -7,7 +7,7 @@ struct Draw {
     vec4 camera_local;          // camera position in the part's frame; w: the transform's determinant, scaled as world_from_local is
     vec4 camera_local_low;      // what rounding took from it; w unused
     vec4 base_color;            // linear
-    vec4 metallic_roughness;    // factors; z, w unused
+    vec4 metallic_roughness;    // factors; z: 1 where it is seen from its front alone, else 0; w unused
     vec4 emissive;              // factor; w unused
 };
 

@@ -18,6 +18,7 @@ layout(location = 1) out vec2 texture_uv;
 layout(location = 2) flat out vec3 normal;
 layout(location = 3) out vec3 base_color;
 layout(location = 4) flat out float plane_offset;  // of the triangle's plane: normal . x for x camera-relative, metres
+layout(location = 5) flat out uint hidden;         // 1: its back is before the viewer, who sees its front alone
 
 void main() {
     const Draw draw = draws[constants.draw];
@@ -34,5 +35,6 @@ void main() {
     const float turned = (offset > 0.0 ? -1.0 : 1.0) / length(scaled);
     normal = scaled * turned;
     plane_offset = offset * turned;
+    hidden = draw.metallic_roughness.z != 0.0 && dot(winding_normal, from_camera) > 0.0 ? 1u : 0u;
     gl_Position = clip + vec4(constants.jitter_ndc * clip.w, 0.0, 0.0);
 }

@@ -24,6 +24,7 @@ layout(location = 1) in vec2 texture_uv;
 layout(location = 2) flat in vec3 normal;
 layout(location = 3) in vec3 base_color;
 layout(location = 4) flat in float plane_offset;
+layout(location = 5) flat in uint hidden;
 
 layout(location = 0) out vec4 out_normal;
 layout(location = 1) out vec4 out_motion;
@@ -55,7 +56,7 @@ void main() {
     out_material = texture(metallic_roughness_texture, texture_uv).bg * draws[constants.draw].metallic_roughness.xy;
     out_emissive = vec4(min(texture(emissive_texture, texture_uv).rgb * draws[constants.draw].emissive.rgb, largest_half), 1.0);
 #endif
-    if (ALPHA_TESTED && is_hole()) discard;
+    if (hidden != 0u || ALPHA_TESTED && is_hole()) discard;
     const vec2 ndc = gl_FragCoord.xy * constants.ndc_per_pixel - 1.0 - constants.jitter_ndc;
     gl_FragDepth = depth_of_plane(ndc);
     const float prev_w = 1.0 / gl_FragCoord.w + clip_change.z;

@@ -115,6 +115,7 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
         return std::nullopt;
     };
     std::error_code failure;
+    if (std::filesystem::is_directory(path, failure)) return refuse("is a folder");
     if (!std::filesystem::is_regular_file(path, failure)) return refuse("no such file");
     Reading reading;
     reading.limit = input_limit();

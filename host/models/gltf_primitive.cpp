@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -108,7 +109,8 @@ std::vector<uint32_t> keep_used(std::vector<uint32_t>& corners) {
     return used;
 }
 
-// Section 3.7.2.1: strips and fans to lists, with the winding kept.
+// Section 3.7.2.1: strips and fans to lists, with the winding kept. Repeated corners join one strip to the
+// next and are no triangles.
 std::vector<uint32_t> to_triangles(const std::vector<uint32_t>& corners, int mode) {
     std::vector<uint32_t> out;
     if (mode == TINYGLTF_MODE_TRIANGLES) {
@@ -117,12 +119,13 @@ std::vector<uint32_t> to_triangles(const std::vector<uint32_t>& corners, int mod
         return out;
     }
     for (size_t i = 2; i < corners.size(); ++i) {
-        if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
-            out.insert(out.end(), {corners[i - 1], corners[i], corners[0]});
-        } else {
-            const size_t odd = i & 1;
-            out.insert(out.end(), {corners[i - 2], corners[i - 1 + odd], corners[i - odd]});
-        }
+        const size_t odd = i & 1;
+        const std::array<uint32_t, 3> triangle =
+            mode == TINYGLTF_MODE_TRIANGLE_FAN
+                ? std::array{corners[i - 1], corners[i], corners[0]}
+                : std::array{corners[i - 2], corners[i - 1 + odd], corners[i - odd]};
+        if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
+            out.insert(out.end(), triangle.begin(), triangle.end());
     }
     return out;
 }
@@ -201,6 +204,7 @@ std::optional<Part> read_primitive(const tinygltf::Model& file, AccessorReader& 
                                    const tinygltf::Primitive& primitive, const TextureUse& use,
                                    const GltfTell& tell) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    if (mode > TINYGLTF_MODE_TRIANGLE_FAN) throw GltfError(fmt::format("there is no mode {}", mode));
     if (mode < TINYGLTF_MODE_TRIANGLES) {
         tell("points and lines are ignored: they cast no shadow");
         return std::nullopt;
@@ -224,6 +228,8 @@ std::optional<Part> read_primitive(const tinygltf::Model& file, AccessorReader& 
 
     Part part;
     part.material = primitive.material;
+    part.single_sided =
+        primitive.material < 0 || !file.materials[static_cast<size_t>(primitive.material)].doubleSided;
     part.positions = vectors<glm::vec3>(numbers, used);
     if (const std::string name = fmt::format("TEXCOORD_{}", use.coordinates); data.has(name)) {
         part.uv = read(name, glm::vec2());

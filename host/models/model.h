@@ -49,6 +49,9 @@ struct Part {
     std::vector<glm::vec2> uv;  // as many as positions, or none
     std::vector<uint32_t> indices;
     int material = -1;  // -1: white
+    // The viewer sees the side alone from which its corners run counter-clockwise. Shadows and reflections
+    // know both sides.
+    bool single_sided = false;
     std::vector<std::array<uint8_t, 4>> colors =
         {};  // linear, times the material's; as many as positions, or none
     // What moves its vertices (host/scene/deform.h): per vertex four joints of the node's skin, as indices
