@@ -58,7 +58,14 @@ class CoverRun {
     void frame(uint32_t index, bool reset = true) {
         visibility = run_.frame(index, reset);
         standalone_ = run_.session().host().frame(index, reset);
-        triangles = run_.session().host().scene().triangles(index);
+        const Scene& scene = run_.session().host().scene();
+        triangles = scene.triangles(index);
+        mates.assign(triangles.size(), Mate{});
+        for (const auto& c : build_bvh(triangles, scene.triangle_objects()).corners) {
+            if (c[3] == c[2]) continue;
+            mates[c[0] / 3] = {c[3] / 3, int(c[0] % 3), int(c[3] % 3)};
+            mates[c[3] / 3] = {c[0] / 3, int(c[3] % 3), int(c[0] % 3)};
+        }
         depth_ = captured<float>(run_.session(), "view_depth");
         normals_ = captured<NormalTexel>(run_.session(), "receiver_normal");
         words_ = captured<uint32_t>(run_.session(), "receiver_words");
@@ -102,6 +109,12 @@ class CoverRun {
 
     std::vector<float> visibility;
     std::vector<Triangle> triangles;
+    // The other triangle of a leaf, and the corners that the two do not share; apart < 0: there is none.
+    struct Mate {
+        uint32_t triangle = 0;
+        int apart = -1, its_apart = -1;
+    };
+    std::vector<Mate> mates;  // parallel to triangles
 
   private:
     static RunOptions run_options(const CoverOptions& options) {

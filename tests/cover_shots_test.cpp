@@ -113,11 +113,12 @@ INSTANTIATE_TEST_SUITE_P(Shots, CoverShots,
                                            ShotCase{"fan", 1500, 0.08}, ShotCase{"heightfield", 850, 0.08},
                                            ShotCase{"cards", 585, 0.12, -1, 0.035}),
                          [](const auto& test) { return std::string(test.param.name); });
-// Where triangles are smaller than the distance between samples, more is hidden than there is (by 3 % of the
-// sun at 10 degrees, 11 % at 30): such pixels are for rays, which this bounds from above only.
+// Where triangles are smaller than the distance between samples, more is hidden than there is (by 1 % of the
+// sun at 10 degrees, 4 % at 30; three times as much, and 59 and 30 rays, where a pair's triangles are not cut
+// by each other's edges).
 INSTANTIATE_TEST_SUITE_P(WideSuns, CoverShots,
-                         ::testing::Values(ShotCase{"lamp", 35, 0.25, 10, 0.03},
-                                           ShotCase{"fan", 30, 0.25, 30, 0.08}),
+                         ::testing::Values(ShotCase{"lamp", 200, 0.15, 10, 0.03},
+                                           ShotCase{"fan", 250, 0.15, 30, 0.08}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 class CoverCounts : public GpuTest {};

@@ -81,29 +81,48 @@ double height_of(const glm::dvec3& start, const glm::dvec3 (&p)[3], const glm::d
 
 struct SeenTriangle {
     glm::dvec3 v[3];
-    double height;
+    double height = 0;  // 0: it hides nothing
+
+    // Opposite to a corner; positive on the triangle's side.
+    glm::dvec3 line(int opposite) const {
+        return (height < 0 ? -1.0 : 1.0) * glm::cross(v[(opposite + 1) % 3], v[(opposite + 2) % 3]);
+    }
+};
+// The same with the triangle that its leaf holds beside it, if any.
+struct SeenPair : SeenTriangle {
+    SeenTriangle mate;
+    int apart = -1, mate_apart = -1;  // corners that the other does not have
 };
 
+SeenTriangle see(const CoverRun& run, const glm::dvec3& start, const glm::dmat3& axes, uint32_t index) {
+    const Triangle& t = run.triangles[index];
+    const glm::dvec3 p[3] = {corner(t, 0), corner(t, 1), corner(t, 2)};
+    SeenTriangle seen{{axes * (p[0] - start), axes * (p[1] - start), axes * (p[2] - start)}};
+    seen.height = height_of(start, p, seen.v);
+    return seen;
+}
+
 // Those that hide a sample by the table or in truth, at least.
-std::vector<SeenTriangle> seen_from(const CoverRun& run, const TrianglesAcross& across, uint32_t x,
-                                    uint32_t y) {
+std::vector<SeenPair> seen_from(const CoverRun& run, const TrianglesAcross& across, uint32_t x, uint32_t y) {
     const glm::dvec3 start = run.start(x, y);
     const glm::dmat3 axes = glm::transpose(run.turned_axes(x, y));
     const double radius = std::tan(run.angular_radius());
-    std::vector<SeenTriangle> out;
+    std::vector<SeenPair> out;
     for (const uint32_t i : across.near(start)) {
-        const Triangle& t = run.triangles[i];
-        const glm::dvec3 p[3] = {corner(t, 0), corner(t, 1), corner(t, 2)};
-        SeenTriangle seen{{axes * (p[0] - start), axes * (p[1] - start), axes * (p[2] - start)}, 0};
-        seen.height = height_of(start, p, seen.v);
+        SeenPair seen{see(run, start, axes, i), {}, -1, -1};
         if (seen.height == 0) continue;
-        const double sign = seen.height < 0 ? -1 : 1;
         bool beside = false;
         for (int k = 0; k < 3; ++k) {
-            const glm::dvec3 e = sign * glm::cross(seen.v[k], seen.v[(k + 1) % 3]);
+            const glm::dvec3 e = seen.line(k);
             beside |= e.z < -1.001 * radius * std::hypot(e.x, e.y);
         }
-        if (!beside) out.push_back(seen);
+        if (beside) continue;
+        if (const CoverRun::Mate& mate = run.mates[i]; mate.apart >= 0) {
+            seen.mate = see(run, start, axes, mate.triangle);
+            seen.apart = mate.apart;
+            seen.mate_apart = mate.its_apart;
+        }
+        out.push_back(seen);
     }
     return out;
 }
@@ -141,17 +160,33 @@ bool meets(const CoverModel& model, const SeenTriangle& t) {
     return false;
 }
 
+// Each triangle of a convex pair lies within the other's outer edges, too.
+CoverMask hidden_by(const CoverModel& model, const SeenPair& t, double dither) {
+    CoverMask mask = model.triangle(t.v[0], t.v[1], t.v[2], t.height, dither);
+    if (t.apart < 0 || t.mate.height == 0) return mask;
+    const glm::dvec3& other = t.mate.v[t.mate_apart];
+    bool convex = true;
+    for (int k = 0; k < 3; ++k) {
+        const double at = glm::dot(t.line(k), other);
+        convex = convex && (k == t.apart ? at < 0 : at >= 0) &&
+                 model.positive(t.line(k), dither).count() > 0 &&
+                 model.positive(t.mate.line(k), dither).count() > 0;
+    }
+    for (int k = 0; convex && k < 3; ++k)
+        if (k != t.mate_apart) mask &= model.positive(t.mate.line(k), dither);
+    return mask;
+}
+
 enum class Of { all, met };
 
 // By the triangles that meet the light, or by all whose masks are not empty: where corners are seen close
 // together, the masks of those beside the light need not be, and which of these the walk finds is the boxes'
 // business.
-CoverMask mask_of(const CoverModel& model, const CoverRun& run, const std::vector<SeenTriangle>& seen,
-                  uint32_t x, uint32_t y, Of which) {
+CoverMask mask_of(const CoverModel& model, const CoverRun& run, const std::vector<SeenPair>& seen, uint32_t x,
+                  uint32_t y, Of which) {
     CoverMask mask = own_plane(model, run, x, y);
-    for (const SeenTriangle& t : seen)
-        if (which == Of::all || meets(model, t))
-            mask |= model.triangle(t.v[0], t.v[1], t.v[2], t.height, run.dither(x, y));
+    for (const SeenPair& t : seen)
+        if (which == Of::all || meets(model, t)) mask |= hidden_by(model, t, run.dither(x, y));
     return mask;
 }
 
@@ -211,12 +246,12 @@ Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
     for (uint32_t y = 0; y < shot.size[1]; ++y)
         for (uint32_t x = 0; x < shot.size[0]; ++x) {
             if (!run.is_receiver(x, y) || glm::dot(run.normal(x, y), run.to_sun()) <= 0.0) continue;
-            const std::vector<SeenTriangle> seen = seen_from(run, across, x, y);
+            const std::vector<SeenPair> seen = seen_from(run, across, x, y);
             const CoverMask mask = mask_of(model, run, seen, x, y, Of::met),
                             most = mask_of(model, run, seen, x, y, Of::all);
             const auto said = int(std::lround((1 - double(run.visibility[run.at(x, y)])) * samples));
             // Of the last samples that are left, rays say whether they are hidden.
-            const bool by_rays = mask.count() + samples / 64 + 1 >= samples;
+            const bool by_rays = mask.count() + samples / 64 + 2 >= samples;
             const auto off =
                 by_rays ? 0 : size_t(std::max({int(mask.count()) - said, said - int(most.count()), 0}));
             ++out.pixels;
@@ -233,7 +268,7 @@ Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
                 const glm::dvec3 d(points[i] * model.radius() * bulged, 1);
                 bool hidden = glm::dot(n, d) <= 0;
                 double nearest = std::abs(glm::dot(n, d)) / (std::hypot(n.x, n.y) * model.radius());
-                for (const SeenTriangle& t : seen) {
+                for (const SeenPair& t : seen) {
                     const double sign = t.height < 0 ? -1 : 1;
                     bool inside = true;
                     for (int k = 0; k < 3; ++k) {

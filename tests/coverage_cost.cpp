@@ -103,7 +103,7 @@ void run() {
     const std::filesystem::path file =
         std::filesystem::temp_directory_path() / fmt::format("penumbra_sheet_{}.glb", getpid());
     fmt::print(
-        "| triangles | sun, degrees | coverage, us per pixel | steps | 16 rays | hybrid_shadows | left to "
+        "| triangles | sun, degrees | coverage, us per pixel | steps | 32 rays | hybrid_shadows | left to "
         "rays | over the better |\n"
         "|---|---|---|---|---|---|---|---|\n");
     for (const uint32_t cells : {7u, 22u, 71u, 224u, 707u}) {

@@ -185,8 +185,9 @@ CoverageScene::CoverageScene(const Scene& scene, double frame)
     if (has_alpha(scene)) alpha_ = make_scene_alpha(scene);
 }
 
-std::optional<SeenTriangle> CoverageScene::see(const SampledSun& sun, const CoverageReceiver& receiver,
-                                               uint32_t index) const {
+std::optional<CoverageScene::Sides> CoverageScene::see(const SampledSun& sun,
+                                                       const CoverageReceiver& receiver,
+                                                       uint32_t index) const {
     const Triangle& corners = triangles_[index];
     const glm::dvec3 a = vector(corners.v[0]) - receiver.start, b = vector(corners.v[1]) - receiver.start,
                      c = vector(corners.v[2]) - receiver.start;
@@ -194,19 +195,36 @@ std::optional<SeenTriangle> CoverageScene::see(const SampledSun& sun, const Cove
     if (height == 0 || plane_in_doubt(height, a, b, c)) return std::nullopt;
     const glm::dmat3 to_axes = glm::transpose(receiver.axes);
     const glm::dvec3 seen[3] = {to_axes * a, to_axes * b, to_axes * c};
-    SeenTriangle triangle;
-    triangle.index = index;
-    SampleMask mask;
-    mask.set();
+    Sides sides;
     for (size_t i = 0; i < 3; ++i) {  // opposite to corner i; det(V) has the sign of the height
         const glm::dvec3 line = glm::cross(seen[(i + 1) % 3], seen[(i + 2) % 3]);
         // The side of the line that the table knows, then turned: an edge's two triangles share its every
         // sample once.
         const SampleMask side = sun.positive_side(line, receiver.angular_radius, receiver.dither);
-        triangle.lines[i] = height < 0 ? -line : line;
-        mask &= height < 0 ? ~side : side;
+        sides.lines[i] = height < 0 ? -line : line;
+        sides.masks[i] = height < 0 ? ~side : side;
+        for (uint32_t k = sun.count(); k < sides.masks[i].size(); ++k) sides.masks[i].reset(k);
     }
-    for (uint32_t i = sun.count(); i < mask.size(); ++i) mask.reset(i);
+    return sides;
+}
+
+// Whether the pair that a leaf holds is seen as a convex quadrilateral. `opposite`: the corner of the first
+// triangle that the second does not have, and `other` the second's, relative to the receiver.
+bool CoverageScene::is_convex(const Sides& first, size_t opposite, const glm::dvec3& other) {
+    bool within = true;
+    for (size_t i = 0; i < 3; ++i) {
+        const double at = glm::dot(first.lines[i], other);
+        within = within && (i == opposite ? at < 0 : at >= 0);
+    }
+    return within;
+}
+
+SeenTriangle CoverageScene::hidden_by(const SampledSun& sun, const CoverageReceiver& receiver, uint32_t index,
+                                      const Sides& sides, const SampleMask& within) const {
+    SeenTriangle triangle;
+    triangle.index = index;
+    triangle.lines = sides.lines;
+    SampleMask mask = sides.masks[0] & sides.masks[1] & sides.masks[2] & within;
     triangle.alpha = alpha_ && alpha_->record_of[index] != 0;
     if (triangle.alpha) {
         const double radius = std::tan(receiver.angular_radius);
@@ -225,6 +243,36 @@ std::optional<SeenTriangle> CoverageScene::see(const SampledSun& sun, const Cove
     return triangle;
 }
 
+// Each triangle of a convex pair lies within the other's outer edges, too (leaf_cover.glsl).
+void CoverageScene::add_leaf(const SampledSun& sun, const CoverageReceiver& receiver, double reach,
+                             const std::array<uint32_t, 4>& corners, PixelCoverage& out) const {
+    const uint32_t triangles[] = {corners[0] / 3, corners[3] / 3};
+    const size_t apart[] = {corners[0] % 3, corners[3] % 3};  // the corner that the other does not have
+    const bool is_pair = corners[3] != corners[2];
+    std::optional<Sides> sides[2] = {see(sun, receiver, triangles[0]), std::nullopt};
+    if (is_pair) sides[1] = see(sun, receiver, triangles[1]);
+    SampleMask within[2];
+    within[0].set();
+    within[1].set();
+    const auto hides = [](const Sides& s) {
+        return s.masks[0].any() && s.masks[1].any() && s.masks[2].any();
+    };
+    if (sides[0] && sides[1] && hides(*sides[0]) && hides(*sides[1])) {
+        const glm::dvec3 other =
+            glm::transpose(receiver.axes) * (vector(triangles_[triangles[1]].v[apart[1]]) - receiver.start);
+        if (is_convex(*sides[0], apart[0], other))
+            for (size_t t = 0; t < 2; ++t)
+                for (size_t i = 0; i < 3; ++i)
+                    if (i != apart[t]) within[1 - t] &= sides[t]->masks[i];
+    }
+    for (size_t t = 0; t < 2; ++t) {
+        if (!sides[t]) continue;
+        SeenTriangle triangle = hidden_by(sun, receiver, triangles[t], *sides[t], within[t]);
+        out.hidden |= triangle.hidden;
+        if (reach > 1 || triangle.hidden.any()) out.triangles.push_back(std::move(triangle));
+    }
+}
+
 PixelCoverage CoverageScene::cover(const SampledSun& sun, const CoverageReceiver& receiver,
                                    double reach) const {
     PixelCoverage out;
@@ -236,12 +284,6 @@ PixelCoverage CoverageScene::cover(const SampledSun& sun, const CoverageReceiver
     const double tangent = reach * std::tan(receiver.angular_radius),
                  cosine = 1 / std::sqrt(1 + tangent * tangent);
     const TreeCone cone{receiver.start, receiver.axes[2], cosine, tangent * cosine};
-    const auto add = [&](uint32_t index) {
-        if (auto triangle = see(sun, receiver, index)) {
-            out.hidden |= triangle->hidden;
-            if (reach > 1 || triangle->hidden.any()) out.triangles.push_back(std::move(*triangle));
-        }
-    };
     for (std::vector<uint32_t> stack{0}; !stack.empty();) {
         const Texel* node = &bvh_.nodes[size_t{stack.back()} * 3];
         stack.pop_back();
@@ -252,9 +294,7 @@ PixelCoverage CoverageScene::cover(const SampledSun& sun, const CoverageReceiver
                 stack.push_back((node[1][0] >> 2) + k);
                 continue;
             }
-            const std::array<uint32_t, 4>& c = bvh_.corners[node[1][1] + k];
-            add(c[0] / 3);
-            if (c[3] != c[2]) add(c[3] / 3);
+            add_leaf(sun, receiver, reach, bvh_.corners[node[1][1] + k], out);
         }
     }
     return out;

@@ -94,8 +94,17 @@ class CoverageScene {
     PixelCoverage cover(const SampledSun& sun, const CoverageReceiver& receiver, double reach = 1) const;
 
   private:
-    std::optional<SeenTriangle> see(const SampledSun& sun, const CoverageReceiver& receiver,
-                                    uint32_t index) const;
+    // By corner, the edge opposite to it: its line, positive on the triangle's side, and the samples there.
+    struct Sides {
+        std::array<glm::dvec3, 3> lines;
+        std::array<SampleMask, 3> masks;
+    };
+    std::optional<Sides> see(const SampledSun& sun, const CoverageReceiver& receiver, uint32_t index) const;
+    static bool is_convex(const Sides& first, size_t opposite, const glm::dvec3& other);
+    SeenTriangle hidden_by(const SampledSun& sun, const CoverageReceiver& receiver, uint32_t index,
+                           const Sides& sides, const SampleMask& within) const;
+    void add_leaf(const SampledSun& sun, const CoverageReceiver& receiver, double reach,
+                  const std::array<uint32_t, 4>& corners, PixelCoverage& out) const;
 
     std::vector<Triangle> triangles_;
     Bvh bvh_;

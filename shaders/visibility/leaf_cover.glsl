@@ -130,6 +130,7 @@ void decide_sides(Receiver r, BvhLeaf corners, vec3 a, vec3 b, vec3 c, vec3 d, v
         if (unsure.x) first = height_for_sure(r.start, corners.a, corners.b, corners.c);
         if (unsure.y) second = height_for_sure(r.start, corners.c, corners.b, corners.d);
     }
+    if (!ON_CPU && !matters.y) second.value = 0.0;  // where there is none its height is anything that rounding makes
 }
 
 // Adds to `hidden` what the leaf hides, where it is `wanted`.
@@ -141,6 +142,9 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
     Height first, second;
     // Before the lines, which need registers: a GPU has few. A leaf of one triangle has d in c, whose side is never sure.
     if (!ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, bvec2(wanted, wanted && corners.d != corners.c), first, second);
+    // Whether d is on one side of both outer edges of the first triangle. Here, where the corners are still in registers.
+    precise vec2 at_d = vec2(dot(edge_line(a, b), d), dot(edge_line(c, a), d));
+    const bool d_above = min(at_d.x, at_d.y) >= 0.0, d_below = max(at_d.x, at_d.y) <= 0.0;
     const LightLine ab = light_line(shape, r.dither, edge_line(a, b)), bc = light_line(shape, r.dither, bc_line),
                     ca = light_line(shape, r.dither, edge_line(c, a)), bd = light_line(shape, r.dither, edge_line(b, d)),
                     dc = light_line(shape, r.dither, edge_line(d, c));
@@ -160,11 +164,14 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
     const bvec2 hides = bvec2(matters.x && first.value != 0.0 && !(below.x ? none_below.x : none_above.x),
                               matters.y && second.value != 0.0 && !(below.y ? none_below.y : none_above.y));
     BRANCH_IF(any(hides)) {
-        const LightMask above_bc = positive_side(bc);
-        LightMask by_first = mask_and(mask_flipped(above_bc, below.x),
-                                      mask_and(mask_flipped(positive_side(ab), below.x), mask_flipped(positive_side(ca), below.x)));
-        LightMask by_second = mask_and(mask_flipped(above_bc, !below.y),
-                                       mask_and(mask_flipped(positive_side(bd), below.y), mask_flipped(positive_side(dc), below.y)));
+        const LightMask above_bc = positive_side(bc),
+                        in_first = mask_and(mask_flipped(positive_side(ab), below.x), mask_flipped(positive_side(ca), below.x)),
+                        in_second = mask_and(mask_flipped(positive_side(bd), below.y), mask_flipped(positive_side(dc), below.y));
+        // Each triangle of a convex pair lies within the other's outer edges, too. Lines of the table are rounded, and those of a triangle
+        // that is thinner than samples lie apart enclose some beside it, so that all that is fine would look too large.
+        const bool convex = all(hides) && below.x == below.y && (below.x ? d_below : d_above);
+        LightMask by_first = mask_and(mask_flipped(above_bc, below.x), mask_and(in_first, mask_or_any(in_second, !convex)));
+        LightMask by_second = mask_and(mask_flipped(above_bc, !below.y), mask_and(in_second, mask_or_any(in_first, !convex)));
         by_first = mask_if(hides.x, by_first);
         by_second = mask_if(hides.y, by_second);
         if (HAS_LIGHT) {

@@ -31,6 +31,12 @@ LightMask mask_if(bool wanted, LightMask a) {
     return LightMask(a.lo & all, a.hi & all);
 }
 
+// `a`, or where anything will do all there is.
+LightMask mask_or_any(LightMask a, bool anything) {
+    const uint all = anything ? ~0u : 0u;
+    return LightMask(a.lo | all, a.hi | all);
+}
+
 LightMask mask_flipped(LightMask a, bool flip) {
     const LightMask change = mask_if(flip, all_samples());
     return LightMask(a.lo ^ change.lo, a.hi ^ change.hi);

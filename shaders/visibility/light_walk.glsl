@@ -60,6 +60,6 @@ LightMask with_samples_by_ray(SeenLight seen, float t_max, bool wanted, LightMas
 
 // Rounded lines through a corner need not meet in a point, and a closed surface could leave a sample there: where no more are left than the
 // corners that closed surfaces have make, they are rays.
-const uint LAST_SAMPLES = LIGHT_SAMPLES / 64u + 1u;
+const uint LAST_SAMPLES = LIGHT_SAMPLES / 64u + 2u;
 
 bool last_samples(LightMask hidden) { return mask_count(hidden) + LAST_SAMPLES >= LIGHT_SAMPLES; }

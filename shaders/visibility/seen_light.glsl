@@ -85,10 +85,16 @@ SeenLight seen_plane(vec3 start, vec3 to_centre, vec2 noise) {
     seen.receiver.z = away / height_m;
     seen.receiver.dither = line_dither(noise.y);
     seen.receiver.before = seen.receiver.behind = 1.0 - LIGHT_HOUSING;
-    // Around the way to its middle, or from very near, where corners may lie beside that, to its plane.
+    // Around the way to its plane, whose every section is the light, scaled, and where it ends; where that is edge-on, to its middle,
+    // unless corners may lie beside that.
     float slope;
-    seen.slabs = pyramid_slabs(normalize(to_centre), u, v, to_centre, slope);
-    if (slope > 4.0) seen.slabs = pyramid_slabs(away, u, v, to_centre, slope);
+    seen.slabs = pyramid_slabs(away, u, v, to_centre, slope);
+    BRANCH_IF(slope > 64.0) {
+        float slope_to_middle;
+        const ConeSlabs to_middle = pyramid_slabs(normalize(to_centre), u, v, to_centre, slope_to_middle);
+        if (slope_to_middle <= 4.0) seen.slabs = to_middle;
+    }
+    seen.slabs.reach *= 1.0 - LIGHT_HOUSING;
     seen.span = mat3(u, v, to_centre);
     return seen;
 }
