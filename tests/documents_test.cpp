@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Documents: what they link to and name is there, and they can be read from the middle.
 #include <fnmatch.h>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cctype>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
@@ -14,19 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "tests/project_files.h"
+
 namespace penumbra::test {
 namespace {
-
-namespace fs = std::filesystem;
-
-const fs::path root = PENUMBRA_SOURCE_DIR;
-
-std::string read(const fs::path& file) {
-    std::ifstream in(file);
-    std::stringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
 
 std::vector<fs::path> documents() {
     std::vector<fs::path> files{root / "README.md"};

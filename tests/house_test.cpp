@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Rules of the house that a compiler does not check.
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
@@ -12,20 +8,10 @@
 
 #include "penumbra/graph.h"
 #include "penumbra/shadow_nodes.h"
+#include "tests/project_files.h"
 
 namespace penumbra::test {
 namespace {
-
-namespace fs = std::filesystem;
-
-const fs::path root = PENUMBRA_SOURCE_DIR;
-
-std::string read(const fs::path& file) {
-    std::ifstream in(file);
-    std::stringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
 
 // The files that a file includes by name, as the names spell them.
 std::set<std::string> includes_of(const fs::path& file) {

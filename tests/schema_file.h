@@ -3,11 +3,7 @@
 // that are held to one.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -17,20 +13,12 @@
 #include <vector>
 
 #include "app/schema.h"
+#include "tests/project_files.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra::test {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
-
-inline const fs::path root = PENUMBRA_SOURCE_DIR;
-
-inline std::string read(const fs::path& path) {
-    std::ifstream stream(path, std::ios::binary);
-    EXPECT_TRUE(stream) << path;
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
 
 class SchemaFile {
   public:
