@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -46,7 +47,20 @@ struct Box {
 
     // Twice the centre: the factor is the same everywhere and only comparisons matter.
     float centre2(int axis) const { return lo[axis] + hi[axis]; }
+
+    friend bool operator==(const Box&, const Box&) = default;
 };
+
+struct BinaryNode {
+    Box box;
+    uint32_t left = 0;   // node; 0 (the root is nobody's child): a leaf
+    uint32_t right = 0;  // node, or the leaf's number
+};
+
+// Makes a tree better by moving subtrees, to no more than so many levels below the root. Children come after
+// their parents, before and after. `progress` is told now and then which share of the work is done.
+void reinsert(std::vector<BinaryNode>& nodes, uint32_t most_levels,
+              const std::function<void(double)>& progress);
 
 using Corners = std::array<uint32_t, 4>;
 
