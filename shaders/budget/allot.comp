@@ -6,7 +6,6 @@
 #include "common/rounded.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
-#include "common/branch.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/light_share.glsl"
 #include "budget/tile_place.glsl"

@@ -9,7 +9,6 @@
 #include "common/rounded.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
-#include "common/branch.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/light_share.glsl"
 #include "budget/first_rays.glsl"
@@ -82,8 +81,8 @@ void main() {
     uint pixels = 0u;
     const ivec2 tile = tile_of(record);
     const bool proof = record.y != 0u && is_proved(tile);
-    BRANCH_IF (proof) ray_words[tile_index(tile)] = record.y;
-    BRANCH_IF (record.y != 0u && !proof) {
+    if (proof) ray_words[tile_index(tile)] = record.y;
+    if (record.y != 0u && !proof) {
         const uvec4 tile_known = known[tile_index(tile)];
         const float weight = HAS_LIGHT_SHARES ? weight_of(share_class(light_shares[tile_index(tile)])) : 1.0;
         const float others_here = min(of_others * weight, 1.0), idle_here = one_first ? LEAST_SHARE : params.trickle * others_here;

@@ -13,7 +13,6 @@ const bool MANY_RAYS = true;
 #include "common/dithered.glsl"
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"
-#include "common/branch.glsl"
 #include "common/cell_before.glsl"
 #include "budget/nearest_past.glsl"
 #include "budget/ray_worth.glsl"
@@ -54,14 +53,13 @@ void main() {
     if (index < candidate_args[3]) record = candidates[index];
     uvec4 masks = uvec4(0u);
     uint share = 0u, proved_pixels = 0u;
-    BRANCH_IF (record.y != 0u) {
+    if (record.y != 0u) {
         const ivec2 tile = tile_of(record), cell = ivec2(2 * tile.x, tile.y);
         const bool proof = is_proved(tile);
-        BRANCH_IF (proof) {
+        if (proof) {
             masks = uvec4(0u, record.y, 0u, record.y);
             proved_pixels = uint(bitCount(record.y));
-        }
-        BRANCH_IF (!proof) {
+        } else {
             masks = by_their_past(tile, record.y);
             const uint idle = (was_idle(cell) ? 0x0f0f0f0fu : 0u) | (was_idle(cell + ivec2(1, 0)) ? 0xf0f0f0f0u : 0u);
             masks.y = record.y & idle & ~masks.x | masks.w;

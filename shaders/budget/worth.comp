@@ -19,7 +19,6 @@ const bool MANY_RAYS = true;
 #include "common/light_axes.glsl"
 #include "common/light_change.glsl"
 #include "budget/nearest_past.glsl"
-#include "common/branch.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/expected_error.glsl"
 #include "budget/proved_tile.glsl"
@@ -74,7 +73,7 @@ void main() {
     if (lane == 0u) asked_count = 0u;
     for (uint c = 0u; c < CLASSES; ++c) class_masks[CLASSES * lane + c] = 0u;
     barrier();
-    BRANCH_IF (traced != 0u && !is_proved(tile)) {
+    if (traced != 0u && !is_proved(tile)) {
         const uvec2 edges = near_an_edge(tile) & traced;
         const uvec4 past = known[tile_index(tile)];
         const uint contradicted = ~past.x & (past.z ^ ~hits[tile_index(tile)]);
@@ -84,11 +83,11 @@ void main() {
             const uint i = uint(findLSB(left));
             asked[at++] = 32u * lane + i | (edges.x >> i & 1u) << 31 | (edges.y >> i & 1u) << 30;
         }
-        BRANCH_IF (edges.x != 0u) {
+        neighbours_worth[lane] = 0.0;
+        if (edges.x != 0u) {
             const int i = findLSB(edges.x);
             neighbours_worth[lane] = worth_of_neighbours(tile, imageLoad(view_depth, tile * TILE + ivec2(i & 7, i >> 3)).x);
         }
-        BRANCH_IF (edges.x == 0u) neighbours_worth[lane] = 0.0;
     }
     barrier();
     for (uint i = lane; i < asked_count; i += TILES) {
@@ -106,7 +105,7 @@ void main() {
     [[unroll]] for (uint c = 0u; c < CLASSES; ++c) {
         masks[c] = class_masks[CLASSES * lane + c];
         const uint pixels = uint(bitCount(masks[c]));
-        BRANCH_IF (pixels != 0u)
+        if (pixels != 0u)
             for (uint level = 0u; level + 1u < LEVELS; ++level)
                 atomicAdd(gains[gain_bin(EXPECTED[c], level, steps_less)], pixels * (RAYS_AT[level + 1u] - RAYS_AT[level]));
     }

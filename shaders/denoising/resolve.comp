@@ -2,7 +2,6 @@
 // Verdicts and ray hits to an image, for pipelines without a denoiser: 0 where a receiver is occluded, else 1 (sky included); between
 // where a part of the sun is hidden, or several rays of a pixel disagree.
 #include "node.glsl"
-#include "common/branch.glsl"
 #include "common/pixels.glsl"
 #include "common/tiles.glsl"
 #include "common/reuse_words.glsl"
@@ -28,7 +27,7 @@ void for_pixel(ivec2 p) {
     }
     if (HAS_REUSE_WORDS) {  // of a reused tile classify alone has decided pixels
         const bool kept = reuse_words[i] == REUSED && (receiver_words[i] & ~hits[i] & pixel_bit(p)) != 0u;
-        BRANCH_IF(kept) lit = kept_share(p);
+        if (kept) lit = kept_share(p);
     }
     imageStore(visibility, p, vec4(lit));
 }

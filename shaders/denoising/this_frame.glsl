@@ -186,7 +186,7 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                 if (further != 0u) {
                     const float before = m.asked;
                     FurtherPoint next = further_point(point, further);
-                    // By eights: one driver ends all loops of a workgroup after 65 535 turns (common/branch.glsl).
+                    // By eights: one driver ends all loops of a workgroup after 65 535 turns.
                     for (uint k = 0u; k < further; k += 8u)
                         [[unroll]] for (uint j = 0u; j < 8u; ++j) {
                             step_on(next);

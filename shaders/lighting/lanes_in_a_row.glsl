@@ -3,7 +3,7 @@
 // the lanes beside it for theirs: a shuffle is one instruction, a load a call. The two pixels beside the row are nobody's own; they
 // are loaded for as many rows at once as there are pairs of lanes.
 //
-// Includer has branch.glsl and the extension GL_KHR_shader_subgroup_shuffle, and is compiled by class. Where IN_A_ROW, a
+// Includer has the extension GL_KHR_shader_subgroup_shuffle, and is compiled by class. Where IN_A_ROW, a
 // workgroup is one row of whole subgroups of two lanes or more, and all of them take part in every shuffle.
 const bool IN_A_ROW = CLASS_CPU == 1;
 

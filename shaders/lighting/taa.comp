@@ -14,7 +14,6 @@
 // lower three are new. Elsewhere it has one pixel, and no loop over rows.
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
-#include "common/branch.glsl"
 #include "common/camera.glsl"
 #include "common/finite.glsl"
 #include "common/guide_normal.glsl"

@@ -31,7 +31,7 @@ ColorRow color_row(int x, int y, int row, inout vec3 sides) {
     const vec3 shown = current(ivec2(x, y)), c = to_box_axes(shown);
     vec3 l, r;
     if (IN_A_ROW) {
-        BRANCH_IF(sides_are_due(row)) sides = to_box_axes(current(beside_row(x, y)));
+        if (sides_are_due(row)) sides = to_box_axes(current(beside_row(x, y)));
         l = left_of(c, sides, row);
         r = right_of(c, sides, row);
     } else {

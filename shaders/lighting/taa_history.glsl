@@ -3,7 +3,7 @@
 // corners, which weigh 1/64 at most together (Jimenez 2016, Filmic SMAA). Texels, not filtered samples, are what a software
 // device is fast at, and no device's 8 bits of filter weight get into the average.
 //
-// Includer has branch.glsl, camera.glsl and rounded.glsl and declares the image history.
+// Includer has camera.glsl and rounded.glsl and declares the image history.
 
 ivec2 history_last() { return ivec2(frame.prev_size) - 1; }
 

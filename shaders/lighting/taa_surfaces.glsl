@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which of the history showed what is seen around a pixel now.
 //
-// Includer has branch.glsl, camera.glsl, guide_normal.glsl, lanes_in_a_row.glsl, pixels.glsl, rounded.glsl and taa_history.glsl, and
+// Includer has camera.glsl, guide_normal.glsl, lanes_in_a_row.glsl, pixels.glsl, rounded.glsl and taa_history.glsl, and
 // declares the images history and view_depth and, where things move, motion, guide_normal and view_depth_prev.
 #include "common/corners.glsl"
 #include "common/view_rays.glsl"
@@ -25,7 +25,7 @@ DepthRow depth_row(int x, int y, int row, inout float sides) {
     const float own = depth_within(ivec2(x, y));
     float l, r;
     if (IN_A_ROW) {
-        BRANCH_IF(sides_are_due(row)) sides = depth_within(beside_row(x, y));
+        if (sides_are_due(row)) sides = depth_within(beside_row(x, y));
         l = left_of(own, sides, row);
         r = right_of(own, sides, row);
     } else {
@@ -174,7 +174,7 @@ Past past_among(ivec2 p, vec2 texel, Around around, Cameras cameras, vec3 moved)
     ivec2 t[4];
     for (int i = 0; i < 4; ++i) t[i] = clamp(base + corner(i), ivec2(0), last);
     vec4 z = vec4(imageLoad(view_depth_prev, t[0]).x);
-    BRANCH_IF(f != vec2(0.0)) {  // what moves by whole pixels asks one texel
+    if (f != vec2(0.0)) {  // what moves by whole pixels asks one texel
         z.y = imageLoad(view_depth_prev, t[1]).x;
         z.z = imageLoad(view_depth_prev, t[2]).x;
         z.w = imageLoad(view_depth_prev, t[3]).x;
@@ -187,13 +187,13 @@ Past past_among(ivec2 p, vec2 texel, Around around, Cameras cameras, vec3 moved)
     }
     const ivec2 nearest = clamp(base + ivec2(greaterThanEqual(within, vec2(0.5))), ivec2(0), last);
     bool none = false, thin = false;
-    BRANCH_IF(dot(share, vec4(lessThanEqual(off_m, vec4(same_m)))) < 1.0) {  // exactly: shares are multiples of 2^-16
+    if (dot(share, vec4(lessThanEqual(off_m, vec4(same_m)))) < 1.0) {  // exactly: shares are multiples of 2^-16
         const vec3 moved_back = texelFetch(motion, around.farthest, 0).xyz;
         const Plane back = plane_at(cameras, around.farthest, around.farthest_depth, moved_back);
         const float scale = tolerance_m / back.surface.tolerance_m;
         for (int i = 0; i < 4; ++i)
             if (z[i] > 0.0 && solid) off_m[i] = min(off_m[i], scale * off_by(back, previous_uv(cameras, t[i]), z[i]));
-        BRANCH_IF(dot(share, vec4(lessThanEqual(off_m, vec4(same_m)))) < 1.0) {
+        if (dot(share, vec4(lessThanEqual(off_m, vec4(same_m)))) < 1.0) {
             // What moves is still in front: it has not left. A bar of the same gate, or what is behind its gaps, need not be
             // among the two surfaces that are asked.
             const bool may_stay = moves_itself || !memory_of(imageLoad(history, nearest).w).moves_itself;
@@ -213,10 +213,10 @@ Past past_among(ivec2 p, vec2 texel, Around around, Cameras cameras, vec3 moved)
     const vec4 value = imageLoad(history, none ? nearest : best);
     vec3 past_color = value.xyz;
     const float counted = dot(left, vec4(1.0));
-    BRANCH_IF(best_share < counted && counted < 1.0)
+    if (best_share < counted && counted < 1.0)
         past_color = (left.x * imageLoad(history, t[0]).xyz + left.y * imageLoad(history, t[1]).xyz +
                       left.z * imageLoad(history, t[2]).xyz + left.w * imageLoad(history, t[3]).xyz) / counted;
-    BRANCH_IF(best_share < 1.0 && counted == 1.0) past_color = history_at(texel);
+    if (best_share < 1.0 && counted == 1.0) past_color = history_at(texel);
     Memory memory = memory_of(value.w);
     memory.frames = none ? 0.0 : memory.frames;
     memory.moves_itself = moves_itself;

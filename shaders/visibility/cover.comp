@@ -101,7 +101,7 @@ void main() {
     count_shadowed(subgroupElect() ? uint(bitCount(shadowed)) : 0u);
     count_penumbra(uint(bitCount(partly)));
     count_steps(steps_taken);
-    // Given up, or left undone where a driver ends loops (branch.glsl).
+    // Given up, or left undone where a driver ends loops (light_walk.glsl).
     const uint rest = share.wanted & ~subgroupOr(done);
 #if HAS_UNEVEN
     const uint between = subgroupOr(partly) | rest;

@@ -219,7 +219,7 @@ void main() {
     count_shadowed(shadowed);
     count_penumbra(penumbra);
     count_asked(asked);
-    // A driver that ends loops (branch.glsl) leaves lights undone.
+    // A driver that ends loops (light_walk.glsl) leaves lights undone.
     const bool undone = rest != 0u || candidates != 0u || tested < light_count();
     count_left(undone ? uint(bitCount(surfaces)) : 0u);
     count_steps(steps);

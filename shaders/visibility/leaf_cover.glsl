@@ -11,7 +11,6 @@
 // by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
 //
 // Includer has common/bvh.glsl, common/light.glsl and light_mask.glsl and declares: block light; uniform image2D light_samples.
-#include "common/branch.glsl"
 
 const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
 
@@ -97,7 +96,7 @@ LightMask hidden_up_to(Receiver r, LightShape shape, float end, vec3 sum, float 
 // .. of a light that ends between `before` and `behind`. Samples of a sphere that lie between are asked for one by one.
 LightMask before_light(Receiver r, LightShape shape, vec3 sum, float det, vec2 ends, float z, bool below, LightMask mask) {
     LightMask sure = hidden_up_to(r, shape, r.before, sum, det, ends, z, below, mask);
-    BRANCH_IF(r.before != r.behind) {
+    if (r.before != r.behind) {
         LightMask asked = mask_without(hidden_up_to(r, shape, r.behind, sum, det, ends, z, below, mask), sure);
         while (!mask_is_empty(asked)) {
             const LightMask lowest = mask_lowest(asked);
@@ -121,12 +120,12 @@ void decide_sides(Receiver r, BvhLeaf corners, vec3 a, vec3 b, vec3 c, vec3 d, v
         first = Height(dot(to_a, n), error * taxi(to_a));
         second = Height(-dot(to_d, n), error * taxi(to_d));
     }
-    BRANCH_IF(matters.x && in_doubt(first) || matters.y && in_doubt(second)) {
+    if (matters.x && in_doubt(first) || matters.y && in_doubt(second)) {
         if (in_doubt(first)) first = height_of(to_a, corners.b - corners.a, corners.c - corners.a);
         if (in_doubt(second)) second = height_of(to_c, corners.b - corners.c, corners.d - corners.c);
     }
     const bvec2 unsure = bvec2(matters.x && in_doubt(first), matters.y && in_doubt(second));
-    BRANCH_IF(any(unsure)) {
+    if (any(unsure)) {
         if (unsure.x) first = height_for_sure(r.start, corners.a, corners.b, corners.c);
         if (unsure.y) second = height_for_sure(r.start, corners.c, corners.b, corners.d);
     }
@@ -163,7 +162,7 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
     if (HAS_LIGHT && r.mirrored) below = not(below);
     const bvec2 hides = bvec2(matters.x && first.value != 0.0 && !(below.x ? none_below.x : none_above.x),
                               matters.y && second.value != 0.0 && !(below.y ? none_below.y : none_above.y));
-    BRANCH_IF(any(hides)) {
+    if (any(hides)) {
         const LightMask above_bc = positive_side(bc),
                         in_first = mask_and(mask_flipped(positive_side(ab), below.x), mask_flipped(positive_side(ca), below.x)),
                         in_second = mask_and(mask_flipped(positive_side(bd), below.y), mask_flipped(positive_side(dc), below.y));
@@ -176,7 +175,7 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
         by_second = mask_if(hides.y, by_second);
         if (HAS_LIGHT) {
             const float farthest = max(b.z, c.z);
-            BRANCH_IF(max(farthest, max(a.z, d.z)) > r.before) {
+            if (max(farthest, max(a.z, d.z)) > r.before) {
                 const vec2 ends = vec2(min(b.z, c.z), max(b.z, c.z));
                 by_first = before_light(r, shape, edge_line(a, b) + bc_line + edge_line(c, a), dot(a, bc_line), ends, a.z, below.x, by_first);
                 by_second = before_light(r, shape, edge_line(b, d) + edge_line(d, c) - bc_line, -dot(d, bc_line), ends, d.z, below.y, by_second);

@@ -129,18 +129,17 @@ LightLine light_line(LightShape shape, float dither, vec3 e) {
     line.flip = (e.y != 0.0 ? e.y : e.x) < 0.0;
     if (line.flip) e = -e;
     const float inverse = 1.0 / max(abs(e.x) + e.y, 1e-37);
-    const float p = e.x * inverse, size = abs(p);  // the normal is (p, 1 - |p|), up to its length:
-    const float m = size - size * size;            // 1 / sqrt(1 - 2 m), within 9e-5
-    const float per_length = 1.0000891 + m * (0.9840561 + m * (1.9511038 + m * (m * 18.8985459 - 1.7756891)));
-    const float c = clamp(e.z * inverse * shape.per_radius * per_length, -1.0, 1.0), c2 = c * c;
-    float area = c * (shape.area[0] + c2 * (shape.area[1] + c2 * (shape.area[2] + c2 * (shape.area[3] + c2 * shape.area[4]))));
-    float first_bin = 0.0;
-    if (HAS_LIGHT) {
-        area += cap_area(shape.cap, c2, c);
-        if (shape.square) {
-            area = square_area(max(size, 1.0 - size), clamp(e.z * inverse, -1.0, 1.0));
-            first_bin = float(HALF_PLANE_DIRECTIONS);
-        }
+    const float p = e.x * inverse, size = abs(p);  // the normal is (p, 1 - |p|), up to its length
+    float area, first_bin = 0.0;
+    if (HAS_LIGHT && shape.square) {
+        area = square_area(max(size, 1.0 - size), clamp(e.z * inverse, -1.0, 1.0));
+        first_bin = float(HALF_PLANE_DIRECTIONS);
+    } else {
+        const float m = size - size * size;  // 1 / sqrt(1 - 2 m), within 9e-5
+        const float per_length = 1.0000891 + m * (0.9840561 + m * (1.9511038 + m * (m * 18.8985459 - 1.7756891)));
+        const float c = clamp(e.z * inverse * shape.per_radius * per_length, -1.0, 1.0), c2 = c * c;
+        area = c * (shape.area[0] + c2 * (shape.area[1] + c2 * (shape.area[2] + c2 * (shape.area[3] + c2 * shape.area[4]))));
+        if (HAS_LIGHT && shape.cap.x > 0.0) area += cap_area(shape.cap, c2, c);
     }
     const float samples = float(LIGHT_SAMPLES), bins = float(HALF_PLANE_DIRECTIONS);
     // Rounded down, by way of a number above 1/2, which rounded() wants.

@@ -13,7 +13,7 @@ LightMask below_horizon(SeenLight seen, vec3 normal) {
 }
 
 struct Walk {
-    bool ended;  // nothing is left to look at; false: given up, left undone where a driver ends loops (branch.glsl), or not `own`
+    bool ended;  // nothing is left to look at; false: given up, left undone where a driver ends loops (below), or not `own`
     uint steps;
 };
 
@@ -40,7 +40,8 @@ Walk walk_to_light(SeenLight seen, bool own, inout LightMask hidden) {
         if (steps >= WALK_BUDGET) ended = true;
 #endif
     }
-    // Of the walk itself, not of the loop (branch.glsl).
+    // Mesa 22's lavapipe ends all loops of a workgroup after 65 535 turns, whatever they wait for: so of the walk itself, not of the variable
+    // that the loop ran on, of which every compiler knows that a loop until `ended` has ended.
     return Walk(own && (mask_is_full(hidden) || bvh_ended(path)), steps);
 }
 

@@ -36,8 +36,8 @@ SeenLight seen_sphere(vec3 start, vec3 to_centre, vec2 noise) {
     return seen;
 }
 
-// Of the pyramid over a light's parallelogram. `slope`: the greatest in it, against the axis.
-ConeSlabs pyramid_slabs(vec3 axis, vec3 u, vec3 v, vec3 to_centre, out float slope) {
+// Of the pyramid over a light's parallelogram, all of which lies ahead along `axis`.
+ConeSlabs pyramid_slabs(vec3 axis, vec3 u, vec3 v, vec3 to_centre) {
     vec3 lower = vec3(3e38), upper = vec3(-3e38);
     float reach = 0.0;
     for (int i = 0; i < 4; ++i) {
@@ -47,9 +47,7 @@ ConeSlabs pyramid_slabs(vec3 axis, vec3 u, vec3 v, vec3 to_centre, out float slo
         lower = min(lower, to_corner / max(along, 1e-30));
         upper = max(upper, to_corner / max(along, 1e-30));
     }
-    const vec3 steepest = max(abs(lower), abs(upper));
-    slope = max(steepest.x, max(steepest.y, steepest.z));
-    const vec3 rounding = 1e-6 + 1e-6 * steepest;
+    const vec3 rounding = 1e-6 + 1e-6 * max(abs(lower), abs(upper));
     ConeSlabs slabs = slabs_of_slopes(lower - rounding, upper + rounding);
     slabs.reach = reach;
     return slabs;
@@ -85,15 +83,11 @@ SeenLight seen_plane(vec3 start, vec3 to_centre, vec2 noise) {
     seen.receiver.z = away / height_m;
     seen.receiver.dither = line_dither(noise.y);
     seen.receiver.before = seen.receiver.behind = 1.0 - LIGHT_HOUSING;
-    // Around the way to its plane, whose every section is the light, scaled, and where it ends; where that is edge-on, to its middle,
+    // Around the way to its plane, whose every section is the light, scaled, and where it ends; where that is nearly edge-on, to its middle,
     // unless corners may lie beside that.
-    float slope;
-    seen.slabs = pyramid_slabs(away, u, v, to_centre, slope);
-    BRANCH_IF(slope > 64.0) {
-        float slope_to_middle;
-        const ConeSlabs to_middle = pyramid_slabs(normalize(to_centre), u, v, to_centre, slope_to_middle);
-        if (slope_to_middle <= 4.0) seen.slabs = to_middle;
-    }
+    const float distance_m = length(to_centre), size_m = length(u) + length(v);
+    const bool edge_on = distance_m + size_m > 64.0 * height_m && size_m < 0.6 * distance_m;
+    seen.slabs = pyramid_slabs(edge_on ? to_centre / distance_m : away, u, v, to_centre);
     seen.slabs.reach *= 1.0 - LIGHT_HOUSING;
     seen.span = mat3(u, v, to_centre);
     return seen;
@@ -103,8 +97,8 @@ SeenLight seen_plane(vec3 start, vec3 to_centre, vec2 noise) {
 SeenLight seen_light(vec3 start, vec2 noise) {
     const vec3 to_centre = light.centre + scene.camera_from_origin - start;
     SeenLight seen;
-    BRANCH_IF(light.kind == LIGHT_SPHERE) seen = seen_sphere(start, to_centre, noise);
-    BRANCH_IF(light.kind != LIGHT_SPHERE) seen = seen_plane(start, to_centre, noise);
+    if (light.kind == LIGHT_SPHERE) seen = seen_sphere(start, to_centre, noise);
+    if (light.kind != LIGHT_SPHERE) seen = seen_plane(start, to_centre, noise);
     return seen;
 }
 
