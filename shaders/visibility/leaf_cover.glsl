@@ -37,6 +37,15 @@ vec3 edge_line(vec3 v, vec3 w) {
     return e;
 }
 
+// Whether a line leaves all of the light on its positive side. It need not say so; what it says light_line() says, too.
+bool leaves_all(LightShape shape, vec3 e) { return e.z > shape.radius * (abs(e.x) + abs(e.y)); }
+
+// Whether the triangle of three lines lies beside the light, whichever side of its plane the receiver is on.
+bool lies_beside(LightShape shape, vec3 e, vec3 f, vec3 g) {
+    return (leaves_all(shape, e) || leaves_all(shape, f) || leaves_all(shape, g)) &&
+           (leaves_all(shape, -e) || leaves_all(shape, -f) || leaves_all(shape, -g));
+}
+
 float taxi(vec3 v) { return abs(v.x) + abs(v.y) + abs(v.z); }
 
 // A height over a plane, times twice the triangle's area, and how far rounding can move it.
@@ -137,21 +146,23 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
     const BvhLeaf corners = bvh_leaf(leaf);
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
     const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
-    const vec3 bc_line = edge_line(b, c);
+    const vec3 ab_line = edge_line(a, b), bc_line = edge_line(b, c), ca_line = edge_line(c, a), bd_line = edge_line(b, d), dc_line = edge_line(d, c);
+    // Most do, before all of a subgroup's pixels, and the rest is dear.
+    if (!wanted || lies_beside(shape, ab_line, bc_line, ca_line) && lies_beside(shape, bd_line, dc_line, -bc_line)) return;
     Height first, second;
     // Before the lines, which need registers: a GPU has few. A leaf of one triangle has d in c, whose side is never sure.
-    if (!ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, bvec2(wanted, wanted && corners.d != corners.c), first, second);
+    if (!ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, bvec2(true, corners.d != corners.c), first, second);
     // Whether d is on one side of both outer edges of the first triangle. Here, where the corners are still in registers.
-    precise vec2 at_d = vec2(dot(edge_line(a, b), d), dot(edge_line(c, a), d));
+    precise vec2 at_d = vec2(dot(ab_line, d), dot(ca_line, d));
     const bool d_above = min(at_d.x, at_d.y) >= 0.0, d_below = max(at_d.x, at_d.y) <= 0.0;
-    const LightLine ab = light_line(shape, r.dither, edge_line(a, b)), bc = light_line(shape, r.dither, bc_line),
-                    ca = light_line(shape, r.dither, edge_line(c, a)), bd = light_line(shape, r.dither, edge_line(b, d)),
-                    dc = light_line(shape, r.dither, edge_line(d, c));
+    const LightLine ab = light_line(shape, r.dither, ab_line), bc = light_line(shape, r.dither, bc_line),
+                    ca = light_line(shape, r.dither, ca_line), bd = light_line(shape, r.dither, bd_line),
+                    dc = light_line(shape, r.dither, dc_line);
     const bvec2 none_above = bvec2(none_positive(ab) || none_positive(bc) || none_positive(ca),
                                    none_positive(bd) || none_positive(dc) || none_negative(bc));
     const bvec2 none_below = bvec2(none_negative(ab) || none_negative(bc) || none_negative(ca),
                                    none_negative(bd) || none_negative(dc) || none_positive(bc));
-    bvec2 matters = bvec2(wanted && !(none_above.x && none_below.x), wanted && !(none_above.y && none_below.y));
+    bvec2 matters = bvec2(!(none_above.x && none_below.x), !(none_above.y && none_below.y));
     if (HAS_LIGHT) {
         const float nearest = min(b.z, c.z);
         matters = bvec2(matters.x && min(a.z, nearest) < r.behind, matters.y && min(d.z, nearest) < r.behind);
@@ -177,13 +188,13 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
             const float farthest = max(b.z, c.z);
             if (max(farthest, max(a.z, d.z)) > r.before) {
                 const vec2 ends = vec2(min(b.z, c.z), max(b.z, c.z));
-                by_first = before_light(r, shape, edge_line(a, b) + bc_line + edge_line(c, a), dot(a, bc_line), ends, a.z, below.x, by_first);
-                by_second = before_light(r, shape, edge_line(b, d) + edge_line(d, c) - bc_line, -dot(d, bc_line), ends, d.z, below.y, by_second);
+                by_first = before_light(r, shape, ab_line + bc_line + ca_line, dot(a, bc_line), ends, a.z, below.x, by_first);
+                by_second = before_light(r, shape, bd_line + dc_line - bc_line, -dot(d, bc_line), ends, d.z, below.y, by_second);
             }
         }
         if (HAS_SCENE_ALPHA) {
-            by_first = without_holes(shape, leaf, 0u, vec3[3](bc_line, edge_line(c, a), edge_line(a, b)), by_first, hidden);
-            by_second = without_holes(shape, leaf, 1u, vec3[3](edge_line(b, d), edge_line(d, c), -bc_line), by_second, mask_or(hidden, by_first));
+            by_first = without_holes(shape, leaf, 0u, vec3[3](bc_line, ca_line, ab_line), by_first, hidden);
+            by_second = without_holes(shape, leaf, 1u, vec3[3](bd_line, dc_line, -bc_line), by_second, mask_or(hidden, by_first));
         }
         hidden = mask_or(hidden, mask_or(by_first, by_second));
     }
