@@ -21,16 +21,23 @@ vec3 direct_light(ivec2 p, vec3 n) {
     return of_lux(unshadowed_lux(n, light.centre - position(p, imageLoad(view_depth, p).x)));
 }
 
-void for_pixel(ivec2 p) {
-    const vec4 guide = imageLoad(guide_normal, p);
+vec3 surface(ivec2 p, vec4 guide) {
     const vec3 n = unit_or_zero(decode_normal(guide));
     vec3 direct = vec3(0.0);
     if (HAS_TRANSMITTANCE) direct = direct_light(p, n) * texelFetch(transmittance, p, 0).xyz;
-    else if (HAS_VISIBILITY) direct = direct_light(p, n) * texelFetch(visibility, p, 0).x;
+    else if (HAS_VISIBILITY) direct = direct_light(p, n) * imageLoad(visibility, p).x;
     if (HAS_ILLUMINANCE) direct += of_lux(texelFetch(illuminance, p, 0).xyz);
-    const vec3 surface = texelFetch(albedo, p, 0).xyz * (direct + params.ambient);
-    const bool receiver = guide.w > 0.0;
-    imageStore(lit, p, vec4(storable(receiver ? surface : sky(p)), 1.0));
+    return texelFetch(albedo, p, 0).xyz * (direct + params.ambient);
+}
+
+void for_pixel(ivec2 p) {
+    const vec4 guide = imageLoad(guide_normal, p);
+    vec3 shown;
+    if (guide.w > 0.0)
+        shown = surface(p, guide);
+    else
+        shown = sky(p);
+    imageStore(lit, p, vec4(storable(shown), 1.0));
 }
 
 void main() { for_each_pixel(); }
