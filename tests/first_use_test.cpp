@@ -410,13 +410,13 @@ TEST_F(FirstUse, ProgressIsShownOnATerminalAlone) {
     const std::string seen = on_terminal(command);
     size_t at = 0;
     for (const char* what : {"reading the model ...", "packing memory ...", "compiling shaders ...",
-                             "building the tree of triangles ...", "building the tree of triangles ... 30 %",
+                             "building the tree of triangles ...", "building the tree of triangles ... 16 %",
                              "raw [", "] 100 %"}) {
         at = seen.find(what, at);
         EXPECT_NE(at, std::string::npos) << what << " in " << seen;
     }
     EXPECT_NE(on_terminal("view raw --shot lamp --size 48x32 --frames 2 --headless " + in("view.png"))
-                  .find("building the tree of triangles ... 30 %"),
+                  .find("building the tree of triangles ... 16 %"),
               std::string::npos);
     const std::string explained = on_terminal("explain --shot lamp --size 48x32 --out " + in("sun.svg"));
     for (const char* what : {"rendering the frame ...", "reading the scene back ...", "explain ["})

@@ -173,7 +173,7 @@ TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
             continue;
         }
         if (f == change) {
-            EXPECT_GT(kept, 1.2 * reset);
+            EXPECT_GT(kept, 1.1 * reset);
         }
         EXPECT_GT(kept, 0.5 * ideal);
     }

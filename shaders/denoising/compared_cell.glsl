@@ -57,8 +57,9 @@ void compare_cell(uint at, ivec2 cell) {
                     now = unpack_estimate_of_many(word);
                 else
                     now = unpack_estimate(word);
+            } else {
+                now = agreement(r, reach_of(foot.s, penumbra).box);
             }
-            for (int k = 0; k < (asked ? 0 : 1); ++k) now = agreement(r, reach_of(foot.s, penumbra).box);
             Past past;
             if (HAS_MOTION)
                 past = past_of(p, n, Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m));

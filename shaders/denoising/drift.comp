@@ -64,7 +64,7 @@ float surrounding_difference(ivec2 p, int step, ViewRays rays) {
 
 bool is_settled(ivec2 cell, bool) {
     const uint idle = idle_cells[cell_index(cell)];
-    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    // Counted by what there is to do: in a branch, as loops of a known length, they take lavapipe longer.
     for (int i = 0; i < (is_idle(idle) ? CELL * CELL : 0); ++i) {
         const uint v = (idle >> uint(i) & 1u) != 0u
                            ? pack_state(ShadowState(1.0, 0.0, 0.0, OwnRays(1.0, 0.0, 0.0, true)), 0u)

@@ -50,7 +50,7 @@ bool is_settled(ivec2 cell, bool below_last) {
     if (HAS_RAY_WORDS && !known) counted &= ray_words[tile_index(cell * CELL / TILE)];
     uint lit = lit_or_sky(cell);
     if (HAS_RAY_WORDS && said != 0u) lit = (said & 0xffffu) != 0u ? lit | sunward : lit & ~sunward;
-    // Counted by what there is to do: older software devices run both sides of a branch, but no loop that no lane enters.
+    // Counted by what there is to do: in a branch, as loops of a known length, they take lavapipe longer.
     uint idle = 0u;
     for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
         const ivec2 offset = in_cell(i), p = first + offset;

@@ -52,13 +52,14 @@ bool is_settled(ivec2 cell, bool) {
     const uint idle = idle_cells[cell_index(cell)];
     const Softening s = softening_of(cell);
     const bool settled = is_idle(idle) || (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0;
-    for (int i = 0; i < (settled ? CELL * CELL : 0); ++i) {
+    if (!settled) return false;
+    for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 p = cell * CELL + in_cell(i);
         float v = float(idle >> uint(i) & 1u);
         if (!is_idle(idle)) v = visibility_in(imageLoad(state, p).x);
         imageStore(visibility, p, vec4(v));
     }
-    return settled;
+    return true;
 }
 
 void work_on(ivec2 cell) {
@@ -66,7 +67,7 @@ void work_on(ivec2 cell) {
     const Softening s = softening_of(cell);
     const ivec2 steps = s.steps;
     const float bias = s.bias, fade = s.fade, tests = s.tests;
-    for (int i = 0; i < (fade > 0.0 ? 1 : 0); ++i) load_rows(cell);
+    if (fade > 0.0) load_rows(cell);
     const ViewRays corner = view_rays(first, mat3(1.0));
     for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = in_cell(i), p = first + offset;
@@ -74,8 +75,8 @@ void work_on(ivec2 cell) {
         const ViewRays rays = moved(corner, vec2(offset));
         float v = own.visibility;
         const bool softens = own.count > 0.0 && (steps.x | steps.y) != 0;
-        for (int k = 0; k < (softens ? 1 : 0); ++k) v = softened(p, steps, own, rays);
-        for (int k = 0; k < (bias > 0.0 ? 1 : 0); ++k)
+        if (softens) v = softened(p, steps, own, rays);
+        if (bias > 0.0)
             v += trust(own.count) * bias / (bias + mean_variance(own.own) + 1e-9) * (own.own.visibility - own.visibility);
         const bool tested = has_ray(p);
         const uint further = tested && fade > 0.0 ? further_at(p) : 0u;
@@ -87,10 +88,10 @@ void work_on(ivec2 cell) {
         const bool mixed = (nine.x & nine.y) != 0u && (~nine.x & nine.y) != 0u;  // else the surface does not matter
         const bool doubts = asks && fade > 0.0 && tests < ALWAYS_TESTED && !(MANY_RAYS && (further != 0u || s.by_unmoved > 0.9));
         uint known = nine.y;
-        for (int k = 0; k < (mixed && (share > 0.0 || doubts) ? 1 : 0); ++k) known &= surface_seen(p, rays);
+        if (mixed && (share > 0.0 || doubts)) known &= surface_seen(p, rays);
         const uint pattern = edge_pattern(nine.x, known);
         if (share > 0.0) v = mix(v, visibility_by_pattern(pattern), share);
-        for (int k = 0; k < (doubts ? 1 : 0); ++k) {
+        if (doubts) {
             const float unmoved = own.own.count * s.by_unmoved;
             float bit = (pattern & PATTERN_CENTRE) != 0u ? 1.0 : 0.0;
             if (further != 0u) bit = lit_share(further, bit > 0.5);

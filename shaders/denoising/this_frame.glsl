@@ -214,9 +214,9 @@ Estimate this_frame(Receiver r, Penumbra penumbra) {
     const bool mixed = has_both(said);
     Estimate e = Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, 1.0, 1.0, 1.0);
     if (HAS_RAY_WORDS && !has_ray(r.p)) e = next_to(r);
-    for (int i = 0; i < (mixed ? 0 : 1); ++i) e = agreement(r, reach.box);
+    if (!mixed) e = agreement(r, reach.box);
     // Own ray only: a penumbra so narrow that no neighbour's can help.
     const bool asks = mixed && min(reach.b1, reach.b2) > 0.0 && max(reach.b1, reach.b2) >= OWN_RAY_PX;
-    for (int i = 0; i < (asks ? 1 : 0); ++i) e = asked_around(r, reach, penumbra, e);
+    if (asks) e = asked_around(r, reach, penumbra, e);
     return e;
 }

@@ -50,7 +50,7 @@ void for_pixel(ivec2 p) {
     imageStore(guide_normal, p, z > 0.0 ? encode_normal(n) : vec4(0.0));
 #endif
 #if HAS_RECEIVER_NORMAL
-    if (z > 0.0) imageStore(receiver_normal, p, vec4(encode_receiver_normal(n), 0.0, 0.0));
+    imageStore(receiver_normal, p, vec4(encode_receiver_normal(n), 0.0, 0.0));
 #endif
 #if HAS_OCTAHEDRAL_NORMAL
     imageStore(octahedral_normal, p, uvec4(pack_direction(n)));

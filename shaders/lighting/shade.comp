@@ -25,7 +25,7 @@ vec3 surface(ivec2 p, vec4 guide) {
     const vec3 n = unit_or_zero(decode_normal(guide));
     vec3 direct = vec3(0.0);
     if (HAS_TRANSMITTANCE) direct = direct_light(p, n) * texelFetch(transmittance, p, 0).xyz;
-    else if (HAS_VISIBILITY) direct = direct_light(p, n) * imageLoad(visibility, p).x;
+    else if (HAS_VISIBILITY) direct = direct_light(p, n) * texelFetch(visibility, p, 0).x;
     if (HAS_ILLUMINANCE) direct += of_lux(texelFetch(illuminance, p, 0).xyz);
     return texelFetch(albedo, p, 0).xyz * (direct + params.ambient);
 }

@@ -147,8 +147,8 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout Li
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
     const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
     const vec3 ab_line = edge_line(a, b), bc_line = edge_line(b, c), ca_line = edge_line(c, a), bd_line = edge_line(b, d), dc_line = edge_line(d, c);
-    // Most do, before all of a subgroup's pixels, and the rest is dear.
-    if (!wanted || lies_beside(shape, ab_line, bc_line, ca_line) && lies_beside(shape, bd_line, dc_line, -bc_line)) return;
+    // Most do, before all pixels of a subgroup where that is small, and the rest is dear.
+    if (!wanted || ON_CPU && lies_beside(shape, ab_line, bc_line, ca_line) && lies_beside(shape, bd_line, dc_line, -bc_line)) return;
     Height first, second;
     // Before the lines, which need registers: a GPU has few. A leaf of one triangle has d in c, whose side is never sure.
     if (!ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, bvec2(true, corners.d != corners.c), first, second);
