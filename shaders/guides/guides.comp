@@ -44,10 +44,10 @@ vec3 surface_normal(ivec2 p, float z) {
 void for_pixel(ivec2 p) {
     const float z = depth_at(p);
     imageStore(view_depth, p, vec4(z));
-    vec3 n = vec3(0.0, 0.0, 1.0);
-    if (z > 0.0) n = surface_normal(p, z);
+    const bool receiver = z > 0.0;
+    const vec3 n = receiver ? surface_normal(p, z) : vec3(0.0, 0.0, 1.0);
 #if HAS_GUIDE_NORMAL
-    imageStore(guide_normal, p, z > 0.0 ? encode_normal(n) : vec4(0.0));
+    imageStore(guide_normal, p, receiver ? encode_normal(n) : vec4(0.0));
 #endif
 #if HAS_RECEIVER_NORMAL
     imageStore(receiver_normal, p, vec4(encode_receiver_normal(n), 0.0, 0.0));
