@@ -26,6 +26,22 @@ std::vector<Box> small_boxes(uint32_t count, uint32_t seed) {
     return boxes;
 }
 
+// Groups of 16 boxes that lie together, side by side in rows, layers and a cube: halved, a tree is good over
+// the groups and has each in no order. (Boxes that are large in the whole stay where they are.)
+std::vector<Box> groups_of_boxes(uint32_t groups, uint32_t seed) {
+    std::vector<Box> boxes;
+    for (uint32_t group = 0; group < groups; ++group)
+        for (Box box : small_boxes(16, seed + group)) {
+            for (int a = 0; a < 3; ++a) {
+                const float at = 40.0f * float(group >> 4 * a & 15);
+                box.lo[a] += at;
+                box.hi[a] += at;
+            }
+            boxes.push_back(box);
+        }
+    return boxes;
+}
+
 // Over leaves in the order in which they come, so that none has to do with the next: `split` says where a
 // range is cut.
 template <class Split>
@@ -85,19 +101,8 @@ uint32_t levels_of(const std::vector<BinaryNode>& nodes, const std::vector<Box>&
     return *std::max_element(depth.begin(), depth.end());
 }
 
-// Groups of 16 boxes that lie together, in a tree that is good over the groups and has each in no order.
-// Large boxes stay where they are.
 TEST(BvhReinsert, ABadTreeBecomesAGoodOneOfTheSameLeaves) {
-    std::vector<Box> boxes;
-    for (uint32_t group = 0; group < 4096; ++group)
-        for (Box box : small_boxes(16, group)) {
-            for (int a = 0; a < 3; ++a) {
-                const float at = 40.0f * float(group >> 4 * a & 15);
-                box.lo[a] += at;
-                box.hi[a] += at;
-            }
-            boxes.push_back(box);
-        }
+    const std::vector<Box> boxes = groups_of_boxes(4096, 0);
     std::vector<BinaryNode> nodes = tree_over(boxes, halves);
     const double before = cost(nodes);
     double told = 0;
@@ -127,9 +132,9 @@ TEST(BvhReinsert, WhatIsInItsPlaceStays) {
 
 // As deep as it may be before: every move that adds a level below the deepest leaf is one too many.
 TEST(BvhReinsert, NoTreeGetsDeeperThanItMay) {
-    for (const uint32_t most : {11u, 14u, 31u}) {
-        const std::vector<Box> boxes = small_boxes(1024, most);
-        const uint32_t chain = most - 10;  // one leaf split off, so many times; the rest is halved
+    for (const uint32_t most : {13u, 16u, 31u}) {
+        const std::vector<Box> boxes = groups_of_boxes(256, most);
+        const uint32_t chain = most - 12;  // one leaf split off, so many times; the rest is halved
         uint32_t cut = 0;
         const auto split = [&](uint32_t begin, uint32_t end) {
             return end == boxes.size() && cut < chain ? ++cut, begin + 1 : halves(begin, end);

@@ -70,9 +70,10 @@ inline constexpr uint32_t max_bvh_depth = 16;
 bool usable(const Triangle& triangle);
 
 // Builds by binned SAH (full sweep for few primitives), moves subtrees, collapses to 4-wide nodes by dynamic
-// programming on the SAH cost. Deterministic. `objects`, if not empty, gives one number per triangle: triangles of
-// different objects are never paired, which keeps refit() possible when they move apart. At most 2^30
-// triangles. `progress` is told now and then which share of the work is done, about: it rises from 0 to 1.
+// programming on the SAH cost. Deterministic. `objects`, if not empty, gives one number per triangle:
+// triangles of different objects are never paired, which keeps refit() possible when they move apart. At most
+// 2^30 triangles. `progress` is told now and then which share of the work is done, about: it rises from 0
+// to 1.
 Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects = {},
               const std::function<void(double)>& progress = {});
 
