@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // What a pixel shows, and whether another shows the same surface with much the same lobe.
 //
-// Includer has common/camera.glsl, common/receiver_normal.glsl and common/pixels.glsl and declares: images view_depth, octahedral_normal;
-// material where HAS_MATERIAL.
+// Includer has common/camera.glsl, common/receiver_normal.glsl, common/rounded.glsl and common/pixels.glsl and declares: image surface;
+// constant LOBE.
+#include "common/surface_texel.glsl"
 
 struct Shown {
     vec3 x, n;   // camera-relative
@@ -12,9 +13,9 @@ struct Shown {
 // Sky has z 0.
 Shown shown(ivec2 p) {
     if (!inside_frame(p)) return Shown(vec3(0.0), vec3(0.0), 0.0, 1.0);
-    const float z = imageLoad(view_depth, p).x;
-    return Shown(position(p, z), unpack_direction(imageLoad(octahedral_normal, p).x), z,
-                 HAS_MATERIAL ? texelFetch(material, p, 0).y : 1.0);
+    const uvec2 texel = imageLoad(surface, p).xy;
+    const float z = surface_depth(texel);
+    return Shown(position(p, z), surface_normal(texel), z, LOBE == LOBE_DIFFUSE ? 1.0 : surface_roughness(texel));
 }
 
 bool on_plane(Shown here, Shown there) { return abs(dot(here.n, there.x - here.x)) < 0.01 * here.z; }

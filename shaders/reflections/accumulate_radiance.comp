@@ -164,7 +164,7 @@ bool keeps_drift(ivec2 p) {
     const ivec2 first = p & ~1;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = first + ivec2(i & 1, i >> 1);
-        if (inside_frame(q) && imageLoad(view_depth, q).x > 0.0) return q == p;
+        if (inside_frame(q) && surface_depth(imageLoad(surface, q).xy) > 0.0) return q == p;
     }
     return p == first;
 }

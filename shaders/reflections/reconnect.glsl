@@ -14,10 +14,10 @@
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/rounded.glsl"
+#include "common/same_surface.glsl"
 #include "common/dithered.glsl"
 #include "common/sun_sample.glsl"
 #include "reflections/lobe.glsl"
-#include "reflections/pixel_lobe.glsl"
 #include "reflections/ray_texel.glsl"
 #include "reflections/ray_word.glsl"
 #include "reflections/radiance_word.glsl"
@@ -35,7 +35,6 @@
 
 const int REACH = int(RADIUS), SIDE = 2 * REACH + 1, TAPS = SIDE * SIDE;
 
-vec3 normal_at(ivec2 p) { return unpack_direction(imageLoad(octahedral_normal, p).x); }
 
 ivec2 tap(int i) { return ivec2(i % SIDE, i / SIDE) - REACH; }
 
@@ -67,9 +66,9 @@ struct Source {
     Emitter emitter;  // that it may be aimed at
 };
 
-Source source_at(ivec2 p, vec3 x, Lobe lobe) {
+Source source_at(ivec2 p, Shown s) {
     const uint number = HAS_AIMED ? rounded(255.0 * imageLoad(aimed, p).x) : 0u;
-    return Source(x, lobe, emitter_of(number));
+    return Source(s.x, make_lobe(s.n, to_viewer(p), s.roughness), emitter_of(number));
 }
 
 // Density and response per steradian. `in_cone`: where that is known better than by the direction's digits.
@@ -124,19 +123,16 @@ void store(ivec2 p, vec3 g, float distance_m, bool moving, float deviation, floa
     imageStore(gathered, p, uvec4(words, 0u, 0u));
 }
 
-bool near_plane(vec3 x, vec3 n, float z, ivec2 q, float z_q) {
-    return dot(n, normal_at(q)) > 0.9 && abs(dot(n, position(q, z_q) - x)) < 0.01 * z;
-}
+bool near_plane(Shown here, Shown there) { return dot(here.n, there.n) > 0.9 && on_plane(here, there); }
 
 // Which neighbours with a ray show the same surface, as bits; mirrors have nothing to give.
-uint kept_taps(ivec2 p, vec3 x, vec3 n, float z) {
+uint kept_taps(ivec2 p, Shown here) {
     uint kept = 0u;
     for (int i = 0; i < TAPS; ++i) {
         const ivec2 q = p + tap(i);
-        if (q == p || !inside_frame(q)) continue;
-        const float z_q = imageLoad(view_depth, q).x;
-        if (!(z_q > 0.0) || is_mirror(pixel_roughness(q)) || !has_ray(texelFetch(radiance, q, 0))) continue;
-        if (near_plane(x, n, z, q, z_q)) kept |= 1u << uint(i);
+        const Shown there = shown(q);
+        if (q == p || !(there.z > 0.0) || is_mirror(there.roughness) || !near_plane(here, there)) continue;
+        if (has_ray(texelFetch(radiance, q, 0))) kept |= 1u << uint(i);
     }
     return kept;
 }
@@ -156,16 +152,16 @@ struct Surroundings {
     float inverse_m, rays;
 };
 
-Surroundings surroundings(ivec2 p, Source s, float z, bool same_plane) {
+Surroundings surroundings(ivec2 p, Source s, Shown here, bool same_plane) {
     Surroundings mean = Surroundings(vec3(0.0), 0.0, 0.0);
     const int RINGS = 4;  // where few pixels have rays all of those near may have met bodies: then up to seven times as far away
     for (int k = 0; k < RINGS * TAPS && (k % TAPS != 0 || mean.rays == 0.0); ++k) {
         const ivec2 q = p + (2 * (k / TAPS) + 1) * tap(k % TAPS);
-        if (q == p || !inside_frame(q)) continue;
-        const float z_q = imageLoad(view_depth, q).x;
+        const Shown there = shown(q);
+        if (q == p || !(there.z > 0.0)) continue;
         const vec4 ray = texelFetch(radiance, q, 0);
-        if (!(z_q > 0.0) || !has_ray(ray) || HAS_AIMED && went_below(ray)) continue;
-        if (same_plane ? !near_plane(s.x, s.lobe.n, z, q, z_q) : at_a_body(s, position(q, z_q), direction_of(q, pixel_roughness(q)), ray)) continue;
+        if (!has_ray(ray) || HAS_AIMED && went_below(ray)) continue;
+        if (same_plane ? !near_plane(here, there) : at_a_body(s, there.x, direction_of(q, there.roughness), ray)) continue;
         mean = Surroundings(mean.radiance + radiance_of(ray), mean.inverse_m + 1.0 / abs(ray.w), mean.rays + 1.0);
     }
     const float each = 1.0 / max(mean.rays, 1.0);
@@ -242,16 +238,15 @@ Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, vec
     for (int i = 0; i < TAPS; ++i) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
         const ivec2 q = p + tap(i);
-        const vec3 x_q = position(q, imageLoad(view_depth, q).x);
-        const float roughness_q = pixel_roughness(q);
-        const Source source_q = source_at(q, x_q, pixel_lobe(q, normal_at(q), roughness_q));
+        const Shown shown_q = shown(q);
+        const Source source_q = source_at(q, shown_q);
         const vec4 ray = texelFetch(radiance, q, 0);
-        const RayWord word = decode_ray_word(texelFetch(ray_direction, q, 0).x, roughness_q);
-        const vec2 here = at_found(source, found(x_q, ray, word)), there = in_direction(source_q, word.direction, went_into_cone(ray));
+        const RayWord word = decode_ray_word(texelFetch(ray_direction, q, 0).x, shown_q.roughness);
+        const vec2 here = at_found(source, found(shown_q.x, ray, word)), there = in_direction(source_q, word.direction, went_into_cone(ray));
         const float w = HAS_AIMED && went_below(ray) ? 0.0 : here.y / max(others * there.x + here.x, 1e-30);
         if (ASKS == 0 || (hidden >> uint(i) & 1u) == 0u) add(sums, w, ray);
         if (ASKS == 1) offer(choice, i, w * length(ray_here ? radiance_of(ray) - radiance_of(own) : radiance_of(ray)));
-        add(window, source_q, ray, word.direction, w, at_a_body(source, x_q, word.direction, ray));
+        add(window, source_q, ray, word.direction, w, at_a_body(source, shown_q.x, word.direction, ray));
         if (!ray_here) continue;
         const float of_own = at_found(source_q, own_found).x;
         own_weight += own_lobe.y / max(others * of_own + own_lobe.x, 1e-30);
@@ -264,8 +259,8 @@ Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, vec
 }
 
 #if ASKS
-Found found_by(ivec2 q, vec3 x_q) {
-    return found(x_q, texelFetch(radiance, q, 0), decode_ray_word(texelFetch(ray_direction, q, 0).x, pixel_roughness(q)));
+Found found_by(ivec2 q, Shown there) {
+    return found(there.x, texelFetch(radiance, q, 0), decode_ray_word(texelFetch(ray_direction, q, 0).x, there.roughness));
 }
 
 // Whether something hides from the pixel what a ray found, and how far away that may be. A hit is known less well than its surface is
@@ -286,8 +281,9 @@ bool hides(ivec2 p, vec3 n, Found f, out float blocker_m) {
 uint hidden_with(ivec2 p, uint kept, int chosen, vec3 x, vec3 n) {
     const float NEAR = 0.5, ON_SIDE = 0.25, BESIDE = 4.0;
     const ivec2 asked = p + tap(chosen);
-    const vec3 x_asked = position(asked, imageLoad(view_depth, asked).x), way = x_asked - x;
-    const Found there = found_by(asked, x_asked);
+    const Shown shown_asked = shown(asked);
+    const vec3 way = shown_asked.x - x;
+    const Found there = found_by(asked, shown_asked);
     float blocker_m;
     if (!hides(p, n, there, blocker_m)) return 0u;
     const bool beside = blocker_m < BESIDE * length(way);
@@ -296,10 +292,10 @@ uint hidden_with(ivec2 p, uint kept, int chosen, vec3 x, vec3 n) {
     for (int i = 0; i < TAPS; ++i) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
         const ivec2 q = p + tap(i);
-        const vec3 x_q = position(q, imageLoad(view_depth, q).x);
-        const Found f = found_by(q, x_q);
+        const Shown shown_q = shown(q);
+        const Found f = found_by(q, shown_q);
         const bool near = is_far(f) == is_far(there) && distance(f.at, there.at) < reach;
-        if (near || beside && dot(x_q - x, way) > ON_SIDE * dot(way, way)) hidden |= 1u << uint(i);
+        if (near || beside && dot(shown_q.x - x, way) > ON_SIDE * dot(way, way)) hidden |= 1u << uint(i);
     }
     return hidden;
 }
@@ -308,16 +304,16 @@ uint hidden_with(ivec2 p, uint kept, int chosen, vec3 x, vec3 n) {
 const float LEAST_INTEGRAL = 0.25;  // of a response: few rays may tell of less than any lobe has
 
 void for_pixel(ivec2 p) {
-    const float z = imageLoad(view_depth, p).x;
-    if (!(z > 0.0)) {
+    const Shown here = shown(p);
+    if (!(here.z > 0.0)) {
         store(p, vec3(0.0), 0.0, false, 0.0, 0.0);
         return;
     }
     const vec4 own = texelFetch(radiance, p, 0);
-    const float roughness = pixel_roughness(p);
-    const Source source = source_at(p, position(p, z), pixel_lobe(p, normal_at(p), roughness));
+    const float roughness = here.roughness;
+    const Source source = source_at(p, here);
     const bool ray_here = has_ray(own);
-    const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, source.x, source.lobe.n, z);
+    const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, here);
     Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
     Window window = Window(vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0);
     Choice choice = Choice(0.0, 0.0, -1);
@@ -337,7 +333,7 @@ void for_pixel(ivec2 p) {
     const bool alone = !(sums.weight > 1e-20), stand_in = alone && !ray_here;
     const bool lacks = HAS_AIMED && (alone ? source.emitter.radius > 0.0 || went_below(own) : window.aimed > 0.0 && !(window.beside.w > 0.0));
     Surroundings around = Surroundings(vec3(0.0), 0.0, 0.0);
-    if (stand_in || lacks) around = surroundings(p, source, z, stand_in);
+    if (stand_in || lacks) around = surroundings(p, source, here, stand_in);
     if (alone) {
         store_alone(p, source, roughness, own, around);
         return;

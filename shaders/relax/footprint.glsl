@@ -2,8 +2,7 @@
 // Which texels around a place of the previous frame saw the surface that is asked for, and what the pasts hold there.
 //
 // Includer has common/camera.glsl, common/corners.glsl, common/cubic.glsl, common/receiver_normal.glsl, common/same_surface.glsl and
-// relax/frames.glsl and declares: images view_depth_prev, octahedral_normal_prev, slow_prev, fast_prev, frames_prev; roughness_prev where
-// HAS_MATERIAL.
+// relax/frames.glsl and declares: images surface_prev, slow_prev, fast_prev, frames_prev.
 
 // What a past must have shown: a depth and its tolerance, and `here`'s normal within an angle of this sine.
 struct Expected {
@@ -23,11 +22,12 @@ bool in_image(vec2 uv) { return all(greaterThanEqual(uv, vec2(0.0))) && all(less
 
 bool was_seen(Shown here, Expected e, ivec2 q) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
-    const float z = imageLoad(view_depth_prev, q).x;
+    const uvec2 then = imageLoad(surface_prev, q).xy;
+    const float z = surface_depth(then);
     if (!(z > 0.0) || !(abs(z - e.depth) <= e.tolerance)) return false;
-    const vec3 n = unpack_direction(imageLoad(octahedral_normal_prev, q).x);
+    const vec3 n = surface_normal(then);
     if (!(dot(here.n, n) > 0.0 && length(cross(here.n, n)) <= e.most_sine)) return false;
-    if (HAS_MATERIAL && !alike(here.roughness, imageLoad(roughness_prev, q).x)) return false;
+    if (LOBE == LOBE_SPECULAR && !alike(here.roughness, surface_roughness(then))) return false;
     return decode_frames(imageLoad(frames_prev, q).x) > 0.0;
 }
 

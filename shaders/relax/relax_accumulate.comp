@@ -9,6 +9,7 @@
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
+#include "common/rounded.glsl"
 #include "common/same_surface.glsl"
 #include "relax/light.glsl"
 #include "relax/relax.glsl"
@@ -46,13 +47,12 @@ Mixed mix_in(Past past, vec4 now, float confidence, float fast_confidence) {
                  frames);
 }
 
-void store(ivec2 p, Mixed m, float trusted, float roughness) {
+void store(ivec2 p, Mixed m, float trusted) {
     imageStore(slow_now, p, vec4(round_to(m.slow.rgb, HALF_BITS), round_to(m.slow.w, HALF_BITS)));
     imageStore(fast_now, p, vec4(round_to(m.fast.rgb, HALF_BITS), round_to(m.fast.w, HALF_BITS)));
     imageStore(frames, p, vec4(encode_frames(m.frames)));
 #if HAS_CONFIDENCE
     imageStore(confidence, p, vec4(trusted));
-    imageStore(roughness_kept, p, vec4(roughness));
 #endif
 }
 
@@ -86,9 +86,10 @@ Expected expected_mirror(Shown here, vec3 image) {
 float same_mirror(Shown here, vec2 uv, float tangent) {
     if (!in_image(uv)) return 1.0;
     const ivec2 q = previous_texel(uv);
-    if (!(imageLoad(view_depth_prev, q).x > 0.0)) return 1.0;
-    const vec3 n = unpack_direction(imageLoad(octahedral_normal_prev, q).x);
-    const float rough = (imageLoad(roughness_prev, q).x - here.roughness) / (0.01 + 0.15 * here.roughness);
+    const uvec2 then = imageLoad(surface_prev, q).xy;
+    if (!(surface_depth(then) > 0.0)) return 1.0;
+    const vec3 n = surface_normal(then);
+    const float rough = (surface_roughness(then) - here.roughness) / (0.01 + 0.15 * here.roughness);
     return lasting_weight(angle_between(here.n, n) / max(tangent, 1e-3)) * smooth_weight(rough);
 }
 
@@ -102,7 +103,7 @@ float dominance(float roughness) {
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
     if (!(here.z > 0.0)) {
-        store(p, Mixed(vec4(0.0), vec4(0.0), 0.0), 0.0, here.roughness);
+        store(p, Mixed(vec4(0.0), vec4(0.0), 0.0), 0.0);
         return;
     }
     const vec4 now = imageLoad(blurred, p);
@@ -110,7 +111,7 @@ void for_pixel(ivec2 p) {
     const vec2 of_surface = past_of_surface(p);
     const Past surface = surface_past(here, of_surface, abs(dot(here.n, viewer)), abs(dot(here.n, viewer_before)), p);
 #if !HAS_CONFIDENCE
-    store(p, mix_in(surface, now, 1.0, 1.0), 1.0, here.roughness);
+    store(p, mix_in(surface, now, 1.0, 1.0), 1.0);
 #else
     // A lobe turns with the view; its past is of as many frames as it takes to turn by its own width.
     const float tangent = lobe_tangent(here.roughness);
@@ -140,7 +141,7 @@ void for_pixel(ivec2 p) {
         result.frames = mix(result.frames, other.frames, amount);
         trusted = mix(trusted, held, amount);
     }
-    store(p, result, trusted, here.roughness);
+    store(p, result, trusted);
 #endif
 }
 

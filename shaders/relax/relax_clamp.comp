@@ -4,7 +4,10 @@
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
+#include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
+#include "common/rounded.glsl"
+#include "common/surface_texel.glsl"
 #include "relax/frames.glsl"
 #include "relax/light.glsl"
 
@@ -36,7 +39,7 @@ Around look_around(ivec2 p) {
     float now_squares = 0.0, count = 0.0;
     for (int i = 0; i < 25; ++i) {
         const ivec2 q = p + ivec2(i % 5, i / 5) - 2;
-        if (!inside_frame(q) || !(imageLoad(view_depth, q).x > 0.0)) continue;
+        if (!inside_frame(q) || !(surface_depth(imageLoad(surface, q).xy) > 0.0)) continue;
         const vec3 c = to_ycocg(imageLoad(fast_now, q).rgb), b = imageLoad(blurred, q).rgb;
         const float light = luminance(b);
         sum += c;
@@ -52,7 +55,7 @@ Around look_around(ivec2 p) {
 
 void for_pixel(ivec2 p) {
     vec4 of_slow = imageLoad(slow_fixed, p), of_fast = imageLoad(fast_now, p);
-    if (!(imageLoad(view_depth, p).x > 0.0)) {
+    if (!(surface_depth(imageLoad(surface, p).xy) > 0.0)) {
         store(p, vec4(0.0), vec4(0.0));
         return;
     }

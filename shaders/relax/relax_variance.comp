@@ -6,6 +6,7 @@
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"
+#include "common/rounded.glsl"
 #include "common/same_surface.glsl"
 #include "relax/light.glsl"
 #include "relax/relax.glsl"
