@@ -10,10 +10,13 @@ vec2 encode_receiver_normal(vec3 n) {
     return m.z >= 0.0 ? m.xy : (1.0 - abs(m.yx)) * sign_of(m.xy);
 }
 
-vec3 decode_receiver_normal(vec2 e) {
+// In the normal's direction, on the octahedron.
+vec3 octahedral_point(vec2 e) {
     const float z = 1.0 - abs(e.x) - abs(e.y);
-    return normalize(vec3(z >= 0.0 ? e : (1.0 - abs(e.yx)) * sign_of(e), z));
+    return vec3(z >= 0.0 ? e : (1.0 - abs(e.yx)) * sign_of(e), z);
 }
+
+vec3 decode_receiver_normal(vec2 e) { return normalize(octahedral_point(e)); }
 
 // In two signed 16-bit fractions, rounded to the nearest: off by 6.5e-5 radians at most. The octahedron is nearest to its middle in
 // p = (1, 1, 1) / 3, .577 away; half a step of both fractions, 1 / 65534, moves p by (1, 1, -2) / 65534, which is 3.7e-5 and across p.

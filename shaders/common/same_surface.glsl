@@ -10,18 +10,28 @@ struct Shown {
     float z, roughness;
 };
 
+uvec2 surface_texel(ivec2 p) { return inside_frame(p) ? imageLoad(surface, p).xy : uvec2(0u); }
+
 // Sky has z 0.
 Shown shown(ivec2 p) {
-    if (!inside_frame(p)) return Shown(vec3(0.0), vec3(0.0), 0.0, 1.0);
-    const uvec2 texel = imageLoad(surface, p).xy;
+    const uvec2 texel = surface_texel(p);
     const float z = surface_depth(texel);
     return Shown(position(p, z), surface_normal(texel), z, LOBE == LOBE_DIFFUSE ? 1.0 : surface_roughness(texel));
 }
 
-bool on_plane(Shown here, Shown there) { return abs(dot(here.n, there.x - here.x)) < 0.01 * here.z; }
+const float ON_PLANE = 0.01;  // of the depth
+
+bool on_plane(Shown here, Shown there) { return abs(dot(here.n, there.x - here.x)) < ON_PLANE * here.z; }
 
 bool alike(float roughness, float other) { return abs(roughness - other) <= 0.03 + 0.1 * roughness; }
 
 bool same_surface(Shown here, Shown there) {
     return there.z > 0.0 && dot(here.n, there.n) > 0.9 && on_plane(here, there) && alike(here.roughness, there.roughness);
+}
+
+// The same of a texel, but for the plane. No root is taken of the normal's length.
+bool like_lobe(Shown here, uvec2 there) {
+    const vec3 n = surface_normal_unscaled(there);
+    const float cosine = dot(here.n, n);
+    return cosine > 0.0 && cosine * cosine > 0.81 * dot(n, n) && (LOBE == LOBE_DIFFUSE || alike(here.roughness, surface_roughness(there)));
 }

@@ -12,3 +12,4 @@ uvec2 encode_surface(float z, uint normal, float roughness) {
 float surface_depth(uvec2 texel) { return uintBitsToFloat(texel.x >> 8 << 7); }  // off by 2^-17 of it at most; 0: nothing
 float surface_roughness(uvec2 texel) { return float(int(texel.x & 255u)) / 255.0; }
 vec3 surface_normal(uvec2 texel) { return unpack_direction(texel.y); }
+vec3 surface_normal_unscaled(uvec2 texel) { return octahedral_point(unpackSnorm2x16(texel.y)); }

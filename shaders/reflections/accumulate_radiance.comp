@@ -15,6 +15,7 @@
 #include "reflections/drift_texel.glsl"
 #include "common/past_places.glsl"
 #include "common/same_surface.glsl"
+#include "common/view_rays.glsl"
 
 const float MOST_FRAMES = 63.0, TERM_SIGMAS = 4.0;
 const float SIGMAS = 3.0, SIGMAS_AT_REST = 3.5;  // at rest light alone changes: a past is doubted later
@@ -39,10 +40,14 @@ float near_weight(int i) {
 
 // Which of them show the same surface, as bits: an array of weights would lie in memory, as no register can be asked by number.
 uint near_pixels(ivec2 p, Shown here) {
-    uint kept = 0u;
+    const OffPlane plane = off_plane(view_rays(p, mat3(1.0)), here.n, here.x);
+    uint kept = 1u << 12;
     for (int i = 0; i < 25; ++i) {
         const ivec2 o = near_tap(i);
-        if (o == ivec2(0) || same_surface(here, shown(p + o))) kept |= 1u << uint(i);
+        const uvec2 there = surface_texel(p + o);
+        const float z = surface_depth(there);
+        const bool on_it = z > 0.0 && abs(metres_off(plane, vec2(o), z)) < ON_PLANE * here.z;
+        if (on_it && like_lobe(here, there)) kept |= 1u << uint(i);
     }
     return kept;
 }
@@ -78,22 +83,14 @@ Drift drift_at(ivec2 then) {
     return decode_drift(imageLoad(drift_prev, clamp(then, ivec2(0), ivec2(frame.prev_size) - 1) / 2).xy);
 }
 
-vec4 past(bool image_past, ivec2 q) {
-    if (HAS_HISTORY && !pixels_have_pasts()) return vec4(0.0);
-    const uint word = HAS_HISTORY ? imageLoad(history, q).x : image_past ? imageLoad(past_image, q).x : imageLoad(past_surface, q).x;
-    const vec2 bytes = HAS_HISTORY ? imageLoad(frames_prev, q).xx : imageLoad(past_frames, q).xy;
-    const Past past = decode_past(word, texel_byte(image_past ? bytes.y : bytes.x));
-    return vec4(past.radiance, past.frames);
-}
-
 ivec2 far_tap(int i) { return FAR_STEP * near_tap(i); }
 
 // Which of 25 pixels over 25x25 have a like lobe, as bits.
 uint far_pixels(ivec2 p, Shown here) {
     uint kept = 0u;
     for (int i = 0; i < 25; ++i) {
-        const Shown there = shown(p + far_tap(i));
-        if (there.z > 0.0 && dot(here.n, there.n) > 0.9 && alike(here.roughness, there.roughness)) kept |= 1u << uint(i);
+        const uvec2 there = surface_texel(p + far_tap(i));
+        if (surface_depth(there) > 0.0 && like_lobe(here, there)) kept |= 1u << uint(i);
     }
     return kept;
 }
@@ -122,41 +119,98 @@ float variance_of_lone(Around around, float roughness) {
     return max(around.variance, around.spread * wide * wide * wide * wide);
 }
 
+// The two pasts of a pixel: a word each, and their bytes.
+struct Pasts {
+    uvec2 words, bytes;
+};
+
+Pasts pasts_at(ivec2 q) {
+    if (HAS_HISTORY) {
+        if (!pixels_have_pasts()) return Pasts(uvec2(0u), uvec2(0u));
+        return Pasts(uvec2(imageLoad(history, q).x, 0u), uvec2(texel_byte(imageLoad(frames_prev, q).x), 0u));
+    }
+    const vec2 bytes = imageLoad(past_frames, q).xy;
+#if HAS_PAST_IMAGE
+    return Pasts(uvec2(imageLoad(past_surface, q).x, imageLoad(past_image, q).x), uvec2(texel_byte(bytes.x), texel_byte(bytes.y)));
+#else
+    return Pasts(uvec2(imageLoad(past_surface, q).x, 0u), uvec2(texel_byte(bytes.x), 0u));
+#endif
+}
+
+// What the neighbours' gathers differ from their pasts by.
+struct Terms {
+    vec3 sum;
+    float weight;
+};
+
+void add(inout Terms terms, float weight, vec3 radiance, uint word, uint byte, float limit) {
+    const vec3 term = radiance - past_radiance(word, byte);
+    const float size = length(term), counts = has_past(byte) ? weight : 0.0;
+    terms.sum += counts * (size > limit ? limit / size : 1.0) * term;
+    terms.weight += counts;
+}
+
+// A past that may be believed, before its neighbours are asked.
+struct Asked {
+    Past own;
+    ivec2 then;  // previous frame's pixel
+    Drift carried;
+    float sigma2, limit;  // variance of a frame; what no term is longer than
+};
+
 // `least2`: variance of a frame, at least.
-Candidate judge(bool image_past, ivec2 p, vec2 uv, uint near, float samples, float variance, float least2, uint far, bool moving) {
-    const vec4 own = past(image_past, p);
-    if (!(own.w > 0.0)) return Candidate(own.rgb, 0.0, 1e30, Drift(vec3(0.0), 0.0, 0.0));
+Asked asked(Past own, vec2 uv, float least2, bool few) {
     const ivec2 then = previous_texel(uv);
     const Drift carried = drift_at(then);
-    const bool few = moving && samples < FEW;
-    const float sigma2 = max(least2, few ? 0.0 : carried.of_past2 * own.w);
-    const float limit = few ? 1e30 : TERM_SIGMAS * sqrt(sigma2);
-    vec3 sum = vec3(0.0);
-    float sums = 0.0;
-    for (int i = 0; i < 25; ++i) {
-        if ((near >> uint(i) & 1u) == 0u) continue;
-        const ivec2 q = p + near_tap(i);
-        const vec4 its = past(image_past, q);
-        const Gathered g = gathered_at(q);
-        if (!(its.w > 0.0 && g.samples > 0.0)) continue;
-        const vec3 term = g.radiance - its.rgb;
-        const float size = length(term);
-        sum += near_weight(i) * term * (size > limit ? limit / size : 1.0);
-        sums += near_weight(i);
-    }
-    if (!(sums > 0.0)) return Candidate(own.rgb, min(own.w, MOST_FRAMES), 0.0, carried);
+    const float sigma2 = max(least2, few ? 0.0 : carried.of_past2 * own.frames);
+    return Asked(own, then, carried, sigma2, few ? 1e30 : TERM_SIGMAS * sqrt(sigma2));
+}
+
+Candidate judge(Asked a, Terms terms, float samples, float variance, uint far, bool moving, bool few) {
+    const Past own = a.own;
+    if (!(own.frames > 0.0)) return Candidate(own.radiance, 0.0, 1e30, Drift(vec3(0.0), 0.0, 0.0));
+    if (!(terms.weight > 0.0)) return Candidate(own.radiance, min(own.frames, MOST_FRAMES), 0.0, a.carried);
     const float share = few ? 1.0 : DRIFT_SHARE;
-    const Drift drift = Drift(mix(carried.mean, sum / sums, share), (1.0 - share) * (1.0 - share) * carried.of_mean2 + share * share * variance, few ? variance / own.w : carried.of_past2);
+    const Drift drift = Drift(mix(a.carried.mean, terms.sum / terms.weight, share),
+                              (1.0 - share) * (1.0 - share) * a.carried.of_mean2 + share * share * variance,
+                              few ? variance / own.frames : a.carried.of_past2);
     const float independent = samples < 3.0 ? 6.0 : 25.0;
     const float correlated = min(1.0, 1.3 * samples / (samples + independent) + 1.0 / independent);
     const float noise2 = correlated * (drift.of_mean2 + drift.of_past2);
     const float sigmas = moving ? SIGMAS : SIGMAS_AT_REST;
     float bias2 = max(dot(drift.mean, drift.mean) - sigmas * sigmas * noise2, 0.0);
-    if (!few) bias2 = max(bias2, far_drift(then, far, noise2, sigmas));
+    if (!few) bias2 = max(bias2, far_drift(a.then, far, noise2, sigmas));
     // V = 1 / N + b^2 / sigma^2, its inverse without a quotient by a sigma of 0.
-    float worth = min(sigma2 * own.w / max(sigma2 + bias2 * own.w, 1e-30), MOST_FRAMES);
-    if (sigma2 == 0.0) worth = bias2 == 0.0 ? min(own.w, MOST_FRAMES) : 0.0;
-    return Candidate(own.rgb, worth, dot(drift.mean, drift.mean) + sigma2 / own.w, drift);
+    float worth = min(a.sigma2 * own.frames / max(a.sigma2 + bias2 * own.frames, 1e-30), MOST_FRAMES);
+    if (a.sigma2 == 0.0) worth = bias2 == 0.0 ? min(own.frames, MOST_FRAMES) : 0.0;
+    return Candidate(own.radiance, worth, dot(drift.mean, drift.mean) + a.sigma2 / own.frames, drift);
+}
+
+// The better of the two.
+Candidate best_past(ivec2 p, Shown here, float distance_m, uint near, Around around, float variance, bool moving, vec2 of_surface) {
+    const bool few = moving && around.samples < FEW;
+    const float least2 = moving && around.samples < LONE ? variance_of_lone(around, here.roughness) : variance;
+    const Pasts own = pasts_at(p);
+    const Asked surface = asked(decode_past(own.words.x, own.bytes.x), of_surface, least2, few);
+    Asked image = surface;
+    if (HAS_PAST_IMAGE) image = asked(decode_past(own.words.y, own.bytes.y), past_of_image(p, here.z, distance_m), least2, few);
+    Terms surface_terms = Terms(vec3(0.0), 0.0), image_terms = surface_terms;
+    for (int i = 0; i < 25; ++i) {
+        if ((near >> uint(i) & 1u) == 0u) continue;
+        const ivec2 q = p + near_tap(i);
+        const Gathered g = gathered_at(q);
+        const Pasts its = pasts_at(q);
+        const float weight = g.samples > 0.0 ? near_weight(i) : 0.0;
+        add(surface_terms, weight, g.radiance, its.words.x, its.bytes.x, surface.limit);
+        if (HAS_PAST_IMAGE) add(image_terms, weight, g.radiance, its.words.y, its.bytes.y, image.limit);
+    }
+    uint far = 0u;
+    if (!few) far = far_pixels(p, here);
+    const Candidate best = judge(surface, surface_terms, around.samples, variance, far, moving, few);
+    if (!HAS_PAST_IMAGE) return best;
+    const Candidate other = judge(image, image_terms, around.samples, variance, far, moving, few);
+    if (other.error2 < best.error2) return other;
+    return best;
 }
 
 // Which of 2x2 pixels keeps their drift: the first that shows a surface, or the first.
@@ -181,17 +235,11 @@ void for_pixel(ivec2 p) {
     const Gathered g = gathered_at(p);
     const uint near = near_pixels(p, here);
     const Around around = look_around(p, near);
-    const uint far = far_pixels(p, here);
     const vec2 of_surface = past_of_surface(p), still = pixel_uv(p);
     const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
     // Few samples at rest know less of their variance than their neighbours show.
     const float variance = !moving && around.samples < 6.0 ? max(around.variance, around.spread) : around.variance;
-    const float least2 = moving && around.samples < LONE ? variance_of_lone(around, here.roughness) : variance;
-    Candidate best = judge(false, p, of_surface, near, around.samples, variance, least2, far, moving);
-    if (HAS_PAST_IMAGE) {
-        const Candidate other = judge(true, p, past_of_image(p, here.z, g.distance_m), near, around.samples, variance, least2, far, moving);
-        if (other.error2 < best.error2) best = other;
-    }
+    Candidate best = best_past(p, here, g.distance_m, near, around, variance, moving, of_surface);
     // What moves is elsewhere in the mirror than any past expects.
     if (g.moving) best.worth = min(best.worth, MOVING_HIT_FRAMES);
     const float own = g.samples > 0.0 || !(best.worth > 0.0) ? 1.0 : 0.0, n = best.worth + own;  // without a ray around there is the past alone

@@ -23,7 +23,7 @@ uvec2 encode_drift(Drift d) {
 }
 
 Drift decode_drift(uvec2 words) {
-    const vec3 steps = vec3(uvec3(words.x, words.x >> 9, words.x >> 18) & 511u) - 256.0;
+    const vec3 steps = vec3(ivec3(uvec3(words.x, words.x >> 9, words.x >> 18) & 511u)) - 256.0;
     const vec2 deviations = unpackHalf2x16(words.y);
     return Drift(steps * exponent_of_two(int(words.x >> 27) + LEAST_DRIFT_STEP), deviations.x * deviations.x, deviations.y * deviations.y);
 }

@@ -27,11 +27,14 @@ uvec2 encode_past(Past past, uint thresholds) {
                  encode_frames(past.frames, threshold(thresholds, 3u)) | low.x << 5 | low.y << 6 | low.z << 7);
 }
 
-Past decode_past(uint word, uint byte) {
+vec3 past_radiance(uint word, uint byte) {
     const uvec3 steps = (uvec3(word, word >> 9, word >> 18) & 511u) << 1 | (uvec3(byte >> 5, byte >> 6, byte >> 7) & 1u);
-    const uint frames = byte & 31u;
-    return Past(vec3(steps) * exponent_of_two(int(word >> 27) + LEAST_STEP - 1),
-                frames == 0u ? 0.0 : exp2((float(frames) - 1.0) / FRAME_STEPS));
+    return vec3(ivec3(steps)) * exponent_of_two(int(word >> 27) + LEAST_STEP - 1);
+}
+bool has_past(uint byte) { return (byte & 31u) != 0u; }
+
+Past decode_past(uint word, uint byte) {
+    return Past(past_radiance(word, byte), has_past(byte) ? exp2((float(byte & 31u) - 1.0) / FRAME_STEPS) : 0.0);
 }
 
 // A byte as images of fractions keep it.

@@ -15,14 +15,12 @@
 #include "reflections/radiance_word.glsl"
 #include "reflections/past_texel.glsl"
 #include "common/same_surface.glsl"
+#include "common/view_rays.glsl"
 
-const float KERNEL[2] = float[](0.5, 0.25);
+float kernel(ivec2 o) { return (o.x == 0 ? 0.5 : 0.25) * (o.y == 0 ? 0.5 : 0.25); }
 
 // A lobe turns twice as far as the normal, and is as wide as its alpha.
-float lobe_weight(float turned2, float roughness) {
-    const float width = LOBE == LOBE_DIFFUSE ? 0.25 : 0.01 + 0.25 * roughness * roughness;
-    return exp(-0.5 * turned2 / (width * width));
-}
+float lobe_width(float roughness) { return LOBE == LOBE_DIFFUSE ? 0.25 : 0.01 + 0.25 * roughness * roughness; }
 
 // How many deviations a difference may have.
 float tolerance(float roughness) {
@@ -34,8 +32,8 @@ float pair_weight(Shown a, Shown b, vec4 of_a, vec4 of_b) {
     if (!same_surface(a, b) || !same_surface(b, a)) return 0.0;
     const vec3 across = cross(a.n, b.n);
     const float wide_a = tolerance(a.roughness) * of_a.w, wide_b = tolerance(b.roughness) * of_b.w;
-    const float width = sqrt(0.5 * (wide_a * wide_a + wide_b * wide_b));
-    return lobe_weight(dot(across, across), min(a.roughness, b.roughness)) * exp(-length(of_a.rgb - of_b.rgb) / max(width, 1e-20));
+    const float width = sqrt(0.5 * (wide_a * wide_a + wide_b * wide_b)), lobe = lobe_width(min(a.roughness, b.roughness));
+    return exp(-0.5 * dot(across, across) / (lobe * lobe) - length(of_a.rgb - of_b.rgb) / max(width, 1e-20));
 }
 
 // Radiance and its expected deviation; of the first level in an image each.
@@ -45,6 +43,12 @@ vec4 signal_at(ivec2 p) {
     return vec4(past.radiance, imageLoad(deviation, p).x);
 }
 
+Shown shown(ivec2 q, ViewRays seen, ivec2 o) {
+    const uvec2 texel = surface_texel(q);
+    const float z = surface_depth(texel);
+    return Shown(seen_at(seen, vec2(o), z), surface_normal(texel), z, LOBE == LOBE_DIFFUSE ? 1.0 : surface_roughness(texel));
+}
+
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
     const vec4 own = signal_at(p);
@@ -52,15 +56,16 @@ void for_pixel(ivec2 p) {
         imageStore(filtered, p, own);
         return;
     }
+    const ViewRays seen = view_rays(p, mat3(1.0));
     vec3 gained = vec3(0.0);
     float kept = 1.0, variance = 0.0, deviations = 0.0;
     for (int i = 0; i < 9; ++i) {
         if (i == 4) continue;
         const ivec2 o = ivec2(i % 3, i / 3) - 1, q = p + o * int(STEP);
-        const Shown there = shown(q);
+        const Shown there = shown(q, seen, o * int(STEP));
         if (!(there.z > 0.0)) continue;
         const vec4 other = signal_at(q);
-        const float weight = KERNEL[abs(o.x)] * KERNEL[abs(o.y)] * pair_weight(here, there, own, other);
+        const float weight = kernel(o) * pair_weight(here, there, own, other);
         gained += weight * (other.rgb - own.rgb);
         variance += weight * weight * other.w * other.w;
         deviations += weight * other.w;

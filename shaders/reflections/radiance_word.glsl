@@ -26,5 +26,5 @@ uint encode_radiance(vec3 c, uint thresholds) {
 }
 
 vec3 decode_radiance(uint word) {
-    return vec3(uvec3(word, word >> 9, word >> 18) & 511u) * exponent_of_two(int(word >> 27) + LEAST_STEP);
+    return vec3(ivec3(uvec3(word, word >> 9, word >> 18) & 511u)) * exponent_of_two(int(word >> 27) + LEAST_STEP);
 }
