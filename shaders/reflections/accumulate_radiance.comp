@@ -15,7 +15,6 @@
 #include "reflections/drift_texel.glsl"
 #include "common/past_places.glsl"
 #include "common/same_surface.glsl"
-#include "common/view_rays.glsl"
 
 const float MOST_FRAMES = 63.0, TERM_SIGMAS = 4.0;
 const float SIGMAS = 3.0, SIGMAS_AT_REST = 3.5;  // at rest light alone changes: a past is doubted later

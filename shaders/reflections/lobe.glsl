@@ -13,14 +13,15 @@ bool is_mirror(float roughness) { return LOBE == LOBE_SPECULAR && roughness * ro
 
 struct Lobe {
     vec3 n, v;
-    float alpha2, n_v, lambda_v;
-    float bound;  // how far down normals are drawn: 1 for all that are visible
+    float alpha2, n_v;
+    float root_v;  // smith_root() of n_v
+    float bound;   // how far down normals are drawn: 1 for all that are visible
 };
 
-// Smith's Lambda for GGX, of a direction with this cosine.
-float smith_lambda(float cosine, float alpha2) {
-    const float c2 = max(cosine * cosine, 1e-12);
-    return 0.5 * sqrt(1.0 + alpha2 * max(1.0 - c2, 0.0) / c2) - 0.5;
+// 1 + 2 Lambda, Smith's for GGX, of a direction with this cosine, times the cosine.
+float smith_root(float cosine, float alpha2) {
+    const float c2 = cosine * cosine;
+    return sqrt(c2 + alpha2 * max(1.0 - c2, 0.0));
 }
 
 // `n`, `v`: unit vectors, v towards the viewer.
@@ -28,36 +29,36 @@ Lobe make_lobe(vec3 n, vec3 v, float roughness) {
     const float alpha = max(roughness * roughness, LEAST_ALPHA), n_v = max(dot(n, v), 1e-4);
     if (LOBE == LOBE_DIFFUSE) return Lobe(n, v, alpha * alpha, n_v, 0.0, 1.0);
     const float alpha2 = min(alpha * alpha, 1.0), cosine2 = n_v * n_v, s = 1.0 + sqrt(max(1.0 - cosine2, 0.0)), s2 = s * s;
-    return Lobe(n, v, alpha2, n_v, smith_lambda(n_v, alpha2), (1.0 - alpha2) * s2 / (s2 + alpha2 * cosine2));
+    return Lobe(n, v, alpha2, n_v, smith_root(n_v, alpha2), (1.0 - alpha2) * s2 / (s2 + alpha2 * cosine2));
 }
 
-// GGX of the half vector. The sine from a cross product: 1 - cosine^2 has no digits left where alpha is small.
-float ggx(Lobe lobe, vec3 h) {
-    const vec3 across = cross(lobe.n, h);
-    const float sine2 = min(dot(across, across), 1.0), width = lobe.alpha2 * (1.0 - sine2) + sine2;
-    return lobe.alpha2 / (3.141592653589793 * width * width);
-}
+// D / (2 q): for a bound of 1 twice n.v (1 + Lambda).
+float drawn(Lobe lobe) { return lobe.n_v * lobe.bound + lobe.root_v; }
 
-// 1 / (4 n.v q / D): for a bound of 1 one plus Smith's Lambda.
-float drawn(Lobe lobe) { return 0.5 * (lobe.bound + 1.0) + lobe.lambda_v; }
+// Response over density of a direction at this cosine above the surface.
+float weight_at(Lobe lobe, float n_l) {
+    return drawn(lobe) * n_l / (lobe.root_v * n_l + smith_root(n_l, lobe.alpha2) * lobe.n_v);
+}
 
 // Density and response at a unit direction; below the surface there is neither, as a ray that is drawn there finds nothing.
 vec2 density_and_response(Lobe lobe, vec3 l) {
     const float n_l = dot(lobe.n, l);
     if (LOBE == LOBE_DIFFUSE) return vec2(max(n_l, 0.0) * 0.3183098861837907);
-    const vec3 sum = lobe.v + l;
-    const float length2 = dot(sum, sum);
+    // GGX of the half vector, which is the sum but for its length. The sine from a cross product: 1 - cosine^2 has no digits left where
+    // alpha is small.
+    const vec3 sum = lobe.v + l, across = cross(lobe.n, sum);
+    const float length2 = dot(sum, sum), across2 = dot(across, across);
     if (!(length2 > 1e-12) || !(n_l > 0.0)) return vec2(0.0);
-    const float d = ggx(lobe, sum * inversesqrt(length2)) / (4.0 * lobe.n_v);
-    return vec2(d / drawn(lobe), d / (1.0 + lobe.lambda_v + smith_lambda(n_l, lobe.alpha2)));
+    const float ratio = length2 / (lobe.alpha2 * max(length2 - across2, 0.0) + across2);
+    const float density = lobe.alpha2 / (6.283185307179586 * drawn(lobe)) * ratio * ratio;
+    return vec2(density, density * weight_at(lobe, n_l));
 }
 
 // Response over density of a drawn direction.
 float sample_weight(Lobe lobe, vec3 l) {
     const float n_l = dot(lobe.n, l);
     if (!(n_l > 0.0)) return 0.0;
-    if (LOBE == LOBE_DIFFUSE) return 1.0;
-    return drawn(lobe) / (1.0 + lobe.lambda_v + smith_lambda(n_l, lobe.alpha2));
+    return LOBE == LOBE_DIFFUSE ? 1.0 : weight_at(lobe, n_l);
 }
 
 // Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps": of a cap that ends at the bound.

@@ -15,7 +15,6 @@
 #include "reflections/radiance_word.glsl"
 #include "reflections/past_texel.glsl"
 #include "common/same_surface.glsl"
-#include "common/view_rays.glsl"
 
 float kernel(ivec2 o) { return (o.x == 0 ? 0.5 : 0.25) * (o.y == 0 ? 0.5 : 0.25); }
 
@@ -41,12 +40,6 @@ vec4 signal_at(ivec2 p) {
     if (HAS_SIGNAL) return imageLoad(signal, p);
     const Past past = decode_past(imageLoad(accumulated, p).x, texel_byte(imageLoad(frames, p).x));
     return vec4(past.radiance, imageLoad(deviation, p).x);
-}
-
-Shown shown(ivec2 q, ViewRays seen, ivec2 o) {
-    const uvec2 texel = surface_texel(q);
-    const float z = surface_depth(texel);
-    return Shown(seen_at(seen, vec2(o), z), surface_normal(texel), z, LOBE == LOBE_DIFFUSE ? 1.0 : surface_roughness(texel));
 }
 
 void for_pixel(ivec2 p) {
