@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The whole picture of lit.json against closed forms: surfaces that reflect all of a white furnace, the split
 // sum in double precision, the sun on diffuse and glossy surfaces, mirrors under a linear sky.
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <numbers>
@@ -277,6 +278,22 @@ TEST_F(LitPicture, TheTruthIsWhatTheMaterialReflects) {
         should += static_cast<double>(truth.lit.rgb[p.index].y);
     }
     EXPECT_NEAR(is / should, 1, 5e-3);
+}
+
+// Diffuse light has a past of its own, which a surface keeps whatever its roughness.
+TEST_F(LitPicture, HasTheDiffuseLightOfIndirect) {
+    Shot shot = lit_shot({{{1, 1, 1}, 0, 0.1f}, {{1, 1, 1}, 0, 0.5f}, {{1, 1, 1}, 0, 1}}, linear_sky(0.1, 3),
+                         {64, 36});
+    shot.frames = 5;
+    shot.camera.push_back({5, {0.4, 1.4, 2.8}, {0.1, 0, 0}, {0, 1, 0}});
+    const auto whole = open_shipped("lit", shot, {"outputs=[\"diffuse\"]"}, {}, {}, false);
+    const auto alone = open_shipped("indirect", shot, {}, {}, {}, false);
+    for (uint32_t frame = 0; frame < shot.frames; ++frame) {
+        whole->run_frame(frame, frame == 0);
+        alone->run_frame(frame, frame == 0);
+        EXPECT_TRUE(colors(*whole) == colors(*alone)) << "frame " << frame;
+    }
+    EXPECT_GT(*std::ranges::max_element(colors(*alone)[0]), 0.5f);
 }
 
 }  // namespace
