@@ -129,11 +129,12 @@ Pasts pasts_at(ivec2 q) {
         return Pasts(uvec2(imageLoad(history, q).x, 0u), uvec2(texel_byte(imageLoad(frames_prev, q).x), 0u));
     }
     const vec2 bytes = imageLoad(past_frames, q).xy;
-#if HAS_PAST_IMAGE
-    return Pasts(uvec2(imageLoad(past_surface, q).x, imageLoad(past_image, q).x), uvec2(texel_byte(bytes.x), texel_byte(bytes.y)));
-#else
-    return Pasts(uvec2(imageLoad(past_surface, q).x, 0u), uvec2(texel_byte(bytes.x), 0u));
-#endif
+    Pasts pasts = Pasts(uvec2(imageLoad(past_surface, q).x, 0u), uvec2(texel_byte(bytes.x), 0u));
+    if (HAS_PAST_IMAGE) {
+        pasts.words.y = imageLoad(past_image, q).x;
+        pasts.bytes.y = texel_byte(bytes.y);
+    }
+    return pasts;
 }
 
 // What the neighbours' gathers differ from their pasts by.
