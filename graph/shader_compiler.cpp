@@ -74,6 +74,30 @@ void report_log(const std::string& log, const ShaderSource& source, Diagnostics&
     if (!any) diagnostics.add({source.file.string()}, "", "glslang: " + log);
 }
 
+// To the preprocessor a specialisation constant is 0, without a word. Refused: #if with one of node.glsl's.
+bool asks_constants(const std::string& text, const std::string& file, const std::string& node_glsl,
+                    Diagnostics& diagnostics) {
+    static const std::regex declared(R"(constant_id = \d+\) const \w+ (\w+))"),
+        condition(R"(\s*#\s*(?:el)?if\b.*)"), word(R"([A-Za-z_]\w*)");
+    std::set<std::string> constants;
+    for (std::sregex_iterator i(node_glsl.begin(), node_glsl.end(), declared), end; i != end; ++i)
+        constants.insert((*i)[1]);
+    bool any = false;
+    std::istringstream lines(text);
+    std::string line;
+    for (int number = 1; std::getline(lines, line); ++number) {
+        if (!std::regex_match(line, condition)) continue;
+        for (std::sregex_iterator i(line.begin(), line.end(), word), end; i != end; ++i)
+            if (constants.contains(i->str())) {
+                diagnostics.add(
+                    {file, number, static_cast<int>(i->position()) + 1}, "",
+                    fmt::format("'{0}' is a constant, no macro: write if ({0}), without #", i->str()));
+                any = true;
+            }
+    }
+    return any;
+}
+
 std::optional<std::vector<uint32_t>> validate_and_optimise(std::vector<uint32_t> words,
                                                            const ShaderSource& source,
                                                            Diagnostics& diagnostics) {
@@ -122,8 +146,8 @@ bool is_valid_spirv(std::span<const uint32_t> words) {
 
 std::string shader_compiler_version() {
     const glslang::Version glslang = glslang::GetVersion();
-    // The last number counts changes of compile_shader: options, passes, preamble.
-    return fmt::format("glslang {}.{}.{}{}, {}, penumbra 1", glslang.major, glslang.minor, glslang.patch,
+    // The last number counts changes of compile_shader: options, passes, preamble, what is refused.
+    return fmt::format("glslang {}.{}.{}{}, {}, penumbra 2", glslang.major, glslang.minor, glslang.patch,
                        glslang.flavor, spvSoftwareVersionDetailsString());
 }
 
@@ -151,6 +175,11 @@ std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnos
         report_log(shader.getInfoLog(), source, diagnostics);
         return std::nullopt;
     }
+    bool asks = asks_constants(*text, name, source.node_glsl, diagnostics);
+    for (const auto& [header, included] : includer.texts)
+        asks |=
+            asks_constants(included, resolve_include(source, header)->name, source.node_glsl, diagnostics);
+    if (asks) return std::nullopt;
     glslang::TProgram program;
     program.addShader(&shader);
     if (!program.link(rules)) {

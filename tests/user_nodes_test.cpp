@@ -203,6 +203,25 @@ TEST_F(UserNodes, GlslErrorsPointIntoTheUsersFiles) {
         << "a shader that does not compile was kept";
 }
 
+// The preprocessor takes a specialisation constant for 0: an #if that asks one would always be false.
+TEST_F(UserNodes, AConstantInAPreprocessorConditionIsAnError) {
+    std::string with_param = declaration;
+    with_param.insert(
+        with_param.find("\"dispatch\""),
+        R"("params": { "bright": { "type": "bool", "default": true, "constant": true, "doc": "d" } }, )");
+    write("nodes/mine.json", with_param);
+    EXPECT_FALSE(first_variant(cache()).empty()) << diagnostics_.text();
+    write("nodes/value.glsl",
+          "#define LIT 1\n#if LIT && BRIGHT\nconst float VALUE = 1;\n#else\nconst float VALUE = "
+          "0.25;\n#endif\n");
+    EXPECT_TRUE(first_variant(cache()).empty());
+    EXPECT_EQ(diagnostics_.text(),
+              (nodes_folder() / "value.glsl").string() +
+                  ":2:12: 'BRIGHT' is a constant, no macro: write if (BRIGHT), without #\n");
+    write("nodes/value.glsl", "const float VALUE = BRIGHT ? 1.0 : 0.25;\n");
+    EXPECT_FALSE(first_variant(cache()).empty()) << diagnostics_.text();
+}
+
 TEST_F(UserNodes, DeclarationErrorsPointIntoTheJson) {
     const std::string file = (nodes_folder() / "mine.json").generic_string();
     write("nodes/mine.json", R"({ "node": "mine", "doc": "d", "shader": "mine.comp", "output": {} })");
