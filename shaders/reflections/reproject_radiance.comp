@@ -9,6 +9,7 @@
 #include "common/dithered.glsl"
 #include "reflections/radiance_word.glsl"
 #include "reflections/gathered_texel.glsl"
+#include "reflections/kept_surface.glsl"
 #include "reflections/past_texel.glsl"
 #include "common/past_places.glsl"
 #include "common/same_surface.glsl"
@@ -19,10 +20,9 @@ const float IMAGELESS = 0.5;  // roughness from which on a lobe mirrors no image
 
 bool past_is(Shown here, ivec2 q, float depth, float tolerance) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
-    const uvec2 then = imageLoad(surface_prev, q).xy;
-    const float z = surface_depth(then);
-    if (!(z > 0.0) || !(abs(z - depth) <= tolerance)) return false;
-    return dot(here.n, surface_normal(then)) > 0.9 && (LOBE == LOBE_DIFFUSE || alike(here.roughness, surface_roughness(then)));
+    const KeptSurface then = decode_kept(imageLoad(surface_prev, q).x);
+    if (!(then.z > 0.0) || !(abs(then.z - depth) <= tolerance)) return false;
+    return dot(here.n, then.n) > 0.9 && (LOBE == LOBE_DIFFUSE || alike(here.roughness, then.roughness));
 }
 
 vec4 history_texel(ivec2 q) {
