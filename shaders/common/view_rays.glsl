@@ -29,9 +29,6 @@ vec3 seen_at(ViewRays v, vec2 offset_px, float view_depth) {
     return v.o + offset_px.x * v.ox + offset_px.y * v.oy + view_depth * (v.r + offset_px.x * v.rx + offset_px.y * v.ry);
 }
 
-// Unit vector towards the camera.
-vec3 viewer_of(ViewRays v, vec2 offset_px) { return -normalize(v.r + offset_px.x * v.rx + offset_px.y * v.ry); }
-
 // In units of 1 / scale metres.
 ViewRays scaled(ViewRays v, float scale) {
     return ViewRays(scale * v.o, scale * v.ox, scale * v.oy, scale * v.r, scale * v.rx, scale * v.ry);

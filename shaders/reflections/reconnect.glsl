@@ -66,9 +66,9 @@ struct Source {
     Emitter emitter;  // that it may be aimed at
 };
 
-Source source_at(ivec2 p, Shown s, vec3 viewer) {
+Source source_at(ivec2 p, Shown s) {
     const uint number = HAS_AIMED ? rounded(255.0 * imageLoad(aimed, p).x) : 0u;
-    return Source(s.x, make_lobe(s.n, viewer, s.roughness), emitter_of(number));
+    return Source(s.x, make_lobe(s.n, to_viewer(p), s.roughness), emitter_of(number));
 }
 
 // Density and response per steradian. `in_cone`: where that is known better than by the direction's digits.
@@ -126,9 +126,9 @@ void store(ivec2 p, vec3 g, float distance_m, bool moving, float deviation, floa
 bool near_plane(Shown here, Shown there) { return dot(here.n, there.n) > 0.9 && on_plane(here, there); }
 
 // Which neighbours with a ray show the same surface, as bits; mirrors have nothing to give.
-uint kept_taps(ivec2 p, ViewRays rays, Shown here) {
+uint kept_taps(ivec2 p, Shown here) {
     uint kept = 0u;
-    const OffPlane plane = off_plane(rays, here.n, here.x);
+    const OffPlane plane = off_plane(view_rays(p, mat3(1.0)), here.n, here.x);
     for (int i = 0; i < TAPS; ++i) {
         const ivec2 o = tap(i);
         const uvec2 there = surface_texel(p + o);
@@ -227,7 +227,7 @@ void add(inout Window window, Source s, vec4 ray, vec3 direction, float w, bool 
 
 // Sums over the pixel's ray and those of the neighbours that are kept but not hidden; these count as densities all the same, since they
 // could have found what is seen.
-Sums gather(ivec2 p, ViewRays rays, uint kept, uint hidden, Source source, float roughness, vec4 own, out Window window, inout Choice choice) {
+Sums gather(ivec2 p, uint kept, uint hidden, Source source, float roughness, vec4 own, out Window window, inout Choice choice) {
     const float others = float(bitCount(kept));
     const bool ray_here = has_ray(own);
     const RayWord own_word = decode_ray_word(texelFetch(ray_direction, p, 0).x, roughness);
@@ -239,9 +239,9 @@ Sums gather(ivec2 p, ViewRays rays, uint kept, uint hidden, Source source, float
     float own_weight = 0.0;
     for (int i = 0; i < TAPS; ++i) {
         if ((kept >> uint(i) & 1u) == 0u) continue;
-        const ivec2 o = tap(i), q = p + o;
-        const Shown shown_q = shown(q, rays, o);
-        const Source source_q = source_at(q, shown_q, viewer_of(rays, vec2(o)));
+        const ivec2 q = p + tap(i);
+        const Shown shown_q = shown(q);
+        const Source source_q = source_at(q, shown_q);
         const vec4 ray = texelFetch(radiance, q, 0);
         const RayWord word = decode_ray_word(texelFetch(ray_direction, q, 0).x, shown_q.roughness);
         const vec2 here = at_found(source, found(shown_q.x, ray, word)), there = in_direction(source_q, word.direction, went_into_cone(ray));
@@ -313,10 +313,9 @@ void for_pixel(ivec2 p) {
     }
     const vec4 own = texelFetch(radiance, p, 0);
     const float roughness = here.roughness;
-    const ViewRays rays = view_rays(p, mat3(1.0));
-    const Source source = source_at(p, here, to_viewer(p));
+    const Source source = source_at(p, here);
     const bool ray_here = has_ray(own);
-    const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, rays, here);
+    const uint kept = !HAS_RAY_DIRECTION || is_mirror(roughness) ? 0u : kept_taps(p, here);
     Sums sums = Sums(0.0, 0.0, vec3(0.0), vec3(0.0), 0.0, 0.0, 0.0);
     Window window = Window(vec4(0.0), vec4(0.0), 0.0, 0.0, 0.0);
     Choice choice = Choice(0.0, 0.0, -1);
@@ -324,12 +323,12 @@ void for_pixel(ivec2 p) {
     const uint number = noise_hash(uint(p.x) ^ noise_hash(uint(p.y) ^ noise_hash(frame.frame_index)));
     choice.u = noise_unit(uvec2(number)).x;
 #endif
-    if (kept != 0u) sums = gather(p, rays, kept, 0u, source, roughness, own, window, choice);
+    if (kept != 0u) sums = gather(p, kept, 0u, source, roughness, own, window, choice);
 #if ASKS
     const uint hidden = is_wide(roughness) && choice.tap >= 0 ? hidden_with(p, kept, choice.tap, source.x, source.lobe.n) : 0u;
     if (hidden != 0u) {  // what the pixel sees in its place is like the rest of what it sees
         const float all = sums.weight;
-        sums = gather(p, rays, kept, hidden, source, roughness, own, window, choice);
+        sums = gather(p, kept, hidden, source, roughness, own, window, choice);
         if (!(window.aimed > 0.0)) scale(sums, min(all / max(sums.weight, 1e-20), MOST_SCALE));
     }
 #endif
