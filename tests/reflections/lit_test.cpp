@@ -280,20 +280,23 @@ TEST_F(LitPicture, TheTruthIsWhatTheMaterialReflects) {
     EXPECT_NEAR(is / should, 1, 5e-3);
 }
 
-// Diffuse light has a past of its own, which a surface keeps whatever its roughness.
-TEST_F(LitPicture, HasTheDiffuseLightOfIndirect) {
+// Both lobes have what they have alone. Diffuse light keeps its past whatever a surface's roughness.
+TEST_F(LitPicture, HasTheLightOfEitherLobe) {
     Shot shot = lit_shot({{{1, 1, 1}, 0, 0.1f}, {{1, 1, 1}, 0, 0.5f}, {{1, 1, 1}, 0, 1}}, linear_sky(0.1, 3),
                          {64, 36});
     shot.frames = 5;
     shot.camera.push_back({5, {0.4, 1.4, 2.8}, {0.1, 0, 0}, {0, 1, 0}});
-    const auto whole = open_shipped("lit", shot, {"outputs=[\"diffuse\"]"}, {}, {}, false);
-    const auto alone = open_shipped("indirect", shot, {}, {}, {}, false);
-    for (uint32_t frame = 0; frame < shot.frames; ++frame) {
-        whole->run_frame(frame, frame == 0);
-        alone->run_frame(frame, frame == 0);
-        EXPECT_TRUE(colors(*whole) == colors(*alone)) << "frame " << frame;
+    for (const auto& [pipeline, signal] : {std::pair{"indirect", "diffuse"}, {"reflections", "specular"}}) {
+        const std::string output = std::string("outputs=[\"") + signal + "\"]";
+        const auto whole = open_shipped("lit", shot, {output}, {}, {}, false);
+        const auto alone = open_shipped(pipeline, shot, {}, {}, {}, false);
+        for (uint32_t frame = 0; frame < shot.frames; ++frame) {
+            whole->run_frame(frame, frame == 0);
+            alone->run_frame(frame, frame == 0);
+            EXPECT_TRUE(colors(*whole) == colors(*alone)) << signal << ", frame " << frame;
+        }
+        EXPECT_GT(*std::ranges::max_element(colors(*alone)[0]), 0.5f) << signal;
     }
-    EXPECT_GT(*std::ranges::max_element(colors(*alone)[0]), 0.5f);
 }
 
 }  // namespace
