@@ -8,6 +8,7 @@
 #include <glslang/Public/ShaderLang.h>
 #include <glslang/SPIRV/GlslangToSpv.h>
 
+#include <algorithm>
 #include <fstream>
 #include <regex>
 #include <set>
@@ -78,7 +79,7 @@ void report_log(const std::string& log, const ShaderSource& source, Diagnostics&
 bool asks_constants(const std::string& text, const std::string& file, const std::string& node_glsl,
                     Diagnostics& diagnostics) {
     static const std::regex declared(R"(constant_id = \d+\) const \w+ (\w+))"),
-        condition(R"(\s*#\s*(?:el)?if\b.*)"), word(R"([A-Za-z_]\w*)");
+        condition(R"(\s*#\s*(?:el)?if(?:n?def)?\b.*)"), word(R"([A-Za-z_]\w*)");
     std::set<std::string> constants;
     for (std::sregex_iterator i(node_glsl.begin(), node_glsl.end(), declared), end; i != end; ++i)
         constants.insert((*i)[1]);
@@ -86,6 +87,7 @@ bool asks_constants(const std::string& text, const std::string& file, const std:
     std::istringstream lines(text);
     std::string line;
     for (int number = 1; std::getline(lines, line); ++number) {
+        line.erase(std::min(line.find("//"), line.size()));
         if (!std::regex_match(line, condition)) continue;
         for (std::sregex_iterator i(line.begin(), line.end(), word), end; i != end; ++i)
             if (constants.contains(i->str())) {

@@ -3,6 +3,7 @@
 // where they are wrong, in the file that the user wrote.
 #include "penumbra/user_nodes.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -211,13 +212,15 @@ TEST_F(UserNodes, AConstantInAPreprocessorConditionIsAnError) {
         R"("params": { "bright": { "type": "bool", "default": true, "constant": true, "doc": "d" } }, )");
     write("nodes/mine.json", with_param);
     EXPECT_FALSE(first_variant(cache()).empty()) << diagnostics_.text();
-    write("nodes/value.glsl",
-          "#define LIT 1\n#if LIT && BRIGHT\nconst float VALUE = 1;\n#else\nconst float VALUE = "
-          "0.25;\n#endif\n");
-    EXPECT_TRUE(first_variant(cache()).empty());
-    EXPECT_EQ(diagnostics_.text(),
-              (nodes_folder() / "value.glsl").string() +
-                  ":2:12: 'BRIGHT' is a constant, no macro: write if (BRIGHT), without #\n");
+    for (const auto& [condition, column] :
+         {std::pair{"#if LIT && BRIGHT", 12}, {"  # ifdef BRIGHT  // LIT", 11}}) {
+        write("nodes/value.glsl", std::string("#define LIT 1\n") + condition +
+                                      "\nconst float VALUE = 1;\n#else\nconst float VALUE = 0.25;\n#endif\n");
+        EXPECT_TRUE(first_variant(cache()).empty());
+        EXPECT_EQ(diagnostics_.text(),
+                  fmt::format("{}:2:{}: 'BRIGHT' is a constant, no macro: write if (BRIGHT), without #\n",
+                              (nodes_folder() / "value.glsl").string(), column));
+    }
     write("nodes/value.glsl", "const float VALUE = BRIGHT ? 1.0 : 0.25;\n");
     EXPECT_FALSE(first_variant(cache()).empty()) << diagnostics_.text();
 }
