@@ -37,33 +37,27 @@ float near_weight(int i) {
     return weights.x * weights.y;
 }
 
-// Which of them show the same surface, as bits: an array of weights would lie in memory, as no register can be asked by number.
-uint near_pixels(ivec2 p, Shown here) {
+// `near`: which of them show the same surface, as bits; an array of weights would lie in memory, as no register can be asked by number.
+Around look_around(ivec2 p, Shown here, out uint near) {
     const OffPlane plane = off_plane(view_rays(p, mat3(1.0)), here.n, here.x);
-    uint kept = 1u << 12;
+    near = 0u;
+    float sum = 0.0, variance = 0.0, samples = 0.0, squares = 0.0;
+    vec3 mean = vec3(0.0);
     for (int i = 0; i < 25; ++i) {
         const ivec2 o = near_tap(i);
         const uvec2 there = surface_texel(p + o);
         const float z = surface_depth(there);
-        const bool on_it = z > 0.0 && abs(metres_off(plane, vec2(o), z)) < ON_PLANE * here.z;
-        if (on_it && like_lobe(here, there)) kept |= 1u << uint(i);
-    }
-    return kept;
-}
-
-Around look_around(ivec2 p, uint near) {
-    float sum = 0.0, variance = 0.0, samples = 0.0, squares = 0.0;
-    vec3 mean = vec3(0.0);
-    for (int i = 0; i < 25; ++i) {
-        if ((near >> uint(i) & 1u) == 0u) continue;
-        const Gathered g = gathered_at(p + near_tap(i));
-        if (!(g.samples > 0.0)) continue;
-        const float weight = near_weight(i);
-        sum += weight;
-        variance += weight * g.deviation * g.deviation;
-        samples += weight * g.samples;
-        mean += weight * g.radiance;
-        squares += weight * dot(g.radiance, g.radiance);
+        const bool on_it = z > 0.0 && abs(metres_off(plane, vec2(o), z)) < ON_PLANE * here.z && like_lobe(here, there);
+        if (on_it || i == 12) {
+            near |= 1u << uint(i);
+            const Gathered g = gathered_at(p + o);
+            const float weight = g.samples > 0.0 ? near_weight(i) : 0.0;
+            sum += weight;
+            variance += weight * g.deviation * g.deviation;
+            samples += weight * g.samples;
+            mean += weight * g.radiance;
+            squares += weight * dot(g.radiance, g.radiance);
+        }
     }
     if (!(sum > 0.0)) return Around(0.0, 0.0, 0.0);
     mean /= sum;
@@ -233,8 +227,8 @@ void for_pixel(ivec2 p) {
         return;
     }
     const Gathered g = gathered_at(p);
-    const uint near = near_pixels(p, here);
-    const Around around = look_around(p, near);
+    uint near;
+    const Around around = look_around(p, here, near);
     const vec2 of_surface = past_of_surface(p), still = pixel_uv(p);
     const bool moving = HAS_MOTION && any(greaterThan(abs(of_surface - still) * vec2(frame.size), vec2(0.02)));
     // Few samples at rest know less of their variance than their neighbours show.
