@@ -21,7 +21,7 @@ const float SIGMAS = 3.0, SIGMAS_AT_REST = 3.5;  // at rest light alone changes:
 const float FEW = 4.0, LONE = 2.0;  // samples of a gather, in motion: fewer
 const float WIDE = 1.4;  // pixels' angles
 const float DRIFT_SHARE = 0.4;  // of the new value in the running mean
-const int FAR_STEP = 5;  // px between taps of far_drift(): a gather's window, so that no two share a ray
+const int FAR_STEP = 5;  // px between the pixels of Far: a gather's window, so that no two share a ray
 
 Gathered gathered_at(ivec2 p) { return decode_gathered(imageLoad(gathered, p).xy); }
 
@@ -76,34 +76,6 @@ Drift drift_at(ivec2 then) {
     return decode_drift(imageLoad(drift_prev, clamp(then, ivec2(0), ivec2(frame.prev_size) - 1) / 2).xy);
 }
 
-ivec2 far_tap(int i) { return FAR_STEP * near_tap(i); }
-
-// Which of 25 pixels over 25x25 have a like lobe, as bits.
-uint far_pixels(ivec2 p, Shown here) {
-    uint kept = 0u;
-    for (int i = 0; i < 25; ++i) {
-        const uvec2 there = surface_texel(p + far_tap(i));
-        if (surface_depth(there) > 0.0 && like_lobe(here, there)) kept |= 1u << uint(i);
-    }
-    return kept;
-}
-
-// What light that changes everywhere, a lamp that goes off, leaves below the noise of 5x5 pixels stands out of that of these.
-// The square of the mean of their drifts of the last frame, less what noise shows.
-float far_drift(ivec2 then, uint kept, float variance, float sigmas) {
-    vec3 sum = vec3(0.0);
-    float sums = 0.0, variances = 0.0;
-    for (int i = 0; i < 25; ++i) {
-        if ((kept >> uint(i) & 1u) == 0u) continue;
-        const Drift its = drift_at(then + far_tap(i));
-        sum += its.mean;
-        variances += its.of_mean2 + its.of_past2;
-        sums += 1.0;
-    }
-    if (sums < 5.0) return 0.0;
-    return dot(sum, sum) / (sums * sums) - sigmas * sigmas * max(variances / sums, variance) / sums;
-}
-
 // A lone sample shows no variance. What its neighbours' spread shows is noise where a lobe is wider than the mirrored directions of two
 // pixels lie apart, and what is mirrored where it is narrower.
 float variance_of_lone(Around around, float roughness) {
@@ -123,11 +95,8 @@ Pasts pasts_at(ivec2 q) {
         return Pasts(uvec2(imageLoad(history, q).x, 0u), uvec2(texel_byte(imageLoad(frames_prev, q).x), 0u));
     }
     const vec2 bytes = imageLoad(past_frames, q).xy;
-    Pasts pasts = Pasts(uvec2(imageLoad(past_surface, q).x, 0u), uvec2(texel_byte(bytes.x), 0u));
-    if (HAS_PAST_IMAGE) {
-        pasts.words.y = imageLoad(past_image, q).x;
-        pasts.bytes.y = texel_byte(bytes.y);
-    }
+    Pasts pasts = Pasts(uvec2(imageLoad(past_surface, q).x, 0u), uvec2(texel_byte(bytes.x), texel_byte(bytes.y)));
+    if (HAS_PAST_IMAGE && has_past(pasts.bytes.y)) pasts.words.y = imageLoad(past_image, q).x;
     return pasts;
 }
 
@@ -160,7 +129,27 @@ Asked asked(Past own, vec2 uv, float least2, bool few) {
     return Asked(own, then, carried, sigma2, few ? 1e30 : TERM_SIGMAS * sqrt(sigma2));
 }
 
-Candidate judge(Asked a, Terms terms, float samples, float variance, uint far, bool moving, bool few) {
+// What light that changes everywhere, a lamp that goes off, leaves below the noise of 5x5 pixels stands out of that of 25 over 25x25, of
+// those with a like lobe: sums of their drifts of the last frame.
+struct Far {
+    vec3 sum;
+    float variances, pixels;
+};
+
+void add(inout Far far, ivec2 then) {
+    const Drift its = drift_at(then);
+    far.sum += its.mean;
+    far.variances += its.of_mean2 + its.of_past2;
+    far.pixels += 1.0;
+}
+
+// The square of their mean, less what noise shows.
+float bias2_of(Far far, float variance, float sigmas) {
+    if (far.pixels < 5.0) return 0.0;
+    return dot(far.sum, far.sum) / (far.pixels * far.pixels) - sigmas * sigmas * max(far.variances / far.pixels, variance) / far.pixels;
+}
+
+Candidate judge(Asked a, Terms terms, float samples, float variance, Far far, bool moving, bool few) {
     const Past own = a.own;
     if (!(own.frames > 0.0)) return Candidate(own.radiance, 0.0, 1e30, Drift(vec3(0.0), 0.0, 0.0));
     if (!(terms.weight > 0.0)) return Candidate(own.radiance, min(own.frames, MOST_FRAMES), 0.0, a.carried);
@@ -173,7 +162,7 @@ Candidate judge(Asked a, Terms terms, float samples, float variance, uint far, b
     const float noise2 = correlated * (drift.of_mean2 + drift.of_past2);
     const float sigmas = moving ? SIGMAS : SIGMAS_AT_REST;
     float bias2 = max(dot(drift.mean, drift.mean) - sigmas * sigmas * noise2, 0.0);
-    if (!few) bias2 = max(bias2, far_drift(a.then, far, noise2, sigmas));
+    bias2 = max(bias2, bias2_of(far, noise2, sigmas));
     // V = 1 / N + b^2 / sigma^2, its inverse without a quotient by a sigma of 0.
     float worth = min(a.sigma2 * own.frames / max(a.sigma2 + bias2 * own.frames, 1e-30), MOST_FRAMES);
     if (a.sigma2 == 0.0) worth = bias2 == 0.0 ? min(own.frames, MOST_FRAMES) : 0.0;
@@ -196,13 +185,20 @@ Candidate best_past(ivec2 p, Shown here, float distance_m, uint near, Around aro
         const Pasts its = pasts_at(q);
         const float weight = g.samples > 0.0 ? near_weight(i) : 0.0;
         add(surface_terms, weight, g.radiance, its.words.x, its.bytes.x, surface.limit);
-        if (HAS_PAST_IMAGE) add(image_terms, weight, g.radiance, its.words.y, its.bytes.y, image.limit);
+        if (HAS_PAST_IMAGE && has_past(its.bytes.y)) add(image_terms, weight, g.radiance, its.words.y, its.bytes.y, image.limit);
     }
-    uint far = 0u;
-    if (!few) far = far_pixels(p, here);
-    const Candidate best = judge(surface, surface_terms, around.samples, variance, far, moving, few);
+    Far surface_far = Far(vec3(0.0), 0.0, 0.0), image_far = surface_far;
+    for (int i = 0; i < (few ? 0 : 25); ++i) {
+        const ivec2 o = FAR_STEP * near_tap(i);
+        const uvec2 there = surface_texel(p + o);
+        if (surface_depth(there) > 0.0 && like_lobe(here, there)) {
+            add(surface_far, surface.then + o);
+            if (HAS_PAST_IMAGE && image.own.frames > 0.0) add(image_far, image.then + o);
+        }
+    }
+    const Candidate best = judge(surface, surface_terms, around.samples, variance, surface_far, moving, few);
     if (!HAS_PAST_IMAGE) return best;
-    const Candidate other = judge(image, image_terms, around.samples, variance, far, moving, few);
+    const Candidate other = judge(image, image_terms, around.samples, variance, image_far, moving, few);
     if (other.error2 < best.error2) return other;
     return best;
 }
