@@ -209,10 +209,10 @@ void add_gates(CLI::App& app, GatesArguments& a) {
     c->add_option("--signal", a.signal, "visibility, or specular or diffuse radiance")
         ->check(CLI::IsMember({"visibility", "specular", "diffuse"}));
     c->add_option("--parts", a.parts,
-                  "of still, moving, jump, tilted; of radiance: furnace, bias, lag, moving (default: all)")
+                  "of still, moving, jump, tilted; of radiance: furnace, still, moving, lag (default: all)")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->check(CLI::IsMember({"still", "moving", "jump", "tilted", "furnace", "bias", "lag"}));
+        ->check(CLI::IsMember({"still", "moving", "jump", "tilted", "furnace", "lag"}));
     c->add_option("--seeds", a.seeds, "repetitions of every run (default: 16; of radiance: 4)")
         ->check(CLI::Range(1u, 1024u));
     c->add_option("--edge-deg", a.edge_deg, "direction of the edge of still, moving and jump (default: 20)")
