@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <fstream>
+#include <glm/gtc/type_ptr.hpp>
 #include <stdexcept>
 
 #include "app/session.h"
+#include "host/scene/moved_boxes.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/test_scene.h"
@@ -31,7 +33,7 @@ std::vector<std::byte> image_bytes(const GpuImage& image) {
 }
 
 std::vector<std::byte> slot_bytes(const Session& session, const StandaloneFrame& frame,
-                                  const std::string& name) {
+                                  const std::string& name, uint32_t index) {
     const GBufferImages& images = session.host().images();
     if (name == "depth") return image_bytes(images.depth);
     if (name == "normal") return image_bytes(images.normal);
@@ -45,6 +47,13 @@ std::vector<std::byte> slot_bytes(const Session& session, const StandaloneFrame&
     if (name == "hits") {
         const auto hits = session.view().captured("hits");
         return {hits.begin(), hits.end()};
+    }
+    if (name == "moved_boxes") {
+        const double now = session.host().moment(index),
+                     before = index ? session.host().moment(index - 1) : now;
+        return bytes_of(moved_block(
+            session.host().scene().moved_boxes(before, now),
+            glm::make_vec3(frame.description.camera.position.data()) - session.host().shot().origin));
     }
     if (name == "neighbours") return texels_of(leaf_neighbours(session.bvh()->bvh()));
     throw std::invalid_argument("no recording of the slot " + name);
@@ -111,7 +120,7 @@ Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t fra
         RecordedFrame& to = recording.frames.emplace_back();
         to.description = session->frame_description();
         for (const HostSlot& slot : recording.plan.slots)
-            to.slots[slot.name] = slot_bytes(*session, frame, slot.name);
+            to.slots[slot.name] = slot_bytes(*session, frame, slot.name, f);
         for (const std::string& name : pipeline.output_names()) {
             const auto bytes = session->view().captured(name);
             to.outputs[name] = {bytes.begin(), bytes.end()};

@@ -18,7 +18,7 @@ Shot shot_named(const std::string& name) {
 }
 
 ShotRun::ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string> settings,
-                 std::vector<std::string> captures)
+                 std::vector<std::string> captures, const Facts& facts)
     : shot_(std::move(shot)) {
     static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
@@ -35,6 +35,7 @@ ShotRun::ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string
     options.captures.emplace_back("visibility");
     options.optimum = false;
     options.jitter = false;
+    options.facts = facts;
     session_ = Session::open(gpu(), nodes, *checked, shot_, options, diagnostics, warnings);
     if (!session_) throw std::runtime_error(diagnostics.text());
 }

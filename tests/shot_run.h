@@ -16,10 +16,10 @@ Shot shot_named(const std::string& name);  // scenes/NAME.shot.json; throws with
 
 class ShotRun {
   public:
-    // `settings`: as of `penumbra render --set`; `captures`: besides the visibility. Throws with the
-    // diagnostics.
+    // `settings`: as of `penumbra render --set`; `captures`: besides the visibility; `facts`: instead of what
+    // the shot says. Throws with the diagnostics.
     ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string> settings,
-            std::vector<std::string> captures);
+            std::vector<std::string> captures, const Facts& facts = {});
     void frame(uint32_t index, bool reset);
     void set_jitter(bool wanted) { session_->set_jitter(wanted); }
 

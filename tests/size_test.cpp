@@ -123,6 +123,33 @@ Shot shipped_shot(const char* name, std::array<uint32_t, 2> of_size, bool still)
     return std::move(*shot);
 }
 
+// Masks that are kept know the frame's size, but a smaller frame writes over some tiles' and leaves others'.
+TEST_F(SizeChangeGpu, MasksFromBeforeASmallerFrameAreNotTakenOver) {
+    constexpr uint32_t small = 18, back = 20, frames = 40;  // the jitter comes back after sixteen
+    constexpr std::array<uint32_t, 2> whole{96, 56}, low{96, 24};
+    Shot shot = shipped_shot("colonnade", whole, true);
+    auto& keys = shot.objects.at("gate").keys;
+    keys = {keys.front(), keys.back()};
+    keys[0].frame = small;  // its shadow goes while frames are small
+    keys[1].frame = small + 1;
+    const CheckedPipeline pipeline = pipeline_for(
+        shot, "hybrid_shadows",
+        {R"(outputs=["visibility"])", "inputs.moved_boxes.optional=false",
+         R"(nodes.reuse={ "type": "reuse", "if": "sun_disc & tree", "in": { "decided_hits": "facing_hits", "whole_masks_prev": "whole_masks@-1" } })",
+         R"(nodes.retain={ "type": "retain", "if": "sun_disc & tree", "in": { "whole_masks_prev": "whole_masks@-1" } })"});
+    const Recording own = record(pipeline, shot, frames, recorded_facts());
+    shot.size = low;
+    const Recording lower = record(pipeline, shot, back, recorded_facts());
+    SizedRun run(pipeline, {whole[0], whole[1]}, own.plan.facts);
+    const RecordedFrame* last = nullptr;
+    for (uint32_t f = 0; f < frames; ++f) {
+        const RecordedFrame& frame = f >= small && f < back ? lower.frames[f] : own.frames[f];
+        run.frame(frame, last);
+        last = &frame;
+        EXPECT_TRUE(run.output("visibility") == frame.outputs.at("visibility")) << "frame " << f;
+    }
+}
+
 struct Change {
     const char* shot;
     bool still;

@@ -45,14 +45,20 @@ bool goes_on(ivec2 p, ivec2 axis, float z) {
 
 // `ring`: how near unlike rays are; `lit`: what its own says.
 float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
-    const PixelPast past = nearest_past(p);
+    PixelPast past = nearest_past(p);
+    float share = 1.0;  // of this frame's light where the last frame's was
+    if (HAS_LIGHT_PREV)
+        share = light_share(light, light_prev, position(p, imageLoad(view_depth, p).x));
+    else if (HAS_SUN_PREV && !HAS_LIGHT)
+        share = sun_share(sun, sun_prev);
+    past.known = past.known && share > 0.0;
     float error = UNKNOWN[ring], known_rays = 0.0;
     if (past.known) {
         const float between = min(past.visibility, 1.0 - past.visibility);
         error = between < SURE_BELOW ? SURE[ring] : between < NEARLY_BELOW ? NEARLY[ring] : between < FAINT_BELOW ? FAINT[ring] : HALF[ring];
         known_rays = past.resampled ? min(past.count, RESAMPLED_WORTH) : past.count;
         if (HAS_MOTION) known_rays = min(known_rays, COUNT_CAP);
-        if (HAS_MOTION || HAS_SUN_PREV || HAS_LIGHT_PREV) {
+        if (HAS_MOTION || (HAS_LIGHT ? HAS_LIGHT_PREV : HAS_SUN_PREV)) {
             const float rays = max(neighbours, 1.0), v = past.visibility * (1.0 - past.visibility);
             const float bias = past.residual * past.residual - RESIDUAL_NOISE * v / rays;  // squared
             if (bias > 0.0) known_rays = min(known_rays, v / (bias * rays));
@@ -61,10 +67,7 @@ float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
             error = CONTRADICTED[ring];
             known_rays = 0.0;
         }
-        if (HAS_LIGHT_PREV)
-            known_rays = samples_left(known_rays, light_share(light, light_prev, position(p, imageLoad(view_depth, p).x)));
-        else if (HAS_SUN_PREV)
-            known_rays = samples_left(known_rays, sun_share(sun, sun_prev));
+        known_rays = samples_left(known_rays, share);
     }
     const float left = 1.0 / (1.0 + known_rays / OF_RAYS);
     if (neighbours > 0.0) {

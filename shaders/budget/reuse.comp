@@ -118,7 +118,8 @@ void main() {
     const uvec2 view = key_of_view();
     const uint undecided = receiver_words[i] & ~decided_hits[i];
     uint word = NOT_KEPT;
-    if (tiles_seen[at] != view.x || tiles_seen[at + 1u] != view.y) {
+    // A smaller frame in between has overwritten some tiles and left others as they were.
+    if (frame.size != frame.prev_size || tiles_seen[at] != view.x || tiles_seen[at + 1u] != view.y) {
         tiles_seen[at] = view.x;
         tiles_seen[at + 1u] = view.y;
         keep_bounds(at, NOTHING);

@@ -14,6 +14,8 @@ const bool MANY_RAYS = true;
 #include "common/own_rays.glsl"
 #include "common/shadow_state.glsl"
 #include "common/cell_before.glsl"
+#include "common/sun_change.glsl"
+#include "common/another_sun.glsl"
 #include "budget/nearest_past.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/light_share.glsl"
@@ -24,7 +26,7 @@ const float SETTLED = 24.0;  // frames after which, where nothing can move, a pi
 
 // Pixels that are new or were in penumbra; none; those that were lit; those that have long been lit or shadowed and cannot change.
 uvec4 by_their_past(ivec2 tile, uint pixels) {
-    if ((frame.flags & FRAME_RESET) != 0u) return uvec4(pixels, 0u, 0u, 0u);
+    if ((frame.flags & FRAME_RESET) != 0u || is_another_sun()) return uvec4(pixels, 0u, 0u, 0u);
     uvec4 masks = uvec4(0u);
     for (int i = 0; i < 32; ++i) {
         const PixelPast past = nearest_past(tile * TILE + ivec2(i & 7, i >> 3));
@@ -40,7 +42,7 @@ uvec4 by_their_past(ivec2 tile, uint pixels) {
 bool was_idle(ivec2 cell) {
     const ivec2 last = ivec2(frame.prev_size) - 1;
     ivec2 there;
-    if (!cell_before(cell * CELL, there)) return false;
+    if (is_another_sun() || !cell_before(cell * CELL, there)) return false;
     bool idle = true;
     for (int i = 0; i < 4; ++i)
         idle = idle && is_idle(idle_cells_prev[cell_index(clamp(there + (CELL - 1) * corner(i), ivec2(0), last) / CELL, frame.prev_size)]);

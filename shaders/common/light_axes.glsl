@@ -16,7 +16,8 @@ LightAxes light_axes(Light l, vec3 from_centre) {
     if (l.kind == LIGHT_SPHERE) {
         const float distance2 = dot(from_centre, from_centre), by_distance = inversesqrt(max(distance2, 1e-30));
         const mat3 frame = frame_of_sphere(-by_distance * from_centre);
-        const float r2 = l.u.x * l.u.x, shown = l.u.x * sqrt(distance2 / max(distance2 - r2, 1e-3 * r2 + 1e-30));
+        const float r = max(l.u.x, LEAST_HALF_AXIS_M), r2 = r * r;  // a point has coordinates, too
+        const float shown = r * sqrt(distance2 / max(distance2 - r2, 1e-3 * r2 + 1e-30));
         return LightAxes(shown * frame[0], shown * frame[1], by_distance * from_centre);
     }
     if (l.kind == LIGHT_TUBE) {

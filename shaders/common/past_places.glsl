@@ -13,9 +13,12 @@ vec2 past_of_surface(ivec2 p) {
     return past.on_screen ? past.uv : vec2(-1.0);
 }
 
+// Of the pixel's middle, as its surface's past: what is kept of a pixel is that of all its jittered points.
 vec2 past_of_image(ivec2 p, float z, float distance_m) {
-    const vec3 x = position(p, z);
-    const vec4 there = frame.prev_clip_from_rel * vec4(x * (1.0 + distance_m / max(length(x), 1e-6)), 1.0);
+    const vec3 x = position_at(pixel_uv(p), z);
+    const vec3 image = (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? x - distance_m * frame.world_from_view[2]
+                                                                : x * (1.0 + distance_m / max(length(x), 1e-6));
+    const vec4 there = frame.prev_clip_from_rel * vec4(image, 1.0);
     if (!(there.w > 0.0)) return vec2(-1.0);
-    return 0.5 + 0.5 * there.xy / there.w + frame.prev_jitter;
+    return 0.5 + 0.5 * there.xy / there.w;
 }

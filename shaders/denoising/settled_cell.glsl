@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // First phase of gather: cells with nothing but equal bits in reach, whose past has said nothing else, are what these say.
 //
-// Includer has working_cells.glsl, bit_rows.glsl, corners.glsl, shadow_state.glsl and lit_or_sky(), and declares the images history, gathered and,
+// Includer has working_cells.glsl, bit_rows.glsl, corners.glsl, shadow_state.glsl, sun_change.glsl and lit_or_sky(), and declares the images history, gathered and,
 // where things move, motion, and the buffers idle_cells, idle_cells_prev and cells.
+#include "common/another_sun.glsl"
 #include "common/cell_before.glsl"
 
 // Have the rays of some pixel of a cell, all of which say `lit` now, said something else? Then there is a thin or faint
@@ -13,7 +14,7 @@ bool past_disagrees(ivec2 first, bool lit, out bool known) {
     known = false;
     const ivec2 last = ivec2(frame.prev_size) - 1;
     ivec2 there;
-    if (!cell_before(first, there)) return false;
+    if (is_another_sun() || !cell_before(first, there)) return false;
     bool idled = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = clamp(there + (CELL - 1) * corner(i), ivec2(0), last);

@@ -118,7 +118,7 @@ Past past_of(ivec2 p) {
     return Past(s.visibility, s.count, s.residual, 0.0, s.own, false, false);
 }
 
-const bool LIGHT_MOVES = HAS_SUN_PREV || HAS_LIGHT_PREV;
+const bool LIGHT_MOVES = HAS_LIGHT ? HAS_LIGHT_PREV : HAS_SUN_PREV;
 const bool MAY_CHANGE = HAS_MOTION || LIGHT_MOVES;
 
 // A past that saw another light, or this one elsewhere. `p`: the receiver, along towards_light.

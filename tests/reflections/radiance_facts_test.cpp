@@ -50,6 +50,7 @@ TEST(RadiancePlan, LeavesOutWhatTheSceneDoesNotHave) {
                matte = plan_of("reflections", {{"glossy", false}});
     EXPECT_EQ(passes_of(all, "radiance_tail"), 5u);
     EXPECT_EQ(passes_of(mirrors, "radiance_tail"), 1u);
+    EXPECT_EQ(passes_of(plan_of("indirect", {{"rough", false}}), "radiance_tail"), 5u);
     EXPECT_EQ(passes_of(all, "reproject_radiance") + passes_of(all, "keep_surface"), 2u);
     EXPECT_EQ(passes_of(still, "reproject_radiance") + passes_of(still, "keep_surface"), 0u);
     EXPECT_LE(bytes_per_pixel(still.memory.heap_bytes), 35.1);
@@ -151,6 +152,25 @@ TEST_F(RadianceFacts, NothingRoughLooksTheSame) {
 }
 TEST_F(RadianceFacts, NothingMovingLooksTheSame) {
     expect_equal(floor_under_the_sky({0, 0.2f, 0.8f}, false), "moves", false);
+}
+
+// What a camera at rest sees mirrored was seen by the same pixel, wherever the jitter put the ray that
+// looked.
+TEST_F(RadianceFacts, AtRestTheImagesPastIsThePixelsOwn) {
+    const Shot shot = floor_under_the_sky({0.1f, 0.2f}, false);
+    const auto session =
+        open_shipped("reflections", shot, {}, {"past_surface", "past_image"}, {{"moves", true}}, true);
+    for (uint32_t frame = 0; frame < shot.frames; ++frame) session->run_frame(frame, frame == 0);
+    const auto surface = captured<uint32_t>(session->view(), "past_surface"),
+               image = captured<uint32_t>(session->view(), "past_image");
+    size_t both = 0, differ = 0;
+    for (size_t i = 0; i < surface.size(); ++i) {
+        if (!surface[i] || !image[i]) continue;
+        ++both;
+        differ += surface[i] != image[i];
+    }
+    EXPECT_GT(both, 500u);
+    EXPECT_EQ(differ, 0u);
 }
 
 // A host that has nothing beyond its scene brings no environment, and neither does the program.
