@@ -2,6 +2,8 @@
 // denoise_radiance.json, for hosts that trace by themselves: on radiance_rays' own rays as if they were a
 // host's.
 #include <algorithm>
+#include <cmath>
+#include <glm/gtc/packing.hpp>
 
 #include "host/models/model_builder.h"
 #include "tests/gpu_test.h"
@@ -69,6 +71,64 @@ TEST_F(DenoiseRadiance, OfOurRaysIsTheirPipeline) {
 TEST_F(DenoiseRadiance, KnowsWhereRaysWent) {
     const Images images = run(true);
     EXPECT_FALSE(images.foreign == images.own);
+}
+
+// A mirror before a camera at rest, of which each column shows something else: what it mirrors was seen by
+// the same pixel, also by a camera whose rays are parallel.
+TEST_F(DenoiseRadiance, AMirrorsPastIsThePixelsOwn) {
+    constexpr Extent extent{96, 64};
+    constexpr size_t pixels = extent.width * extent.height;
+    constexpr double mirror_m = 50, near_m = 10, far_m = 100;
+    const double x = 2 / (0.1 * extent.width), y = 2 / (0.1 * extent.height);  // pixels of 10 cm there
+    for (const bool parallel : {false, true}) {
+        SCOPED_TRACE(parallel);
+        Camera camera = camera_at({0, 0, mirror_m}, 0, extent);
+        camera.near_m = near_m;
+        if (parallel)
+            camera.clip_from_view = {
+                x, 0, 0, 0, 0, -y, 0, 0, 0, 0, 1 / (far_m - near_m), 0, 0, 0, far_m / (far_m - near_m), 1};
+        else
+            camera.clip_from_view = {x * mirror_m, 0, 0, 0,      0, -y * mirror_m, 0, 0, 0, 0, 0,
+                                     -1,           0, 0, near_m, 0};
+        ViewRunOptions options;
+        options.formats = {{"depth", Format::r32f},
+                           {"normal", Format::rgba32f},
+                           {"motion", Format::rgba16f},
+                           {"material", Format::rg8}};
+        options.facts = {{"moves", true}};
+        options.captures = {"past_image", "past_surface", "past_frames"};
+        ViewRun host(shadow_pipeline_file("denoise_radiance"), extent, options);
+        std::vector<float> normal(4 * pixels);
+        std::vector<uint16_t> radiance(4 * pixels, glm::packHalf1x16(4));  // of which w is the distance
+        std::vector<uint32_t> direction(pixels);
+        for (size_t i = 0; i < pixels; ++i) {
+            normal[4 * i + 2] = 1;
+            const double column = double(i % extent.width), row = double(i / extent.width);
+            for (size_t c = 0; c < 3; ++c)
+                radiance[4 * i + c] = glm::packHalf1x16(float(1 + 0.8 * std::sin(column / 4)));
+            const glm::dvec3 seen((column + 0.5) * 0.1 - 4.8, 3.2 - (row + 0.5) * 0.1, -mirror_m);
+            const glm::dvec3 mirrored = parallel ? glm::dvec3(0, 0, 1) : glm::dvec3(seen.x, seen.y, -seen.z);
+            const glm::dvec3 octahedral =
+                mirrored / (std::abs(mirrored.x) + std::abs(mirrored.y) + std::abs(mirrored.z));
+            direction[i] = glm::packSnorm2x16(glm::vec2(octahedral));
+        }
+        host.set("depth", std::vector<float>(pixels, float(parallel ? (far_m - mirror_m) / (far_m - near_m)
+                                                                    : near_m / mirror_m)));
+        host.set("normal", normal);
+        host.set("motion", std::vector<uint16_t>(4 * pixels));
+        host.set("material", std::vector<uint16_t>(pixels, 0x14ff));  // a metal of roughness .08
+        host.set("radiance", radiance);
+        host.set("ray_direction", direction);
+        for (uint32_t frame = 0; frame < 3; ++frame) {
+            FrameDescription description = frame_between(camera, camera, extent, frame, frame == 0);
+            if (parallel) description.flags |= frame_orthographic;
+            host.frame(description);
+        }
+        const auto known = captured<uint16_t>(host.view(), "past_frames");
+        EXPECT_TRUE(std::ranges::all_of(known, [](uint16_t bytes) { return (bytes >> 8 & 31) > 0; }));
+        EXPECT_EQ(captured<uint32_t>(host.view(), "past_image"),
+                  captured<uint32_t>(host.view(), "past_surface"));
+    }
 }
 
 }  // namespace
