@@ -159,7 +159,7 @@ TEST_F(RadianceFacts, NothingMovingLooksTheSame) {
 TEST_F(RadianceFacts, AtRestTheImagesPastIsThePixelsOwn) {
     const Shot shot = floor_under_the_sky({0.1f, 0.2f}, false);
     const auto session =
-        open_shipped("reflections", shot, {}, {"past_surface", "past_image"}, {{"moves", true}}, true);
+        open_shipped("lit", shot, {}, {"past_surface", "past_image"}, {{"moves", true}}, true);
     for (uint32_t frame = 0; frame < shot.frames; ++frame) session->run_frame(frame, frame == 0);
     const auto surface = captured<uint32_t>(session->view(), "past_surface"),
                image = captured<uint32_t>(session->view(), "past_image");
