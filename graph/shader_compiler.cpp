@@ -35,6 +35,7 @@ class Includer : public glslang::TShader::Includer {
         if (!found) return nullptr;
         if (!found->embedded) files.insert(found->name);
         texts[header] = found->text;
+        names[header] = found->name;
         return keep(found->name, std::move(found->text));
     }
     void releaseInclude(IncludeResult* result) override {
@@ -44,7 +45,7 @@ class Includer : public glslang::TShader::Includer {
     }
 
     std::set<std::filesystem::path> files;
-    std::map<std::string, std::string> texts;
+    std::map<std::string, std::string> texts, names;
 
   private:
     // glslang owns the result until it calls releaseInclude.
@@ -179,8 +180,7 @@ std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnos
     }
     bool asks = asks_constants(*text, name, source.node_glsl, diagnostics);
     for (const auto& [header, included] : includer.texts)
-        asks |=
-            asks_constants(included, resolve_include(source, header)->name, source.node_glsl, diagnostics);
+        asks |= asks_constants(included, includer.names.at(header), source.node_glsl, diagnostics);
     if (asks) return std::nullopt;
     glslang::TProgram program;
     program.addShader(&shader);

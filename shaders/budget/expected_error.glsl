@@ -47,11 +47,13 @@ bool goes_on(ivec2 p, ivec2 axis, float z) {
 float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
     PixelPast past = nearest_past(p);
     float share = 1.0;  // of this frame's light where the last frame's was
-    if (HAS_LIGHT_PREV)
-        share = light_share(light, light_prev, position(p, imageLoad(view_depth, p).x));
-    else if (HAS_SUN_PREV && !HAS_LIGHT)
-        share = sun_share(sun, sun_prev);
-    past.known = past.known && share > 0.0;
+    if (past.known) {
+        if (HAS_LIGHT_PREV)
+            share = light_share(light, light_prev, position(p, imageLoad(view_depth, p).x));
+        else if (HAS_SUN_PREV && !HAS_LIGHT)
+            share = sun_share(sun, sun_prev);
+        past.known = share > 0.0;
+    }
     float error = UNKNOWN[ring], known_rays = 0.0;
     if (past.known) {
         const float between = min(past.visibility, 1.0 - past.visibility);

@@ -24,16 +24,6 @@ Shot moving_shot() {
     return shot;
 }
 
-ViewRunOptions host_options() {
-    ViewRunOptions options;
-    options.formats = {{"depth", Format::r32f},
-                       {"normal", Format::rgba32f},
-                       {"motion", Format::rgba16f},
-                       {"material", Format::rg8}};
-    options.facts = {{"moves", true}};
-    return options;
-}
-
 // What the host's rays become after some frames, and what their own pipeline makes of them. `turned`: each
 // direction is that of another pixel.
 struct Images {
@@ -45,7 +35,7 @@ Images run(bool turned) {
         open_shipped("reflections", shot,
                      {"nodes.rays.params.hit_normals=false", "nodes.reconnect.params.hit_normals=false"},
                      {"radiance", "ray_direction"});
-    const ViewRunOptions options = host_options();
+    const ViewRunOptions options = radiance_host_options();
     ViewRun host(shadow_pipeline_file("denoise_radiance"), {shot.size[0], shot.size[1]}, options);
     const auto hand_over = [&](const char* name, const GpuImage& image) {
         host.set(name, read_image(gpu(), image.get(), image.format, image.extent, GBuffer::final_layout));
@@ -95,7 +85,7 @@ TEST_F(DenoiseRadiance, AMirrorsPastIsThePixelsOwn) {
         else
             camera.clip_from_view = {x * mirror_m, 0, 0, 0,      0, -y * mirror_m, 0, 0, 0, 0, 0,
                                      -1,           0, 0, near_m, 0};
-        ViewRunOptions options = host_options();
+        ViewRunOptions options = radiance_host_options();
         options.captures = {"past_image", "past_surface", "past_frames"};
         ViewRun host(shadow_pipeline_file("denoise_radiance"), extent, options);
         std::vector<float> normal(4 * pixels);

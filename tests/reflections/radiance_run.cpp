@@ -118,6 +118,16 @@ double sum_of_word(uint32_t word, uint32_t tenth_bits) {
 }
 }  // namespace
 
+ViewRunOptions radiance_host_options() {
+    ViewRunOptions options;
+    options.formats = {{"depth", Format::r32f},
+                       {"normal", Format::rgba32f},
+                       {"motion", Format::rgba16f},
+                       {"material", Format::rg8}};
+    options.facts = {{"moves", true}};
+    return options;
+}
+
 double mean_accumulated(const Session& session) {
     const auto words = captured<uint32_t>(session.view(), "accumulated");
     const auto bytes = captured<uint8_t>(session.view(), "frames");

@@ -12,6 +12,7 @@
 #include "app/session.h"
 #include "host/images/image_file.h"
 #include "host/models/model.h"
+#include "tests/view_run.h"
 
 namespace penumbra::test {
 
@@ -37,6 +38,9 @@ std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& s
                                       const std::vector<std::string>& settings = {},
                                       const std::vector<std::string>& also = {}, const Facts& facts = {},
                                       bool jitter = true);
+
+// For a host that brings denoise_radiance.json what it traced, of a scene that moves.
+ViewRunOptions radiance_host_options();
 
 // The mean over all pixels and channels of radiance that is kept in words
 // (shaders/reflections/radiance_word.glsl, past_texel.glsl): of `accumulated`, which has a tenth bit per

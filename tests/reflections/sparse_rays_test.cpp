@@ -121,12 +121,7 @@ TEST_F(SparseRays, AHostMayCastWhereItLikes) {
         open_shipped("reflections", shot,
                      {"nodes.rays.params.hit_normals=false", "nodes.reconnect.params.hit_normals=false"},
                      {"radiance", "ray_direction"});
-    ViewRunOptions options;
-    options.formats = {{"depth", Format::r32f},
-                       {"normal", Format::rgba32f},
-                       {"motion", Format::rgba16f},
-                       {"material", Format::rg8}};
-    options.facts = {{"moves", true}};
+    const ViewRunOptions options = radiance_host_options();
     ViewRun host(shadow_pipeline_file("denoise_radiance"), {shot.size[0], shot.size[1]}, options);
     const auto hand_over = [&](const char* name, const GpuImage& image) {
         host.set(name, read_image(gpu(), image.get(), image.format, image.extent, GBuffer::final_layout));
