@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "app/counted.h"
 #include "app/report/svg.h"
 
 namespace penumbra {
@@ -30,13 +31,9 @@ std::string word_of(TileVerdict verdict) {
     return verdict == TileVerdict::lit ? "lit" : verdict == TileVerdict::dark ? "dark" : "open";
 }
 
-std::string plural(size_t count, const char* what) {
-    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 std::string reason_of(const TileBeam& beam) {
     if (beam.verdict == TileVerdict::lit) return "nothing in it";
-    if (beam.verdict == TileVerdict::dark) return "closed off by " + plural(beam.patch(), "triangle");
+    if (beam.verdict == TileVerdict::dark) return "closed off by " + counted(beam.patch(), "triangle");
     return beam.nearest_border() < 1 ? "a border in it" : "not told within the steps it has";
 }
 
@@ -64,13 +61,14 @@ void draw(Svg& svg, const TileBeam& beam, Xy corner) {
     svg.circle(middle, 3, "axis");
     svg.text({corner.x + 2, corner.y + side + 20}, word_of(beam.verdict) + ": " + reason_of(beam), "head");
     svg.text({corner.x + 2, corner.y + side + 38},
-             fmt::format("tile {},{}, {}", beam.tile[0], beam.tile[1], plural(beam.pixels, "pixel")), "soft");
+             fmt::format("tile {},{}, {}", beam.tile[0], beam.tile[1], counted(beam.pixels, "pixel")),
+             "soft");
 }
 
 }  // namespace
 
 std::string beam_summary(const TileBeam& beam) {
-    return fmt::format("tile {},{} ({}): {}, {}", beam.tile[0], beam.tile[1], plural(beam.pixels, "pixel"),
+    return fmt::format("tile {},{} ({}): {}, {}", beam.tile[0], beam.tile[1], counted(beam.pixels, "pixel"),
                        word_of(beam.verdict), reason_of(beam));
 }
 

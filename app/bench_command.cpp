@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "app/bench/bench_text.h"
 #include "app/commands.h"
@@ -127,20 +126,14 @@ int run_bench(const BenchArguments& arguments) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
-    try {
-        Device device({arguments.device, false});
-        job->bench.device = device.info();
-        std::vector<std::string> warnings;
-        const bool measured = measure_all(*job, device, *nodes, diagnostics, warnings);
-        for (const std::string& warning : std::set(warnings.begin(), warnings.end()))
-            std::cerr << "warning: " << warning << "\n";
-        if (!measured) {
-            std::cerr << diagnostics.text();
-            return exit_wrong;
-        }
-    } catch (const DeviceError& e) {  // a device that was asked for by name is the command's mistake
-        std::cerr << "penumbra: " << e.what() << "\n";
-        return arguments.device.empty() ? exit_failed : exit_wrong;
+    Device device({arguments.device, false});
+    job->bench.device = device.info();
+    std::vector<std::string> warnings;
+    const bool measured = measure_all(*job, device, *nodes, diagnostics, warnings);
+    print_warnings(warnings);
+    if (!measured) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
     }
     if (arguments.format == "json")
         fmt::print("{}\n", bench::to_json(job->bench).dump(2));

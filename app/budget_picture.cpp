@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
+#include "app/captured_values.h"
 #include "host/metrics/decisions.h"
 
 namespace penumbra {
@@ -31,13 +31,6 @@ Color color_of(uint32_t rays) {
         color[i] = static_cast<uint8_t>(
             std::lround(std::lerp(ramp[below][i], ramp[below + 1][i], at - double(below))));
     return color;
-}
-
-std::vector<uint32_t> words(const Session& session, const std::string& name) {
-    const auto bytes = session.view().captured(name);
-    std::vector<uint32_t> values(bytes.size() / sizeof(uint32_t));
-    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(uint32_t));
-    return values;
 }
 
 }  // namespace
@@ -65,8 +58,9 @@ const std::vector<std::string>& budget_captures() {
 BudgetPicture budget_picture(const Session& session) {
     BudgetPicture out;
     out.size = {session.plan().extent.width, session.plan().extent.height};
-    const auto sunward = words(session, "sunward_words"), first = words(session, "ray_words"),
-               further = words(session, "ray_bits");
+    const auto sunward = captured_values<uint32_t>(session, "sunward_words"),
+               first = captured_values<uint32_t>(session, "ray_words"),
+               further = captured_values<uint32_t>(session, "ray_bits");
     const uint32_t columns = (out.size[0] + tile_width - 1) / tile_width;
     for (uint32_t y = 0; y < out.size[1]; ++y)
         for (uint32_t x = 0; x < out.size[0]; ++x) {

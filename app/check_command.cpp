@@ -15,7 +15,7 @@ std::optional<CheckedPipeline> check_file(const std::string& file, const NodeSet
     auto pipeline = open_pipeline(file, {}, nodes);
     if (!pipeline) return std::nullopt;
     Diagnostics diagnostics;
-    const bool good = compile_user_nodes(nodes, *pipeline, diagnostics);
+    const bool good = compile_user_nodes(*pipeline, diagnostics);
     std::cerr << diagnostics.text();
     return good ? std::move(pipeline) : std::nullopt;
 }

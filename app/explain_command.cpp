@@ -13,6 +13,7 @@
 
 #include "app/beam_figure.h"
 #include "app/budget_picture.h"
+#include "app/captured_values.h"
 #include "app/commands.h"
 #include "app/cost_figure.h"
 #include "app/coverage_figure.h"
@@ -22,6 +23,7 @@
 #include "app/progress.h"
 #include "app/session.h"
 #include "app/shipped_files.h"
+#include "app/text_file.h"
 #include "app/view_source.h"
 #include "host/images/image_file.h"
 #include "penumbra/shadow_nodes.h"
@@ -49,7 +51,7 @@ bool can_hold_a_file(const fs::path& file) {
 
 bool write_figure(const std::string& file, const std::string& svg) {
     try {
-        write_file(file, std::as_bytes(std::span(svg)));
+        write_text(file, svg);
         return true;
     } catch (const FileError& e) {
         return complain(fmt::format("--out: {}", e.what()));
@@ -114,14 +116,6 @@ std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nod
     return Job{std::move(*pipeline), std::move(*shot), *size, pixel};
 }
 
-template <class T>
-std::vector<T> captured(const Session& session, const char* name) {
-    const auto bytes = session.view().captured(name);
-    std::vector<T> values(bytes.size() / sizeof(T));
-    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
-    return values;
-}
-
 // A rendered frame, and the same frame on the processor.
 class Explanation {
   public:
@@ -129,8 +123,8 @@ class Explanation {
         : size_{session.plan().extent.width, session.plan().extent.height},
           seed_(session.seed()),
           frame_(session.host().frame(frame, true)),
-          depth_(captured<float>(session, "view_depth")),
-          normal_(captured<std::array<float, 2>>(session, "receiver_normal")),
+          depth_(captured_values<float>(session, "view_depth")),
+          normal_(captured_values<std::array<float, 2>>(session, "receiver_normal")),
           visibility_(captured_image(session, "visibility").planes.at(0).values),
           sun_(samples),
           scene_(session.host().scene(), frame) {
@@ -332,7 +326,7 @@ int explain_pixel(const ExplainArguments& arguments) {
     const auto session =
         Session::open(device, nodes, job->pipeline, job->shot, options, diagnostics, warnings);
     doing.clear();
-    for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
+    print_warnings(warnings);
     if (!session) {
         std::cerr << diagnostics.text();
         return exit_wrong;
@@ -372,12 +366,7 @@ int run_explain(const ExplainArguments& arguments) {
     }
     if (!can_hold_a_file(arguments.out)) return exit_wrong;
     if (!arguments.costs.empty()) return explain_costs(arguments);
-    try {
-        return explain_pixel(arguments);
-    } catch (const DeviceError& e) {  // a device that was asked for by name is the command's mistake
-        std::cerr << "penumbra: " << e.what() << "\n";
-        return arguments.device.empty() ? exit_failed : exit_wrong;
-    }
+    return explain_pixel(arguments);
 }
 
 }  // namespace penumbra

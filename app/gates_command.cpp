@@ -8,6 +8,7 @@
 #include <set>
 
 #include "app/commands.h"
+#include "app/counted.h"
 #include "app/gates/gates.h"
 #include "app/gates/radiance_gates.h"
 #include "app/node_folders.h"
@@ -176,17 +177,15 @@ int run_gates(const GatesArguments& arguments) {
         Device device({arguments.device, false});
         Progress progress("gates", static_cast<uint32_t>(pipelines.size()) * steps_of(study, parts));
         for (const auto& [name, pipeline] : pipelines) {
-            progress.print(fmt::format("{}{}, {} seed{}, {}x{}, edge at {:g} degrees\n\n",
-                                       &name == &pipelines.front().first ? "" : "\n", name, study.seeds,
-                                       study.seeds == 1 ? "" : "s", study.size[0], study.size[1],
-                                       study.edge_deg));
+            progress.print(fmt::format(
+                "{}{}, {}, {}x{}, edge at {:g} degrees\n\n", &name == &pipelines.front().first ? "" : "\n",
+                name, counted(study.seeds, "seed"), study.size[0], study.size[1], study.edge_deg));
             good = good && print_tables({device, *nodes, pipeline, study, [&] { progress.step(); },
                                          diagnostics, warnings},
                                         parts, progress);
         }
     }
-    for (const std::string& warning : std::set(warnings.begin(), warnings.end()))
-        std::cerr << "warning: " << warning << "\n";
+    print_warnings(warnings);
     if (good) return exit_good;
     std::cerr << diagnostics.text();
     return exit_wrong;

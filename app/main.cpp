@@ -15,6 +15,7 @@
 #include "app/colored_errors.h"
 #include "app/command_help.h"
 #include "app/commands.h"
+#include "host/device/device.h"
 
 namespace {
 
@@ -423,6 +424,9 @@ int main(int argc, char** argv) {
         std::cerr << "penumbra: there is not enough memory\n";
     } catch (const std::filesystem::filesystem_error& e) {
         std::cerr << e.path1().string() << ": cannot be made or written: " << e.code().message() << "\n";
+    } catch (const NoSuchDevice& e) {
+        std::cerr << "penumbra: " << e.what() << "\n";
+        code = exit_wrong;
     } catch (const std::exception& e) {  // DeviceError and VulkanError among them: their texts are for people
         std::cerr << "penumbra: " << e.what() << "\n";
     }

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "app/text_file.h"
 #include "penumbra/json_text.h"
 
 namespace penumbra {
@@ -90,8 +91,7 @@ void write_reference_info(const fs::path& folder, const ReferenceInfo& info) {
             out["contact"] = {
                 {"from", frame.contact->from}, {"to", frame.contact->to}, {"away", frame.contact->away}};
     }
-    const std::string text = json.dump(2) + "\n";
-    write_file(folder / "reference.json", std::as_bytes(std::span(text)));
+    write_text(folder / "reference.json", json.dump(2) + "\n");
 }
 
 std::optional<ReferenceInfo> read_reference_info(const fs::path& folder, Diagnostics& diagnostics) {

@@ -72,12 +72,7 @@ int run_plan(const PlanArguments& arguments) {
     target.device = reference_device();
     std::unique_ptr<Device> device;  // which the table asks until the plan is there
     if (arguments.on_device) {
-        try {
-            device = std::make_unique<Device>(DeviceOptions{arguments.device, false});
-        } catch (const DeviceError& e) {  // one that was asked for by name is the command's mistake
-            std::cerr << "penumbra: " << e.what() << "\n";
-            return arguments.device.empty() ? exit_failed : exit_wrong;
-        }
+        device = std::make_unique<Device>(DeviceOptions{arguments.device, false});
         target.device = device_table(handles_of(*device));
         target.device.features = features_of(*device);
     }

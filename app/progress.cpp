@@ -5,6 +5,9 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <iostream>
+#include <set>
+#include <string_view>
 
 namespace penumbra {
 
@@ -80,6 +83,13 @@ void Progress::draw() const {
     const uint64_t filled = width * done_ / total_;
     fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {:3} % {:<20}", what_, "", filled, "", width - filled,
                100 * done_ / total_, left());
+}
+
+// By std::cerr, whose lines get colours (colored_errors.h).
+void print_warnings(std::span<const std::string> warnings) {
+    std::set<std::string_view> said;
+    for (const std::string& warning : warnings)
+        if (said.insert(warning).second) std::cerr << "warning: " << warning << "\n";
 }
 
 }  // namespace penumbra

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// A progress bar on standard error with the time that is left, where that is a terminal; elsewhere notes
-// alone.
+// What a command says on standard error as it works: a progress bar with the time that is left, where that
+// is a terminal, and elsewhere notes alone; warnings.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <span>
 #include <string>
 
 namespace penumbra {
@@ -49,6 +50,9 @@ class Doing {
     std::string what_;
     std::chrono::steady_clock::time_point start_;
 };
+
+// A line each, the same text once.
+void print_warnings(std::span<const std::string> warnings);
 
 // "40 s", "12 min", "3.0 h"
 std::string duration_text(double seconds);

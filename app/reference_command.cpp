@@ -63,7 +63,10 @@ std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostic
         return std::nullopt;
     }
     const auto rendered = read_rendered_frames(arguments.like, diagnostics);
-    const auto present = rendered ? visibility_frames(arguments.like, diagnostics) : std::nullopt;
+    // Of a pipeline for one light the mask has no name, of one for several that of its light.
+    Diagnostics of_one_light;
+    auto present = rendered ? visibility_frames(arguments.like, of_one_light) : std::nullopt;
+    if (rendered && !present) present = visibility_frames(arguments.like, diagnostics, arguments.light);
     auto shot = present ? read_completed_shot(rendered->shot, diagnostics) : std::nullopt;
     if (!shot) return std::nullopt;
     Job job{std::move(*shot), "", *present};

@@ -17,9 +17,9 @@
 #include "app/progress.h"
 #include "app/report.h"
 #include "app/session.h"
+#include "app/text_file.h"
 #include "app/validation.h"
 #include "app/view_source.h"
-#include "host/images/image_file.h"
 
 namespace penumbra {
 namespace {
@@ -114,7 +114,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     const auto session =
         Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
     doing.clear();
-    for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
+    print_warnings(warnings);
     if (!session) {
         std::cerr << diagnostics.text();
         return exit_wrong;
@@ -124,7 +124,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     const fs::path& folder = job.folder;
     fs::create_directories(folder);
     fs::remove(folder / "report.json");
-    if (!job.made_up.empty()) write_file(shot_file, std::as_bytes(std::span(job.made_up)));
+    if (!job.made_up.empty()) write_text(shot_file, job.made_up);
 
     OutputWriter outputs(device, folder);
     RenderedFrames rendered{job.frames, arguments.cold ? job.frames[0] : 0, {}};
@@ -147,8 +147,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     std::cerr << complaints;
     const auto report = render_report(arguments, *session, job.pipeline, device.info(), rendered, findings,
                                       outputs, warnings, fs::proximate(shot_file, folder));
-    const std::string text = report.dump(2) + "\n";
-    write_file(folder / "report.json", std::as_bytes(std::span(text)));
+    write_text(folder / "report.json", report.dump(2) + "\n");
     print_summary(report);
     fmt::print("  written to {}/\n", folder.generic_string());
     return device.message_count() == 0 && complaints.empty() ? exit_good : exit_failed;
@@ -159,13 +158,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
 int run_render(const RenderArguments& arguments) {
     const auto nodes = open_nodes(arguments.node_folders);
     auto job = nodes ? prepare(arguments, *nodes) : std::nullopt;
-    if (!job) return exit_wrong;
-    try {
-        return render(arguments, std::move(*job), *nodes);
-    } catch (const DeviceError& e) {  // a device that was asked for by name is the command's mistake
-        std::cerr << "penumbra: " << e.what() << "\n";
-        return arguments.device.empty() ? exit_failed : exit_wrong;
-    }
+    return job ? render(arguments, std::move(*job), *nodes) : exit_wrong;
 }
 
 }  // namespace penumbra

@@ -19,7 +19,7 @@
 #include "app/report/page.h"
 #include "app/report/parts.h"
 #include "app/report/radiance_report.h"
-#include "host/images/image_file.h"
+#include "app/text_file.h"
 
 namespace penumbra {
 namespace {
@@ -245,10 +245,6 @@ std::string memory_text(const Job& job, const std::vector<PipelinePlan>& plans) 
             (1 << 30));
 }
 
-void write_text(const fs::path& file, const std::string& text) {
-    write_file(file, std::as_bytes(std::span(text)));
-}
-
 }  // namespace
 
 int run_report(const ReportArguments& arguments) {
@@ -281,9 +277,7 @@ int run_report(const ReportArguments& arguments) {
         std::cerr << memory_text(*job, *plans) << "\n";
         measured = Measuring(*job, device, *nodes, arguments, diagnostics, warnings).all();
     }
-    std::set<std::string> said;
-    for (const std::string& warning : warnings)
-        if (said.insert(warning).second) std::cerr << "warning: " << warning << "\n";
+    print_warnings(warnings);
     if (!measured) {
         std::cerr << diagnostics.text();
         return exit_wrong;

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <ctime>
 #include <glm/gtc/type_ptr.hpp>
+#include <tuple>
 
 #include "host/scene/moved_boxes.h"
 
@@ -29,7 +30,8 @@ double wall_ms() {
 void Session::set_param(std::string_view name, const ParamValue& value) {
     for (size_t p = 0; p < plan().passes.size(); ++p)
         for (size_t i = 0; i < plan().passes[p].params.size(); ++i)
-            if (plan().passes[p].params[i].param.name == name) view_->set_param(p, i, value);
+            if (plan().passes[p].params[i].param.name == name)
+                std::ignore = view_->set_param(p, i, value);  // one of another type is not meant
 }
 
 FrameCost Session::repeat_frame() {

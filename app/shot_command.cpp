@@ -5,8 +5,8 @@
 #include <iostream>
 
 #include "app/commands.h"
+#include "app/text_file.h"
 #include "app/view_source.h"
-#include "host/images/image_file.h"
 
 namespace penumbra {
 
@@ -22,7 +22,7 @@ int run_shot(const ShotArguments& arguments) {
         return exit_wrong;
     }
     if (out.has_parent_path()) fs::create_directories(out.parent_path());
-    write_file(out, std::as_bytes(std::span(view->made_up)));
+    write_text(out, view->made_up);
     fmt::print("{}\n", out.generic_string());
     return exit_good;
 }

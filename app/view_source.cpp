@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <fstream>
 #include <glm/geometric.hpp>
@@ -39,6 +40,23 @@ std::optional<Shot> models_alone(const nlohmann::json& scene, const fs::path& fi
     return parse_shot(
         nlohmann::json{{"penumbra_shot", 1}, {"scene", scene}, {"camera", camera}, {"sun", sun}}.dump(), file,
         diagnostics);
+}
+
+// Why a shot that nobody wrote cannot be read: mostly a size that no camera has numbers for.
+std::string why_not(const std::array<glm::dvec3, 2>& bounds, const Diagnostics& of_made_up) {
+    const double size = glm::distance(bounds[0], bounds[1]),
+                 far = std::max(glm::length(bounds[0]), glm::length(bounds[1]));
+    std::string text = fmt::format("is {:.3g} m large, up to {:.3g} m from the origin: ", size, far);
+    const bool unusual = !(size > 1e-5 && far < 1e8);
+    text += unusual ? "no shot has a camera for that; scale the model" : "no shot can be made up for it";
+    for (const Diagnostic& problem : of_made_up.list())
+        text += fmt::format("; {}: {}", problem.path, problem.message);
+    return text;
+}
+
+void tell(const std::string& file, const ModelShot& made, const char* key) {
+    for (auto [warning, end] = made.warnings.equal_range(key); warning != end; ++warning)
+        fmt::print(stderr, "warning: {}: {}\n", file, warning->second);
 }
 
 // Of several models each is where its file puts it, known by the file's name, and a number where two have it.
@@ -88,14 +106,11 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
     Diagnostics of_made_up;  // of a file that nobody wrote
     auto shot = parse_shot(made.text, shot_file, of_made_up);
     if (!shot) {
-        diagnostics.add(
-            {files[0]}, "",
-            fmt::format("is {:.3g} m large, up to {:.3g} m from the origin: no shot has a camera for "
-                        "that; scale the model",
-                        glm::length(high - low), std::max(glm::length(low), glm::length(high))));
+        diagnostics.add({files[0]}, "", why_not(made.bounds, of_made_up));
         return std::nullopt;
     }
     name_as_given(*shot, files);
+    for (const char* key : {"camera", "sun", "lights"}) tell(files[0], made, key);
     fmt::print(stderr, "{}: {} triangle{}, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n",
                fmt::join(files, ", "), model->triangle_count(), model->triangle_count() == 1 ? "" : "s",
                low.x, high.x, low.y, high.y, low.z, high.z);
@@ -137,8 +152,12 @@ std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagn
     const ModelShot made = make_model_shot(*model, file, file.parent_path(), false);
     const auto made_up = nlohmann::ordered_json::parse(made.text);
     std::string missing;
-    if (!camera) missing += "\"camera\": " + made_up["camera"].dump() + ", ";
-    if (!sun) missing += "\"sun\": " + made_up["sun"].dump() + ", ";
+    const auto complete = [&](const char* key) {
+        missing += fmt::format("\"{}\": {}, ", key, made_up[key].dump());
+        tell(file.string(), made, key);
+    };
+    if (!camera) complete("camera");
+    if (!sun) complete("sun");
     text.insert(text.find('{') + 1, missing);
     if (parsed) *parsed = text;
     return parse_shot(text, file, diagnostics);

@@ -14,6 +14,24 @@
 #include "graph/settling.h"
 
 namespace penumbra {
+namespace {
+
+// What a format must have for an image to be used so.
+VkFormatFeatureFlags features_for(VkImageUsageFlags usage) {
+    constexpr std::pair<VkImageUsageFlags, VkFormatFeatureFlags> pairs[] = {
+        {VK_IMAGE_USAGE_SAMPLED_BIT, VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT},
+        {VK_IMAGE_USAGE_STORAGE_BIT, VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT},
+        {VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT},
+        {VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT},
+        {VK_IMAGE_USAGE_TRANSFER_SRC_BIT, VK_FORMAT_FEATURE_TRANSFER_SRC_BIT},
+        {VK_IMAGE_USAGE_TRANSFER_DST_BIT, VK_FORMAT_FEATURE_TRANSFER_DST_BIT}};
+    VkFormatFeatureFlags features = 0;
+    for (const auto& [used, needed] : pairs)
+        if (usage & used) features |= needed;
+    return features;
+}
+
+}  // namespace
 
 std::optional<Plan> Compiler::run() {
     plan_.pipeline = pipeline_.name;
@@ -24,6 +42,11 @@ std::optional<Plan> Compiler::run() {
     plan_.aliased = options_.alias;
     plan_.poison = options_.poison;
     const size_t errors = diagnostics_.size();
+    const DeviceTable& device = target_.device;
+    if (!device.supports || !device.image_memory || !device.buffer_memory) {
+        error({pipeline_.file}, "", "Target::device tells nothing: device_table(handles), or reference_device()");
+        return std::nullopt;
+    }
     if (target_.extent.width == 0 || target_.extent.height == 0)
         error({pipeline_.file}, "", "the frame's extent is empty");
     facts_ = read_facts();
@@ -144,11 +167,11 @@ void Compiler::read_outputs() {
                   "cannot be put into an image of the host's: the next frame reads its previous value");
         r.image_usage |= use.image_usage;
         r.buffer_usage |= use.buffer_usage;
-        if (r.kind == PortKind::image && (use.image_usage & VK_IMAGE_USAGE_SAMPLED_BIT) &&
-            !target_.device.supports(r.format, VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT))
-            error({pipeline_.file}, "outputs",
-                  fmt::format("the device \"{}\" cannot sample {}, the format of \"{}\"", plan_.device,
-                              info(r.format).name, name(id)));
+        if (r.kind == PortKind::image && !target_.device.supports(r.format, features_for(use.image_usage)))
+            error({pipeline_.file}, "outputs." + name(id),
+                  fmt::format("the device \"{}\" has no images of {} for all that is done with it "
+                              "(OutputUse::image_usage)",
+                              plan_.device, info(r.format).name));
     }
     for (const auto& [output, use] : options_.outputs)
         if (!plan_.output(output))
@@ -176,9 +199,12 @@ const PlanPass* Plan::pass(std::string_view node) const {
 }
 
 Extent Follows::at(Extent frame) const {
+    // What is too large to count is too large for a device, and refused as that.
+    const auto through = [](uint32_t size, uint32_t div, uint32_t times) {
+        return static_cast<uint32_t>(std::clamp<uint64_t>(uint64_t{ceil_div(size, div)} * times, 1, UINT32_MAX));
+    };
     for (const Step& step : steps)
-        frame = {std::max(ceil_div(frame.width, step.div[0]) * step.mul[0], 1u),
-                 std::max(ceil_div(frame.height, step.div[1]) * step.mul[1], 1u)};
+        frame = {through(frame.width, step.div[0], step.mul[0]), through(frame.height, step.div[1], step.mul[1])};
     return frame;
 }
 

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "graph/compiler.h"
+#include "graph/interface.h"
 
 namespace penumbra {
 
@@ -70,7 +71,7 @@ void Compiler::check_needs(const BoundNode& node) {
             plan_.jitter = true;
         else if (!target_.device.features.contains(need))
             error(node.place, "nodes." + node.id,
-                  fmt::format("the device \"{}\" lacks {}", plan_.device, need));
+                  fmt::format("the device \"{}\" lacks {} (DeviceTable::features)", plan_.device, need));
     }
 }
 
@@ -99,7 +100,8 @@ const std::string& Compiler::backend_of_port(const BoundNode& node, const Bundle
 // What keeps a backend from this target.
 std::optional<std::string> Compiler::problem_of(const Bundle::Backend& backend) const {
     if (!backend.feature.empty() && !target_.device.features.contains(backend.feature))
-        return fmt::format("\"{}\": the device \"{}\" lacks {}", backend.name, plan_.device, backend.feature);
+        return fmt::format("\"{}\": the device \"{}\" lacks {} (DeviceTable::features)", backend.name, plan_.device,
+                           backend.feature);
     if (!backend.fact.empty() && !plan_.facts.at(backend.fact))
         return fmt::format("\"{}\": the fact \"{}\" does not hold for this plan", backend.name, backend.fact);
     return std::nullopt;
@@ -173,13 +175,14 @@ void Compiler::fill_dispatch(const SelectedNode& selected) {
         case Dispatch::Kind::over: {
             const Size size = size_of(selected, dispatch.over);
             pass.over = size.follows;
-            pass.group_pixels = {pass.constants[0] * pass.constants[3],
-                                 pass.constants[1] * pass.constants[4]};
+            for (uint32_t axis = 0; axis < 2; ++axis)
+                pass.group_pixels[axis] =
+                    pass.constants[group_constant + axis] * pass.constants[per_thread_constant + axis];
             const auto groups = [&](uint32_t level) -> std::array<uint32_t, 3> {
                 const uint32_t width = std::max(size.extent.width >> level, 1u);
                 const uint32_t height = std::max(size.extent.height >> level, 1u);
                 return {ceil_div(width, pass.group_pixels[0]), ceil_div(height, pass.group_pixels[1]),
-                        ceil_div(size.layers, pass.constants[2])};
+                        ceil_div(size.layers, pass.constants[group_constant + 2])};
             };
             pass.groups = groups(0);
             if (const Port* chain = node.type().levelled_output()) {

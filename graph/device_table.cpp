@@ -3,6 +3,7 @@
 // 4 KiB.
 #include <algorithm>
 
+#include "graph/align_up.h"
 #include "penumbra/plan.h"
 
 namespace penumbra {
@@ -21,18 +22,17 @@ DeviceTable reference_device(bool cpu) {
                     {"maxComputeWorkGroupSize[2]", 64},
                     {"maxImageArrayLayers", 2048},
                     {"maxImageDimension2D", table.max_image_extent}};
-    const auto round_up = [](uint64_t value, uint64_t to) { return (value + to - 1) / to * to; };
-    table.image_memory = [round_up](const ImageNeed& need) {
+    table.image_memory = [](const ImageNeed& need) {
         uint64_t size = 0;
         for (uint32_t level = 0; level < need.levels; ++level) {
             const uint64_t width = std::max(need.extent.width >> level, 1u),
                            height = std::max(need.extent.height >> level, 1u);
-            size += round_up(width * info(need.format).bytes, 64) * height * need.layers;
+            size += align_up(width * info(need.format).bytes, 64) * height * need.layers;
         }
-        return MemoryNeed{round_up(size, 4096), 4096, ~0u};
+        return MemoryNeed{align_up(size, 4096), 4096, ~0u};
     };
-    table.buffer_memory = [round_up](uint64_t bytes, VkBufferUsageFlags) {
-        return MemoryNeed{round_up(bytes, 256), 256, ~0u};
+    table.buffer_memory = [](uint64_t bytes, VkBufferUsageFlags) {
+        return MemoryNeed{align_up(bytes, 256), 256, ~0u};
     };
     table.supports = [](Format format, VkFormatFeatureFlags features) {
         return !(features & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT) || info(format).glsl != nullptr;

@@ -46,10 +46,12 @@ std::string one_line(std::string_view text) {
 
 }  // namespace
 
+std::string to_string(const Place& place) {
+    return place.line > 0 ? fmt::format("{}:{}:{}", place.file, place.line, place.column) : place.file;
+}
+
 std::string to_string(const Diagnostic& diagnostic) {
-    const Place& place = diagnostic.place;
-    std::string text = place.file;
-    if (place.line > 0) text += fmt::format(":{}:{}", place.line, place.column);
+    std::string text = to_string(diagnostic.place);
     if (!text.empty()) text += ": ";
     if (!diagnostic.path.empty()) text += diagnostic.path + ": ";
     return one_line(text + diagnostic.message);

@@ -9,6 +9,9 @@
 #include <cmath>
 #include <set>
 
+#include "graph/align_up.h"
+#include "penumbra/frame_block.h"
+
 namespace penumbra {
 namespace {
 
@@ -283,12 +286,12 @@ PushConstants push_constants(const NodeType& type) {
             continue;
         }
         const ParamLayout layout = layout_of(param.type);
-        const uint32_t offset = (result.size + layout.alignment - 1) / layout.alignment * layout.alignment;
+        const auto offset = static_cast<uint32_t>(align_up(result.size, layout.alignment));
         result.offsets.emplace_back(offset);
         result.size = offset + layout.size;
     }
     if (type.levelled_output()) {
-        result.mip_level = (result.size + 3) / 4 * 4;
+        result.mip_level = static_cast<uint32_t>(align_up(result.size, 4));
         result.size = *result.mip_level + 4;
     }
     return result;
@@ -369,14 +372,17 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
     if (!type.domain->structs_file.empty())
         text += fmt::format("#include \"{}\"\n", type.domain->structs_file);
     text += fmt::format(
-        "const uint FRAME_RESET = 1u;\nconst uint FRAME_ORTHOGRAPHIC = 2u;\n"
-        "const uint FRAME_DEPTH_AT_CENTRES = 4u;\n"
-        "layout(local_size_x_id = 0, local_size_y_id = 1, local_size_z_id = 2) in;\n"
+        "const uint FRAME_RESET = {}u;\nconst uint FRAME_ORTHOGRAPHIC = {}u;\n"
+        "const uint FRAME_DEPTH_AT_CENTRES = {}u;\n"
+        "layout(local_size_x_id = {}, local_size_y_id = {}, local_size_z_id = {}) in;\n"
         "#define GROUP_X gl_WorkGroupSize.x\n#define GROUP_Y gl_WorkGroupSize.y\n"
-        "layout(constant_id = 3) const uint PER_THREAD_X = 1u;\nlayout(constant_id = 4) const uint "
-        "PER_THREAD_Y = 1u;\nlayout(constant_id = {}) const bool ON_CPU = false;\n"
+        "layout(constant_id = {}) const uint PER_THREAD_X = 1u;\n"
+        "layout(constant_id = {}) const uint PER_THREAD_Y = 1u;\n"
+        "layout(constant_id = {}) const bool ON_CPU = false;\n"
         "layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
-        on_cpu_constant, frame_binding);
+        uint32_t{frame_reset}, uint32_t{frame_orthographic}, uint32_t{frame_depth_at_centres}, group_constant,
+        group_constant + 1, group_constant + 2, per_thread_constant, per_thread_constant + 1, on_cpu_constant,
+        frame_binding);
     if (variant.cpu) text += fmt::format("#define CLASS_CPU {:d}\n", *variant.cpu);
     for (const auto& [name, exists] : variant.outputs)
         text += fmt::format("#define HAS_{} {:d}\n", upper(name), exists);

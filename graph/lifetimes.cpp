@@ -28,7 +28,7 @@ uint64_t place_apart(Plan& plan, uint32_t heap) {
                 r.offset[1] = r.offset[0];
                 continue;
             }
-            end = (end + r.alignment - 1) / r.alignment * r.alignment;
+            end = align_up(end, r.alignment);
             r.offset[parity] = end;
             end += r.bytes;
         }

@@ -11,7 +11,7 @@
 
 namespace penumbra {
 
-// Fills first_pass and length of every resource from the passes' uses.
+// Fills the length of every resource, whose first_pass is known, from the passes' uses.
 void place_lifetimes(Plan& plan);
 
 // Fills bytes, alignment, heap and offsets, and the plan's memory report. `share_transients`: what lives

@@ -17,7 +17,6 @@ namespace penumbra {
 
 namespace {
 
-constexpr uint32_t max_push_bytes = 128;  // guaranteed by every Vulkan device
 
 std::string number_text(double value) {
     return fmt::format("{}", value);
@@ -92,19 +91,6 @@ void read_param(const JsonMember& member, NodeType& type, Diagnostics& diagnosti
 void parse_params(const Json& json, NodeType& type, Diagnostics& diagnostics) {
     if (!expect(json, Json::Kind::object, "params", diagnostics)) return;
     for (const JsonMember& member : json.members) read_param(member, type, diagnostics);
-    uint32_t bytes = 0;
-    for (const Param& param : type.params) {
-        if (param.constant) continue;
-        const ParamLayout layout = layout_of(param.type);
-        bytes = (bytes + layout.alignment - 1) / layout.alignment * layout.alignment + layout.size;
-        if (bytes <= max_push_bytes) continue;
-        diagnostics.add(
-            param.place, "params." + param.name,
-            fmt::format("the parameters that may change per frame end at byte {}; at most {} fit the push "
-                        "constants (constant parameters do not count)",
-                        bytes, max_push_bytes));
-        break;
-    }
 }
 
 ParamLayout layout_of(ParamType type) {

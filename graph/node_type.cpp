@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A node declaration read from JSON (docs: formats of node declarations); ports are read by node_port.cpp,
+// A node declaration read from JSON (docs/vocabulary.md); ports are read by node_port.cpp,
 // parameters by node_param.cpp. Every rule that one declaration can break by itself is checked here, so that
 // later phases need not look again.
 #include "penumbra/node_type.h"
@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "graph/interface.h"
 #include "graph/json_reader.h"
 #include "graph/node_param.h"
 #include "graph/node_port.h"
@@ -50,6 +51,7 @@ class DeclarationReader {
         if (!writes && none_given && (type_.counters.empty() || type_.host))
             error(json_.place, "", "a node writes at least one output, or its shader counts");
         link_ports(json_, type_, diagnostics_);
+        check_push_constants();
         read_dispatch();
         if (const Json* classes = reader_.find("classes")) read_classes(*classes);
         return std::move(type_);
@@ -58,6 +60,18 @@ class DeclarationReader {
   private:
     void error(const Place& place, std::string path, std::string message) {
         diagnostics_.add(place, std::move(path), std::move(message));
+    }
+
+    void check_push_constants() {
+        constexpr uint32_t most = 128;  // guaranteed by every Vulkan device
+        const PushConstants layout = push_constants(type_);
+        if (layout.size <= most) return;
+        const auto last = std::find_if(type_.params.rbegin(), type_.params.rend(),
+                                       [](const Param& param) { return !param.constant; });
+        error(last->place, "params." + last->name,
+              fmt::format("the parameters that may change per frame{} end at byte {}; at most {} fit the push "
+                          "constants (constant parameters do not count)",
+                          layout.mip_level ? " and the level of the mip chain" : "", layout.size, most));
     }
 
     void read_needs() {

@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "graph/align_up.h"
+
 namespace penumbra {
 
 struct Interval {
@@ -23,11 +25,6 @@ struct Packing {
     std::vector<uint64_t> offsets;  // one per interval
     uint64_t heap = 0;              // max(offset + size)
 };
-
-// `value` rounded up to a multiple of `alignment`, a power of two.
-constexpr uint64_t align_up(uint64_t value, uint64_t alignment) {
-    return (value + alignment - 1) & ~(alignment - 1);
-}
 
 // Whether two intervals are live at the same time.
 bool overlap_in_time(const Interval& a, const Interval& b, uint32_t period);

@@ -263,13 +263,17 @@ class PipelineReader {
         if (which == "before") wire.member = Wire::Member::before;
         if (which == "last") wire.member = Wire::Member::last;
         const bool known = wire.previous || wire.member != Wire::Member::own;
+        static const std::vector<std::string> members = {"before", "last"};
         if (!in)
             error(json.place, path,
                   fmt::format("an output is this frame's value; write \"{}\"", wire.resource));
         else if (!known)
             error(json.place, path,
-                  fmt::format("\"@{}\": only the previous frame's value is kept; write \"{}@-1\"", which,
-                              wire.resource));
+                  which.empty() || which[0] == '-'
+                      ? fmt::format("\"@{}\": only the previous frame's value is kept; write \"{}@-1\"", which,
+                                    wire.resource)
+                      : fmt::format("no \"@{}\"; there are @-1, @before and @last{}", which,
+                                    did_you_mean(which, members)));
         return in && known;
     }
 

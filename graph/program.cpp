@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One pipeline per compute pass, specialised with the plan's constants; set 0 holds internal resources, set 1
-// the frame block, counters, host slots and tables.
+// One pipeline per compute pass, specialised with the plan's constants; set 0 holds internal resources and
+// tables, set 1 the frame block, counters and host slots.
 #include <fmt/format.h>
 
 #include <cstring>
@@ -23,10 +23,6 @@ Held<VkDescriptorSetLayout> make_set_layout(const GraphDevice& device,
 }
 
 constexpr VkDeviceSize absent_bytes = 16384;  // what every device lets a uniform buffer have
-
-VkImageAspectFlags aspect(Format format) {
-    return info(format).kind == FormatClass::depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
-}
 
 }  // namespace
 
@@ -88,7 +84,7 @@ StaticImage ProgramState::make_image(Format format, std::array<uint32_t, 2> exte
     view.image = image;
     view.viewType = layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
     view.format = create.format;
-    view.subresourceRange = {aspect(format), 0, 1, 0, 1};
+    view.subresourceRange = {aspects_of(format), 0, 1, 0, 1};
     VkImageView handle = VK_NULL_HANDLE;
     require(device_->vk().vkCreateImageView(device_->get(), &view, nullptr, &handle), "vkCreateImageView",
             what);
@@ -224,7 +220,7 @@ void ProgramState::record_uploads(VkCommandBuffer cmd) const {
         barrier.newLayout = to.layout;
         barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
         barrier.image = image;
-        barrier.subresourceRange = {aspect(format), 0, 1, 0, 1};
+        barrier.subresourceRange = {aspects_of(format), 0, 1, 0, 1};
         VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
         dependency.imageMemoryBarrierCount = 1;
         dependency.pImageMemoryBarriers = &barrier;

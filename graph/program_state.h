@@ -10,6 +10,10 @@
 
 namespace penumbra {
 
+inline VkImageAspectFlags aspects_of(Format format) {
+    return info(format).kind == FormatClass::depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
 struct PassProgram {
     std::array<Held<VkDescriptorSetLayout>, 2> set_layouts;
     Held<VkPipelineLayout> layout;

@@ -17,10 +17,6 @@ namespace {
 constexpr VkImageSubresourceRange whole_image{VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0,
                                               VK_REMAINING_ARRAY_LAYERS};
 
-VkImageAspectFlags aspects_of(Format format) {
-    return info(format).kind == FormatClass::depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
-}
-
 VkImageMemoryBarrier2 activate(VkImage image, VkPipelineStageFlags2 src, VkPipelineStageFlags2 dst,
                                VkAccessFlags2 access, VkAccessFlags2 src_access = 0) {
     VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
@@ -91,6 +87,8 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
              fmt::format("the frame is {}x{}, the plan was compiled for up to {}x{}", size.width, size.height,
                          plan().extent.width, plan().extent.height));
     check_commands(cmd, plan());
+    if (next_pass_ != not_begun && !(frame.flags & frame_reset))
+        fail(ErrorCode::usage, plan().pipeline, "the frame before was begun and not ended: end(), or frame_reset");
     check_slot_bindings(slots);
     parity_ = static_cast<uint32_t>(recorded_ & 1);
     slot_ = static_cast<uint32_t>(recorded_ % slots_.size());
@@ -171,6 +169,14 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
         if (image) {
             VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
             fill(barrier);
+            const auto same = std::ranges::find(images_, h.image, &VkImageMemoryBarrier2::image);
+            if (same != images_.end()) {  // in two slots, alike (check_slot_bindings)
+                same->srcStageMask |= barrier.srcStageMask;
+                same->srcAccessMask |= barrier.srcAccessMask;
+                same->dstStageMask |= barrier.dstStageMask;
+                same->dstAccessMask |= barrier.dstAccessMask;
+                continue;
+            }
             barrier.oldLayout = back ? during : outside;
             barrier.newLayout = back ? outside : during;
             barrier.image = h.image;

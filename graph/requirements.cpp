@@ -3,7 +3,7 @@
 #include "penumbra/requirements.h"
 
 #include <algorithm>
-#include <map>
+#include <array>
 #include <string_view>
 
 #include "graph/device.h"
@@ -14,38 +14,58 @@ namespace {
 
 using Kind = Requirement::Kind;
 
-// SPIR-V's capabilities that a feature or a subgroup operation of Vulkan 1.3 stands for. The rest of what
-// Vulkan lets a shader declare comes with every device.
-const std::map<uint32_t, const char*>& capability_features() {
-    static const std::map<uint32_t, const char*> features = {{9, "shaderFloat16"},
-                                                             {10, "shaderFloat64"},
-                                                             {11, "shaderInt64"},
-                                                             {12, "shaderBufferInt64Atomics"},
-                                                             {22, "shaderInt16"},
-                                                             {25, "shaderImageGatherExtended"},
-                                                             {39, "shaderInt8"},
-                                                             {49, "shaderStorageImageExtendedFormats"},
-                                                             {55, "shaderStorageImageReadWithoutFormat"},
-                                                             {56, "shaderStorageImageWriteWithoutFormat"},
-                                                             {4433, "storageBuffer16BitAccess"},
-                                                             {4434, "uniformAndStorageBuffer16BitAccess"},
-                                                             {4448, "storageBuffer8BitAccess"},
-                                                             {4449, "uniformAndStorageBuffer8BitAccess"},
-                                                             {5345, "vulkanMemoryModel"},
-                                                             {6016, "shaderIntegerDotProduct"},
-                                                             {6017, "shaderIntegerDotProduct"},
-                                                             {6018, "shaderIntegerDotProduct"},
-                                                             {6019, "shaderIntegerDotProduct"}};
-    return features;
-}
-const std::map<uint32_t, VkSubgroupFeatureFlags> capability_operations = {
+struct DeviceFeatures {
+    VkPhysicalDeviceFeatures core{};
+    VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
+    VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+    VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+};
+
+// A feature of Vulkan 1.3, whether a device has it, and the capabilities of SPIR-V that stand for it; 0: no more.
+struct NamedFeature {
+    const char* name;
+    VkBool32 (*of)(const DeviceFeatures&);
+    std::array<uint32_t, 4> capabilities;
+};
+
+#define PENUMBRA_FEATURE(group, feature) #feature, [](const DeviceFeatures& f) { return f.group.feature; }
+constexpr NamedFeature known_features[] = {
+    {PENUMBRA_FEATURE(v13, synchronization2), {}},
+    {PENUMBRA_FEATURE(v13, maintenance4), {}},
+    {PENUMBRA_FEATURE(v13, shaderIntegerDotProduct), {6016, 6017, 6018, 6019}},
+    {PENUMBRA_FEATURE(v12, bufferDeviceAddress), {}},
+    {PENUMBRA_FEATURE(v12, shaderFloat16), {9}},
+    {PENUMBRA_FEATURE(v12, shaderBufferInt64Atomics), {12}},
+    {PENUMBRA_FEATURE(v12, shaderInt8), {39}},
+    {PENUMBRA_FEATURE(v12, storageBuffer8BitAccess), {4448}},
+    {PENUMBRA_FEATURE(v12, uniformAndStorageBuffer8BitAccess), {4449}},
+    {PENUMBRA_FEATURE(v12, vulkanMemoryModel), {5345}},
+    {PENUMBRA_FEATURE(v11, storageBuffer16BitAccess), {4433}},
+    {PENUMBRA_FEATURE(v11, uniformAndStorageBuffer16BitAccess), {4434}},
+    {PENUMBRA_FEATURE(core, shaderFloat64), {10}},
+    {PENUMBRA_FEATURE(core, shaderInt64), {11}},
+    {PENUMBRA_FEATURE(core, shaderInt16), {22}},
+    {PENUMBRA_FEATURE(core, shaderImageGatherExtended), {25}},
+    {PENUMBRA_FEATURE(core, shaderStorageImageExtendedFormats), {49}},
+    {PENUMBRA_FEATURE(core, shaderStorageImageReadWithoutFormat), {55}},
+    {PENUMBRA_FEATURE(core, shaderStorageImageWriteWithoutFormat), {56}}};
+#undef PENUMBRA_FEATURE
+
+constexpr std::pair<uint32_t, VkSubgroupFeatureFlags> capability_operations[] = {
     {61, VK_SUBGROUP_FEATURE_BASIC_BIT},      {62, VK_SUBGROUP_FEATURE_VOTE_BIT},
     {63, VK_SUBGROUP_FEATURE_ARITHMETIC_BIT}, {64, VK_SUBGROUP_FEATURE_BALLOT_BIT},
     {65, VK_SUBGROUP_FEATURE_SHUFFLE_BIT},    {66, VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT},
     {67, VK_SUBGROUP_FEATURE_CLUSTERED_BIT},  {68, VK_SUBGROUP_FEATURE_QUAD_BIT}};
-// Shader, Matrix, Sampled1D, Image1D, SampledBuffer, ImageBuffer, ImageQuery: with every device.
+// Matrix, Shader, Sampled1D, Image1D, SampledBuffer, ImageBuffer, ImageQuery: with every device.
 constexpr uint32_t always_there[] = {0, 1, 43, 44, 46, 47, 50};
-const std::string unknown_capability = "SPIR-V capability ";
+constexpr std::string_view unknown_capability = "SPIR-V capability ";
+
+const NamedFeature* feature_of(uint32_t capability) {
+    const auto found = std::ranges::find_if(known_features, [&](const NamedFeature& f) {
+        return std::ranges::find(f.capabilities, capability) != f.capabilities.end();
+    });
+    return found == std::end(known_features) ? nullptr : found;
+}
 
 std::vector<uint32_t> capabilities_of(const std::vector<uint32_t>& spirv) {
     std::vector<uint32_t> found;
@@ -76,10 +96,12 @@ class Needs {
 void need_of_shader(const Plan& plan, const PlanPass& pass, Needs& needs) {
     if (!pass.module) return;
     for (const uint32_t capability : capabilities_of(plan.modules[*pass.module])) {
-        if (const auto known = capability_features().find(capability); known != capability_features().end()) {
-            needs.add(Kind::feature, known->second, 0, pass.node);
-        } else if (const auto operation = capability_operations.find(capability);
-                   operation != capability_operations.end()) {
+        if (std::ranges::find(always_there, capability) != std::end(always_there)) continue;
+        const auto operation = std::ranges::find(capability_operations, capability,
+                                                 &std::pair<uint32_t, VkSubgroupFeatureFlags>::first);
+        if (const NamedFeature* known = feature_of(capability)) {
+            needs.add(Kind::feature, known->name, 0, pass.node);
+        } else if (operation != std::end(capability_operations)) {
             needs.add(Kind::subgroup, "supportedOperations", operation->second, pass.node);
         } else if (const auto own = plan.domain->capabilities.find(capability);
                    own != plan.domain->capabilities.end()) {
@@ -87,8 +109,8 @@ void need_of_shader(const Plan& plan, const PlanPass& pass, Needs& needs) {
                 needs.add(Kind::extension, extension, 0, pass.node);
             for (const std::string& feature : own->second.features)
                 needs.add(Kind::feature, feature, 0, pass.node);
-        } else if (std::ranges::find(always_there, capability) == std::end(always_there)) {
-            needs.add(Kind::feature, unknown_capability + std::to_string(capability), 0, pass.node);
+        } else {
+            needs.add(Kind::feature, std::string(unknown_capability) + std::to_string(capability), 0, pass.node);
         }
     }
 }
@@ -107,11 +129,6 @@ void need_of_binding(const PlanBinding& b, const std::string& name, Needs& needs
     }
     if (features) needs.add(Kind::format, info(b.format).name, features, name);
 }
-
-struct NamedFeature {
-    const char* name;
-    bool there;
-};
 
 }  // namespace
 
@@ -141,6 +158,7 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
     check_physical(handles);
     const auto load = [&]<class F>(F& function, const char* name) {
         function = reinterpret_cast<F>(handles.get_instance_proc_addr(handles.instance, name));
+        if (!function) fail(ErrorCode::usage, name, "DeviceHandles::get_instance_proc_addr does not give it");
     };
     VulkanFunctions vk;
 #define PENUMBRA_LOAD(name) load(vk.name, #name);
@@ -150,34 +168,13 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
     vk.vkGetPhysicalDeviceProperties2(handles.physical, &properties);
     const uint32_t version = properties.properties.apiVersion;
-    VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-                                         version >= VK_API_VERSION_1_3 ? &v13 : nullptr};
-    VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, &v12};
-    VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                                       version >= VK_API_VERSION_1_2 ? &v11 : nullptr};
-    vk.vkGetPhysicalDeviceFeatures2(handles.physical, &features);
-    const VkPhysicalDeviceFeatures& core = features.features;
-    const NamedFeature known[] = {
-        {"synchronization2", v13.synchronization2 != 0},
-        {"maintenance4", v13.maintenance4 != 0},
-        {"shaderFloat16", v12.shaderFloat16 != 0},
-        {"shaderFloat64", core.shaderFloat64 != 0},
-        {"shaderInt64", core.shaderInt64 != 0},
-        {"shaderInt16", core.shaderInt16 != 0},
-        {"shaderBufferInt64Atomics", v12.shaderBufferInt64Atomics != 0},
-        {"shaderImageGatherExtended", core.shaderImageGatherExtended != 0},
-        {"shaderIntegerDotProduct", v13.shaderIntegerDotProduct != 0},
-        {"shaderInt8", v12.shaderInt8 != 0},
-        {"shaderStorageImageExtendedFormats", core.shaderStorageImageExtendedFormats != 0},
-        {"shaderStorageImageReadWithoutFormat", core.shaderStorageImageReadWithoutFormat != 0},
-        {"shaderStorageImageWriteWithoutFormat", core.shaderStorageImageWriteWithoutFormat != 0},
-        {"storageBuffer16BitAccess", v11.storageBuffer16BitAccess != 0},
-        {"uniformAndStorageBuffer16BitAccess", v11.uniformAndStorageBuffer16BitAccess != 0},
-        {"storageBuffer8BitAccess", v12.storageBuffer8BitAccess != 0},
-        {"uniformAndStorageBuffer8BitAccess", v12.uniformAndStorageBuffer8BitAccess != 0},
-        {"vulkanMemoryModel", v12.vulkanMemoryModel != 0},
-        {"bufferDeviceAddress", v12.bufferDeviceAddress != 0}};
+    DeviceFeatures features;
+    features.v11.pNext = &features.v12;
+    features.v12.pNext = version >= VK_API_VERSION_1_3 ? &features.v13 : nullptr;
+    VkPhysicalDeviceFeatures2 asked{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                    version >= VK_API_VERSION_1_2 ? &features.v11 : nullptr};
+    vk.vkGetPhysicalDeviceFeatures2(handles.physical, &asked);
+    features.core = asked.features;
     uint32_t count = 0;
     vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, nullptr);
     std::vector<VkExtensionProperties> extensions(count);
@@ -200,8 +197,9 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
                 // An extension's own feature is there where the extension is; nobody knows what else a shader
                 // declares.
                 return !r.name.starts_with(unknown_capability) &&
-                       std::ranges::none_of(
-                           known, [&](const NamedFeature& f) { return r.name == f.name && !f.there; });
+                       std::ranges::none_of(known_features, [&](const NamedFeature& f) {
+                           return r.name == f.name && !f.of(features);
+                       });
             case Kind::format: {
                 VkFormatProperties supported;
                 vk.vkGetPhysicalDeviceFormatProperties(handles.physical, info(*format_named(r.name)).vk,

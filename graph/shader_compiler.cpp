@@ -9,8 +9,8 @@
 #include <glslang/SPIRV/GlslangToSpv.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
-#include <regex>
 #include <set>
 #include <spirv-tools/libspirv.hpp>
 #include <spirv-tools/optimizer.hpp>
@@ -59,42 +59,85 @@ class Includer : public glslang::TShader::Includer {
     const ShaderSource& source_;
 };
 
+// A line may be of any length, and std::regex takes its stack by the character: lines are taken apart by hand.
+
+// Of "file:12: text" where the file's name ends, the line's number and where the text begins.
+struct PlaceInText {
+    size_t colon = 0, end = 0;
+    int number = 0;
+};
+std::optional<PlaceInText> place_of(const std::string& line) {
+    for (size_t colon = line.find(':'); colon != std::string::npos; colon = line.find(':', colon + 1)) {
+        PlaceInText place{colon};
+        const char* begin = line.data() + colon + 1;
+        const auto [end, error] = std::from_chars(begin, line.data() + line.size(), place.number);
+        place.end = static_cast<size_t>(end - line.data()) + 2;
+        if (error == std::errc() && line.compare(place.end - 2, 2, ": ") == 0) return place;
+    }
+    return std::nullopt;
+}
+
 // "ERROR: file:12: 'x' : undeclared identifier" -> diagnostics with places.
 void report_log(const std::string& log, const ShaderSource& source, Diagnostics& diagnostics) {
-    static const std::regex pattern(R"(^ERROR: (.+?):(\d+): (.*)$)");
+    constexpr std::string_view error = "ERROR: ";
     std::istringstream lines(log);
     bool any = false;
     for (std::string line; std::getline(lines, line);) {
-        std::smatch match;
-        if (!std::regex_match(line, match, pattern)) continue;
-        if (any && match[3].str().find("compilation terminated") != std::string::npos)
+        const auto place = line.starts_with(error) ? place_of(line) : std::nullopt;
+        if (!place) continue;
+        const std::string message = line.substr(place->end);
+        if (any && message.find("compilation terminated") != std::string::npos)
             continue;  // says nothing new
-        const std::string file = match[1] == "0" ? source.file.string() : match[1].str();
-        diagnostics.add({file, std::stoi(match[2]), 1}, "", match[3]);
+        const std::string file = line.substr(error.size(), place->colon - error.size());
+        diagnostics.add({file == "0" ? source.file.string() : file, place->number, 1}, "", message);
         any = true;
     }
     if (!any) diagnostics.add({source.file.string()}, "", "glslang: " + log);
 }
 
+// Identifiers and keywords; of numbers nothing.
+std::vector<std::string_view> words_of(std::string_view text) {
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    const auto in_word = [&](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || is_digit(c); };
+    std::vector<std::string_view> words;
+    for (auto at = std::ranges::find_if(text, in_word); at != text.end(); at = std::find_if(at, text.end(), in_word)) {
+        const auto end = std::find_if_not(at, text.end(), in_word);
+        if (!is_digit(*at)) words.emplace_back(at, end);
+        at = end;
+    }
+    return words;
+}
+
+// Whether a line is #if, #ifdef, #ifndef or #elif.
+bool is_condition(std::string_view line) {
+    constexpr std::string_view blanks = " \t\r\v\f";
+    const auto skip_blanks = [&] { line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size())); };
+    skip_blanks();
+    if (!line.starts_with('#')) return false;
+    line.remove_prefix(1);
+    skip_blanks();
+    const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
+    const std::string_view word(line.begin(), std::ranges::find_if_not(line, is_letter));
+    return word == "if" || word == "ifdef" || word == "ifndef" || word == "elif";
+}
+
 // To the preprocessor a specialisation constant is 0, without a word. Refused: #if with one of node.glsl's.
 bool asks_constants(const std::string& text, const std::string& file, const std::string& node_glsl,
                     Diagnostics& diagnostics) {
-    static const std::regex declared(R"(constant_id = \d+\) const \w+ (\w+))"),
-        condition(R"(\s*#\s*(?:el)?if(?:n?def)?\b.*)"), word(R"([A-Za-z_]\w*)");
-    std::set<std::string> constants;
-    for (std::sregex_iterator i(node_glsl.begin(), node_glsl.end(), declared), end; i != end; ++i)
-        constants.insert((*i)[1]);
+    std::set<std::string_view> constants;
+    const std::vector<std::string_view> declared = words_of(node_glsl);
+    for (size_t i = 0; i + 3 < declared.size(); ++i)  // constant_id = 7) const uint NAME
+        if (declared[i] == "constant_id" && declared[i + 1] == "const") constants.insert(declared[i + 3]);
     bool any = false;
     std::istringstream lines(text);
     std::string line;
     for (int number = 1; std::getline(lines, line); ++number) {
         line.erase(std::min(line.find("//"), line.size()));
-        if (!std::regex_match(line, condition)) continue;
-        for (std::sregex_iterator i(line.begin(), line.end(), word), end; i != end; ++i)
-            if (constants.contains(i->str())) {
-                diagnostics.add(
-                    {file, number, static_cast<int>(i->position()) + 1}, "",
-                    fmt::format("'{0}' is a constant, no macro: write if ({0}), without #", i->str()));
+        if (!is_condition(line)) continue;
+        for (const std::string_view word : words_of(line))
+            if (constants.contains(word)) {
+                diagnostics.add({file, number, static_cast<int>(word.data() - line.data()) + 1}, "",
+                                fmt::format("'{0}' is a constant, no macro: write if ({0}), without #", word));
                 any = true;
             }
     }

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+#include <map>
 
 #include "graph/interface.h"
 #include "graph/shader_cache.h"
@@ -39,7 +39,7 @@ struct UserShader {
 class FolderReader {
   public:
     FolderReader(const NodeSet& nodes, std::shared_ptr<ShaderCache> cache, Diagnostics& diagnostics)
-        : nodes_(nodes), cache_(std::move(cache)), diagnostics_(diagnostics) {}
+        : nodes_(nodes), domain_(nodes.domain()), cache_(std::move(cache)), diagnostics_(diagnostics) {}
 
     std::vector<NodeEntry> read(const fs::path& folder) {
         std::error_code error;
@@ -63,7 +63,7 @@ class FolderReader {
     std::optional<NodeEntry> read_node(const fs::path& file) {
         const auto json = read_json(file, diagnostics_);
         auto type =
-            json ? parse_node_type(*json, file.stem().string(), nodes_.domain(), diagnostics_) : std::nullopt;
+            json ? parse_node_type(*json, file.stem().string(), domain_, diagnostics_) : std::nullopt;
         if (!type) return std::nullopt;
         const size_t errors = diagnostics_.size();
         const auto error = [&](const Json* at, const std::string& path, const std::string& message) {
@@ -76,7 +76,8 @@ class FolderReader {
             error(json->find("host"), "host",
                   "only a program can bring a host node, with its callback (NodeSet::add)");
         const fs::path shader = file.parent_path() / type->shader;
-        if (!type->host && !fs::is_regular_file(shader))
+        std::error_code unreadable;
+        if (!type->host && !fs::is_regular_file(shader, unreadable))
             error(json->find("shader"), "shader", fmt::format("no file {}", shader.generic_string()));
         NodeEntry entry;
         for (const Table& table : type->tables) {
@@ -111,6 +112,7 @@ class FolderReader {
     }
 
     const NodeSet& nodes_;
+    const std::shared_ptr<const Domain> domain_;  // one for all, also where the set has none yet
     std::shared_ptr<ShaderCache> cache_;
     Diagnostics& diagnostics_;
 };
@@ -132,12 +134,11 @@ bool add_user_nodes(NodeSet& nodes, const fs::path& folder, Diagnostics& diagnos
     return true;
 }
 
-bool compile_user_nodes(const NodeSet& nodes, const CheckedPipeline& pipeline, Diagnostics& diagnostics) {
-    std::set<std::string> names;
-    for (const BoundNode& node : pipeline.nodes) names.insert(node.type().name);
+bool compile_user_nodes(const CheckedPipeline& pipeline, Diagnostics& diagnostics) {
+    std::map<std::string, const NodeEntry*> types;
+    for (const BoundNode& node : pipeline.nodes) types.emplace(node.type().name, node.entry.get());
     bool good = true;
-    for (const std::string& name : names) {
-        const NodeEntry* entry = nodes.find(name);
+    for (const auto& [name, entry] : types) {
         if (!entry->supplier) continue;
         for (const Variant& variant : all_variants(entry->type)) {
             if (find_shader(*entry, variant, diagnostics)) continue;

@@ -42,6 +42,8 @@ ViewState::ViewState(std::shared_ptr<const Program> program, const ViewOptions& 
       memory_(device_, program_.plan(), options.transients),
       writer_(device_, binding_count(program_.plan())) {
     if (options_.frames_in_flight == 0) fail(ErrorCode::usage, "ViewOptions::frames_in_flight", "is 0");
+    if (options_.heir_of && options_.heir_of->state().device_.get() != device_.get())
+        fail(ErrorCode::usage, "ViewOptions::heir_of", "is on another device");
     if (options_.poison && !plan().poison)
         fail(ErrorCode::usage, "ViewOptions::poison", "needs a plan compiled with CompileOptions::poison");
     for (size_t i = 0; i < plan().passes.size(); ++i) {
@@ -198,38 +200,6 @@ void ViewState::make_slot(Slot& slot) {
     writer_.flush();
 }
 
-void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const {
-    if (bindings.size() != plan().slots.size())
-        fail(ErrorCode::usage, plan().pipeline,
-             fmt::format("{} slots were bound, the plan has {}", bindings.size(), plan().slots.size()));
-    for (size_t i = 0; i < bindings.size(); ++i) {
-        const SlotBinding& b = bindings[i];
-        const HostSlot& slot = plan().slots[i];
-        const auto missing = [&](const char* text) {
-            fail(ErrorCode::usage, fmt::format("the slot \"{}\"", slot.name), text);
-        };
-        const PortKind kind = slot.kind;
-        const bool bound = kind == PortKind::image       ? b.image != VK_NULL_HANDLE
-                           : kind == PortKind::texels    ? b.texels != VK_NULL_HANDLE
-                           : kind == PortKind::structure ? b.structure != VK_NULL_HANDLE
-                                                         : b.buffer != VK_NULL_HANDLE;
-        if (!bound)
-            missing(slot.required ? "nothing is bound to it"
-                                  : "nothing is bound to it, and the plan was not told that it is left out");
-        if (slot.output && !b.handover)
-            missing("an image that is written is handed over (SlotBinding::handover)");
-        if (!b.handover) continue;
-        if (kind == PortKind::structure) missing("an acceleration structure cannot be handed over");
-        if (kind == PortKind::image ? b.handover->image == VK_NULL_HANDLE : b.buffer == VK_NULL_HANDLE)
-            missing("what is handed over is not named (Handover::image, SlotBinding::buffer)");
-        if (kind != PortKind::image) continue;
-        if (!slot.output && b.handover->layout_before == VK_IMAGE_LAYOUT_UNDEFINED)
-            missing("is read, and a Handover::layout_before of UNDEFINED would lose what it holds");
-        if (b.handover->layout_after == VK_IMAGE_LAYOUT_UNDEFINED)
-            missing("an image cannot be handed back in UNDEFINED (Handover::layout_after)");
-    }
-}
-
 // Written every frame, even where a handle is the same as before: drivers reuse the values of destroyed
 // handles.
 void ViewState::write_slot_bindings(const Slot& slot) {
@@ -329,6 +299,10 @@ uint64_t ViewState::bytes() const {
 
 Externals::Externals(const Plan& plan) : plan_(&plan), bindings_(plan.slots.size()) {}
 
+bool Externals::fits(const Plan& plan) const {
+    return &plan == plan_ || std::ranges::equal(plan.slots, plan_->slots, {}, &HostSlot::name, &HostSlot::name);
+}
+
 SlotBinding& Externals::operator[](std::string_view name) {
     if (const auto slot = plan_->slot(name)) return bindings_[*slot];
     std::vector<std::string> names;
@@ -364,6 +338,23 @@ View::View(std::shared_ptr<const Program> program, const ViewOptions& options) {
     state_ = std::make_unique<ViewState>(std::move(program), options);
 }
 View::~View() = default;
+
+namespace {
+
+std::span<const SlotBinding> fitting(const Externals& slots, const Plan& plan) {
+    if (!slots.fits(plan)) fail(ErrorCode::usage, plan.pipeline, "the Externals are another plan's, of other slots");
+    return slots;
+}
+
+}  // namespace
+
+void View::record(VkCommandBuffer cmd, const FrameDescription& frame, const Externals& slots) {
+    record(cmd, frame, fitting(slots, plan()));
+}
+
+void View::begin(VkCommandBuffer cmd, const FrameDescription& frame, const Externals& slots) {
+    begin(cmd, frame, fitting(slots, plan()));
+}
 
 void View::record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots) {
     state_->begin(cmd, frame, slots);

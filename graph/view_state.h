@@ -51,6 +51,8 @@ class ViewState {
     VkImageView view_of(const PlanBinding& b, uint32_t parity, uint32_t level) const;
     void make_slot(Slot& slot);
     void check_slot_bindings(std::span<const SlotBinding> bindings) const;
+    void check_slot_binding(const HostSlot& slot, const SlotBinding& binding) const;
+    void check_range(const HostSlot& slot, const SlotBinding& binding) const;
     void write_slot_bindings(const Slot& slot);
     void read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
                          std::vector<uint64_t>& ticks) const;

@@ -213,7 +213,7 @@ constexpr auto resource_keys = std::to_array<Key>({
 });
 }  // namespace
 
-constexpr Object declaration = {"declaration", "nodes/NAME.json. It writes an output, or its shader counts.",
+constexpr Object declaration = {"declaration", "NAME.json, in a folder of nodes. It writes an output, or its shader counts.",
                                 declaration_keys, "shader host"};
 constexpr Object port = {"port", "A member of `inputs` or `outputs`.", port_keys, "", "kind"};
 constexpr Object extent = {"extent", "ceil(of / div) * mul on both axes, at least 1.", extent_keys};

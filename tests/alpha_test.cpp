@@ -15,7 +15,6 @@
 #include "host/models/gltf.h"
 #include "host/scene/scene_alpha.h"
 #include "penumbra/dump.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
@@ -26,15 +25,6 @@ namespace penumbra::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-CheckedPipeline pipeline_named(const std::string& name) {
-    Diagnostics diagnostics;
-    const auto pipeline =
-        load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
 
 Texture plain_texture(uint32_t size, uint8_t alpha) {
     Texture texture{size, size, {}};
@@ -71,8 +61,8 @@ std::unique_ptr<Session> open(const char* pipeline, const Shot& shot, std::vecto
     options.captures = std::move(captures);
     Diagnostics diagnostics;
     std::vector<std::string> said;
-    auto session = Session::open(gpu(), shipped_nodes(), pipeline_named(pipeline), shot, options, diagnostics,
-                                 warnings ? *warnings : said);
+    auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline(pipeline), shot, options,
+                                 diagnostics, warnings ? *warnings : said);
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
 }
@@ -172,7 +162,7 @@ TEST(AlphaFact, CostsNothingWhereItDoesNotHold) {
             target.device = reference_device();
             target.facts["alpha"] = alpha;
             Diagnostics diagnostics;
-            auto plan = compile(pipeline_named(name), target, {}, diagnostics);
+            auto plan = compile(shipped_pipeline(name), target, {}, diagnostics);
             if (!plan) throw std::runtime_error(diagnostics.text());
             return std::move(*plan);
         };
@@ -218,7 +208,7 @@ TEST_F(Alpha, AtTheCutoffCastsAndBelowItDoesNot) {
     const auto session = open("raw", shot, {"visibility", "view_depth"});
     EXPECT_TRUE(session->plan().facts.at("alpha"));
     session->run_frame(0, true);
-    const auto depth = captured<float>(*session, "view_depth");
+    const auto depth = captured_values<float>(*session, "view_depth");
     const auto visibility = session->view().captured("visibility");
     const size_t bytes = visibility.size() / depth.size();
     size_t high[2] = {}, dark[2] = {};

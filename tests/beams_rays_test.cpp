@@ -4,7 +4,6 @@
 #include <map>
 
 #include "host/bvh/bvh.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
@@ -15,14 +14,6 @@ namespace penumbra::test {
 namespace {
 
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
-
-CheckedPipeline pipeline_named(const std::string& name, const std::vector<std::string>& settings = {}) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), settings, diagnostics);
-    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
 
 struct Verdicts {
     size_t receivers = 0, lit = 0, shadowed = 0, traced = 0;
@@ -42,7 +33,7 @@ Verdicts judge(Shot shot, double angle_deg, uint32_t side) {
     std::vector<std::string> warnings;
     const auto session =
         Session::open(gpu(), shipped_nodes(),
-                      pipeline_named("many_rays", {"nodes.classify.out.undecided_words=undecided_words"}),
+                      shipped_pipeline("many_rays", {"nodes.classify.out.undecided_words=undecided_words"}),
                       shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
@@ -51,13 +42,14 @@ Verdicts judge(Shot shot, double angle_deg, uint32_t side) {
     const EmbreeScene embree(triangles);
     const StandaloneFrame standalone = session->host().frame(0, true);
     const RayMaker maker(*session, shipped_nodes(), standalone);
-    const auto depth = captured<float>(*session, "view_depth");
-    const auto normal = captured<NormalTexel>(*session, "receiver_normal");
-    const auto receivers = captured<uint32_t>(*session, "receiver_words"),
-               candidates = captured<uint32_t>(*session, "undecided_words"),
-               hits = captured<uint32_t>(*session, "preloaded_hits");
-    const uint32_t tiles_x = (shot.size[0] + 7) / 8, listed = captured<uint32_t>(*session, "trace_args")[3];
-    const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
+    const auto depth = captured_values<float>(*session, "view_depth");
+    const auto normal = captured_values<NormalTexel>(*session, "receiver_normal");
+    const auto receivers = captured_values<uint32_t>(*session, "receiver_words"),
+               candidates = captured_values<uint32_t>(*session, "undecided_words"),
+               hits = captured_values<uint32_t>(*session, "preloaded_hits");
+    const uint32_t tiles_x = (shot.size[0] + 7) / 8,
+                   listed = captured_values<uint32_t>(*session, "trace_args")[3];
+    const auto list = captured_values<std::array<uint32_t, 4>>(*session, "tile_list");
     std::vector<uint32_t> undecided(candidates.size());
     for (uint32_t i = 0; i < listed; ++i)
         undecided[(list[i][0] >> 16) * tiles_x + (list[i][0] & 0xffff)] = list[i][1];
@@ -142,13 +134,13 @@ void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> f
         options.captures = {"hits", "visibility"};
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        const auto session = Session::open(gpu(), shipped_nodes(), pipeline_named(pipeline, settings), shot,
+        const auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline(pipeline, settings), shot,
                                            options, diagnostics, warnings);
         ASSERT_TRUE(session) << diagnostics.text();
         for (const uint32_t frame : frames) {
             session->run_frame(frame, frame == *frames.begin());
-            runs[pipeline].words.push_back(captured<uint32_t>(*session, "hits"));
-            runs[pipeline].images.push_back(captured<uint8_t>(*session, "visibility"));
+            runs[pipeline].words.push_back(captured_values<uint32_t>(*session, "hits"));
+            runs[pipeline].images.push_back(captured_values<uint8_t>(*session, "visibility"));
         }
     }
     const Run& raw = runs.at("raw");

@@ -8,8 +8,8 @@
 #include <cstring>
 
 #include "app/session.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -27,16 +27,13 @@ class Beams : public GpuTest {
     void open(const Shot& shot) {
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        const auto pipeline = load_pipeline(
-            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/many_rays.json", {}, diagnostics);
-        const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
-        ASSERT_TRUE(checked) << diagnostics.text();
+        const CheckedPipeline checked = shipped_pipeline("many_rays");
         SessionOptions options;
         options.size = shot.size;
         options.optimum = false;
         options.jitter = false;
         options.captures = {"proved"};
-        session_ = Session::open(gpu(), nodes_, *checked, shot, options, diagnostics, warnings);
+        session_ = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
         ASSERT_TRUE(session_) << diagnostics.text();
     }
 
@@ -56,7 +53,6 @@ class Beams : public GpuTest {
         return words;
     }
 
-    const NodeSet nodes_ = shadow_nodes();
     std::unique_ptr<Session> session_;
 };
 

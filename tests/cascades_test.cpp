@@ -18,6 +18,7 @@
 #include "host/models/glb_writer.h"
 #include "host/models/shapes.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -116,14 +117,11 @@ Frames run(const char* name, const std::vector<std::string>& settings, const Sho
            SessionOptions options = {}) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto pipeline =
-        load_pipeline(root / "pipelines" / (std::string(name) + ".json"), settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
+    const CheckedPipeline checked = shipped_pipeline(name, settings);
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"visibility"};
-    const auto session = Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     Frames frames;
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {

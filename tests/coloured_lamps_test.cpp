@@ -69,7 +69,7 @@ std::unique_ptr<Session> shown(const Shot& shot, const char* pipeline, std::vect
 
 std::vector<glm::dvec3> colours_of(const Session& session, const char* name) {
     std::vector<glm::dvec3> out;
-    for (const auto& t : captured<std::array<uint8_t, 4>>(session, name))
+    for (const auto& t : captured_values<std::array<uint8_t, 4>>(session, name))
         out.emplace_back(t[0] / 255.0, t[1] / 255.0, t[2] / 255.0);
     return out;
 }
@@ -87,7 +87,7 @@ Colours seen_among_several(const Shot& shot, const Facts& facts = {}) {
     const auto session = shown(shot, "lights", {"transmittances", "masks", "illuminance"},
                                {R"(outputs=["transmittances","masks","illuminance"])"}, facts);
     Colours out{colours_of(*session, "transmittances"), light_of(*session, "illuminance"), {}};
-    for (const uint8_t v : captured<uint8_t>(*session, "masks")) out.visibility.push_back(v / 255.0);
+    for (const uint8_t v : captured_values<uint8_t>(*session, "masks")) out.visibility.push_back(v / 255.0);
     return out;
 }
 

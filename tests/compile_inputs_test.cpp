@@ -137,7 +137,13 @@ TEST(CompileOutputs, AreMadeForWhatTheHostDoesWithThem) {
     target.device.supports = [](Format, VkFormatFeatureFlags features) {
         return !(features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT);
     };
-    EXPECT_NE(compile_text(set, body, target).errors.find("cannot sample r16f, the format of \"value\""),
+    EXPECT_NE(compile_text(set, body, target).errors.find("outputs.value: the device"), std::string::npos);
+    target.device.supports = [](Format, VkFormatFeatureFlags features) {
+        return !(features & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT);
+    };
+    EXPECT_EQ(compile_text(set, body, target, options).errors, "");
+    options.outputs["value"].image_usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    EXPECT_NE(compile_text(set, body, target, options).errors.find("outputs.value: the device"),
               std::string::npos);
 }
 

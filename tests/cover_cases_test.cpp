@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/cover_run.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
@@ -226,9 +227,9 @@ TEST_F(CoverCases, TwoRunsAndAnyMemoryGiveTheSameBits) {
             if (variant == 3) options.poison = 0xffffffffu;
             const auto session = Session::open(
                 gpu(), cover_nodes(),
-                pipeline_with(pipeline, pipeline == std::string("covered")
-                                            ? std::vector<std::string>{}
-                                            : std::vector<std::string>{"nodes.cover.params.budget=40"}),
+                shipped_pipeline(pipeline, pipeline == std::string("covered")
+                                               ? std::vector<std::string>{}
+                                               : std::vector<std::string>{"nodes.cover.params.budget=40"}),
                 shot, options, diagnostics, warnings);
             ASSERT_TRUE(session) << diagnostics.text();
             std::vector<std::vector<float>> images;

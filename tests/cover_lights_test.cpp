@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "tests/light_plate.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
@@ -39,18 +40,15 @@ Frame rendered(const Shot& shot, const std::string& light = {}, std::vector<std:
                const Facts& facts = {}) {
     Diagnostics diagnostics;
     settings.emplace_back("outputs=[\"masks\",\"illuminance\"]");
-    const auto pipeline =
-        load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/lights.json", settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
+    const CheckedPipeline checked = shipped_pipeline("lights", settings);
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
-    options.captures = checked->output_names();
+    options.captures = checked.output_names();
     options.light = light;
     options.facts = facts;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
     Frame frame;

@@ -66,9 +66,9 @@ class CoverRun {
             mates[c[0] / 3] = {c[3] / 3, int(c[0] % 3), int(c[3] % 3)};
             mates[c[3] / 3] = {c[0] / 3, int(c[3] % 3), int(c[0] % 3)};
         }
-        depth_ = captured<float>(run_.session(), "view_depth");
-        normals_ = captured<NormalTexel>(run_.session(), "receiver_normal");
-        words_ = captured<uint32_t>(run_.session(), "receiver_words");
+        depth_ = captured_values<float>(run_.session(), "view_depth");
+        normals_ = captured_values<NormalTexel>(run_.session(), "receiver_normal");
+        words_ = captured_values<uint32_t>(run_.session(), "receiver_words");
         maker_ = std::make_unique<RayMaker>(run_.session(), cover_nodes(), standalone_);
         const glm::dvec3 s = glm::make_vec3(standalone_.sun.to_sun.v);
         // sun_frame(), in double precision.

@@ -9,24 +9,15 @@
 
 #include "app/session.h"
 #include "host/truth/analytic.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/edge_run.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
 
 class Denoise : public GpuTest {};
-
-CheckedPipeline denoise_pipeline(const std::vector<std::string>& settings = {}) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/denoise.json",
-                                        settings, diagnostics);
-    auto result = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
 
 // Rays of a pipeline of ours on a straight edge, handed to denoise.json frame by frame. `knows`: gather's
 // parameter rays. A host may have rays for some pixels only: a word per 8x4 pixels, of the frame's number.
@@ -100,7 +91,7 @@ class ForeignRays {
         settings.push_back("nodes.gather.params.rays=" + knows);
         if (knows != "bits") settings.emplace_back("inputs.blockers={}");
         if (knows == "known") settings.emplace_back("inputs.ray_points={}");
-        return denoise_pipeline(settings);
+        return shipped_pipeline("denoise", settings);
     }
     static ViewRunOptions run_options() {
         ViewRunOptions options;
@@ -252,8 +243,9 @@ class WallHost {
 };
 
 CheckedPipeline by_input(bool mask) {
-    if (!mask) return denoise_pipeline();
-    return denoise_pipeline({"inputs.hits=null", "inputs.mask={}", "nodes.prepare.params.source=image"});
+    if (!mask) return shipped_pipeline("denoise");
+    return shipped_pipeline("denoise",
+                            {"inputs.hits=null", "inputs.mask={}", "nodes.prepare.params.source=image"});
 }
 
 TEST_F(Denoise, ComesFromAHostsBitsAndFromItsMaskAlike) {
@@ -288,9 +280,9 @@ TEST_F(Denoise, DoesNotShowAliasingOrPoison) {
 TEST_F(Denoise, BelievesAPixelsOwnRaysBeforeOthersThatAgree) {
     const uint32_t pixel = 96 * 33 + 49, nine = 0b1'0001'1111, nearly_lit = 0b1'0000'0001;
     for (const uint32_t from : {0u, 24u}) {
-        WallHost host(denoise_pipeline({"inputs.ray_words={}", "inputs.ray_bits={}",
-                                        "nodes.gather.out.frame_worth=frame_worth",
-                                        "nodes.drift.in.frames=frame_worth"}));
+        WallHost host(shipped_pipeline(
+            "denoise", {"inputs.ray_words={}", "inputs.ray_bits={}",
+                        "nodes.gather.out.frame_worth=frame_worth", "nodes.drift.in.frames=frame_worth"}));
         host.with_further({pixel, nearly_lit, nine, from});
         for (uint32_t index = 0; index < from; ++index) host.frame(index);
         const std::vector<float> image = host.frame(from);

@@ -101,7 +101,7 @@ Accumulated accumulate(const DenoiserInputs& in, const DenoiserState& before,
         const size_t there = at(in, static_cast<int>(u * in.width), static_cast<int>(v * in.height));
         const double expected = in.expected_depth[at(in, x, y)];
         const double grazing = std::pow(1 - std::clamp(in.facing[at(in, x, y)], 0.0, 1.0), 8);
-        const double tolerance = settings.adaptive_disocclusion ? std::lerp(0.01, 0.1, grazing) : 0.01;
+        const double tolerance = std::lerp(0.01, 0.1, grazing);
         if (std::abs(before.view_depth[there] - expected) < tolerance * expected) m = before.moments[there];
     }
     const double old_mean = m.mean;

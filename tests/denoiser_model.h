@@ -60,7 +60,6 @@ enum class Storage { exact, nearest, toward_zero };
 struct DenoiserSettings {
     Storage storage = Storage::nearest;
     double clamp_sigma = 0.5;
-    bool adaptive_disocclusion = true;
     bool contrast = true;  // the published last pass
 };
 

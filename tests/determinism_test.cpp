@@ -10,13 +10,13 @@
 
 #include "app/session.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
 
-const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 
 // A node that works through a list of tiles, and the list; the dispatch's arguments are named after it.
 struct ListReader {
@@ -51,20 +51,17 @@ std::vector<std::string> with_budget(std::string_view name, std::vector<std::str
 std::unique_ptr<Session> open(const std::string& name, const std::vector<std::string>& settings,
                               const std::vector<std::string>& captures) {
     Diagnostics diagnostics;
-    const auto pipeline =
-        load_pipeline(root / "pipelines" / (name + ".json"), with_budget(name, settings), diagnostics);
-    const auto checked = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
+    const CheckedPipeline checked = shipped_pipeline(name, with_budget(name, settings));
     const Shot shot = plaza_shot({160, 90}, 8);
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.captures = captures;
-    for (const std::string& output : checked->output_names()) options.captures.push_back(output);
+    for (const std::string& output : checked.output_names()) options.captures.push_back(output);
     if (has_beams(name)) options.captures.emplace_back("proved");
     if (name == "lit") options.captures.emplace_back("visibility");
     std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);
+    auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
 }

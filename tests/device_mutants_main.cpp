@@ -14,11 +14,11 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 
 #include "app/pipeline_file.h"
 #include "app/session.h"
 #include "tests/plan_mutants.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -169,17 +169,6 @@ bool run_all(const std::string& pipeline, bool poisoned, Counts& counts) {
     }
 }
 
-// All that the standalone host can feed.
-std::vector<std::string> shipped() {
-    std::vector<std::string> names;
-    for (const auto& file : std::filesystem::directory_iterator(PENUMBRA_SOURCE_DIR "/pipelines")) {
-        const std::string name = file.path().stem().string();
-        if (name.find('.') == std::string::npos && !name.starts_with("denoise")) names.push_back(name);
-    }
-    std::ranges::sort(names);
-    return names;
-}
-
 int run_all_of(const std::vector<std::string>& pipelines) {
     Counts all[2];
     bool good = true;
@@ -214,5 +203,5 @@ int run_all_of(const std::vector<std::string>& pipelines) {
 
 int main(int count, char** arguments) {
     const std::vector<std::string> named(arguments + 1, arguments + count);
-    return penumbra::test::run_all_of(named.empty() ? penumbra::test::shipped() : named);
+    return penumbra::test::run_all_of(named.empty() ? penumbra::test::rendering_pipeline_files() : named);
 }

@@ -13,10 +13,10 @@
 #include "app/tile_beams.h"
 #include "host/images/image_decode.h"
 #include "host/truth/coverage.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/cli_run.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
@@ -35,16 +35,14 @@ class CoverageTwin : public GpuTest {
     Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        const auto pipeline = load_pipeline(
-            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/covered.json",
-            {std::vector<std::string>{"nodes.cover.params.samples=" + std::to_string(samples)}}, diagnostics);
-        const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
-        EXPECT_TRUE(checked) << diagnostics.text();
+        const CheckedPipeline checked =
+            shipped_pipeline("covered", {"nodes.cover.params.samples=" + std::to_string(samples)});
         SessionOptions options;
         options.size = shot.size;
         options.optimum = false;
         options.captures = {"view_depth", "receiver_normal", "visibility"};
-        const auto session = Session::open(gpu(), nodes_, *checked, shot, options, diagnostics, warnings);
+        const auto session =
+            Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
         EXPECT_TRUE(session) << diagnostics.text();
         session->run_frame(frame, true);
         return compare(*session, frame, samples);
@@ -62,12 +60,12 @@ class CoverageTwin : public GpuTest {
 
   protected:
     Differences compare(const Session& session, uint32_t frame, uint32_t samples) const {
-        const auto depth = captured<float>(session, "view_depth");
-        const auto normal = captured<NormalTexel>(session, "receiver_normal");
+        const auto depth = captured_values<float>(session, "view_depth");
+        const auto normal = captured_values<NormalTexel>(session, "receiver_normal");
         const std::vector<float> visibility = captured_image(session, "visibility").planes.at(0).values;
         const StandaloneFrame at = session.host().frame(frame, true);
         std::vector<uint32_t> noise(16384);
-        std::memcpy(noise.data(), nodes_.find("cover")->tables[0].texels.data(), noise.size() * 4);
+        std::memcpy(noise.data(), shipped_nodes().find("cover")->tables[0].texels.data(), noise.size() * 4);
         const SampledSun sun(samples);
         const CoverageScene scene(session.host().scene(), frame);
         const Extent extent = session.plan().extent;
@@ -87,8 +85,6 @@ class CoverageTwin : public GpuTest {
         }
         return d;
     }
-
-    const NodeSet nodes_ = shadow_nodes();
 };
 
 void expect_alike(const Differences& d, double least_penumbra) {
@@ -263,18 +259,14 @@ TEST_F(Explain, ReportsThatSayNothingOfTimeAreTheCommandsMistake) {
 TEST_F(CoverageTwin, BeamsSeeWhatTheNodeDecidedBy) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto pipeline =
-        load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/many_rays.json",
-                      TileBeams::settings(), diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
-    ASSERT_TRUE(checked) << diagnostics.text();
+    const CheckedPipeline checked = shipped_pipeline("many_rays", TileBeams::settings());
     Shot shot = shipped("colonnade");
     shot.size = {320, 180};
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.captures = TileBeams::captures();
-    const auto session = Session::open(gpu(), nodes_, *checked, shot, options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
     session->run_frame(0, true);
     const TileBeams tiles(*session, 0);
@@ -338,17 +330,13 @@ TEST_F(CoverageTwin, ShearedRaysTellAPixelsSunAndUnshearedOnesABlur) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto run = [&](const char* name, const std::vector<std::string>& captures) {
-        const auto pipeline = load_pipeline(
-            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (std::string(name) + ".json"), {},
-            diagnostics);
-        const auto checked = pipeline ? check(*pipeline, nodes_, diagnostics) : std::nullopt;
-        EXPECT_TRUE(checked) << diagnostics.text();
+        const CheckedPipeline checked = shipped_pipeline(name);
         SessionOptions options;
         options.size = shot.size;
         options.optimum = false;
         options.jitter = false;
         options.captures = captures;
-        auto session = Session::open(gpu(), nodes_, *checked, shot, options, diagnostics, warnings);
+        auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
         EXPECT_TRUE(session) << diagnostics.text();
         session->run_frame(0, true);
         return session;

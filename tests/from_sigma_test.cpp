@@ -8,6 +8,7 @@
 
 #include "shaders/common/blocks.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -67,20 +68,11 @@ std::vector<float> radii_of(const Rays& rays) {
     return radii;
 }
 
-CheckedPipeline pipeline(const std::string& file, const std::vector<std::string>& settings) {
-    Diagnostics diagnostics;
-    const auto read =
-        load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / file, settings, diagnostics);
-    auto result = read ? check(*read, test_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
-
 // A wall that faces the camera and the sun.
 class Wall {
   public:
-    explicit Wall(const std::string& file, const std::vector<std::string>& settings = {})
-        : run_(pipeline(file, settings), extent, options(file)) {
+    explicit Wall(const std::string& name, const std::vector<std::string>& settings = {})
+        : run_(shipped_pipeline(name, settings), extent, options(name)) {
         run_.set("depth", std::vector<float>(pixels, 0.01f));  // near / view depth
         run_.set("normal", std::vector<std::array<float, 4>>(pixels, {0, 0, 1, 0}));
         run_.set("motion", std::vector<std::array<uint16_t, 4>>(pixels));
@@ -95,10 +87,10 @@ class Wall {
     }
 
   private:
-    static ViewRunOptions options(const std::string& file) {
+    static ViewRunOptions options(const std::string& name) {
         ViewRunOptions options;
         options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba32f}, {"motion", Format::rgba16f}};
-        if (file == "denoise_sigma.json") options.formats["penumbra"] = Format::r32f;
+        if (name == "denoise_sigma") options.formats["penumbra"] = Format::r32f;
         return options;
     }
     ViewRun run_;
@@ -108,7 +100,7 @@ class FromSigma : public GpuTest {};
 
 TEST_F(FromSigma, TheSameRaysInBothFormsAreTheSamePicture) {
     const std::vector<std::string> distances{"inputs.blockers={}", "nodes.gather.params.rays=distances"};
-    Wall words("denoise.json", distances), others("denoise.json", distances), radii("denoise_sigma.json");
+    Wall words("denoise", distances), others("denoise", distances), radii("denoise_sigma");
     for (uint32_t index = 0; index < 3; ++index) {
         const Rays rays = rays_of(index);
         for (const auto& [wall, times] : {std::pair{&words, 1.0f}, std::pair{&others, 0.125f}}) {

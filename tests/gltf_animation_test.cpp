@@ -114,5 +114,73 @@ TEST(GltfFeatures, JointsThatAreNotThereAreErrors) {
     EXPECT_NE(diagnostics.text().find("joint 7 of 1"), std::string::npos) << diagnostics.text();
 }
 
+// A node that an animation makes of nothing is there from the first frame on, with triangles of no area.
+TEST(GltfFeatures, WhatIsNothingAtFirstMayGrow) {
+    for (const int nothing : {0, 1}) {  // which key
+        std::vector<float> scales(6, 1);
+        for (size_t axis = 0; axis < 3; ++axis) scales[size_t(nothing) * 3 + axis] = 0;
+        Glb glb = animated_file("scale", "LINEAR", {0, 1}, scales, "VEC3", 3);
+        const Model model = loaded(glb, "grows.glb");
+        Shot shot;
+        shot.fps = 10;
+        shot.animation = "0";
+        const Scene scene(model, shot);
+        EXPECT_EQ(scene.dropped_instances(), 0);
+        ASSERT_EQ(scene.triangles(0).size(), 2u);
+        EXPECT_NEAR(scene.box(0)[1].x, nothing == 0 ? 0 : 1, 1e-12);
+        EXPECT_NEAR(scene.box(5)[1].x, 0.5, 1e-6);
+        shot.animation.clear();
+        EXPECT_EQ(Scene(model, shot).dropped_instances(), 0) << "at rest it has its own scale";
+        Model gone = model;
+        gone.nodes[0].scale = glm::dvec3(0);
+        EXPECT_EQ(Scene(gone, shot).dropped_instances(), 1) << "what never moves stays nothing";
+    }
+}
+
+// Morph weights are the node's, and those of each of its instances; so are their keys.
+TEST(GltfFeatures, InstancesHaveTheirNodesMorphs) {
+    Glb glb = animated_file("weights", "LINEAR", {0, 1}, {0, 1}, "SCALAR", 1);
+    primitive(glb)["targets"] = {{{"POSITION", glb.floats({0, 0, 3, 0, 0, 3, 0, 0, 3, 0, 0, 3}, "VEC3", 3)}}};
+    const int translations = glb.floats({0, 0, 0, 5, 0, 0}, "VEC3", 3);
+    glb.json["nodes"][0]["extensions"] = {
+        {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", translations}}}}}};
+    glb.json["nodes"][0]["weights"] = {0.25};
+    Shot shot;
+    shot.fps = 10;
+    const Model model = loaded(glb, "morphs.glb");
+    const Part& part = model.meshes[0].parts[0];
+    const Scene still(model, shot);
+    ASSERT_EQ(still.instances().size(), 2u);
+    shot.animation = "0";
+    const Scene moving(model, shot);
+    for (size_t i = 0; i < 2; ++i) {
+        EXPECT_NEAR(still.positions(still.instances()[i], part, 0)[0].z, 0.75, 1e-6) << i;
+        EXPECT_NEAR(moving.positions(moving.instances()[i], part, 5)[0].z, 1.5, 1e-6) << i;
+    }
+}
+
+// A skin's vertices are told from its first joint: fp32 in the scene's frame would lose the millimetre.
+TEST(GltfFeatures, SkinsFarAwayKeepTheirShape) {
+    Glb glb = square_file();
+    const std::array<std::array<uint8_t, 4>, 4> joints{};
+    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    glb.json["nodes"] = {
+        {{"mesh", 0}, {"skin", 0}},
+        {{"name", "root"}, {"translation", {5e5, 50, 5.4e6}}, {"scale", {1e-3, 1e-3, 1e-3}}}};
+    glb.json["scenes"] = {{{"nodes", {0, 1}}}};
+    glb.json["skins"] = {{{"joints", {1}}}};
+    const Scene scene(loaded(glb, "far.glb"), Shot{});
+    double area = 0;
+    for (const Triangle& t : scene.triangles(0)) {
+        const auto corner = [&](size_t i) { return glm::dvec3(t.v[i][0], t.v[i][1], t.v[i][2]); };
+        area += 0.5 * glm::length(glm::cross(corner(1) - corner(0), corner(2) - corner(0)));
+    }
+    EXPECT_NEAR(area, 1e-6, 1e-9);
+    EXPECT_NEAR(scene.bounds()[0].x, 5e5, 1e-9);
+    EXPECT_NEAR(scene.bounds()[1].z, 5.4e6, 1e-9);
+}
+
 }  // namespace
 }  // namespace penumbra

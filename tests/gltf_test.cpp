@@ -323,12 +323,62 @@ TEST(MovedBoxes, OfTooManySomeShareOne) {
     }
 }
 
-TEST(Scene, FlattenedNodesShowNothing) {
+// Two directions are enough for something to be seen; what is a line or a point is counted.
+TEST(Scene, FlatAndThinNodesAreShown) {
+    Part cube{.positions = {}, .indices = {}};
+    for (int i = 0; i < 8; ++i) cube.positions.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    cube.indices = {0, 1, 3, 0, 3, 2, 0, 4, 5, 0, 5, 1};
+    const glm::dquat turned = glm::normalize(glm::dquat(1, .3, -.2, .5));
+    const auto scene_of = [&](const glm::dvec3& scale) {
+        Model model;
+        model.meshes.push_back({{cube}});
+        model.nodes = {Node{.name = "n", .mesh = 0, .rotation = turned, .scale = scale}};
+        return Scene(std::move(model), Shot{});
+    };
+    for (const glm::dvec3 scale :
+         {glm::dvec3(.01, .01, 50), {10, 0, 10}, {0, 3, 4}, {-10, 0, 10}, {1e-5, 1e-5, 100}}) {
+        const Scene scene = scene_of(scale);
+        ASSERT_EQ(scene.instances().size(), 1u) << scale.x;
+        const glm::dmat3 shown(scene.transforms(0)[0]), inverse = glm::inverse(shown);
+        EXPECT_GT(std::abs(glm::determinant(shown)), 0) << "normals and the way back need an inverse";
+        EXPECT_TRUE(std::isfinite(inverse[0][0] + inverse[1][1] + inverse[2][2]));
+        const glm::dmat3 wanted =
+            glm::mat3_cast(turned) * glm::dmat3(scale.x, 0, 0, 0, scale.y, 0, 0, 0, scale.z);
+        for (int c = 0; c < 3; ++c) EXPECT_LT(glm::length(shown[c] - wanted[c]), 2e-6 * 100);
+        EXPECT_EQ(glm::determinant(shown) < 0,
+                  scale.x * (scale.y == 0 ? 1 : scale.y) * scale.z < 0 && scale.y != 0)
+            << "flat is not mirrored";
+        EXPECT_GT(area_of(scene.triangles(0)), 0);
+    }
+    for (const glm::dvec3 scale : {glm::dvec3(0, 0, 5), {0, 0, 0}, {NAN, 1, 1}, {1e200, 1e200, 1e200}})
+        EXPECT_EQ(scene_of(scale).dropped_instances(), 1) << scale.z;
+}
+
+// What no triangle uses is not seen, and a box is of what is seen.
+TEST(Scene, BoxesLeaveOutVerticesThatNothingUses) {
     Model model = small_model();
-    model.nodes[1].scale = {1, 0, 1};
+    model.meshes[0].parts[0].positions.emplace_back(1e6f, INFINITY, 0.0f);
     const Scene scene(std::move(model), Shot{});
-    EXPECT_EQ(scene.dropped_instances(), 1);
-    EXPECT_TRUE(scene.triangles(0).empty());
+    EXPECT_NEAR(scene.box(0)[1].x, 4, 1e-9);
+    EXPECT_NEAR(scene.box(0)[1].y, 2, 1e-9);
+}
+
+// fp32 is finest about the origin of the tree: the middle, but of a very large box where the camera is.
+TEST(Scene, AStrayFarAwayLeavesTheTreeFineAtTheCamera) {
+    for (const double far : {1e3, 1.5e4, 2e4, 2e5, 2e8}) {
+        Model model = small_model();
+        model.nodes.push_back(Node{.name = "stray", .mesh = 0, .translation = {far, 0, 0}});
+        Shot shot;
+        shot.camera = {{.frame = 0, .position = {1, 50, 3}}, {.frame = 9, .position = {3, 50, 3}}};
+        const Scene scene(std::move(model), shot);
+        const glm::dvec3 middle = 0.5 * (scene.bounds()[0] + scene.bounds()[1]);
+        if (far < 1.6e4)
+            EXPECT_EQ(scene.bvh_origin(), middle) << far;
+        else
+            EXPECT_EQ(scene.bvh_origin(), glm::dvec3(2, scene.bounds()[1].y, scene.bounds()[1].z)) << far;
+        const float x = scene.triangles(0)[0].v[2][0];
+        EXPECT_NEAR(x + scene.bvh_origin().x, 2, far < 1.6e4 ? 5e-4 : 1e-6) << far;
+    }
 }
 
 TEST(Colonnade, IsTheSameEachTimeAndHasItsGate) {

@@ -5,7 +5,10 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <regex>
 
+#include "app/pipeline_file.h"
+#include "penumbra/shadow_nodes.h"
 #include "penumbra/user_nodes.h"
 #include "tests/embedding_host.h"
 #include "tests/toy_nodes.h"
@@ -163,6 +166,9 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
     const auto program = std::make_shared<Program>(handles_of(gpu()), plan);
     usage([&] { View(program, {.frames_in_flight = 0}); }, "ViewOptions::frames_in_flight", "0");
     usage([&] { View(program, {.poison = 0}); }, "ViewOptions::poison", "compiled with");
+    const Device second({});
+    const View theirs(std::make_shared<Program>(handles_of(second), plan), {});
+    usage([&] { View(program, {.heir_of = &theirs}); }, "ViewOptions::heir_of", "another device");
     View view(program, {});
     Externals externals(*plan);
     usage([&] { externals["givn"]; }, "p", "did you mean \"given\"?");
@@ -187,8 +193,80 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
         handover.layout_before = handover.layout_after;
         handover.layout_after = VK_IMAGE_LAYOUT_UNDEFINED;
         usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "handed back");
+        handover.layout_after = handover.layout_before;
+        externals["given"].layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+        usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "layout");
+        usage([&] { view.record(cmd, FrameDescription{}, externals); }, "p", "0x0");
     });
     usage([&] { view.record(VK_NULL_HANDLE, description(0), externals); }, "p", "command buffer");
+}
+
+// As many slots, of other names: the first of either would be bound to the other's.
+TEST_F(HostAsksGpu, ExternalsOfAnotherPlanAreRefused) {
+    const CheckedPipeline pipeline = checked(given_and_history);
+    const auto plan = plan_of(pipeline, {}), alike = plan_of(pipeline, {.alias = false});
+    const auto other =
+        plan_of(checked(std::regex_replace(given_and_history, std::regex("given"), "another")), {});
+    ASSERT_EQ(other->slots.size(), plan->slots.size());
+    View view(std::make_shared<Program>(handles_of(gpu()), plan), {});
+    Externals theirs(*other);
+    EXPECT_TRUE(Externals(*alike).fits(*plan));
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { view.record(cmd, description(0), theirs); }, "p", "another plan's");
+        usage([&] { view.begin(cmd, description(0), theirs); }, "p", "another plan's");
+    });
+}
+
+// What Vulkan would refuse of a block, or read beyond. Handles are never looked at: nothing is recorded.
+TEST_F(HostAsksGpu, APartOfABufferThatCannotBeABlockIsRefused) {
+    const auto pipeline = open_pipeline(PENUMBRA_SOURCE_DIR "/pipelines/raw.json", {}, shadow_nodes());
+    ASSERT_TRUE(pipeline);
+    const auto plan = plan_of(*pipeline, {});
+    View view(std::make_shared<Program>(handles_of(gpu()), plan), {});
+    Externals externals(*plan);
+    for (const HostSlot& slot : plan->slots) {
+        SlotBinding& b = externals[slot.name];
+        b.image = reinterpret_cast<VkImageView>(1);
+        b.texels = reinterpret_cast<VkBufferView>(1);
+        b.buffer = reinterpret_cast<VkBuffer>(1);
+        b.structure = reinterpret_cast<VkAccelerationStructureKHR>(1);
+    }
+    const auto refused = [&](VkDeviceSize offset, VkDeviceSize range, const std::string& text) {
+        externals["sun"].offset = offset;
+        externals["sun"].range = range;
+        gpu().run([&](VkCommandBuffer cmd) {
+            usage([&] { view.record(cmd, description(0), externals); }, "the slot \"sun\"", text);
+        });
+    };
+    refused(0, 4, "4 bytes are bound to it, of a block of");
+    refused(0, 0, "0 bytes");
+    refused(1, VK_WHOLE_SIZE, "no multiple");
+}
+
+TEST_F(HostAsksGpu, AFrameThatWasBegunIsEndedOrThrownAway) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, {})), {});
+    const auto begin = [&](uint32_t flags) {
+        gpu().run([&](VkCommandBuffer cmd) {
+            FrameDescription frame = description(0);
+            frame.flags = flags;
+            view.begin(cmd, frame, std::span<const SlotBinding>{});
+            view.record_pass(cmd, 0);
+        });
+    };
+    begin(0);
+    usage([&] { begin(0); }, view.plan().pipeline, "not ended");
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { view.record(cmd, description(0), {}); }, view.plan().pipeline, "not ended");
+    });
+    EXPECT_NO_THROW(begin(frame_reset));
+}
+
+TEST_F(HostAsksGpu, ATargetThatTellsNothingOfItsDeviceIsADiagnostic) {
+    const CheckedPipeline pipeline = checked(given_and_history);
+    Diagnostics diagnostics;
+    EXPECT_FALSE(compile(pipeline, {.extent = {width, height}}, {}, diagnostics));
+    EXPECT_NE(diagnostics.text().find("Target::device tells nothing"), std::string::npos);
 }
 
 // Offsets are one device's: a plan for another would bind images on top of each other.

@@ -155,7 +155,7 @@ TEST_F(Instances, AMemberReadsTheOneBeforeAndAnyoneTheLast) {
         "nodes.all.in.signal: \"half\" is of \"lights\", of which the node is none; there is \"half@last\"");
     EXPECT_EQ(
         error(pipeline(), {R"(nodes.filter1.in.signal="half@next")"}),
-        "nodes.filter1.in.signal: \"@next\": only the previous frame's value is kept; write \"half@-1\"");
+        "nodes.filter1.in.signal: no \"@next\"; there are @-1, @before and @last");
 }
 
 TEST_F(Instances, MistakesAreSaid) {

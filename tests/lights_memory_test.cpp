@@ -2,10 +2,9 @@
 // What one more light takes in lights_shadows.json: its past and its mask, and little beside them.
 #include <gtest/gtest.h>
 
-#include <filesystem>
 
 #include "penumbra/graph.h"
-#include "penumbra/shadow_nodes.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
@@ -16,15 +15,12 @@ double bytes_with(uint32_t lights) {
     for (uint32_t i = 0; i < lights; ++i)
         members += (i ? ", \"l" : "\"l") + std::to_string(i) + R"(": {"of": "lights"})";
     Diagnostics diagnostics;
-    const std::string settings[] = {"instances=null", "instances={" + members + "}"};
-    const auto pipeline = load_pipeline(
-        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/lights_shadows.json", settings, diagnostics);
-    static const NodeSet nodes = shadow_nodes();
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    const CheckedPipeline pipeline =
+        shipped_pipeline("lights_shadows", {"instances=null", "instances={" + members + "}"});
     Target target;
     target.extent = {1920, 1080};
     target.device = reference_device();
-    const auto plan = checked ? compile(*checked, target, {}, diagnostics) : std::nullopt;
+    const auto plan = compile(pipeline, target, {}, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return static_cast<double>(plan->memory.heap_bytes) / (1920 * 1080);
 }

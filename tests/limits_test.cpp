@@ -6,27 +6,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <map>
 
 #include "graph/shader_compiler.h"
 #include "graph/workgroup_memory.h"
 #include "penumbra/graph.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/golden_text.h"
 #include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
-
-CheckedPipeline shipped(const std::string& name) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(
-        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
 
 // Masks that a still camera's frames keep are more than one buffer of some devices holds where an image is
 // larger than 4K: such a host leaves out what they are kept by.
@@ -44,7 +33,7 @@ std::string refusal(const CheckedPipeline& pipeline, Extent extent, const Device
 TEST(Limits, EachIsRefusedOneBelowWhatAPlanTakes) {
     size_t tried = 0;
     for (const char* name : {"hybrid_shadows", "shadows", "reflections"}) {
-        const CheckedPipeline pipeline = shipped(name);
+        const CheckedPipeline pipeline = shipped_pipeline(name);
         constexpr Extent extent{333, 77};
         Diagnostics diagnostics;
         const auto plan =
@@ -77,8 +66,8 @@ TEST(Limits, EachIsRefusedOneBelowWhatAPlanTakes) {
 TEST(Limits, WhatAPlanTakesIsTheMostThatAnyPassTakes) {
     for (const char* name : {"hybrid_shadows", "reflections"}) {
         Diagnostics diagnostics;
-        const auto plan =
-            compile(shipped(name), {.extent = {333, 77}, .device = reference_device()}, {}, diagnostics);
+        const auto plan = compile(shipped_pipeline(name), {.extent = {333, 77}, .device = reference_device()},
+                                  {}, diagnostics);
         ASSERT_TRUE(plan) << diagnostics.text();
         std::map<std::string, uint64_t> most;
         const auto take = [&](const char* limit, uint64_t value) {
@@ -109,7 +98,7 @@ TEST(Limits, WhatAPlanTakesIsTheMostThatAnyPassTakes) {
 TEST(Limits, ADispatchIsHeldToTheDevices) {
     DeviceTable device = reference_device();
     device.limits["maxComputeWorkGroupCount[0]"] = 10;
-    const std::string text = refusal(shipped("raw"), {1024, 8}, device);
+    const std::string text = refusal(shipped_pipeline("raw"), {1024, 8}, device);
     EXPECT_NE(text.find("of maxComputeWorkGroupCount[0], "), std::string::npos) << text;
     EXPECT_NE(text.find("pipelines/raw.json:"), std::string::npos) << "no place: " << text;
 }
@@ -160,7 +149,7 @@ TEST(Limits, SharedMemoryIsCounted) {
 class ShippedSizes : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedSizes, LongNarrowAndLargeOnesCompile) {
-    const CheckedPipeline pipeline = shipped(GetParam());
+    const CheckedPipeline pipeline = shipped_pipeline(GetParam());
     for (const Extent extent : {Extent{16384, 1}, {1, 16384}, {7680, 4320}, {1, 1}})
         EXPECT_EQ(refusal(pipeline, extent, reference_device()), "") << extent.width << "x" << extent.height;
     // The square of 8K takes a buffer of some that a device need not have.

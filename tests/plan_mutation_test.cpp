@@ -8,7 +8,6 @@
 #include <cstdio>
 
 #include "penumbra/graph.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/golden_text.h"
 #include "tests/plan_checks.h"
 #include "tests/plan_mutants.h"
@@ -61,12 +60,7 @@ void print(const std::string& name, const Counts& counts) {
 class PlanMutation : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(PlanMutation, IsNoticed) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(
-        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (GetParam() + ".json"), {}, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    ASSERT_TRUE(checked) << diagnostics.text();
-    const Counts counts = expect_all_noticed(plan_of(*checked));
+    const Counts counts = expect_all_noticed(plan_of(shipped_pipeline(GetParam())));
     EXPECT_GT(counts[static_cast<size_t>(Fault::dependency_dropped)], 0u);
     EXPECT_EQ(counts[static_cast<size_t>(Fault::end_dropped)], 2u);
     print(GetParam(), counts);

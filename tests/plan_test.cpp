@@ -8,7 +8,6 @@
 #include <map>
 
 #include "penumbra/graph.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/golden_text.h"
 #include "tests/plan_checks.h"
 #include "tests/shipped.h"
@@ -34,31 +33,24 @@ Plan plan_of(const CheckedPipeline& pipeline, Extent extent, bool alias = true, 
     return std::move(*plan);
 }
 
-CheckedPipeline checked(const std::string& name) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
-
 class ShippedPlan : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(ShippedPlan, NothingOverlapsInBytesAndTime) {
     for (const Extent extent : sizes)
         for (const bool alias : {true, false})
-            EXPECT_EQ(overlap_errors(plan_of(checked(GetParam()), extent, alias)),
+            EXPECT_EQ(overlap_errors(plan_of(shipped_pipeline(GetParam()), extent, alias)),
                       std::vector<std::string>{});
 }
 
 TEST_P(ShippedPlan, EveryAccessIsOrderedAfterWhatItDependsOn) {
     for (const bool alias : {true, false})
-        EXPECT_EQ(hazard_errors(plan_of(checked(GetParam()), sizes[0], alias)), std::vector<std::string>{});
+        EXPECT_EQ(hazard_errors(plan_of(shipped_pipeline(GetParam()), sizes[0], alias)),
+                  std::vector<std::string>{});
 }
 
 TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
     for (const Extent extent : sizes) {
-        const MemoryReport memory = plan_of(checked(GetParam()), extent).memory;
+        const MemoryReport memory = plan_of(shipped_pipeline(GetParam()), extent).memory;
         // Where the search does not end or was not worth its while, the bound that no packing can be below.
         const uint64_t least = memory.optimum_bytes.value_or(memory.live_bound_bytes);
         EXPECT_LE(memory.live_bound_bytes, least);
@@ -69,14 +61,14 @@ TEST_P(ShippedPlan, HeapIsWithinTwoPercentOfTheOptimum) {
 }
 
 TEST_P(ShippedPlan, EqualsItsGoldenText) {
-    expect_golden(to_text(plan_of(checked(GetParam()), {1920, 1080})),
+    expect_golden(to_text(plan_of(shipped_pipeline(GetParam()), {1920, 1080})),
                   root / "tests/golden/plans" / (GetParam() + ".txt"));
 }
 
 // Mesa 22's llvmpipe writes beyond an array where a branch follows from the fifth uniform buffer
 // (graph/interface.h).
 TEST_P(ShippedPlan, ReadsItsBlocksBeforeTheFifth) {
-    for (const PlanPass& pass : plan_of(checked(GetParam()), sizes[0]).passes) {
+    for (const PlanPass& pass : plan_of(shipped_pipeline(GetParam()), sizes[0]).passes) {
         std::map<std::pair<uint32_t, uint32_t>, BindingSource> blocks;
         for (const PlanBinding& b : pass.bindings)
             if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER) blocks[{b.set, b.binding}] = b.source;
@@ -103,7 +95,7 @@ TEST(ToyPlans, AreOrderedAndDoNotOverlap) {
 // Each resource's bytes are reserved for as long as they are needed: moved onto another live resource it is
 // noticed.
 TEST(Mutation, EveryResourceMovedOntoANeighbourIsNoticed) {
-    const CheckedPipeline pipeline = checked("fidelityfx");
+    const CheckedPipeline pipeline = shipped_pipeline("fidelityfx");
     const Plan plan = plan_of(pipeline, sizes[0]);
     for (size_t r = 0; r < plan.resources.size(); ++r)
         for (size_t other = 0; other < plan.resources.size(); ++other) {
@@ -124,7 +116,7 @@ TEST(Compile, AFormatThatNoReaderAcceptsNamesTheInput) {
     target.device = reference_device();
     target.inputs["depth"] = {Format::rgba8, target.extent};
     Diagnostics diagnostics;
-    EXPECT_FALSE(compile(checked("raw"), target, {}, diagnostics));
+    EXPECT_FALSE(compile(shipped_pipeline("raw"), target, {}, diagnostics));
     EXPECT_NE(diagnostics.text().find("\"depth\" as rgba8"), std::string::npos) << diagnostics.text();
 }
 
@@ -133,7 +125,7 @@ TEST(Compile, AFrameBeyondTheDeviceIsAnError) {
     target.extent = {20000, 64};
     target.device = reference_device();
     Diagnostics diagnostics;
-    EXPECT_FALSE(compile(checked("raw"), target, {}, diagnostics));
+    EXPECT_FALSE(compile(shipped_pipeline("raw"), target, {}, diagnostics));
     EXPECT_NE(diagnostics.text().find("exceeds the device's largest image"), std::string::npos)
         << diagnostics.text();
 }
@@ -145,7 +137,7 @@ TEST(Compile, AnUnknownCaptureIsAnErrorWithASuggestion) {
     CompileOptions options;
     options.captures = {"visibilty"};
     Diagnostics diagnostics;
-    EXPECT_FALSE(compile(checked("raw"), target, options, diagnostics));
+    EXPECT_FALSE(compile(shipped_pipeline("raw"), target, options, diagnostics));
     EXPECT_NE(diagnostics.text().find("did you mean \"visibility\"?"), std::string::npos)
         << diagnostics.text();
 }

@@ -9,18 +9,10 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <vector>
 
-#include "app/session.h"
+#include "app/captured_values.h"
 #include "tests/bvh_oracle.h"
 
 namespace penumbra::test {
-
-template <class T>
-std::vector<T> captured(const Session& session, const char* name) {
-    const auto bytes = session.view().captured(name);
-    std::vector<T> values(bytes.size() / sizeof(T));
-    std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
-    return values;
-}
 
 using NormalTexel = std::array<float, 2>;  // of receiver_normal
 

@@ -11,9 +11,9 @@
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/models/shapes.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -69,17 +69,15 @@ class RayStart : public GpuTest, public ::testing::WithParamInterface<Plane> {
 };
 
 TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
-    static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
-    const auto pipeline =
-        load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/raw.json", {}, diagnostics);
-    const auto checked = check(*pipeline, nodes, diagnostics);
+    const CheckedPipeline checked = shipped_pipeline("raw");
     SessionOptions options;
     options.size = {320, 180};
     options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "hits"};
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), nodes, *checked, shot(), options, diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), shipped_nodes(), checked, shot(), options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
 
     size_t receivers = 0, shaded = 0, sunk = 0;
@@ -89,10 +87,10 @@ TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
         const StandaloneFrame standalone = session->host().frame(frame, frame == 0);
         EXPECT_EQ(standalone.description.sub_pixel_bits, gpu().limits().subPixelPrecisionBits);
 
-        const RayMaker maker(*session, nodes, standalone);
-        const auto depth = captured<float>(*session, "view_depth");
-        const auto normal = captured<NormalTexel>(*session, "receiver_normal");
-        const auto hits = captured<uint32_t>(*session, "hits");
+        const RayMaker maker(*session, shipped_nodes(), standalone);
+        const auto depth = captured_values<float>(*session, "view_depth");
+        const auto normal = captured_values<NormalTexel>(*session, "receiver_normal");
+        const auto hits = captured_values<uint32_t>(*session, "hits");
         for (const uint32_t word : hits) shaded += static_cast<size_t>(std::popcount(word));
         const glm::dvec3 origin = session->host().scene().bvh_origin();
         for (uint32_t i = 0; i < depth.size(); ++i) {
@@ -146,24 +144,21 @@ class TerrainStart : public GpuTest {
 };
 
 TEST_F(TerrainStart, NobodyIsSeenFromBelow) {
-    static const NodeSet nodes = shadow_nodes();
     for (const char* name : {"raw", "covered"}) {
         Diagnostics diagnostics;
-        const auto pipeline = load_pipeline(
-            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / fmt::format("{}.json", name), {},
-            diagnostics);
-        const auto checked = check(*pipeline, nodes, diagnostics);
+        const CheckedPipeline checked = shipped_pipeline(name);
         SessionOptions options;
         options.size = {320, 180};
         options.optimum = false;
         options.captures = {"view_depth", "visibility"};
         std::vector<std::string> warnings;
-        const auto session = Session::open(gpu(), nodes, *checked, shot_, options, diagnostics, warnings);
+        const auto session =
+            Session::open(gpu(), shipped_nodes(), checked, shot_, options, diagnostics, warnings);
         ASSERT_TRUE(session) << diagnostics.text();
         size_t receivers = 0, dark = 0;
         for (uint32_t frame = 0; frame < 8; ++frame) {
             session->run_frame(frame, true);
-            const auto depth = captured<float>(*session, "view_depth");
+            const auto depth = captured_values<float>(*session, "view_depth");
             const auto visibility = captured_planes(session->view(), "visibility")[0];
             for (size_t i = 0; i < depth.size(); ++i) {
                 receivers += depth[i] > 0;

@@ -8,8 +8,8 @@
 
 #include "app/session.h"
 #include "host/scene/moved_boxes.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -77,13 +77,7 @@ namespace {
 // It gives the same image.
 CheckedPipeline tracer_of(const CheckedPipeline& pipeline) {
     if (!pipeline.input("hits")) return pipeline;
-    Diagnostics diagnostics;
-    const std::vector<std::string> settings{"nodes.gather.params.rays=bits"};
-    const auto tracer = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/one_ray.json",
-                                      settings, diagnostics);
-    auto checked = tracer ? check(*tracer, test_nodes(), diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
-    return std::move(*checked);
+    return shipped_pipeline("one_ray", {"nodes.gather.params.rays=bits"});
 }
 
 }  // namespace

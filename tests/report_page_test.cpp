@@ -17,7 +17,6 @@
 #include "app/session.h"
 #include "host/images/image_file.h"
 #include "penumbra/graph.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/report_results.h"
 #include "tests/shipped.h"
 
@@ -36,13 +35,10 @@ size_t count(const std::string& text, const std::string& part) {
 
 Plan shipped_plan(const std::string& name) {
     Diagnostics diagnostics;
-    const auto pipeline =
-        load_pipeline(std::string(PENUMBRA_SOURCE_DIR "/pipelines/") + name + ".json", {}, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
     Target target;
     target.extent = {64, 48};
     target.device = reference_device();
-    auto plan = checked ? compile(*checked, target, {}, diagnostics) : std::nullopt;
+    auto plan = compile(test::shipped_pipeline(name), target, {}, diagnostics);
     EXPECT_TRUE(plan) << diagnostics.text();
     return *plan;
 }

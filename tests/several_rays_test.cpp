@@ -6,7 +6,6 @@
 
 #include "app/session.h"
 #include "host/truth/analytic.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
 #include "tests/test_scene.h"
@@ -21,15 +20,12 @@ std::unique_ptr<Session> open(const Shot& shot, uint32_t rays, SessionOptions op
     std::vector<std::string> warnings;
     const std::vector<std::string> settings = {"outputs=[\"visibility\"]",
                                                "nodes.trace.params.rays_per_pixel=" + std::to_string(rays)};
-    const auto pipeline = load_pipeline(
-        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
+    const CheckedPipeline checked = shipped_pipeline(name, settings);
     options.size = shot.size;
     options.captures.push_back("visibility");
     options.optimum = false;
     options.jitter = false;
-    auto session = Session::open(gpu(), shipped_nodes(), *checked, shot, options, diagnostics, warnings);
+    auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
 }

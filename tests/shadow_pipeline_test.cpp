@@ -9,23 +9,12 @@
 #include "app/outputs.h"
 #include "app/session.h"
 #include "host/images/texels.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
 namespace {
-
-const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
-
-CheckedPipeline pipeline_named(const std::string& name) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
 
 std::unique_ptr<Session> open(const CheckedPipeline& pipeline, Shot shot, SessionOptions options) {
     options.size = shot.size;
@@ -77,17 +66,17 @@ void expect_memory_does_not_show(const CheckedPipeline& pipeline) {
 class ShadowPipeline : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(ShadowPipeline, AliasingAndPoisonDoNotShow) {
-    expect_memory_does_not_show(pipeline_named(GetParam()));
+    expect_memory_does_not_show(shipped_pipeline(GetParam()));
 }
 
 TEST_P(ShadowPipeline, IsBitIdenticalBetweenRuns) {
-    const CheckedPipeline pipeline = pipeline_named(GetParam());
+    const CheckedPipeline pipeline = shipped_pipeline(GetParam());
     const Shot shot = plaza_shot({640, 360}, 4);
     EXPECT_TRUE(run(pipeline, shot, {}, 4) == run(pipeline, shot, {}, 4));
 }
 
 TEST_P(ShadowPipeline, AnySizeGivesFiniteImagesInRange) {
-    const CheckedPipeline pipeline = pipeline_named(GetParam());
+    const CheckedPipeline pipeline = shipped_pipeline(GetParam());
     for (const std::array<uint32_t, 2> size :
          {std::array{1u, 1u}, {7u, 3u}, {8u, 4u}, {9u, 5u}, {17u, 1u}, {1919u, 1079u}}) {
         SCOPED_TRACE(testing::Message() << size[0] << "x" << size[1]);
@@ -113,7 +102,7 @@ class TracedShadowPipeline : public ShadowPipeline {};
 // Seen from above, the floor fills the view and faces the sun: every tile has undecided pixels. 129 600 tiles
 // exceed what one dimension of an indirect dispatch may hold on many devices.
 TEST_P(TracedShadowPipeline, EveryTileOfA4kFrameIsTraced) {
-    const CheckedPipeline pipeline = pipeline_named(GetParam());
+    const CheckedPipeline pipeline = shipped_pipeline(GetParam());
     Shot shot = plaza_shot({3840, 2160}, 1);
     shot.camera = {{0, {0, 6, 0.01}, {0, 0, 0}, {0, 1, 0}}};
     const auto session = open(pipeline, shot, {});
@@ -138,7 +127,7 @@ TEST_F(ShadowsSky, IsLit) {
     shot.camera = {{0, {0.5, 0.4, 1.2}, {-0.8, 0.9, -1}, {0, 1, 0}}};  // past the block's shadowed side, up
     SessionOptions options;
     options.captures = {"view_depth"};
-    const auto session = open(pipeline_named("shadows"), shot, options);
+    const auto session = open(shipped_pipeline("shadows"), shot, options);
     size_t sky = 0, dark = 0;
     for (uint32_t frame = 0; frame < 3; ++frame) {
         session->run_frame(frame, frame == 0);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,24 @@ inline std::vector<std::string> pipeline_files() {
         names_in(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines", ".json");
     std::erase_if(names, [](const std::string& name) { return name.ends_with(".schema"); });
     return names;
+}
+
+// Those that a scene feeds: the denoisers alone want a host's own rays.
+inline std::vector<std::string> rendering_pipeline_files() {
+    std::vector<std::string> names = pipeline_files();
+    std::erase_if(names, [](const std::string& name) { return name.starts_with("denoise"); });
+    return names;
+}
+
+// Of pipelines/NAME.json. Throws with the diagnostics where a setting is wrong.
+inline CheckedPipeline shipped_pipeline(const std::string& name,
+                                        const std::vector<std::string>& settings = {}) {
+    Diagnostics diagnostics;
+    const auto pipeline = load_pipeline(
+        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
+    auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
+    if (!checked) throw std::runtime_error(diagnostics.text());
+    return std::move(*checked);
 }
 
 }  // namespace penumbra::test

@@ -3,12 +3,12 @@
 // the bit, and what was accumulated before the size changed is worth as much behind it.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <glm/gtc/packing.hpp>
 
 #include "app/session.h"
 #include "app/truth.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/shot_pipeline.h"
 #include "tests/sized_run.h"
 #include "tests/test_scene.h"
@@ -59,18 +59,7 @@ TEST_P(SizeGpu, APlanForMoreGivesTheSameImages) {
     EXPECT_NE(expected[0], expected[2]) << "nothing changes: the test shows nothing";
 }
 
-// All but those that are another one without its tracer.
-std::vector<std::string> shipped() {
-    std::vector<std::string> names;
-    for (const auto& file : std::filesystem::directory_iterator(PENUMBRA_SOURCE_DIR "/pipelines")) {
-        const std::string name = file.path().stem().string();
-        if (name.find('.') == std::string::npos && !name.starts_with("denoise")) names.push_back(name);
-    }
-    std::ranges::sort(names);
-    return names;
-}
-
-INSTANTIATE_TEST_SUITE_P(Shipped, SizeGpu, ::testing::ValuesIn(shipped()),
+INSTANTIATE_TEST_SUITE_P(Shipped, SizeGpu, ::testing::ValuesIn(rendering_pipeline_files()),
                          [](const auto& name) { return name.param; });
 
 class SizeChangeGpu : public GpuTest {};

@@ -36,7 +36,8 @@ SizedRun::SizedRun(const CheckedPipeline& pipeline, Extent largest, const Facts&
         ViewOptions{1, 0});
     for (const PlanPass& pass : view_->plan().passes)  // as the recordings have it
         for (const PlanParam& param : pass.params)
-            if (param.param.name == "seed") view_->set_param(pass.node, "seed", ParamValue(0u));
+            if (param.param.name == "seed" && !view_->set_param(pass.node, "seed", ParamValue(0u)))
+                throw std::logic_error("a seed is no unsigned number");
 }
 
 SizedRun::Input SizedRun::bring(const HostSlot& slot, const Bytes& bytes, Extent size) const {

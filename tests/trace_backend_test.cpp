@@ -8,30 +8,21 @@
 
 #include "app/commands.h"
 #include "graph/interface.h"
-#include "host/images/image_file.h"
 #include "penumbra/dump.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
 #include "tests/test_scene.h"
+#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
 
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 
-CheckedPipeline load(const std::filesystem::path& file, const std::vector<std::string>& settings) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(file, settings, diagnostics);
-    auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
-    return std::move(*checked);
-}
-
 CheckedPipeline raw_with(const std::string& backend) {
-    return load(root / "pipelines/raw.json", {"nodes.trace.params.backend=" + backend});
+    return shipped_pipeline("raw", {"nodes.trace.params.backend=" + backend});
 }
 
 DeviceTable table(bool cpu, bool ray_query) {
@@ -171,10 +162,8 @@ TEST(TraceBackend, DeclarationsOfABackendAreChecked) {
 }
 
 // One pipeline with both, side by side: the scene's block is one slot for two passes with different bindings.
-std::filesystem::path both_backends() {
-    const auto file =
-        std::filesystem::temp_directory_path() / ("penumbra_backends_" + std::to_string(getpid()) + ".json");
-    const char* text = R"({
+CheckedPipeline both_backends() {
+    return shadow_pipeline(R"({
   "penumbra": 1, "name": "both", "doc": "The same rays by both backends.",
   "inputs": { "depth": {}, "normal": {}, "sun": {}, "scene": {} },
   "outputs": ["visibility", "visibility_query"],
@@ -188,9 +177,7 @@ std::filesystem::path both_backends() {
                     "out": { "hits": "hits_q" }, "params": { "backend": "ray_query" } },
     "resolve_q":  { "type": "resolve", "in": { "hits": "hits_q", "receiver_words": "receivers_q" }, "out": { "visibility": "visibility_query" } }
   }
-})";
-    write_file(file, std::as_bytes(std::span(std::string_view(text))));
-    return file;
+})");
 }
 
 struct Comparison {
@@ -206,8 +193,8 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits", "hits_q"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), shipped_nodes(), load(both_backends(), {}), shot, options,
-                                       diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), shipped_nodes(), both_backends(), shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     Comparison sum;
     for (const uint32_t frame : frames) {
@@ -216,12 +203,12 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
         const RayMaker maker(*session, shipped_nodes(), standalone);
         const std::vector<Triangle> triangles = session->host().scene().triangles(frame);
         const AlphaOracle alpha(session->host().scene());
-        const auto depth = captured<float>(*session, "view_depth");
-        const auto normal = captured<NormalTexel>(*session, "receiver_normal");
-        const auto tree = captured<uint32_t>(*session, "hits"),
-                   query = captured<uint32_t>(*session, "hits_q");
-        const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
-        const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3],
+        const auto depth = captured_values<float>(*session, "view_depth");
+        const auto normal = captured_values<NormalTexel>(*session, "receiver_normal");
+        const auto tree = captured_values<uint32_t>(*session, "hits"),
+                   query = captured_values<uint32_t>(*session, "hits_q");
+        const auto list = captured_values<std::array<uint32_t, 4>>(*session, "tile_list");
+        const uint32_t listed = captured_values<uint32_t>(*session, "trace_args")[3],
                        tiles_x = (shot.size[0] + 7) / 8;
         for (uint32_t i = 0; i < listed; ++i) {
             const uint32_t tile_x = list[i][0] & 0xffff, tile_y = list[i][0] >> 16,
@@ -284,11 +271,11 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
     const RayMaker maker(*session, shipped_nodes(), standalone);
     const std::vector<Triangle> now = session->host().scene().triangles(16),
                                 at_first = session->host().scene().triangles(0);
-    const auto depth = captured<float>(*session, "view_depth");
-    const auto normal = captured<NormalTexel>(*session, "receiver_normal");
-    const auto hits = captured<uint32_t>(*session, "hits");
-    const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
-    const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3];
+    const auto depth = captured_values<float>(*session, "view_depth");
+    const auto normal = captured_values<NormalTexel>(*session, "receiver_normal");
+    const auto hits = captured_values<uint32_t>(*session, "hits");
+    const auto list = captured_values<std::array<uint32_t, 4>>(*session, "tile_list");
+    const uint32_t listed = captured_values<uint32_t>(*session, "trace_args")[3];
     size_t wrong = 0, wrong_at_first = 0;
     for (uint32_t i = 0; i < listed; ++i) {
         const uint32_t tile_x = list[i][0] & 0xffff, tile_y = list[i][0] >> 16;

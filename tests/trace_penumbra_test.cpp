@@ -2,11 +2,11 @@
 // The node trace_penumbra against Embree: each pixel's ray made anew in double precision, and the distance of
 // the first thing that it meets. One that any hit would satisfy is told from it: such a distance is often
 // that of something farther away.
-#include "penumbra/shadow_nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -18,10 +18,8 @@ constexpr double lit = 65504;
 class TracePenumbra : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(TracePenumbra, IsAsWideAsTheNearestBlockerIsFar) {
-    static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(root / "pipelines/sigma.json", {}, diagnostics);
-    const auto checked = check(*pipeline, nodes, diagnostics);
+    const CheckedPipeline checked = shipped_pipeline("sigma");
     auto shot = read_shot(root / "scenes" / (std::string(GetParam()) + ".shot.json"), diagnostics);
     ASSERT_TRUE(shot) << diagnostics.text();
     SessionOptions options;
@@ -29,7 +27,8 @@ TEST_P(TracePenumbra, IsAsWideAsTheNearestBlockerIsFar) {
     options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "penumbra"};
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), nodes, *checked, *shot, options, diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), shipped_nodes(), checked, *shot, options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
 
     session->run_frame(0, true);
@@ -39,13 +38,13 @@ TEST_P(TracePenumbra, IsAsWideAsTheNearestBlockerIsFar) {
         blocks = [&](uint32_t triangle, double u, double v) { return alpha.blocks(triangle, u, v); };
     const EmbreeScene embree(session->host().scene().triangles(0), blocks);
     const StandaloneFrame standalone = session->host().frame(0, true);
-    const RayMaker maker(*session, nodes, standalone);
+    const RayMaker maker(*session, shipped_nodes(), standalone);
     const double half_tangent = 0.5 * std::tan(double(standalone.sun.angular_radius));
-    const auto depth = captured<float>(*session, "view_depth");
-    const auto normal = captured<NormalTexel>(*session, "receiver_normal");
-    const auto penumbra = captured<uint16_t>(*session, "penumbra");
-    const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
-    const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3];
+    const auto depth = captured_values<float>(*session, "view_depth");
+    const auto normal = captured_values<NormalTexel>(*session, "receiver_normal");
+    const auto penumbra = captured_values<uint16_t>(*session, "penumbra");
+    const auto list = captured_values<std::array<uint32_t, 4>>(*session, "tile_list");
+    const uint32_t listed = captured_values<uint32_t>(*session, "trace_args")[3];
     size_t rays = 0, occluded = 0, wrong = 0, sunk = 0;
     std::vector<uint8_t> wanted(penumbra.size());
     for (uint32_t i = 0; i < listed; ++i)

@@ -4,11 +4,11 @@
 // the two differ, double precision must say that the ray passes an edge, or the border of an alpha mask's
 // texel, within rounding. A ray that points into its own surface meets it, whatever Embree finds behind its
 // offset origin.
-#include "penumbra/shadow_nodes.h"
 #include "tests/alpha_oracle.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
@@ -18,10 +18,8 @@ const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 class Trace : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
-    static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(root / "pipelines/raw.json", {}, diagnostics);
-    const auto checked = check(*pipeline, nodes, diagnostics);
+    const CheckedPipeline checked = shipped_pipeline("raw");
     auto shot = read_shot(root / "scenes" / (std::string(GetParam()) + ".shot.json"), diagnostics);
     ASSERT_TRUE(shot) << diagnostics.text();
     SessionOptions options;
@@ -29,7 +27,8 @@ TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
     options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits"};
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), nodes, *checked, *shot, options, diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), shipped_nodes(), checked, *shot, options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
 
     const AlphaOracle alpha(session->host().scene());
@@ -43,12 +42,12 @@ TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
         const EmbreeScene embree(triangles, blocks);
         session->run_frame(frame, frame == 0);
         const StandaloneFrame standalone = session->host().frame(frame, frame == 0);
-        const RayMaker maker(*session, nodes, standalone);
-        const auto depth = captured<float>(*session, "view_depth");
-        const auto normal = captured<NormalTexel>(*session, "receiver_normal");
-        const auto hits = captured<uint32_t>(*session, "hits");
-        const auto list = captured<std::array<uint32_t, 4>>(*session, "tile_list");
-        const uint32_t listed = captured<uint32_t>(*session, "trace_args")[3];
+        const RayMaker maker(*session, shipped_nodes(), standalone);
+        const auto depth = captured_values<float>(*session, "view_depth");
+        const auto normal = captured_values<NormalTexel>(*session, "receiver_normal");
+        const auto hits = captured_values<uint32_t>(*session, "hits");
+        const auto list = captured_values<std::array<uint32_t, 4>>(*session, "tile_list");
+        const uint32_t listed = captured_values<uint32_t>(*session, "trace_args")[3];
         for (uint32_t i = 0; i < listed; ++i) {
             const uint32_t tile_x = list[i][0] & 0xffff, tile_y = list[i][0] >> 16;
             for (uint32_t bit = 0; bit < 32; ++bit) {

@@ -12,7 +12,6 @@
 #include "host/truth/counted_visibility.h"
 #include "host/truth/sun_visibility.h"
 #include "penumbra/dump.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/scene_file.h"
@@ -22,15 +21,6 @@ namespace penumbra::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-CheckedPipeline hybrid(const std::vector<std::string>& settings = {}) {
-    Diagnostics diagnostics;
-    const auto pipeline =
-        load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/hybrid_shadows.json", settings, diagnostics);
-    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
 
 Material glass(const glm::vec3& color) {
     Material material;
@@ -152,9 +142,10 @@ TEST(TranslucentFact, CostsNothingWhereItDoesNotHold) {
         if (const size_t at = text.find(culled); at != std::string::npos) text.erase(at, culled.size());
         return text;
     };
-    const CheckedPipeline with = hybrid(),
-                          without = hybrid({"nodes.transmit=null", "inputs.translucents=null",
-                                            "inputs.translucent_texels=null"});
+    const CheckedPipeline with = shipped_pipeline("hybrid_shadows"),
+                          without = shipped_pipeline("hybrid_shadows",
+                                                     {"nodes.transmit=null", "inputs.translucents=null",
+                                                      "inputs.translucent_texels=null"});
     EXPECT_EQ(plan_text(with, false), plan_text(without, false));
     EXPECT_NE(plan_text(with, true).find("transmit"), std::string::npos);
 }
@@ -194,15 +185,15 @@ Seen render(const Model& model, const std::vector<std::string>& settings = {},
     options.captures = {"transmittance", "visibility", "view_depth"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), shipped_nodes(), hybrid(settings), shot, options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline("hybrid_shadows", settings),
+                                       shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
     session->run_frame(1, false);
     Seen seen;
-    const auto texels = captured<std::array<uint8_t, 4>>(*session, "transmittance");
-    const auto visibility = captured<uint16_t>(*session, "visibility");
-    seen.depth = captured<float>(*session, "view_depth");
+    const auto texels = captured_values<std::array<uint8_t, 4>>(*session, "transmittance");
+    const auto visibility = captured_values<uint16_t>(*session, "visibility");
+    seen.depth = captured_values<float>(*session, "view_depth");
     const double across = std::tan(0.5 * glm::radians(shot.vertical_fov_deg)) * width / height;
     for (size_t i = 0; i < texels.size(); ++i) {
         seen.color.emplace_back(texels[i][0] / 255.0, texels[i][1] / 255.0, texels[i][2] / 255.0);
@@ -372,23 +363,19 @@ TEST_F(Transmit, ForSigmaGlassIsABlockerWithAColour) {
     const SceneFile file("floor.glb", to_glb(model));
     const Shot shot = shot_of(file.path());
     Diagnostics diagnostics;
-    const auto pipeline =
-        load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/sigma_translucency.json", {}, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    ASSERT_TRUE(checked) << diagnostics.text();
+    const CheckedPipeline checked = shipped_pipeline("sigma_translucency");
     SessionOptions options;
     options.size = shot.size;
     options.optimum = options.jitter = false;
     options.captures = {"penumbra", "translucency", "transmittance", "view_depth"};
     std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), shipped_nodes(), *checked, shot, options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
     ASSERT_TRUE(session) << diagnostics.text();
     session->run_frame(0, true);
-    const auto penumbra = captured<uint16_t>(*session, "penumbra");
-    const auto rays = captured<std::array<uint8_t, 4>>(*session, "translucency"),
-               seen = captured<std::array<uint8_t, 4>>(*session, "transmittance");
-    const auto depth = captured<float>(*session, "view_depth");
+    const auto penumbra = captured_values<uint16_t>(*session, "penumbra");
+    const auto rays = captured_values<std::array<uint8_t, 4>>(*session, "translucency"),
+               seen = captured_values<std::array<uint8_t, 4>>(*session, "transmittance");
+    const auto depth = captured_values<float>(*session, "view_depth");
     const double across = std::tan(0.5 * glm::radians(shot.vertical_fov_deg)) * width / height;
     const std::array<uint8_t, 4> none{0, 0, 0, 0}, all{255, 255, 255, 255};
     const double first = 0.5 * sheet_height * std::tan(radius);

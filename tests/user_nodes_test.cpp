@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <regex>
 
 #include "app/commands.h"
 #include "graph/interface.h"
@@ -108,7 +109,7 @@ TEST_F(UserNodes, APlanCompilesOnlyWhatItNeeds) {
     for (int i = 0; i < 2; ++i)
         ASSERT_TRUE(compile(*checked, target, {}, diagnostics_)) << diagnostics_.text();
     EXPECT_EQ(shaders->counts().compiled, 1u);
-    EXPECT_TRUE(compile_user_nodes(nodes, *checked, diagnostics_)) << diagnostics_.text();
+    EXPECT_TRUE(compile_user_nodes(*checked, diagnostics_)) << diagnostics_.text();
     EXPECT_EQ(shaders->counts().compiled, 2u) << "check looks at every variant";
 }
 
@@ -223,6 +224,30 @@ TEST_F(UserNodes, AConstantInAPreprocessorConditionIsAnError) {
     }
     write("nodes/value.glsl", "const float VALUE = BRIGHT ? 1.0 : 0.25;\n");
     EXPECT_FALSE(first_variant(cache()).empty()) << diagnostics_.text();
+}
+
+// A parser that takes its stack by the character would be at its end.
+TEST_F(UserNodes, LinesOfAnyLengthAreRead) {
+    const std::string blanks(300000, ' '), word(300000, 'w');
+    write("nodes/value.glsl", "#if 1" + blanks + "\nconst float VALUE = 1;\n#endif\n");
+    EXPECT_FALSE(first_variant(cache()).empty()) << diagnostics_.text().substr(0, 1000);
+    write("nodes/value.glsl", "#error " + word + "\n");
+    EXPECT_TRUE(first_variant(cache()).empty());
+    EXPECT_EQ(diagnostics_.text().find((nodes_folder() / "value.glsl").string() + ":1:1: "), 0u)
+        << diagnostics_.text().substr(0, 1000);
+}
+
+TEST_F(UserNodes, ASetWithoutADomainTakesAFolderOfSeveral) {
+    write("nodes/another.json", std::regex_replace(std::string(declaration), std::regex("mine"), "another"));
+    write("nodes/another.comp", "#include \"node.glsl\"\nvoid main() {}\n");
+    NodeSet nodes;
+    EXPECT_TRUE(add_user_nodes(nodes, nodes_folder(), diagnostics_, cache())) << diagnostics_.text();
+    EXPECT_EQ(nodes.names().size(), 2u);
+}
+
+TEST_F(UserNodes, AShadersNameMayBeTooLongForAFile) {
+    write("nodes/mine.json", std::regex_replace(std::string(declaration), std::regex("mine.comp"), std::string(300, 'm') + ".comp"));
+    EXPECT_NE(declaration_errors().find("shader: no file "), std::string::npos) << diagnostics_.text();
 }
 
 TEST_F(UserNodes, DeclarationErrorsPointIntoTheJson) {

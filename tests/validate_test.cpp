@@ -20,6 +20,7 @@
 #include "host/device/gpu.h"
 #include "tests/golden_text.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/shot_pipeline.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -39,11 +40,6 @@ CheckedPipeline checked(const std::optional<Pipeline>& pipeline, Diagnostics& di
 CheckedPipeline written(std::string_view text) {
     Diagnostics diagnostics;
     return checked(parse_pipeline(text, "test.json", {}, diagnostics), diagnostics);
-}
-
-CheckedPipeline shipped(const std::string& name) {
-    Diagnostics diagnostics;
-    return checked(load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics), diagnostics);
 }
 
 CheckedPipeline validating(const CheckedPipeline& pipeline) {
@@ -133,7 +129,7 @@ TEST_F(Validate, CountsBadTexelsOfEveryFloatFormatAtAnySize) {
                 const auto view = open_view(pipeline, target_of(frame, cpu));
                 const uint64_t texels = uint64_t{(frame.width + 1) / 2} * ((frame.height + 2) / 3);
                 for (const uint32_t first_nan : {0u, 5u, 15u}) {
-                    view->set_param("spoil", "nan", first_nan);
+                    ASSERT_TRUE(view->set_param("spoil", "nan", first_nan));
                     EXPECT_EQ(counts_of(*view).at("spoiled@validate"),
                               expected_counts(format, texels, first_nan, 0, 1))
                         << info(format).name << " " << frame.width << "x" << frame.height << " from "
@@ -222,17 +218,11 @@ TEST_F(Validate, LevelsLayersAndBuffersAreLookedAtWhole) {
 
 // --- Watching changes nothing ------------------------------------------------------------------------------
 
-std::vector<std::string> shipped_names() {
-    std::vector<std::string> names = names_in("pipelines", ".json");
-    std::erase_if(names, [](const std::string& name) { return name.ends_with(".schema"); });
-    return names;
-}
-
 class ValidatePlan : public ::testing::TestWithParam<std::string> {};
 
 // Under every combination of the facts that pipelines ask for.
 TEST_P(ValidatePlan, RunsTheSameNodesInTheSameOrderOnTheSameResources) {
-    const CheckedPipeline plain = shipped(GetParam()), watched = validating(plain);
+    const CheckedPipeline plain = shipped_pipeline(GetParam()), watched = validating(plain);
     const char* names[] = {"sun_up", "sun_disc", "casters", "moves"};
     for (uint32_t bits = 0; bits < 16; ++bits) {
         Target target;
@@ -279,7 +269,7 @@ TEST_P(ValidatePlan, RunsTheSameNodesInTheSameOrderOnTheSameResources) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Pipelines, ValidatePlan, ::testing::ValuesIn(shipped_names()),
+INSTANTIATE_TEST_SUITE_P(Pipelines, ValidatePlan, ::testing::ValuesIn(pipeline_files()),
                          [](const auto& test) { return test.param; });
 
 // A node that watches follows what it reads: it runs no producer, makes no optional output exist, and asks
@@ -331,7 +321,7 @@ TEST(ValidateNode, WrongUseIsExplained) {
             .find("no value \"picture\""),
         std::string::npos);
 
-    const CheckedPipeline pipeline = shipped("raw");
+    const CheckedPipeline pipeline = shipped_pipeline("raw");
     NodeSet without;
     Diagnostics diagnostics;
     EXPECT_FALSE(with_validation(pipeline, without, diagnostics));
@@ -394,11 +384,10 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
     return result;
 }
 
-// denoise*.json are for hosts that trace by themselves, reference.json for the command of that name.
+// reference.json is for the command of that name.
 std::vector<std::string> rendered_names() {
-    std::vector<std::string> names = shipped_names();
-    std::erase_if(names,
-                  [](const std::string& name) { return name.starts_with("denoise") || name == "reference"; });
+    std::vector<std::string> names = rendering_pipeline_files();
+    std::erase(names, "reference");
     return names;
 }
 

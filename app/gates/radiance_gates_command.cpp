@@ -5,6 +5,7 @@
 #include <iostream>
 #include <set>
 
+#include "app/counted.h"
 #include "app/gates/radiance_gates.h"
 #include "app/node_folders.h"
 #include "app/progress.h"
@@ -111,18 +112,16 @@ int run_radiance_gates(const GatesArguments& arguments) {
         const RadianceScenes scenes;
         Doing doing;
         for (const CheckedPipeline& pipeline : pipelines) {
-            print(doing,
-                  fmt::format("{}{}, {}, {} seed{}, {}x{}\n\n", &pipeline == &pipelines.front() ? "" : "\n",
-                              pipeline.name, arguments.signal, study.seeds, study.seeds == 1 ? "" : "s",
-                              study.size[0], study.size[1]));
+            print(doing, fmt::format("{}{}, {}, {}, {}x{}\n\n", &pipeline == &pipelines.front() ? "" : "\n",
+                                     pipeline.name, arguments.signal, counted(study.seeds, "seed"),
+                                     study.size[0], study.size[1]));
             const auto told = [&](const std::string& what, double share) { doing(what, share); };
             good = good && print_tables({device, *nodes, pipeline, arguments.signal, study, scenes,
                                          diagnostics, warnings, told},
                                         given.empty() ? all : given, doing);
         }
     }
-    for (const std::string& warning : std::set(warnings.begin(), warnings.end()))
-        std::cerr << "warning: " << warning << "\n";
+    print_warnings(warnings);
     if (good) return exit_good;
     std::cerr << diagnostics.text();
     return exit_wrong;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/counted.h"
 #include "app/report/front_figures.h"
 #include "app/report/html.h"
 #include "app/report/plots.h"
@@ -16,18 +17,6 @@ std::string short_number(const std::optional<double>& value) {
     if (!value) return "-";
     const std::string text = number(*value);
     return text.starts_with("0.") ? text.substr(1) : text;
-}
-
-std::string line(const std::vector<std::string>& cells) {
-    std::string out = "|";
-    for (const std::string& cell : cells) out += " " + cell + " |";
-    return out + "\n";
-}
-
-std::string head(const std::vector<std::string>& cells) {
-    std::string out = line(cells) + "|";
-    for (size_t i = 0; i < cells.size(); ++i) out += "---|";
-    return out + "\n";
 }
 
 // "shadows, hybrid_cascades": whoever has these masks.
@@ -45,7 +34,7 @@ std::vector<std::string> shot_names(const Results& results, const std::string& c
 }
 
 std::string after_cut(const Results& results) {
-    std::string out = head(shot_names(results, "N_eff after 1 / 8 / 64 frames"));
+    std::string out = markdown_head(shot_names(results, "N_eff after 1 / 8 / 64 frames"));
     for (size_t c = 0; c < results.contenders.size(); ++c) {
         if (results.original(c) != c) continue;
         std::vector<std::string> cells{names(results, c)};
@@ -59,14 +48,15 @@ std::string after_cut(const Results& results) {
             if (values.size() == 3 && values[0] == values[1] && values[1] == values[2]) values.resize(1);
             cells.push_back(fmt::format("{}", fmt::join(values, " / ")));
         }
-        out += line(cells);
+        out += markdown_row(cells);
     }
     return out;
 }
 
 std::string moving(const Results& results) {
     const bool cpu = cost_is_cpu(results);
-    std::string out = head(shot_names(results, fmt::format("RMSE / N_eff / {} ms", cpu ? "CPU" : "GPU")));
+    std::string out =
+        markdown_head(shot_names(results, fmt::format("RMSE / N_eff / {} ms", cpu ? "CPU" : "GPU")));
     for (size_t c = 0; c < results.contenders.size(); ++c) {
         std::vector<std::string> cells{label(results.contenders[c])};
         for (size_t s = 0; s < results.shots.size(); ++s) {
@@ -82,7 +72,7 @@ std::string moving(const Results& results) {
             if (row->maps_cpu_ms) cell += " + " + short_number(row->maps_cpu_ms->median);
             cells.push_back(cell);
         }
-        out += line(cells);
+        out += markdown_row(cells);
     }
     return out;
 }
@@ -91,8 +81,8 @@ std::string moving(const Results& results) {
 // needs.
 std::string front(const Results& results) {
     std::string out =
-        head(shot_names(results, fmt::format("{} ms / N_eff / x plain rays / brute force's time",
-                                             cost_is_cpu(results) ? "CPU" : "GPU")));
+        markdown_head(shot_names(results, fmt::format("{} ms / N_eff / x plain rays / brute force's time",
+                                                      cost_is_cpu(results) ? "CPU" : "GPU")));
     for (size_t c = 0; c < results.contenders.size(); ++c) {
         std::vector<std::string> cells{label(results.contenders[c])};
         for (size_t s = 0; s < results.shots.size(); ++s) {
@@ -110,13 +100,9 @@ std::string front(const Results& results) {
                     : fmt::format(" / {} / {}", over_plain_text(figure), brute_force_time_text(figure)));
             cells.push_back(figure.on_front ? "**" + cell + "**" : cell);
         }
-        out += line(cells);
+        out += markdown_row(cells);
     }
     return out;
-}
-
-std::string counted(uint32_t number, const char* what) {
-    return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
 }
 
 // "frame 15", "frames 11 to 63 in steps of 4"
@@ -132,7 +118,7 @@ std::string pooled_frames(const Study& study) {
 std::string edge(const Results& results) {
     std::vector<std::string> columns{"N_eff at rest / worst (at px per frame)"};
     for (const double width : results.study.edge_widths_px) columns.push_back(fmt::format("{:g} px", width));
-    std::string out = head(columns);
+    std::string out = markdown_head(columns);
     for (size_t c = 0; c < results.contenders.size(); ++c) {
         if (results.original(c) != c) continue;
         std::vector<std::string> cells{names(results, c)};
@@ -145,12 +131,24 @@ std::string edge(const Results& results) {
                                                 results.speed_of(*worst))
                                   : at_rest);
         }
-        out += line(cells);
+        out += markdown_row(cells);
     }
     return out;
 }
 
 }  // namespace
+
+std::string markdown_row(const std::vector<std::string>& cells) {
+    std::string out = "|";
+    for (const std::string& cell : cells) out += " " + cell + " |";
+    return out + "\n";
+}
+
+std::string markdown_head(const std::vector<std::string>& cells) {
+    std::string out = markdown_row(cells) + "|";
+    for (size_t i = 0; i < cells.size(); ++i) out += "---|";
+    return out + "\n";
+}
 
 std::string markdown_tables(const Results& results) {
     const Study& study = results.study;

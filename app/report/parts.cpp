@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "app/text_file.h"
 #include "host/images/image_file.h"
 
 namespace penumbra::report {
@@ -129,8 +130,7 @@ void Parts::forget(const Name& part) const {
 }
 
 void Parts::keep(const Name& part, const Json& json) const {
-    const std::string text = Json{{"key", part.key}, {"part", json}}.dump() + "\n";
-    write_file(file(part), std::as_bytes(std::span(text)));
+    write_text(file(part), Json{{"key", part.key}, {"part", json}}.dump() + "\n");
 }
 
 fs::path Parts::file(const Name& part) const {

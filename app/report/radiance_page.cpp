@@ -11,6 +11,7 @@
 #include "app/report/assets.h"
 #include "app/report/html.h"
 #include "app/report/images.h"
+#include "app/report/markdown_tables.h"
 #include "app/report/svg.h"
 
 namespace penumbra::report {
@@ -128,12 +129,6 @@ std::string shot_section(const RadianceResults& results, const std::string& shot
         escape(shot), front_plot(results, shot), speed.html(), rough.html(), pictures);
 }
 
-std::string markdown_row(const std::vector<std::string>& cells) {
-    std::string out = "|";
-    for (const std::string& cell : cells) out += " " + cell + " |";
-    return out + "\n";
-}
-
 }  // namespace
 
 OrderedJson to_json(const RadianceResults& results) {
@@ -175,13 +170,12 @@ OrderedJson to_json(const RadianceResults& results) {
 std::string markdown_tables(const RadianceResults& results) {
     std::string out;
     for (const std::string& shot : results.shots) {
-        out += "## " + shot + "\n" + markdown_row(heads(results));
-        out += "|---|---|---|---|---|---|---|---|---|\n";
+        out += "## " + shot + "\n" + markdown_head(heads(results));
         for (const RadianceRow* row : rows_of(results, shot)) out += markdown_row(figures(results, *row));
         std::vector<std::string> columns{"N_eff by roughness"};
         for (const uint32_t after : results.study.after) columns.push_back(fmt::format("after {}", after));
         columns.push_back(fmt::format("in motion, after {}", results.study.moving_frame + 1));
-        out += "\n" + markdown_row(columns) + markdown_row(std::vector<std::string>(columns.size(), "---"));
+        out += "\n" + markdown_head(columns);
         for (const RadianceRow* row : rows_of(results, shot)) {
             std::vector<std::string> cells{results.contenders[row->contender].id};
             for (const RadianceErrorSums& sums : row->still)

@@ -7,13 +7,12 @@
 
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "app/node_folders.h"
 #include "app/progress.h"
 #include "app/report/radiance_page.h"
 #include "app/shipped_files.h"
-#include "host/images/image_file.h"
+#include "app/text_file.h"
 
 namespace penumbra {
 namespace {
@@ -83,10 +82,6 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     return job;
 }
 
-void write_text(const fs::path& file, const std::string& text) {
-    write_file(file, std::as_bytes(std::span(text)));
-}
-
 }  // namespace
 
 int run_radiance_report(const ReportArguments& arguments) {
@@ -109,8 +104,7 @@ int run_radiance_report(const ReportArguments& arguments) {
             good = good && measure_radiance({device, *nodes, job->folder, [&] { progress.step(); }}, shot,
                                             job->results, diagnostics, warnings);
     }
-    for (const std::string& warning : std::set(warnings.begin(), warnings.end()))
-        std::cerr << "warning: " << warning << "\n";
+    print_warnings(warnings);
     if (!good) {
         std::cerr << diagnostics.text();
         return exit_wrong;

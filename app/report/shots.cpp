@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "app/text_file.h"
 #include "app/view_source.h"
-#include "host/images/image_file.h"
 #include "host/shots/light_choice.h"
 
 namespace penumbra::report {
@@ -49,8 +49,7 @@ OrderedJson standing_still(const std::string& text, const fs::path& file, const 
 }
 
 void write_json(const fs::path& file, const OrderedJson& json) {
-    const std::string text = json.dump(2) + "\n";
-    write_file(file, std::as_bytes(std::span(text)));
+    write_text(file, json.dump(2) + "\n");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "app/commands.h"
 #include "app/progress.h"
 #include "app/shipped_files.h"
+#include "app/text_file.h"
 #include "app/view/panels.h"
 #include "app/view/snapshot.h"
 #include "app/view/window.h"
@@ -84,10 +85,6 @@ std::optional<Job> prepare(const ViewCommandArguments& a) {
     return job;
 }
 
-void write_text(const fs::path& file, const std::string& text) {
-    write_file(file, std::as_bytes(std::span(text)));
-}
-
 void write_screenshot(const fs::path& png, Canvas& canvas, const Live& live, const Panels& panels) {
     const VkExtent2D extent = canvas.image().extent;
     write_file(png, png_of_rgba(extent.width, extent.height, canvas.rgba()));
@@ -118,7 +115,7 @@ bool first_wishes(Live& live, const ViewCommandArguments& a, Beside beside) {
     Doing doing;
     bool good = live.open([&](const char* what, double share) { doing(what, share); });
     doing.clear();
-    for (const std::string& warning : live.warnings()) std::cerr << "warning: " << warning << "\n";
+    print_warnings(live.warnings());
     if (good && !a.show.empty()) {
         live.show(a.show);
         good = live.shown() == a.show;
@@ -249,13 +246,7 @@ int view(const ViewCommandArguments& a, Job job) {
 
 int run_view(const ViewCommandArguments& arguments) {
     auto job = prepare(arguments);
-    if (!job) return exit_wrong;
-    try {
-        return view(arguments, std::move(*job));
-    } catch (const DeviceError& e) {  // a device that was asked for by name is the command's mistake
-        std::cerr << "penumbra: " << e.what() << "\n";
-        return arguments.device.empty() ? exit_failed : exit_wrong;
-    }
+    return job ? view(arguments, std::move(*job)) : exit_wrong;
 }
 
 }  // namespace penumbra

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What the host's own pipelines bind: descriptor sets of one layout with their pool, and the pipeline's
-// layout. The graph's passes have theirs from their declarations (graph/program.h).
+// layout. The graph's passes have theirs from their declarations (penumbra/program.h).
 #pragma once
 
 #include <span>

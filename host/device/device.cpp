@@ -259,9 +259,8 @@ void Device::pick_physical_device(const std::string& wish) {
     }
     if (physical_) return;
     if (seen.empty()) throw DeviceError("no Vulkan device on this machine");
-    throw DeviceError(wish.empty()
-                          ? "no usable Vulkan device among:" + seen
-                          : fmt::format("no usable Vulkan device is named \"{}\" among:{}", wish, seen));
+    if (wish.empty()) throw DeviceError("no usable Vulkan device among:" + seen);
+    throw NoSuchDevice(fmt::format("no usable Vulkan device is named \"{}\" among:{}", wish, seen));
 }
 
 void Device::create_device(const DeviceOptions& options) {

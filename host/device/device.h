@@ -22,6 +22,12 @@ class DeviceError : public std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// No device of the name that was asked for.
+class NoSuchDevice : public DeviceError {
+  public:
+    using DeviceError::DeviceError;
+};
+
 struct DeviceInfo {
     std::string name;    // "llvmpipe (LLVM 15.0.6, 256 bits)"
     std::string driver;  // "llvmpipe Mesa 25.0.7"
@@ -54,7 +60,7 @@ std::vector<DeviceInfo> list_devices();
 
 class Device {
   public:
-    // Throws DeviceError where the wish cannot be met, VulkanError where a call fails.
+    // Throws DeviceError where the wish cannot be met, NoSuchDevice where that is its name, VulkanError where a call fails.
     explicit Device(const DeviceOptions& options);
     ~Device();
     Device(const Device&) = delete;

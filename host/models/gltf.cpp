@@ -11,12 +11,14 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "host/images/image_decode.h"
 #include "host/images/input_limit.h"
 #include "host/models/gltf_accessor.h"
 #include "host/models/gltf_extension.h"
 #include "host/models/gltf_files.h"
+#include "host/models/gltf_lights.h"
 #include "host/models/gltf_meshopt.h"
 #include "host/models/gltf_motion.h"
 #include "host/models/gltf_primitive.h"
@@ -72,6 +74,7 @@ class Loader {
         for (const tinygltf::Mesh& mesh : file_.meshes) add_mesh(mesh);
         model_node_.assign(file_.nodes.size(), -1);
         add_scene();
+        name_lights(model_);
         read_skins(file_, accessors_, model_node_, model_, tell_);
         for (Node& node : model_.nodes)
             if (node.skin >= 0 && model_.skins[static_cast<size_t>(node.skin)].joints.empty()) node.skin = -1;
@@ -121,11 +124,8 @@ class Loader {
         Material& out = model_.materials.emplace_back();
         const auto& pbr = material.pbrMetallicRoughness;
         for (size_t i = 0; i < std::min<size_t>(4, pbr.baseColorFactor.size()); ++i) {
-            const double value = pbr.baseColorFactor[i];
-            if (!(value >= 0 && value <= 1))
-                throw GltfError(
-                    fmt::format("material \"{}\": base colour {} is not in 0..1", material.name, value));
-            out.base_color[i] = static_cast<float>(value);
+            const std::string what = fmt::format("material \"{}\": base colour", material.name);
+            out.base_color[i] = static_cast<float>(factor(what, pbr.baseColorFactor[i], 1, tell_));
         }
         read_alpha_mode(material, out);
         const TextureUse& use = texture_uses_.emplace_back(use_of(material));
@@ -153,30 +153,28 @@ class Loader {
     // Sections 3.9.2 and 3.9.3, and KHR_materials_emissive_strength: what reflections see of a surface.
     void read_surface(const tinygltf::Material& material, const TextureUse& use, Material& out) {
         const auto& pbr = material.pbrMetallicRoughness;
-        const auto factor = [&](const char* what, double value, double high) {
-            if (!(value >= 0 && value <= high))
-                throw GltfError(
-                    fmt::format("material \"{}\": {} {} is not in 0..{}", material.name, what, value, high));
-            return static_cast<float>(value);
+        const auto named = [&](const char* what, double value, double most) {
+            const std::string name = fmt::format("material \"{}\": {}", material.name, what);
+            return static_cast<float>(factor(name, value, most, tell_));
         };
-        out.metallic = factor("metallicFactor", pbr.metallicFactor, 1);
-        out.roughness = factor("roughnessFactor", pbr.roughnessFactor, 1);
+        out.metallic = named("metallicFactor", pbr.metallicFactor, 1);
+        out.roughness = named("roughnessFactor", pbr.roughnessFactor, 1);
         double strength = 1;
         if (const auto found = material.extensions.find("KHR_materials_emissive_strength");
             found != material.extensions.end() && found->second.Has("emissiveStrength"))
             strength =
-                factor("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
+                named("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
         for (size_t i = 0; i < std::min<size_t>(3, material.emissiveFactor.size()); ++i)
             out.emissive[i] =
-                factor("emissiveFactor", material.emissiveFactor[i], 1) * static_cast<float>(strength);
+                named("emissiveFactor", material.emissiveFactor[i], 1) * static_cast<float>(strength);
         out.metallic_roughness_texture =
             surface_image("metallic-roughness", pbr.metallicRoughnessTexture, use);
         out.emissive_texture = surface_image("emissive", material.emissiveTexture, use);
         const auto transmission = material.extensions.find("KHR_materials_transmission");
         if (transmission == material.extensions.end()) return;
         if (transmission->second.Has("transmissionFactor"))
-            out.transmission = factor("transmissionFactor",
-                                      transmission->second.Get("transmissionFactor").GetNumberAsDouble(), 1);
+            out.transmission = named("transmissionFactor",
+                                     transmission->second.Get("transmissionFactor").GetNumberAsDouble(), 1);
         if (transmission->second.Has("transmissionTexture"))
             out.transmission_texture = surface_image(
                 "transmission", texture_info(transmission->second.Get("transmissionTexture")), use);
@@ -295,7 +293,7 @@ class Loader {
             if (node.mesh >= 0) out.weights = file_.meshes[static_cast<size_t>(node.mesh)].weights;
             if (!node.weights.empty()) out.weights = node.weights;
             add_camera(node, self);
-            add_light(node, self);
+            read_light(file_, node, self, model_, tell_);
             add_instances(node, self);
             const std::vector<int> last_first(node.children.rbegin(), node.children.rend());
             for (const int child : last_first) pending.emplace_back(child, self);
@@ -319,49 +317,6 @@ class Loader {
         model_.cameras.push_back({self, fov, near});
     }
 
-    // A directional light is the sun's.
-    void add_light(const tinygltf::Node& node, int self) {
-        constexpr const char* name = "KHR_lights_punctual";
-        const auto found = node.extensions.find(name);
-        if (found == node.extensions.end()) return;
-        const int index = extension_integer(found->second, "light", name);
-        const tinygltf::Light& light = element(file_.lights, index, "light");
-        if (light.type == "directional") {
-            model_.suns.push_back(self);
-            return;
-        }
-        ModelLight out;
-        out.node = self;
-        out.name = !light.name.empty()  ? light.name
-                   : !node.name.empty() ? node.name
-                                        : fmt::format("light_{}", index);
-        const auto wrong = [&](const std::string& what) {
-            throw GltfError(fmt::format("{}: light \"{}\": {}", name, out.name, what));
-        };
-        if (light.type != "point" && light.type != "spot")
-            wrong(fmt::format("no type is named \"{}\"", light.type));
-        out.spot = light.type == "spot";
-        out.intensity = light.intensity;
-        out.range = light.range;
-        if (light.color.size() == 3) out.color = {light.color[0], light.color[1], light.color[2]};
-        if (light.extras.IsObject() && light.extras.Has("radius")) {
-            const tinygltf::Value& radius = light.extras.Get("radius");
-            if (!radius.IsNumber()) wrong("the radius of its extras is not a number");
-            out.radius = radius.GetNumberAsDouble();
-        }
-        const double least =
-            std::min({out.intensity, out.range, out.radius, out.color.x, out.color.y, out.color.z});
-        if (!(least >= 0) || !(std::max({out.intensity, out.range, out.radius}) <= 1e12))
-            wrong("intensity, range, radius and colour are 0 at least, and finite");
-        if (out.spot) {
-            out.inner_deg = glm::degrees(light.spot.innerConeAngle);
-            out.outer_deg = glm::degrees(light.spot.outerConeAngle);
-            if (!(out.inner_deg >= 0 && out.inner_deg < out.outer_deg && out.outer_deg < 90.01))
-                wrong(fmt::format("a cone from {} to {} degrees", out.inner_deg, out.outer_deg));
-        }
-        model_.lights.push_back(std::move(out));
-    }
-
     // A child of the node for each instance, which then has no mesh of its own.
     void add_instances(const tinygltf::Node& node, int self) {
         constexpr const char* name = "EXT_mesh_gpu_instancing";
@@ -380,10 +335,13 @@ class Loader {
             if (size != 0 && size != count * width)
                 throw GltfError(fmt::format("{}: attributes differ in count", name));
         model_.nodes[static_cast<size_t>(self)].mesh = -1;
+        if (std::exchange(model_.nodes[static_cast<size_t>(self)].skin, -1) >= 0)
+            warn("instances with a skin are in their rest pose");
         for (size_t i = 0; i < count; ++i) {
             Node& out = model_.nodes.emplace_back();
             out.parent = self;
             out.mesh = node.mesh;
+            out.weights_of = self;
             if (!t.empty()) out.translation = glm::make_vec3(&t[3 * i]);
             if (!r.empty())
                 out.rotation = glm::normalize(glm::dquat(r[4 * i + 3], r[4 * i], r[4 * i + 1], r[4 * i + 2]));

@@ -3,7 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace penumbra {
+
+double factor(const std::string& what, double value, double most, const GltfTell& tell) {
+    if (!(value >= 0)) throw GltfError(fmt::format("{} {} is not a number from 0 on", what, value));
+    constexpr double rounding = 1e-3;  // of a factor, less than an 8-bit colour shows
+    if (value > most * (1 + rounding)) tell(fmt::format("{} {} is taken as {}", what, value, most));
+    return std::min(value, most);
+}
 
 int extension_integer(const tinygltf::Value& object, const char* key, const char* extension) {
     if (object.IsObject() && object.Has(key) && object.Get(key).IsNumber())

@@ -51,8 +51,8 @@ AnimationChannel read_channel(AccessorReader& accessors, const tinygltf::Animati
     return out;
 }
 
-size_t targets_of(const Model& model, int node) {
-    const int mesh = model.nodes[static_cast<size_t>(node)].mesh;
+// `mesh` is the file's, and so the model's: of a node with instances the model's node has none.
+size_t targets_of(const Model& model, int mesh) {
     size_t count = 0;
     if (mesh >= 0)
         for (const Part& part : model.meshes[static_cast<size_t>(mesh)].parts)
@@ -72,7 +72,7 @@ void read_animations(const tinygltf::Model& file, AccessorReader& accessors,
                 tell("animations of what is no node (KHR_animation_pointer) are not played");
                 continue;
             }
-            element(file.nodes, channel.target_node, "node");
+            const int mesh = element(file.nodes, channel.target_node, "node").mesh;
             const int node = model_node[static_cast<size_t>(channel.target_node)];
             const auto path = path_of(channel.target_path);
             if (!path) {
@@ -85,7 +85,7 @@ void read_animations(const tinygltf::Model& file, AccessorReader& accessors,
                 continue;
             }
             try {
-                const size_t count = *path == Path::weights ? targets_of(model, node) : 0;
+                const size_t count = *path == Path::weights ? targets_of(model, mesh) : 0;
                 out.channels.push_back(read_channel(
                     accessors, element(animation.samplers, channel.sampler, "sampler"), *path, node, count));
             } catch (const GltfError& error) {

@@ -5,18 +5,15 @@
 
 #include <tiny_gltf.h>
 
-#include <functional>
 #include <glm/glm.hpp>
 #include <optional>
 #include <string>
 
 #include "host/models/gltf_accessor.h"
+#include "host/models/gltf_extension.h"
 #include "host/models/model.h"
 
 namespace penumbra {
-
-// Told what of a file is not shown as it says, once per text.
-using GltfTell = std::function<void(const std::string&)>;
 
 // How a material's textures are looked up: by which coordinates, and what is done to them.
 struct TextureUse {

@@ -44,6 +44,7 @@ void join_model(Model& all, Model model, const PlacedModel& place) {
         node.parent = static_cast<int>(nodes) + (node.parent < 0 ? -1 : node.parent);
         shift(node.mesh, meshes);
         shift(node.skin, skins);
+        shift(node.weights_of, nodes);
         node.name = before + node.name;
     }
     for (Mesh& mesh : model.meshes)

@@ -79,6 +79,7 @@ struct Node {
     std::optional<glm::dmat4> matrix;
     int skin = -1;  // its mesh then stands where the joints put it, whatever its own transform
     std::vector<double> weights{};  // of the mesh's morph targets; fewer than these: 0
+    int weights_of = -1;            // the node that has them instead, of an instance
 };
 
 struct Skin {
@@ -113,7 +114,7 @@ struct ModelCamera {
 // A point or a spot of KHR_lights_punctual, which shines along -z of its node.
 struct ModelLight {
     int node = -1;
-    std::string name;  // its own, or its node's
+    std::string name;  // its own, or its node's; no two of a model's are the same
     bool spot = false;
     double radius = 0;                     // metres; of "extras": { "radius": .. }
     double intensity = 1;                  // candelas
@@ -130,7 +131,7 @@ struct Model {
     std::vector<Skin> skins = {};
     std::vector<Animation> animations = {};
     std::vector<ModelCamera> cameras = {};
-    std::vector<int> suns = {};  // nodes of directional lights, which shine along their -z
+    std::vector<int> suns = {};  // nodes of directional lights that are on, which shine along their -z
     std::vector<ModelLight> lights = {};
     std::vector<std::string> warnings = {};
     uint32_t dropped_degenerate = 0;  // triangles of zero area or with a repeated vertex

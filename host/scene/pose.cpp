@@ -80,6 +80,9 @@ std::vector<NodePose> pose_at(const Model& model, int animation, double seconds)
     if (animation >= 0)
         for (const AnimationChannel& channel : model.animations[static_cast<size_t>(animation)].channels)
             apply(channel, seconds, pose[static_cast<size_t>(channel.node)]);
+    for (size_t i = 0; i < pose.size(); ++i)
+        if (const int of = model.nodes[i].weights_of; of >= 0)
+            pose[i].weights = pose[static_cast<size_t>(of)].weights;
     return pose;
 }
 

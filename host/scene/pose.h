@@ -21,8 +21,8 @@ struct NodePose {
 // All nodes at `seconds`; before the first key and after the last one that is held. `animation` -1: at rest.
 std::vector<NodePose> pose_at(const Model& model, int animation, double seconds);
 
-// Vertices of a part that deforms, relative to the part's origin: in the node's frame; with a skin, in the
-// frame of the scene. `joints`: of the node's skin, world * inverse bind; empty without one.
+// Vertices of a part that deforms, relative to the part's origin: in the node's frame; with a skin, in that
+// which `joints` lead to, world * inverse bind of each for the scene's. Without a skin there are none.
 std::vector<glm::vec3> deformed_positions(const Part& part, const std::vector<double>& weights,
                                           const std::vector<glm::dmat4>& joints);
 

@@ -42,13 +42,53 @@ glm::dmat4 local_transform(const Node& node, const NodePose& pose, const ObjectM
     return node.matrix ? local * glm::dmat4(glm::transpose(turned) * linear) : glm::scale(local, pose.scale);
 }
 
-bool shows_something(const glm::dmat4& world) {
-    const double determinant = glm::determinant(glm::dmat3(world));
-    double largest = 0;
-    for (int c = 0; c < 3; ++c) largest = std::max(largest, glm::length(glm::dvec3(world[c])));
-    // Flattened to a relative thickness below fp32's resolution, or NaN.
-    return std::abs(determinant) > 1e-7 * largest * largest * largest && std::isfinite(determinant) &&
-           glm::length(glm::dvec3(world[3])) < 1e18;
+double largest_column(const glm::dmat3& m) {
+    return std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+}
+
+// Their length is about the largest area that a unit square becomes.
+glm::dmat3 cofactors(const glm::dmat3& m) {
+    return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
+}
+
+double length_of(const glm::dmat3& m) {
+    return std::sqrt(glm::dot(m[0], m[0]) + glm::dot(m[1], m[1]) + glm::dot(m[2], m[2]));
+}
+
+bool is_within_reach(const glm::dmat4& world) {
+    const double sum = glm::determinant(glm::dmat3(world)) + largest_column(glm::dmat3(world));
+    return std::isfinite(sum) && glm::length(glm::dvec3(world[3])) < 1e18;
+}
+
+// Whether two directions are left in which anything is seen; less than that is rounding.
+bool has_area(const glm::dmat3& m) {
+    const double largest = largest_column(m);
+    return length_of(cofactors(m)) > 1e-12 * largest * largest;
+}
+
+// What is flat has sides all the same: normals and the way back into the node's frame need an inverse. So it
+// is made a millionth as thick as it is large, which tells its front from its back and is not seen.
+glm::dmat4 with_thickness(const glm::dmat4& world) {
+    const glm::dmat3 m(world), across = cofactors(m);
+    const double area = length_of(across), least = 1e-6 * largest_column(m),
+                 determinant = glm::determinant(m);
+    if (!has_area(m) || !(std::abs(determinant) < least * area)) return world;
+    const bool mirrored = determinant < -1e-9 * least * area;  // by more than rounding
+    const glm::dmat3 thick = m + across * ((mirrored ? -least : least) / area);
+    return {glm::dvec4(thick[0], 0), glm::dvec4(thick[1], 0), glm::dvec4(thick[2], 0), world[3]};
+}
+
+// Where fp32 is finest. Of what is so large that half a millimetre is lost at its ends (17 km), the place in
+// it where the shot's camera is: one stray object far away may not spoil what is looked at.
+glm::dvec3 origin_in(const glm::dvec3& low, const glm::dvec3& high, const Shot& shot) {
+    const glm::dvec3 middle = 0.5 * (low + high), half = high - middle;
+    if (shot.camera.empty() || std::max({half.x, half.y, half.z}) * 0x1p-24 <= 5e-4) return middle;
+    glm::dvec3 first = shot.camera[0].position, last = first;
+    for (const CameraKey& key : shot.camera) {
+        first = glm::min(first, key.position);
+        last = glm::max(last, key.position);
+    }
+    return glm::clamp(0.5 * (first + last), low, high);
 }
 
 constexpr std::array<glm::dvec3, 2> no_box{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
@@ -73,19 +113,20 @@ Scene::Scene(Model model, const Shot& shot)
     for (const Mesh& mesh : model_.meshes) {
         std::array<glm::dvec3, 2>& box = mesh_boxes_.emplace_back(no_box);
         for (const Part& part : mesh.parts) {
-            for (const glm::vec3& p : part.positions) {
-                box[0] = glm::min(box[0], part.origin + glm::dvec3(p));
-                box[1] = glm::max(box[1], part.origin + glm::dvec3(p));
+            for (const uint32_t index : part.indices) {  // other vertices are not seen
+                const glm::dvec3 p = part.origin + glm::dvec3(part.positions[index]);
+                box = {glm::min(box[0], p), glm::max(box[1], p)};
             }
         }
     }
     const std::vector<glm::dmat4> world = transforms(0);
+    const std::vector<bool> moving = moving_nodes();
     const Pose first = pose(0);
     glm::dvec3 low(INFINITY), high(-INFINITY);
     for (size_t i = 0; i < model_.nodes.size(); ++i) {
         const int mesh = model_.nodes[i].mesh;
         if (mesh < 0 || model_.meshes[static_cast<size_t>(mesh)].parts.empty()) continue;
-        if (!shows_something(world[i])) {
+        if (!is_within_reach(world[i]) || !(moving[i] || has_area(glm::dmat3(world[i])))) {
             ++dropped_instances_;
             continue;
         }
@@ -102,7 +143,18 @@ Scene::Scene(Model model, const Shot& shot)
     }
     if (instances_.empty()) return;
     bounds_ = {low, high};
-    bvh_origin_ = 0.5 * (low + high);
+    bvh_origin_ = origin_in(low, high, shot);
+}
+
+std::vector<bool> Scene::moving_nodes() const {
+    std::vector<bool> moving(model_.nodes.size());
+    if (animation_ >= 0)
+        for (const AnimationChannel& channel : model_.animations[static_cast<size_t>(animation_)].channels)
+            moving[static_cast<size_t>(channel.node)] = true;
+    for (size_t i = 0; i < moving.size(); ++i)  // parents first
+        if (const int parent = model_.nodes[i].parent; parent >= 0 && moving[static_cast<size_t>(parent)])
+            moving[i] = true;
+    return moving;
 }
 
 Scene::Pose Scene::pose(double frame) const {
@@ -116,10 +168,21 @@ Scene::Pose Scene::pose(double frame) const {
 }
 
 std::vector<glm::dmat4> Scene::transforms(double frame) const {
-    std::vector<glm::dmat4> world = pose(frame).world;
-    for (size_t i = 0; i < world.size(); ++i)
-        if (model_.nodes[i].skin >= 0) world[i] = glm::dmat4(1);
+    const Pose posed = pose(frame);
+    std::vector<glm::dmat4> world = posed.world;
+    for (size_t i = 0; i < world.size(); ++i) {
+        const Node& node = model_.nodes[i];
+        if (node.skin >= 0)
+            world[i] = glm::translate(glm::dmat4(1), skin_origin(node, posed));
+        else if (node.mesh >= 0)
+            world[i] = with_thickness(world[i]);
+    }
     return world;
+}
+
+glm::dvec3 Scene::skin_origin(const Node& node, const Pose& pose) const {
+    const int joint = model_.skins[static_cast<size_t>(node.skin)].joints[0];
+    return pose.world[static_cast<size_t>(joint)][3];
 }
 
 bool Scene::deforms(const Instance& instance, const Part& part) const {
@@ -129,14 +192,17 @@ bool Scene::deforms(const Instance& instance, const Part& part) const {
 
 std::vector<glm::vec3> Scene::positions(const Instance& instance, const Part& part, const Pose& pose) const {
     if (!deforms(instance, part)) return part.positions;
-    const auto node = static_cast<size_t>(instance.node);
+    const auto index = static_cast<size_t>(instance.node);
+    const Node& node = model_.nodes[index];
     std::vector<glm::dmat4> joints;
-    if (const int skin = model_.nodes[node].skin; skin >= 0) {
-        const Skin& s = model_.skins[static_cast<size_t>(skin)];
-        for (size_t i = 0; i < s.joints.size(); ++i)
-            joints.push_back(pose.world[static_cast<size_t>(s.joints[i])] * s.inverse_bind[i]);
+    if (node.skin >= 0) {
+        const Skin& skin = model_.skins[static_cast<size_t>(node.skin)];
+        const glm::dmat4 to_origin = glm::translate(glm::dmat4(1), -skin_origin(node, pose));
+        for (size_t i = 0; i < skin.joints.size(); ++i)
+            joints.push_back(to_origin * pose.world[static_cast<size_t>(skin.joints[i])] *
+                             skin.inverse_bind[i]);
     }
-    return deformed_positions(part, pose.nodes[node].weights, joints);
+    return deformed_positions(part, pose.nodes[index].weights, joints);
 }
 
 std::vector<glm::vec3> Scene::positions(const Instance& instance, const Part& part, double frame) const {
@@ -167,8 +233,10 @@ std::array<glm::dvec3, 2> Scene::box(const Instance& instance, const glm::dmat4&
         out = {glm::min(out[0], p), glm::max(out[1], p)};
     };
     if (deforms(instance)) {
-        for (const Part& part : parts(instance))
-            for (const glm::vec3& at : positions(instance, part, frame)) add(part.origin + glm::dvec3(at));
+        for (const Part& part : parts(instance)) {
+            const std::vector<glm::vec3> at = positions(instance, part, frame);
+            for (const uint32_t index : part.indices) add(part.origin + glm::dvec3(at[index]));
+        }
         return out;
     }
     const auto& [low, high] = mesh_boxes_[static_cast<size_t>(instance.mesh)];

@@ -30,13 +30,13 @@ class Scene {
     Scene& operator=(const Scene&) = delete;
 
     const Model& model() const { return model_; }
-    // Nodes with a mesh; those with a singular or non-finite transform show nothing and are left out (and
-    // counted).
+    // Nodes with a mesh. Those that are a line or a point and stay so, and those that are not finite, show
+    // nothing and are left out (and counted); what an animation moves may become something.
     const std::vector<Instance>& instances() const { return instances_; }
     int dropped_instances() const { return dropped_instances_; }
 
-    // World transforms of all nodes at a frame, without the shot's origin. Of nodes with a skin the identity:
-    // their vertices are where the joints put them.
+    // World transforms of all nodes at a frame, without the shot's origin. Of nodes with a skin the way to
+    // its first joint: the joints put the vertices where they are. Of flat meshes one with an inverse.
     std::vector<glm::dmat4> transforms(double frame) const;
     // Whether a part's vertices move in its instance's frame.
     bool deforms(const Instance& instance, const Part& part) const;
@@ -47,8 +47,8 @@ class Scene {
     // Whether any triangle stands elsewhere at frame b than at frame a.
     bool moved(double a, double b) const;
 
-    // The BVH's frame: world axes about this point (the centre of the first frame's box), without the shot's
-    // origin.
+    // The BVH's frame: world axes about this point, without the shot's origin. It is the centre of the first
+    // frame's box; of a box of more than 17 km the place in it where the shot's camera is.
     const glm::dvec3& bvh_origin() const { return bvh_origin_; }
     // All triangles relative to bvh_origin(), instance by instance; the count and the order never change. Of
     // translucent ones, which block no ray, all corners are at the first, so that no tree holds them.
@@ -77,6 +77,8 @@ class Scene {
         std::vector<glm::dmat4> world;  // of all, with a skin or without
     };
     Pose pose(double frame) const;
+    glm::dvec3 skin_origin(const Node& node, const Pose& pose) const;  // where its vertices are counted from
+    std::vector<bool> moving_nodes() const;  // of the animation, with what hangs on them
     bool deforms(const Instance& instance) const;
     // `world`: of its node.
     std::array<glm::dvec3, 2> box(const Instance& instance, const glm::dmat4& world, double frame) const;

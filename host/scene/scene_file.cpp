@@ -64,8 +64,9 @@ std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
     if (shot.ground) add_ground(*model, *shot.ground);
     Scene scene(std::move(*model), shot);
     if (scene.dropped_instances()) {
-        warnings.push_back(fmt::format("{}: {} nodes with singular or non-finite transforms are not shown",
-                                       name, scene.dropped_instances()));
+        warnings.push_back(fmt::format(
+            "{}: {} nodes that are scaled to a line or a point, or beyond all numbers, are not shown", name,
+            scene.dropped_instances()));
     }
     return scene;
 }

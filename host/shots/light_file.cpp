@@ -2,6 +2,7 @@
 // The lights of a shot's JSON: by their names, each with the keys that its kind has.
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/shots/shot_reader.h"
@@ -114,6 +115,12 @@ void read_keys(Reader& reader, const Json& json, const std::string& path, const 
                 });
 }
 
+bool names_a_file(const std::string& key) {
+    const auto control = [](char c) { return static_cast<unsigned char>(c) < 32 || c == 127; };
+    return !key.empty() && key.size() <= 64 && key.find('/') == key.npos &&
+           std::ranges::none_of(key, control);
+}
+
 // Keys that are good one by one may still meet on the way.
 void check_frames(Reader& reader, const std::string& path, const Shot& shot, const ShotLight& light) {
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
@@ -139,10 +146,10 @@ const char* name_of(LightKind kind) {
 void read_lights(Reader& reader, const Json& root, Shot& shot) {
     const Json* lights = root.find("lights");
     if (!lights) return;
-    constexpr size_t most = 256;  // each is looked at in every frame
-    if (lights->kind != Json::Kind::object || lights->members.empty() || lights->members.size() > most) {
+    if (lights->kind != Json::Kind::object || lights->members.empty() ||
+        lights->members.size() > most_lights) {
         reader.error(lights->place, "lights",
-                     fmt::format("expected an object of 1 to {} lights by their names", most));
+                     fmt::format("expected an object of 1 to {} lights by their names", most_lights));
         return;
     }
     for (const JsonMember& member : lights->members) {
@@ -150,6 +157,10 @@ void read_lights(Reader& reader, const Json& root, Shot& shot) {
         const Json& json = member.value;
         ShotLight& light = shot.lights[member.key];
         light.place = member.key_place;
+        if (!names_a_file(member.key))
+            reader.error(member.key_place, "lights",
+                         "files are called by a light's name: expected 1 to 64 bytes without \"/\" and "
+                         "control characters");
         if (member.key == "sun") reader.error(member.key_place, path, "the sun has a key of its own");
         const Json* name = json.kind == Json::Kind::object ? reader.required(json, path, "kind") : nullptr;
         const Kind* kind = name ? kind_of(reader, *name, path + ".kind") : nullptr;

@@ -8,6 +8,10 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "host/scene/scene.h"
 #include "host/shots/shot_text.h"
@@ -22,10 +26,14 @@ constexpr uint32_t still_frames = 16;  // one round of the jitter
 constexpr double fps = 30;
 constexpr uint32_t most_frames = 300;
 
-// To six digits, and a multiple of a millionth of `size`: no 1e-17 where a zero is meant.
+// A multiple of a millionth of `size`, or so: no 1e-17 where a zero is meant. The text is the double nearest
+// to it, whatever its size: a camera at large coordinates keeps its aim.
 double rounded(double value, double size) {
-    const double step = std::pow(10.0, std::floor(std::log10(std::max(size, 1e-9))) - 5);
-    return std::stod(fmt::format("{:.9g}", std::round(value / step) * step));
+    const int digits = 5 - static_cast<int>(std::floor(std::log10(std::max(size, 1e-9))));
+    const double step = std::pow(10.0, -digits);
+    const double of_step =
+        digits > 0 ? std::stod(fmt::format("{:.{}f}", value, digits)) : std::round(value / step) * step;
+    return of_step + 0.0;  // no -0
 }
 
 OrderedJson rounded(const glm::dvec3& v, double size) {
@@ -65,34 +73,52 @@ std::array<glm::dvec3, 2> bounds_of(const Scene& scene, uint32_t frames) {
     return bounds;
 }
 
-OrderedJson camera_key(uint32_t frame, const View& view, const glm::dvec3& up, double size) {
-    return {{"frame", frame},
-            {"position", rounded(view.position, size)},
-            {"target", rounded(view.target, size)},
-            {"up", rounded(up, 1)}};
+// Which way an axis of a node points, where it has a length.
+std::optional<glm::dvec3> axis(const glm::dmat4& world, int column) {
+    const glm::dvec3 v(world[column]);
+    const double length = glm::length(v);
+    if (!(length > 1e-12 && std::isfinite(length))) return std::nullopt;
+    return v / length;
 }
 
-// The file's own camera: a key per frame where its node moves.
-OrderedJson camera_of(const Scene& scene, const ModelCamera& camera, uint32_t frames, double size) {
+// What `key` makes of a node's transform in each frame, or nothing; without the keys that say what both of
+// their neighbours say.
+template <class Key>
+OrderedJson keys_of(const Scene& scene, int node, uint32_t frames, const Key& key) {
+    std::vector<std::pair<uint32_t, OrderedJson>> all;
+    for (uint32_t frame = 0; frame < (scene.animated() ? frames : 1); ++frame)
+        if (OrderedJson made = key(scene.transforms(frame)[static_cast<size_t>(node)]); !made.is_null())
+            all.emplace_back(frame, std::move(made));
     OrderedJson keys = OrderedJson::array();
-    glm::dmat4 last(0);
-    for (uint32_t frame = 0; frame < frames; ++frame) {
-        const glm::dmat4 world = scene.transforms(frame)[static_cast<size_t>(camera.node)];
-        if (frame > 0 && world == last && keys.size() == frame) continue;
-        last = world;
-        const glm::dvec3 position(world[3]), ahead = -glm::normalize(glm::dvec3(world[2]));
-        keys.push_back(camera_key(frame, {position, position + 0.1 * size * ahead},
-                                  glm::normalize(glm::dvec3(world[1])), size));
-        if (frame == 0 && !scene.animated()) break;
+    for (size_t i = 0; i < all.size(); ++i) {
+        const bool as_before = i > 0 && all[i].second == all[i - 1].second,
+                   as_after = i + 1 == all.size() || all[i].second == all[i + 1].second;
+        if (as_before && as_after) continue;
+        keys.push_back({{"frame", all[i].first}});
+        keys.back().update(all[i].second);
     }
-    if (std::ranges::all_of(keys, [&](const OrderedJson& key) {
-            return key["position"] == keys[0]["position"] && key["target"] == keys[0]["target"] &&
-                   key["up"] == keys[0]["up"];
-        }))
-        keys = OrderedJson::array({keys[0]});
-    return {{"vertical_fov_deg", rounded(camera.vertical_fov_deg, 100)},
-            {"near", rounded(camera.near, camera.near)},
-            {"keys", keys}};
+    return keys;
+}
+
+OrderedJson view_keys(const Scene& scene, const ModelCamera& camera, uint32_t frames, double size) {
+    // In a large world, too, no coarser than what stands right before the camera.
+    const double fine = std::min(size, 100 * camera.near);
+    return keys_of(scene, camera.node, frames, [&](const glm::dmat4& world) -> OrderedJson {
+        const auto back = axis(world, 2), up = axis(world, 1);
+        if (!back || !up || !(glm::length(glm::cross(*back, *up)) > 1e-6)) return nullptr;
+        const glm::dvec3 position(world[3]);
+        return {{"position", rounded(position, fine)},
+                {"target", rounded(position - 0.1 * size * *back, fine)},
+                {"up", rounded(*up, 1)}};
+    });
+}
+
+OrderedJson sun_keys(const Scene& scene, int node, uint32_t frames) {
+    return keys_of(scene, node, frames, [&](const glm::dmat4& world) -> OrderedJson {
+        const auto back = axis(world, 2);
+        if (!back) return nullptr;
+        return {{"to_sun", rounded(*back, 1)}};
+    });
 }
 
 OrderedJson framing_camera(const std::array<glm::dvec3, 2>& bounds, double size) {
@@ -100,7 +126,84 @@ OrderedJson framing_camera(const std::array<glm::dvec3, 2>& bounds, double size)
     const double near = std::max(glm::length(view.position - view.target) / 200, 1e-6);
     return {{"vertical_fov_deg", fov_deg},
             {"near", rounded(near, near)},
-            {"keys", OrderedJson::array({camera_key(0, view, {0, 1, 0}, size)})}};
+            {"keys", OrderedJson::array({{{"frame", 0},
+                                          {"position", rounded(view.position, size)},
+                                          {"target", rounded(view.target, size)},
+                                          {"up", {0.0, 1.0, 0.0}}}})}};
+}
+
+// The file's first camera that looks somewhere, else one that sees all.
+OrderedJson camera_of(const Scene& scene, uint32_t frames, double size, ModelShot& out) {
+    const Model& model = scene.model();
+    for (const ModelCamera& camera : model.cameras) {
+        const OrderedJson keys = view_keys(scene, camera, frames, size);
+        if (!keys.empty())
+            return {{"vertical_fov_deg", rounded(camera.vertical_fov_deg, 100)},
+                    {"near", rounded(camera.near, camera.near)},
+                    {"keys", keys}};
+        out.warnings.emplace("camera", fmt::format("the camera of node \"{}\" is not looked through: its "
+                                                   "axes have no length",
+                                                   model.nodes[static_cast<size_t>(camera.node)].name));
+    }
+    return framing_camera(out.bounds, size);
+}
+
+// The file's first sun that shines somewhere, else one over the left shoulder.
+OrderedJson sun_of(const Scene& scene, uint32_t frames, ModelShot& out) {
+    const glm::dvec3 to_sun(-0.6, 0.85,
+                            0.15);  // three sides of a box that are seen are of three brightnesses
+    OrderedJson keys;
+    const Model& model = scene.model();
+    for (const int node : model.suns) {
+        keys = sun_keys(scene, node, frames);
+        const std::string& name = model.nodes[static_cast<size_t>(node)].name;
+        if (keys.empty()) {
+            out.warnings.emplace("sun",
+                                 fmt::format("the directional light of node \"{}\" is not the sun: its "
+                                             "axes have no length",
+                                             name));
+            continue;
+        }
+        if (model.suns.size() > 1)
+            out.warnings.emplace("sun", fmt::format("of {} directional lights that of node \"{}\" is the sun",
+                                                    model.suns.size(), name));
+        break;
+    }
+    if (keys.empty()) keys = OrderedJson::array({{{"frame", 0}, {"to_sun", rounded(to_sun, 1)}}});
+    return {{"angular_radius_deg", 0.2665}, {"keys", keys}};
+}
+
+// A word that names files and outputs, made of what the light is called, and of nothing that is `used`.
+std::string key_of(const std::string& light, std::set<std::string>& used) {
+    constexpr size_t longest = 48;
+    std::string key;
+    for (const char c : light) {
+        const char low = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+        const bool kept = (low >= 'a' && low <= 'z') || (low >= '0' && low <= '9');
+        if (kept && key.size() < longest)
+            key += low;
+        else if (!key.empty() && key.back() != '_')
+            key += '_';
+    }
+    if (key.ends_with('_')) key.pop_back();
+    if (key.empty() || (key[0] >= '0' && key[0] <= '9')) key = key.empty() ? "light" : "light_" + key;
+    std::string free = key;
+    for (int nth = 2; !used.insert(free).second; ++nth) free = fmt::format("{}_{}", key, nth);
+    return free;
+}
+
+OrderedJson lights_of(const Model& model, ModelShot& out) {
+    OrderedJson lights;
+    std::set<std::string> used{"sun"};
+    for (const ModelLight& light : model.lights) {
+        if (lights.size() == most_lights) {
+            out.warnings.emplace("lights", fmt::format("of {} lights the first {} are in the shot",
+                                                       model.lights.size(), most_lights));
+            break;
+        }
+        lights[key_of(light.name, used)] = {{"kind", "model"}, {"light", light.name}};
+    }
+    return lights;
 }
 
 }  // namespace
@@ -128,15 +231,9 @@ ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
     json["size"] = {1280, 720};
     json["frames"] = frames;
     json["fps"] = fps;
-    json["camera"] = model.cameras.empty() ? framing_camera(out.bounds, size)
-                                           : camera_of(scene, model.cameras[0], frames, size);
-    glm::dvec3 to_sun(-0.6, 0.85, 0.15);  // three sides of a box that are seen are of three brightnesses
-    if (!model.suns.empty())
-        to_sun = glm::normalize(glm::dvec3(scene.transforms(0)[static_cast<size_t>(model.suns[0])][2]));
-    json["sun"] = {{"angular_radius_deg", 0.2665},
-                   {"keys", OrderedJson::array({{{"frame", 0}, {"to_sun", rounded(to_sun, 1)}}})}};
-    for (const ModelLight& light : model.lights)  // of two of a name the first
-        if (light.name != "sun") json["lights"][light.name] = {{"kind", "model"}, {"light", light.name}};
+    json["camera"] = camera_of(scene, frames, size, out);
+    json["sun"] = sun_of(scene, frames, out);
+    if (OrderedJson lights = lights_of(model, out); !lights.empty()) json["lights"] = std::move(lights);
     if (!shot.animation.empty()) json["animation"] = 0;
     if (ground) {
         const glm::dvec3 center = 0.5 * (low + high);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "host/models/model.h"
@@ -11,11 +12,12 @@
 namespace penumbra {
 
 // Seen by the file's first camera, or as large as it fits from the front, the left and above; lit by the
-// file's first directional light, or from behind the viewer's left shoulder; playing the file's first
-// animation once, or standing still for as long as anti-aliasing takes to settle.
+// file's first directional light, or from behind the viewer's left shoulder, and by its lamps; playing the
+// file's first animation once, or standing still for as long as anti-aliasing takes to settle.
 struct ModelShot {
     std::string text;                    // a shot file; `scene` as seen from the folder that it was made for
     std::array<glm::dvec3, 2> bounds{};  // of everything that is shown, over all frames
+    std::multimap<std::string, std::string> warnings;  // what of the model is not in it, by the shot's key
 };
 
 // `model` is what `file` holds, with at least one triangle; `shot_folder` is where the shot will stand.

@@ -53,6 +53,8 @@ struct LightKey {
     double size = 1, power = 1;  // factors of the light's own; no power: it is off
 };
 
+inline constexpr size_t most_lights = 256;  // of a shot: each is looked at in every frame
+
 struct ShotLight {
     Place place;  // of its name in the shot
     LightKind kind = LightKind::point;

@@ -20,6 +20,8 @@ struct Place {
     int column = 0;
 };
 
+std::string to_string(const Place& place);  // "pipelines/x.json:14:23"
+
 // One error. `path` is where in the document ("nodes.filter1.in.signal"), empty for syntax errors.
 struct Diagnostic {
     Place place;

@@ -64,7 +64,7 @@ struct FrameDescription {
     // what a pixel shows lies at its centre's uv - jitter in the unjittered picture. A host adds 2 w times it
     // to clip space.
     std::array<double, 2> jitter{0, 0}, prev_jitter{0, 0};
-    std::array<uint32_t, 2> size{1, 1};  // pixels
+    std::array<uint32_t, 2> size{0, 0};  // pixels
     // Of the last recorded frame, for make_frame_block() alone: a view knows it.
     std::array<uint32_t, 2> prev_size{1, 1};
     // Counts the recorded frames, in steps of 1: numbers that should differ from frame to frame follow from

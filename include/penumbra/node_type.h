@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A node type as declared in nodes/<group>/<type>.json: ports, parameters, dispatch rule. The vocabulary is
-// closed (docs: formats of node declarations). Everything else about a node (GLSL interface, barriers,
+// closed (docs/vocabulary.md). Everything else about a node (GLSL interface, barriers,
 // descriptors) follows.
 #pragma once
 
@@ -74,7 +74,7 @@ struct Port {
     Condition condition;         // "if": the port exists only where this holds
     // Output of numbers: what each channel may hold, inclusive, infinite where an end is open. Fewer than the
     // format's channels: the others may hold anything finite. A promise, which the
-    // command `penumbra validate` checks.
+    // command `penumbra render --validate` checks.
     std::vector<std::array<double, 2>> ranges;
     std::string doc;
     Place place;

@@ -330,7 +330,7 @@ typedef struct penumbra_output {
     VkImageView view;
     VkBuffer buffer;
     VkBufferView texels;
-    VkDeviceSize bytes;
+    VkDeviceSize bytes, offset; /* of the buffer what is bound; VK_WHOLE_SIZE: to its end */
 } penumbra_output;
 
 /* What a port of the caller's node is bound to in this frame. */

@@ -50,7 +50,7 @@ class Program {
     // that was compiled to share and needs no more.
     std::shared_ptr<const TransientMemory> make_transients() const;
 
-    uint64_t bytes() const;  // allocated for the tables
+    uint64_t bytes() const;  // allocated for tables and for what stands for absent inputs
 
     const ProgramState& state() const { return *state_; }  // the views' own
 

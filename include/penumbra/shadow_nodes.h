@@ -9,7 +9,7 @@
 
 namespace penumbra PENUMBRA_API {
 
-// Every node type of nodes/*.json. A host adds its own with NodeSet::add.
+// Every node type of nodes/*/*.json. A host adds its own with NodeSet::add.
 NodeSet shadow_nodes();
 
 // One and the same for the whole program, so that node sets made apart fit together.

@@ -29,7 +29,7 @@ std::shared_ptr<ShaderCache> open_shader_cache(const std::filesystem::path& fold
 bool add_user_nodes(NodeSet& nodes, const std::filesystem::path& folder, Diagnostics& diagnostics,
                     std::shared_ptr<ShaderCache> cache = nullptr);
 
-// Compiles every variant of the user nodes that a pipeline names, not just those that one plan needs.
-bool compile_user_nodes(const NodeSet& nodes, const CheckedPipeline& pipeline, Diagnostics& diagnostics);
+// Compiles every variant of the user nodes that a pipeline holds, not just those that one plan needs.
+bool compile_user_nodes(const CheckedPipeline& pipeline, Diagnostics& diagnostics);
 
 }  // namespace penumbra

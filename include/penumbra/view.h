@@ -59,6 +59,7 @@ class Externals {
     explicit Externals(const Plan& plan);            // which outlives it
     SlotBinding& operator[](std::string_view slot);  // throws Failure, with a suggestion, where there is none
     bool has(std::string_view slot) const;
+    bool fits(const Plan& plan) const;  // whether that one has the same slots
     operator std::span<const SlotBinding>() const { return bindings_; }
 
   private:
@@ -151,18 +152,22 @@ class View {
     // fills it by name); one without a handle is a Failure that names it, and nothing has been recorded then.
     // The first frame is a reset frame whatever its flags.
     void record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
+    void record(VkCommandBuffer cmd, const FrameDescription& frame, const Externals& slots);
 
     // The same in parts, for hosts that put passes into separate command buffers of the same queue: begin,
-    // every pass in order, end.
+    // every pass in order, end. A frame that was begun and is not ended may be thrown away: the next is begun
+    // with frame_reset, without which it is a Failure.
     void begin(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
+    void begin(VkCommandBuffer cmd, const FrameDescription& frame, const Externals& slots);
     void record_pass(VkCommandBuffer cmd, size_t pass);
     void end(VkCommandBuffer cmd);
 
-    // The value of a parameter of Plan::passes[pass].params from the next frame on; false where there is none
-    // or the value is not of its type and range.
-    bool set_param(size_t pass, size_t param, const ParamValue& value);
+    // The value of a parameter of Plan::passes[pass].params, of passes that are recorded from now on; false
+    // where there is none or the value is not of its range and very type (5u of an unsigned one). What was set
+    // is this view's: its heir begins with the values of its own plan.
+    [[nodiscard]] bool set_param(size_t pass, size_t param, const ParamValue& value);
     // The same by names.
-    bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
+    [[nodiscard]] bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
 
     // The most recently recorded frame's output; before the first, that one's, of which nothing is written
     // yet.

@@ -13,6 +13,10 @@ vec2 past_of_surface(ivec2 p) {
     return past.on_screen ? past.uv : vec2(-1.0);
 }
 
+// The view depths that the surface at x, z before the camera, may have had: of one that stood still, and of one that came nearer as
+// the motion's third component says. A host that has none gives 0 there, which is also right of what travels along with the camera.
+vec2 past_depths(ivec2 p, float z, vec3 x) { return vec2(previous_depth(x), z + (HAS_MOTION ? texelFetch(motion, p, 0).z : 0.0)); }
+
 // Of the pixel's middle, as its surface's past: what is kept of a pixel is that of all its jittered points.
 vec2 past_of_image(ivec2 p, float z, float distance_m) {
     const vec3 x = position_at(pixel_uv(p), z);

@@ -90,7 +90,6 @@ vec2 quad_motion(ivec2 p) {
 
 // Largest relative error of the previous depth: 1 %, towards 10 % where the surface is seen at a grazing angle.
 float depth_tolerance(ivec2 p) {
-    if (DISOCCLUSION == DISOCCLUSION_CONSTANT) return 0.01;
     const float facing = dot(unit_or_zero(decode_normal(imageLoad(guide_normal, p))), to_viewer(p));
     float grazing = 1.0 - clamp(facing, 0.0, 1.0);
     grazing *= grazing;

@@ -18,10 +18,11 @@
 const float DEPTH_TOLERANCE = 0.02;
 const float IMAGELESS = 0.5;  // roughness from which on a lobe mirrors no image that is seen to move otherwise than its surface
 
-bool past_is(Shown here, ivec2 q, float depth, float tolerance) {
+// `depths`: any of which the surface may have had.
+bool past_is(Shown here, ivec2 q, vec2 depths, float tolerance) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
     const KeptSurface then = decode_kept(imageLoad(surface_prev, q).x);
-    if (!(then.z > 0.0) || !(abs(then.z - depth) <= tolerance)) return false;
+    if (!(then.z > 0.0) || !any(lessThanEqual(abs(then.z - depths), vec2(tolerance)))) return false;
     return dot(here.n, then.n) > 0.9 && (LOBE == LOBE_DIFFUSE || alike(here.roughness, then.roughness));
 }
 
@@ -52,13 +53,13 @@ vec3 sharp_history(ivec2 first, vec2 within, vec3 smooth_value) {
     return clamp(sum, low, high);
 }
 
-// `depth`: of the surface, as the previous frame saw it, within `tolerance`.
-vec4 past_at(Shown here, vec2 uv, float depth, float tolerance) {
+// `depths`: of the surface, as the previous frame may have seen it, within `tolerance`.
+vec4 past_at(Shown here, vec2 uv, vec2 depths, float tolerance) {
     if (any(lessThan(uv, vec2(0.0))) || any(greaterThanEqual(uv, vec2(1.0)))) return vec4(0.0);
     const vec2 at = uv * vec2(frame.prev_size) - 0.5;
     const ivec2 nearest = ivec2(round(at));
     if (all(lessThan(abs(at - round(at)), vec2(1.0 / 256.0))))
-        return past_is(here, nearest, depth, tolerance) ? history_texel(nearest) : vec4(0.0);
+        return past_is(here, nearest, depths, tolerance) ? history_texel(nearest) : vec4(0.0);
     const ivec2 first = ivec2(floor(at));
     const vec2 within = at - floor(at);
     vec4 sum = vec4(0.0);
@@ -66,7 +67,7 @@ vec4 past_at(Shown here, vec2 uv, float depth, float tolerance) {
     bool whole = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 step = ivec2(i & 1, i >> 1), q = first + step;
-        if (!past_is(here, q, depth, tolerance)) {
+        if (!past_is(here, q, depths, tolerance)) {
             whole = false;
             continue;
         }
@@ -85,12 +86,9 @@ void for_pixel(ivec2 p) {
     vec4 of_surface = vec4(0.0), of_image = vec4(0.0);  // the second of a specular lobe alone
     if (here.z > 0.0 && (frame.flags & FRAME_RESET) == 0u) {
         const float cosine = max(dot(here.n, to_viewer(p)), 0.1);
-        // A host whose motion has no third component gives 0 there, which is right of nothing that comes nearer by itself.
-        const float change = HAS_MOTION ? texelFetch(motion, p, 0).z : 0.0;
-        const float depth = change != 0.0 ? here.z + change : previous_depth(here.x);
-        of_surface = past_at(here, past_of_surface(p), depth, DEPTH_TOLERANCE * here.z / cosine);
+        of_surface = past_at(here, past_of_surface(p), past_depths(p, here.z, here.x), DEPTH_TOLERANCE * here.z / cosine);
 #if HAS_PAST_IMAGE
-        if (here.roughness < IMAGELESS) of_image = past_at(here, past_of_image(p, here.z, decode_gathered(imageLoad(gathered, p).xy).distance_m), here.z, 1e30);
+        if (here.roughness < IMAGELESS) of_image = past_at(here, past_of_image(p, here.z, decode_gathered(imageLoad(gathered, p).xy).distance_m), vec2(here.z), 1e30);
 #endif
     }
     const uint thresholds = thresholds_at(p);

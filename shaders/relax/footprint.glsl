@@ -4,9 +4,10 @@
 // Includer has common/camera.glsl, common/corners.glsl, common/cubic.glsl, common/receiver_normal.glsl, common/same_surface.glsl and
 // relax/frames.glsl and declares: images surface_prev, slow_prev, fast_prev, frames_prev.
 
-// What a past must have shown: a depth and its tolerance, and `here`'s normal within an angle of this sine.
+// What a past must have shown: either of two depths within a tolerance, and `here`'s normal within an angle of this sine.
 struct Expected {
-    float depth, tolerance, most_sine;
+    vec2 depths;
+    float tolerance, most_sine;
 };
 
 struct Footprint {
@@ -24,7 +25,7 @@ bool was_seen(Shown here, Expected e, ivec2 q) {
     if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, ivec2(frame.prev_size)))) return false;
     const uvec2 then = imageLoad(surface_prev, q).xy;
     const float z = surface_depth(then);
-    if (!(z > 0.0) || !(abs(z - e.depth) <= e.tolerance)) return false;
+    if (!(z > 0.0) || !any(lessThanEqual(abs(z - e.depths), vec2(e.tolerance)))) return false;
     const vec3 n = surface_normal(then);
     if (!(dot(here.n, n) > 0.0 && length(cross(here.n, n)) <= e.most_sine)) return false;
     if (LOBE == LOBE_SPECULAR && !alike(here.roughness, surface_roughness(then))) return false;

@@ -58,12 +58,10 @@ void store(ivec2 p, Mixed m, float trusted) {
 
 // The past of the surface itself, shortened where its footprint is stretched or partly hidden.
 Past surface_past(Shown here, vec2 uv, float facing, float facing_before, ivec2 p) {
-    const float change = HAS_MOTION ? texelFetch(motion, p, 0).z : 0.0;
-    const float depth = change != 0.0 ? here.z + change : previous_depth(here.x);
     const float parallax_px = length((uv - pixel_uv(p)) * vec2(frame.size));
     const float slope = mix(max(facing, 0.05), 1.0, clamp(parallax_px / FREE_PARALLAX_PX, 0.0, 1.0));
     const float allowed = frustum_m(here.z) * min((DEPTH_TOLERANCE + 1.0 / float(frame.size.y)) / slope, 1.0);
-    const Footprint f = footprint_at(here, Expected(depth, allowed, ANOTHER_SIDE), uv);
+    const Footprint f = footprint_at(here, Expected(past_depths(p, here.z, here.x), allowed, ANOTHER_SIDE), uv);
     Past past = past_at(f);
     const float stretched = facing_before / max(facing, 1e-3);
     past.frames *= sqrt(f.seen) * mix(0.1, 1.0, min(stretched * stretched * stretched * stretched, 1.0));
@@ -75,11 +73,11 @@ Past surface_past(Shown here, vec2 uv, float facing, float facing_before, ivec2 
 // to find. Where the view ray to the image passes through that plane is what the previous frame must have shown.
 Expected expected_mirror(Shown here, vec3 image) {
     const float sine = min(lobe_tangent(here.roughness) + 2.0 * NORMAL_ERROR, ANOTHER_SIDE);
-    if ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u) return Expected(previous_depth(here.x), 1e30, sine);
+    if ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u) return Expected(vec2(previous_depth(here.x)), 1e30, sine);
     const vec3 origin = frame.camera_delta, along = image - origin;
     const float across = dot(here.n, along), t = dot(here.n, here.x - origin) / across;
     const float depth = previous_depth(origin + t * along), tolerance = DEPTH_TOLERANCE * frustum_m(here.z) / max(abs(across) / length(along), 0.05);
-    return t > 0.0 && t < 1e6 ? Expected(depth, tolerance, sine) : Expected(0.0, -1.0, 0.0);
+    return t > 0.0 && t < 1e6 ? Expected(vec2(depth), tolerance, sine) : Expected(vec2(0.0), -1.0, 0.0);
 }
 
 // How alike what was at a place of the previous frame mirrors: of its normal and roughness.

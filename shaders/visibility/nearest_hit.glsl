@@ -2,7 +2,7 @@
 // The nearest thing on a ray, for those who want to know how far away a blocker is and not only that there is one. The same
 // triangles and the same tests as those of common/bvh.glsl, in a walk that begins at the ray's start and shortens the ray at each hit.
 //
-// Includer declares: constant BACKEND; what common/bvh.glsl or visibility/ray_query.glsl needs.
+// Includer declares: constant BACKEND; what common/bvh.glsl or common/ray_query.glsl needs.
 #if BACKEND == BACKEND_RAY_QUERY
 #define NEAREST_HIT
 #include "common/ray_query.glsl"

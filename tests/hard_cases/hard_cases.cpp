@@ -13,7 +13,6 @@
 
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/shipped.h"
 
 namespace penumbra::test {
@@ -80,15 +79,6 @@ Shot scene_shot(const std::string& key, const std::vector<Placed>& shapes, std::
     return shot;
 }
 
-CheckedPipeline pipeline_with(const std::string& name, const std::vector<std::string>& settings) {
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(
-        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
-    auto result = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
-
 SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& options) {
     SessionOptions session_options;
     session_options.size = shot.size;
@@ -102,7 +92,7 @@ SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& opt
     session_options.pass_costs = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    session_ = Session::open(gpu(), shipped_nodes(), pipeline_with(pipeline, options.settings),
+    session_ = Session::open(gpu(), shipped_nodes(), shipped_pipeline(pipeline, options.settings),
                              std::move(shot), session_options, diagnostics, warnings);
     if (!session_) throw std::runtime_error(diagnostics.text());
 }
@@ -212,13 +202,7 @@ ViewRunOptions denoise_options(std::vector<std::string> captures) {
 }  // namespace
 
 CheckedPipeline denoiser() {
-    const std::vector<std::string> wide = {"nodes.gather.params.distance_m=1000"};
-    Diagnostics diagnostics;
-    const auto pipeline = load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines/denoise.json",
-                                        wide, diagnostics);
-    auto result = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
+    return shipped_pipeline("denoise", {"nodes.gather.params.distance_m=1000"});
 }
 
 DenoiseRun::DenoiseRun(const CheckedPipeline& pipeline, Extent extent, std::vector<std::string> captures)

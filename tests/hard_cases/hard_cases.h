@@ -30,8 +30,6 @@ struct Placed {
 // A still shot of the shapes from above; the file is gone when the process ends. Shots of one `key` share it.
 Shot scene_shot(const std::string& key, const std::vector<Placed>& shapes, std::array<uint32_t, 2> size);
 
-CheckedPipeline pipeline_with(const std::string& name, const std::vector<std::string>& settings);
-
 struct RunOptions {
     std::vector<std::string> settings, captures;  // captures: besides the visibility
     Facts facts;

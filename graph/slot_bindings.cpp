@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// What is wrong with what a host binds to its slots, said before anything is recorded: what Vulkan would say of it would not name
+// the slot, and without validation would say nothing.
+#include <fmt/format.h>
+
+#include "graph/view_state.h"
+
+namespace penumbra {
+namespace {
+
+// Layouts in which no shader may read an image. Those of extensions are the host's to know.
+bool is_unreadable(VkImageLayout layout) {
+    switch (layout) {
+        case VK_IMAGE_LAYOUT_UNDEFINED:
+        case VK_IMAGE_LAYOUT_PREINITIALIZED:
+        case VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL:
+        case VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL:
+        case VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL:
+        case VK_IMAGE_LAYOUT_STENCIL_ATTACHMENT_OPTIMAL:
+        case VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL:
+        case VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL:
+        case VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL:
+        case VK_IMAGE_LAYOUT_PRESENT_SRC_KHR:
+            return true;
+        default:
+            return false;
+    }
+}
+
+bool is_bound(PortKind kind, const SlotBinding& b) {
+    switch (kind) {
+        case PortKind::image:
+            return b.image != VK_NULL_HANDLE;
+        case PortKind::texels:
+            return b.texels != VK_NULL_HANDLE;
+        case PortKind::structure:
+            return b.structure != VK_NULL_HANDLE;
+        default:
+            return b.buffer != VK_NULL_HANDLE;
+    }
+}
+
+bool same_transitions(const SlotBinding& a, const SlotBinding& b) {
+    const Handover &x = *a.handover, &y = *b.handover;
+    return a.layout == b.layout && x.layout_before == y.layout_before && x.layout_after == y.layout_after &&
+           x.family_before == y.family_before && x.family_after == y.family_after && x.aspects == y.aspects;
+}
+
+}  // namespace
+
+void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const {
+    if (bindings.size() != plan().slots.size())
+        fail(ErrorCode::usage, plan().pipeline,
+             fmt::format("{} slots were bound, the plan has {}", bindings.size(), plan().slots.size()));
+    for (size_t i = 0; i < bindings.size(); ++i) {
+        check_slot_binding(plan().slots[i], bindings[i]);
+        if (!bindings[i].handover || plan().slots[i].kind != PortKind::image) continue;
+        for (size_t before = 0; before < i; ++before)
+            if (bindings[before].handover && bindings[before].handover->image == bindings[i].handover->image &&
+                !(same_transitions(bindings[before], bindings[i]) && !plan().slots[i].output))
+                fail(ErrorCode::usage, fmt::format("the slot \"{}\"", plan().slots[i].name),
+                     fmt::format("its image is handed over as \"{}\", too, and otherwise", plan().slots[before].name));
+    }
+}
+
+void ViewState::check_slot_binding(const HostSlot& slot, const SlotBinding& b) const {
+    const auto wrong = [&](const std::string& text) {
+        fail(ErrorCode::usage, fmt::format("the slot \"{}\"", slot.name), text);
+    };
+    if (!is_bound(slot.kind, b))
+        wrong(slot.required ? "nothing is bound to it"
+                            : "nothing is bound to it, and the plan was not told that it is left out");
+    if (slot.kind == PortKind::image && !slot.output && is_unreadable(b.layout))
+        wrong("no shader reads an image in this layout (SlotBinding::layout)");
+    if (slot.kind == PortKind::block || slot.kind == PortKind::buffer) check_range(slot, b);
+    if (slot.output && !b.handover) wrong("an image that is written is handed over (SlotBinding::handover)");
+    if (!b.handover) return;
+    if (slot.kind == PortKind::structure) wrong("an acceleration structure cannot be handed over");
+    if (slot.kind == PortKind::image ? b.handover->image == VK_NULL_HANDLE : b.buffer == VK_NULL_HANDLE)
+        wrong("what is handed over is not named (Handover::image, SlotBinding::buffer)");
+    if (slot.kind != PortKind::image) return;
+    if (!slot.output && b.handover->layout_before == VK_IMAGE_LAYOUT_UNDEFINED)
+        wrong("is read, and a Handover::layout_before of UNDEFINED would lose what it holds");
+    if (b.handover->layout_after == VK_IMAGE_LAYOUT_UNDEFINED)
+        wrong("an image cannot be handed back in UNDEFINED (Handover::layout_after)");
+}
+
+void ViewState::check_range(const HostSlot& slot, const SlotBinding& b) const {
+    const auto wrong = [&](const std::string& text) {
+        fail(ErrorCode::usage, fmt::format("the slot \"{}\"", slot.name), text);
+    };
+    const VkPhysicalDeviceLimits& limits = device_.properties().limits;
+    const bool block = slot.kind == PortKind::block;
+    const VkDeviceSize alignment =
+        block ? limits.minUniformBufferOffsetAlignment : limits.minStorageBufferOffsetAlignment;
+    if (b.range == 0) wrong("a range of 0 bytes is bound to it");
+    if (block && b.range < slot.bytes)
+        wrong(fmt::format("{} bytes are bound to it, of a block of {}", b.range, slot.bytes));
+    if (b.offset % alignment != 0)
+        wrong(fmt::format("an offset of {} is bound to it, which is no multiple of the device's {}", b.offset,
+                          alignment));
+}
+
+}  // namespace penumbra
