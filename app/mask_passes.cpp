@@ -6,14 +6,6 @@
 #include <string>
 
 namespace penumbra {
-namespace {
-
-std::string without_previous(std::string name) {
-    if (name.ends_with("@-1")) name.resize(name.size() - 3);
-    return name;
-}
-
-}  // namespace
 
 std::vector<bool> passes_of_mask(const Plan& plan, const std::string& signal) {
     std::vector<bool> needed(plan.passes.size());
@@ -27,7 +19,7 @@ std::vector<bool> passes_of_mask(const Plan& plan, const std::string& signal) {
                              [&](const std::string& name) { return names.contains(name); }))
                 continue;
             needed[p] = grown = true;
-            for (const std::string& name : pass.reads) names.insert(without_previous(name));
+            for (const std::string& name : pass.reads) names.emplace(without_previous(name));
         }
     }
     return needed;
@@ -36,7 +28,7 @@ std::vector<bool> passes_of_mask(const Plan& plan, const std::string& signal) {
 bool has_history(const Plan& plan) {
     return std::ranges::any_of(plan.resources,
                                [](const PlanResource& r) { return (r.history || r.kept) && !r.memo; }) ||
-           std::ranges::any_of(plan.slots, [](const HostSlot& slot) { return slot.name.ends_with("@-1"); });
+           std::ranges::any_of(plan.slots, [](const HostSlot& slot) { return is_previous(slot.name); });
 }
 
 }  // namespace penumbra

@@ -58,7 +58,7 @@ Schema described(Schema schema, std::string_view description) {
     return schema;
 }
 
-// As graph/condition.h has it; which parameters exist is beyond a pattern.
+// As penumbra/condition.h has it; which parameters exist is beyond a pattern.
 Schema condition(const std::vector<std::string>& facts, bool in_pipeline) {
     const std::string blank = "[ \\t]*", id = "[a-z][a-z0-9_]{0,63}";
     const std::string compared = "(" + blank + "(=|!=|<=?|>=?)" + blank + "[^&|<>=! \\t]([^&|<>=!]*))?";

@@ -49,7 +49,8 @@ penumbra_code described(penumbra_error* error) {
         return report(error, static_cast<penumbra_code>(e.code), e.result, e.place, e.text);
     } catch (const Mistakes& mistakes) {
         const Diagnostic& first = mistakes.diagnostics.list().front();
-        return report(error, PENUMBRA_PIPELINE, VK_SUCCESS, to_string(first.place), mistakes.diagnostics.text());
+        return report(error, PENUMBRA_PIPELINE, VK_SUCCESS, to_string(first.place),
+                      mistakes.diagnostics.text());
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& e) {

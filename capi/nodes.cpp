@@ -62,10 +62,10 @@ penumbra_code penumbra_call_port(const penumbra_call* call, const char* port, pe
             return write(bound, {0, r->image, r->view, r->buffer, r->texels, r->bytes, 0}, "bound");
         const SlotBinding* s = c.slot(port);
         if (!s) misuse(port, "nothing is bound to a port of this name");
-        write(
-            bound,
-            {0, s->handover ? s->handover->image : VK_NULL_HANDLE, s->image, s->buffer, s->texels, s->range, s->offset},
-            "bound");
+        write(bound,
+              {0, s->handover ? s->handover->image : VK_NULL_HANDLE, s->image, s->buffer, s->texels, s->range,
+               s->offset},
+              "bound");
     });
 }
 

@@ -36,7 +36,8 @@ penumbra_code penumbra_program_create(const penumbra_device* device, const penum
         given(program, "program") = nullptr;
         const penumbra_program_options o =
             options ? read(options, "options") : penumbra_program_options{sizeof o, 0, nullptr};
-        if (o.pipeline_cache_size && !o.pipeline_cache) misuse("options.pipeline_cache", "is null, and has a size");
+        if (o.pipeline_cache_size && !o.pipeline_cache)
+            misuse("options.pipeline_cache", "is null, and has a size");
         *program = new penumbra_program{std::make_shared<const Program>(
             handles_of(device), given(plan, "plan").plan,
             ProgramOptions{{static_cast<const std::byte*>(o.pipeline_cache), o.pipeline_cache_size}})};

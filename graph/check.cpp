@@ -13,6 +13,7 @@
 #include "graph/instances.h"
 #include "graph/json_reader.h"
 #include "graph/suggestions.h"
+#include "penumbra/plan.h"
 
 namespace penumbra {
 
@@ -395,7 +396,7 @@ std::vector<std::string> CheckedPipeline::output_names() const {
 }
 
 std::string CheckedPipeline::name_of(const BoundPort& bound) const {
-    return resources[bound.resource].name + (bound.previous ? "@-1" : "");
+    return resources[bound.resource].name + std::string(bound.previous ? previous_suffix : "");
 }
 
 std::optional<CheckedPipeline> check(const Pipeline& pipeline, const NodeSet& nodes,

@@ -44,7 +44,8 @@ std::optional<Plan> Compiler::run() {
     const size_t errors = diagnostics_.size();
     const DeviceTable& device = target_.device;
     if (!device.supports || !device.image_memory || !device.buffer_memory) {
-        error({pipeline_.file}, "", "Target::device tells nothing: device_table(handles), or reference_device()");
+        error({pipeline_.file}, "",
+              "Target::device tells nothing: device_table(handles), or reference_device()");
         return std::nullopt;
     }
     if (target_.extent.width == 0 || target_.extent.height == 0)
@@ -201,10 +202,12 @@ const PlanPass* Plan::pass(std::string_view node) const {
 Extent Follows::at(Extent frame) const {
     // What is too large to count is too large for a device, and refused as that.
     const auto through = [](uint32_t size, uint32_t div, uint32_t times) {
-        return static_cast<uint32_t>(std::clamp<uint64_t>(uint64_t{ceil_div(size, div)} * times, 1, UINT32_MAX));
+        return static_cast<uint32_t>(
+            std::clamp<uint64_t>(uint64_t{ceil_div(size, div)} * times, 1, UINT32_MAX));
     };
     for (const Step& step : steps)
-        frame = {through(frame.width, step.div[0], step.mul[0]), through(frame.height, step.div[1], step.mul[1])};
+        frame = {through(frame.width, step.div[0], step.mul[0]),
+                 through(frame.height, step.div[1], step.mul[1])};
     return frame;
 }
 

@@ -100,8 +100,8 @@ const std::string& Compiler::backend_of_port(const BoundNode& node, const Bundle
 // What keeps a backend from this target.
 std::optional<std::string> Compiler::problem_of(const Bundle::Backend& backend) const {
     if (!backend.feature.empty() && !target_.device.features.contains(backend.feature))
-        return fmt::format("\"{}\": the device \"{}\" lacks {} (DeviceTable::features)", backend.name, plan_.device,
-                           backend.feature);
+        return fmt::format("\"{}\": the device \"{}\" lacks {} (DeviceTable::features)", backend.name,
+                           plan_.device, backend.feature);
     if (!backend.fact.empty() && !plan_.facts.at(backend.fact))
         return fmt::format("\"{}\": the fact \"{}\" does not hold for this plan", backend.name, backend.fact);
     return std::nullopt;

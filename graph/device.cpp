@@ -85,7 +85,8 @@ GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
     const auto loaded = [](auto function, const char* name) {
         if (!function)
             fail(ErrorCode::usage, name,
-                 "DeviceHandles::get_instance_proc_addr does not give it (was the instance made for Vulkan 1.3, "
+                 "DeviceHandles::get_instance_proc_addr does not give it (was the instance made for Vulkan "
+                 "1.3, "
                  "VkApplicationInfo::apiVersion?)");
         return function;
     };

@@ -118,13 +118,11 @@ std::string to_dot(const Plan& plan) {
     for (const PlanPass& pass : plan.passes)
         for (const std::string& name : pass.writes) writer[name] = pass.node;
     for (const PlanPass& pass : plan.passes)
-        for (std::string name : pass.reads) {
-            const bool previous = name.ends_with("@-1");
-            if (previous) name.resize(name.size() - 3);
-            const auto from = writer.find(name);
+        for (const std::string& name : pass.reads) {
+            const auto from = writer.find(std::string(without_previous(name)));
             if (from == writer.end()) continue;
-            text += fmt::format("  \"{}\" -> \"{}\" [label=\"{}\"{}];\n", from->second, pass.node, name,
-                                previous ? ", style=dotted, constraint=false" : "");
+            text += fmt::format("  \"{}\" -> \"{}\" [label=\"{}\"{}];\n", from->second, pass.node,
+                                from->first, is_previous(name) ? ", style=dotted, constraint=false" : "");
         }
     for (const PlanOutput& output : plan.outputs) {
         text += fmt::format("  \"out {}\" [shape=ellipse, label=\"{}\"];\n", output.name, output.name);

@@ -17,7 +17,6 @@ namespace penumbra {
 
 namespace {
 
-
 std::string number_text(double value) {
     return fmt::format("{}", value);
 }

@@ -68,10 +68,11 @@ class DeclarationReader {
         if (layout.size <= most) return;
         const auto last = std::find_if(type_.params.rbegin(), type_.params.rend(),
                                        [](const Param& param) { return !param.constant; });
-        error(last->place, "params." + last->name,
-              fmt::format("the parameters that may change per frame{} end at byte {}; at most {} fit the push "
-                          "constants (constant parameters do not count)",
-                          layout.mip_level ? " and the level of the mip chain" : "", layout.size, most));
+        error(
+            last->place, "params." + last->name,
+            fmt::format("the parameters that may change per frame{} end at byte {}; at most {} fit the push "
+                        "constants (constant parameters do not count)",
+                        layout.mip_level ? " and the level of the mip chain" : "", layout.size, most));
     }
 
     void read_needs() {

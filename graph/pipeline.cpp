@@ -270,8 +270,8 @@ class PipelineReader {
         else if (!known)
             error(json.place, path,
                   which.empty() || which[0] == '-'
-                      ? fmt::format("\"@{}\": only the previous frame's value is kept; write \"{}@-1\"", which,
-                                    wire.resource)
+                      ? fmt::format("\"@{}\": only the previous frame's value is kept; write \"{}@-1\"",
+                                    which, wire.resource)
                       : fmt::format("no \"@{}\"; there are @-1, @before and @last{}", which,
                                     did_you_mean(which, members)));
         return in && known;

@@ -88,7 +88,8 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
                          plan().extent.width, plan().extent.height));
     check_commands(cmd, plan());
     if (next_pass_ != not_begun && !(frame.flags & frame_reset))
-        fail(ErrorCode::usage, plan().pipeline, "the frame before was begun and not ended: end(), or frame_reset");
+        fail(ErrorCode::usage, plan().pipeline,
+             "the frame before was begun and not ended: end(), or frame_reset");
     check_slot_bindings(slots);
     parity_ = static_cast<uint32_t>(recorded_ & 1);
     slot_ = static_cast<uint32_t>(recorded_ % slots_.size());

@@ -21,7 +21,8 @@ struct DeviceFeatures {
     VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
 };
 
-// A feature of Vulkan 1.3, whether a device has it, and the capabilities of SPIR-V that stand for it; 0: no more.
+// A feature of Vulkan 1.3, whether a device has it, and the capabilities of SPIR-V that stand for it; 0: no
+// more.
 struct NamedFeature {
     const char* name;
     VkBool32 (*of)(const DeviceFeatures&);
@@ -110,7 +111,8 @@ void need_of_shader(const Plan& plan, const PlanPass& pass, Needs& needs) {
             for (const std::string& feature : own->second.features)
                 needs.add(Kind::feature, feature, 0, pass.node);
         } else {
-            needs.add(Kind::feature, std::string(unknown_capability) + std::to_string(capability), 0, pass.node);
+            needs.add(Kind::feature, std::string(unknown_capability) + std::to_string(capability), 0,
+                      pass.node);
         }
     }
 }

@@ -59,7 +59,8 @@ class Includer : public glslang::TShader::Includer {
     const ShaderSource& source_;
 };
 
-// A line may be of any length, and std::regex takes its stack by the character: lines are taken apart by hand.
+// A line may be of any length, and std::regex takes its stack by the character: lines are taken apart by
+// hand.
 
 // Of "file:12: text" where the file's name ends, the line's number and where the text begins.
 struct PlaceInText {
@@ -86,8 +87,7 @@ void report_log(const std::string& log, const ShaderSource& source, Diagnostics&
         const auto place = line.starts_with(error) ? place_of(line) : std::nullopt;
         if (!place) continue;
         const std::string message = line.substr(place->end);
-        if (any && message.find("compilation terminated") != std::string::npos)
-            continue;  // says nothing new
+        if (any && message.find("compilation terminated") != std::string::npos) continue;  // says nothing new
         const std::string file = line.substr(error.size(), place->colon - error.size());
         diagnostics.add({file == "0" ? source.file.string() : file, place->number, 1}, "", message);
         any = true;
@@ -98,9 +98,12 @@ void report_log(const std::string& log, const ShaderSource& source, Diagnostics&
 // Identifiers and keywords; of numbers nothing.
 std::vector<std::string_view> words_of(std::string_view text) {
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-    const auto in_word = [&](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || is_digit(c); };
+    const auto in_word = [&](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || is_digit(c);
+    };
     std::vector<std::string_view> words;
-    for (auto at = std::ranges::find_if(text, in_word); at != text.end(); at = std::find_if(at, text.end(), in_word)) {
+    for (auto at = std::ranges::find_if(text, in_word); at != text.end();
+         at = std::find_if(at, text.end(), in_word)) {
         const auto end = std::find_if_not(at, text.end(), in_word);
         if (!is_digit(*at)) words.emplace_back(at, end);
         at = end;
@@ -111,7 +114,9 @@ std::vector<std::string_view> words_of(std::string_view text) {
 // Whether a line is #if, #ifdef, #ifndef or #elif.
 bool is_condition(std::string_view line) {
     constexpr std::string_view blanks = " \t\r\v\f";
-    const auto skip_blanks = [&] { line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size())); };
+    const auto skip_blanks = [&] {
+        line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+    };
     skip_blanks();
     if (!line.starts_with('#')) return false;
     line.remove_prefix(1);
@@ -136,8 +141,9 @@ bool asks_constants(const std::string& text, const std::string& file, const std:
         if (!is_condition(line)) continue;
         for (const std::string_view word : words_of(line))
             if (constants.contains(word)) {
-                diagnostics.add({file, number, static_cast<int>(word.data() - line.data()) + 1}, "",
-                                fmt::format("'{0}' is a constant, no macro: write if ({0}), without #", word));
+                diagnostics.add(
+                    {file, number, static_cast<int>(word.data() - line.data()) + 1}, "",
+                    fmt::format("'{0}' is a constant, no macro: write if ({0}), without #", word));
                 any = true;
             }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is wrong with what a host binds to its slots, said before anything is recorded: what Vulkan would say of it would not name
-// the slot, and without validation would say nothing.
+// What is wrong with what a host binds to its slots, said before anything is recorded: what Vulkan would say
+// of it would not name the slot, and without validation would say nothing.
 #include <fmt/format.h>
 
 #include "graph/view_state.h"
@@ -56,10 +56,12 @@ void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const
         check_slot_binding(plan().slots[i], bindings[i]);
         if (!bindings[i].handover || plan().slots[i].kind != PortKind::image) continue;
         for (size_t before = 0; before < i; ++before)
-            if (bindings[before].handover && bindings[before].handover->image == bindings[i].handover->image &&
+            if (bindings[before].handover &&
+                bindings[before].handover->image == bindings[i].handover->image &&
                 !(same_transitions(bindings[before], bindings[i]) && !plan().slots[i].output))
                 fail(ErrorCode::usage, fmt::format("the slot \"{}\"", plan().slots[i].name),
-                     fmt::format("its image is handed over as \"{}\", too, and otherwise", plan().slots[before].name));
+                     fmt::format("its image is handed over as \"{}\", too, and otherwise",
+                                 plan().slots[before].name));
     }
 }
 

@@ -62,8 +62,7 @@ class FolderReader {
   private:
     std::optional<NodeEntry> read_node(const fs::path& file) {
         const auto json = read_json(file, diagnostics_);
-        auto type =
-            json ? parse_node_type(*json, file.stem().string(), domain_, diagnostics_) : std::nullopt;
+        auto type = json ? parse_node_type(*json, file.stem().string(), domain_, diagnostics_) : std::nullopt;
         if (!type) return std::nullopt;
         const size_t errors = diagnostics_.size();
         const auto error = [&](const Json* at, const std::string& path, const std::string& message) {

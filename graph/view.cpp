@@ -300,7 +300,8 @@ uint64_t ViewState::bytes() const {
 Externals::Externals(const Plan& plan) : plan_(&plan), bindings_(plan.slots.size()) {}
 
 bool Externals::fits(const Plan& plan) const {
-    return &plan == plan_ || std::ranges::equal(plan.slots, plan_->slots, {}, &HostSlot::name, &HostSlot::name);
+    return &plan == plan_ ||
+           std::ranges::equal(plan.slots, plan_->slots, {}, &HostSlot::name, &HostSlot::name);
 }
 
 SlotBinding& Externals::operator[](std::string_view name) {
@@ -342,7 +343,8 @@ View::~View() = default;
 namespace {
 
 std::span<const SlotBinding> fitting(const Externals& slots, const Plan& plan) {
-    if (!slots.fits(plan)) fail(ErrorCode::usage, plan.pipeline, "the Externals are another plan's, of other slots");
+    if (!slots.fits(plan))
+        fail(ErrorCode::usage, plan.pipeline, "the Externals are another plan's, of other slots");
     return slots;
 }
 

@@ -117,7 +117,7 @@ Frames run(const char* name, const std::vector<std::string>& settings, const Sho
            SessionOptions options = {}) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const CheckedPipeline checked = shipped_pipeline(name, settings);
+    const CheckedPipeline checked = shipped_pipeline(name, settings, test_nodes());
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"visibility"};

@@ -289,6 +289,12 @@ TEST_F(CliRender, WishesThatCannotBeMetAreExplained) {
     const std::string first = run("devices").out;
     EXPECT_NE(device.err.find(first.substr(0, first.find("  ["))), std::string::npos)
         << "it says which exist";
+    for (const std::string& command :
+         std::initializer_list<std::string>{"gates shadows", "report --out " + (folder_ / "r").string(),
+                                            "report --signal specular --out " + (folder_ / "r").string(),
+                                            "reference --shot scenes/lamp.shot.json" + out, "bench shadows",
+                                            "explain --shot scenes/lamp.shot.json" + out})
+        expect(run(command + " --device nosuch"), 2, "no usable Vulkan device is named \"nosuch\" among:\n");
     expect(run(render("--capture visibilty --size 16x16 --frames 0" + out)), 2,
            "did you mean \"visibility\"?");
     expect(run(render("--size 1000000x8 --frames 0" + out)), 2, "exceeds the device's largest image");

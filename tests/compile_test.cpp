@@ -173,6 +173,12 @@ TEST(CompileSizes, FollowAPreviousValueWhoeverWritesIt) {
 }
 
 // A plan, and the checked pipeline it is made of, keep the types that they were made with.
+TEST(CompileSizes, AreNeverCountedPastTheLargestNumber) {
+    const Follows twice{.steps = {{{1, 1}, {65536, 1}}, {{1, 1}, {65536, 1}}}};
+    EXPECT_EQ(twice.at({64, 2}).width, UINT32_MAX);
+    EXPECT_EQ(twice.at({64, 2}).height, 2u);
+}
+
 TEST(CompileNodeSet, ATypeThatIsReplacedLastsAsLongAsWhatWasMadeOfIt) {
     NodeSet set = small_set();
     Diagnostics diagnostics;

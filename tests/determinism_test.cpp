@@ -17,7 +17,6 @@
 namespace penumbra::test {
 namespace {
 
-
 // A node that works through a list of tiles, and the list; the dispatch's arguments are named after it.
 struct ListReader {
     std::string node, port, list, args;
@@ -51,7 +50,7 @@ std::vector<std::string> with_budget(std::string_view name, std::vector<std::str
 std::unique_ptr<Session> open(const std::string& name, const std::vector<std::string>& settings,
                               const std::vector<std::string>& captures) {
     Diagnostics diagnostics;
-    const CheckedPipeline checked = shipped_pipeline(name, with_budget(name, settings));
+    const CheckedPipeline checked = shipped_pipeline(name, with_budget(name, settings), test_nodes());
     const Shot shot = plaza_shot({160, 90}, 8);
     SessionOptions options;
     options.size = shot.size;

@@ -159,5 +159,33 @@ TEST(Documents, ATestThatIsNamedIsThere) {
     EXPECT_GT(named, 100u);
 }
 
+// Relative to the root, to the file that names it, or to where its language looks for includes. A name in
+// capitals stands for any.
+TEST(Documents, AFileThatACommentNamesIsThere) {
+    const std::regex comment("//.*"), file_name(R"([\w./-]+/[\w./-]+\.(h|cpp|glsl|comp|json|md|sh|py)\b)"),
+        placeholder("[A-Z]{2,}");
+    const std::set<std::string> examples{"pipelines/x.json"};
+    size_t named = 0;
+    for (const char* folder : {"app", "capi", "graph", "host", "include", "nodes", "shaders"})
+        for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+            const fs::path& file = entry.path();
+            if (!std::set<fs::path>{".h", ".cpp", ".glsl", ".comp"}.contains(file.extension())) continue;
+            const std::string text = read(file);
+            for (std::sregex_iterator c(text.begin(), text.end(), comment), end; c != end; ++c) {
+                const std::string words = c->str();
+                for (std::sregex_iterator m(words.begin() + 2, words.end(), file_name); m != end; ++m) {
+                    const std::string name = m->str();
+                    if (std::regex_search(name, placeholder) || examples.contains(name)) continue;
+                    ++named;
+                    const auto is_in = [&](const fs::path& at) { return fs::exists(at / name); };
+                    EXPECT_TRUE(is_in(root) || is_in(file.parent_path()) || is_in(root / "include") ||
+                                is_in(root / "shaders"))
+                        << file << ": " << name;
+                }
+            }
+        }
+    EXPECT_GT(named, 100u);
+}
+
 }  // namespace
 }  // namespace penumbra::test

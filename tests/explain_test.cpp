@@ -17,6 +17,7 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
+#include "tests/substring.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
@@ -108,12 +109,6 @@ TEST_F(CoverageTwin, OnShippedScenesToo) {
         SCOPED_TRACE(name);
         expect_alike(compare(shipped(name), 5, 128), 100);
     }
-}
-
-size_t occurrences(const std::string& text, const std::string& part) {
-    size_t count = 0;
-    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
-    return count;
 }
 
 class Explain : public Cli {

@@ -99,6 +99,26 @@ TEST(GltfFeatures, SkinsFollowTheirJoints) {
     EXPECT_NEAR(highest, 3, 1e-6);
 }
 
+// Where an instance stands its own transform says, which a skin would override: it is in its rest pose.
+TEST(GltfFeatures, InstancesHaveNoSkin) {
+    Glb glb = square_file();
+    const std::array<std::array<uint8_t, 4>, 4> joints{};
+    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    const int translations = glb.floats({0, 0, 0, 5, 0, 0}, "VEC3", 3);
+    glb.json["nodes"] = {
+        {{"mesh", 0},
+         {"skin", 0},
+         {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", translations}}}}}}}},
+        {{"name", "root"}}};
+    glb.json["scenes"] = {{{"nodes", {0, 1}}}};
+    glb.json["skins"] = {{{"joints", {1}}}};
+    const Model model = loaded(glb, "skinned_instances.glb");
+    EXPECT_EQ(model.warnings, std::vector<std::string>{"instances with a skin are in their rest pose"});
+    EXPECT_EQ(Scene(model, Shot{}).bounds()[1].x, 6);
+}
+
 TEST(GltfFeatures, JointsThatAreNotThereAreErrors) {
     Glb glb = square_file();
     const std::array<std::array<uint8_t, 4>, 4> joints{

@@ -153,9 +153,8 @@ TEST_F(Instances, AMemberReadsTheOneBeforeAndAnyoneTheLast) {
     EXPECT_EQ(
         error(pipeline(), {with_signal("half@before")}),
         "nodes.all.in.signal: \"half\" is of \"lights\", of which the node is none; there is \"half@last\"");
-    EXPECT_EQ(
-        error(pipeline(), {R"(nodes.filter1.in.signal="half@next")"}),
-        "nodes.filter1.in.signal: no \"@next\"; there are @-1, @before and @last");
+    EXPECT_EQ(error(pipeline(), {R"(nodes.filter1.in.signal="half@next")"}),
+              "nodes.filter1.in.signal: no \"@next\"; there are @-1, @before and @last");
 }
 
 TEST_F(Instances, MistakesAreSaid) {

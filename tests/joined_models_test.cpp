@@ -35,6 +35,7 @@ Model model_of(int tag) {
     m.nodes[1].skin = 1;
     m.nodes[2].name = "joint " + name;
     m.nodes[2].parent = 1;
+    m.nodes[2].weights_of = 1;
     m.skins.resize(2);
     m.skins[1].joints = {2, 1};
     m.animations.push_back({"turn", 1, {{}, {}}});
@@ -82,6 +83,8 @@ TEST(JoinedModels, EachKeepsWhatItRefersTo) {
         EXPECT_EQ(root[1].skin, -1);
         EXPECT_EQ(node(shown->parent), before + "root " + name);
         EXPECT_EQ(node(joint->parent), before + "shown " + name);
+        EXPECT_EQ(node(joint->weights_of), before + "shown " + name);
+        EXPECT_EQ(shown->weights_of, -1) << "none stays none";
         for (size_t n = 1; n < 4; ++n) EXPECT_LT(root[n].parent, int(4 * i + n)) << "parents first";
 
         const Mesh& mesh = all.meshes.at(size_t(shown->mesh));

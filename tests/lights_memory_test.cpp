@@ -2,7 +2,6 @@
 // What one more light takes in lights_shadows.json: its past and its mask, and little beside them.
 #include <gtest/gtest.h>
 
-
 #include "penumbra/graph.h"
 #include "tests/shipped.h"
 

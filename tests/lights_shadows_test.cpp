@@ -91,6 +91,17 @@ TEST_F(LightsShadows, ALightIsOfVisibilityAlone) {
     EXPECT_FALSE(fs::exists(folder_ / "written"));
 }
 
+// Of a pipeline for several lights the frames that are there are those of the light's mask.
+TEST_F(LightsShadows, ATruthIsLikeTheMaskOfItsLight) {
+    render("lights --no-jitter", "all");
+    const std::string like = "reference --like '" + (folder_ / "all").string() + "' --rays 16 --out '" +
+                             (folder_ / "truth").string() + "' --light ";
+    expect(run(like + "bulbe"), 2, "no masks.bulbe.NNNN.exr in here");
+    EXPECT_FALSE(fs::exists(folder_ / "truth"));
+    expect(run(like + "bulb"), 0, "");
+    EXPECT_TRUE(fs::exists(folder_ / "truth/visibility.0002.exr"));
+}
+
 TEST_F(LightsShadows, AShotMustHaveLightsThatNodesCanBeNamedAfter) {
     expect(run("render lights_shadows --shot cards"), 2,
            "the pipeline takes lights that are near, and the shot has none");

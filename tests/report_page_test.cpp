@@ -19,19 +19,14 @@
 #include "penumbra/graph.h"
 #include "tests/report_results.h"
 #include "tests/shipped.h"
+#include "tests/substring.h"
 
 namespace penumbra::report {
 namespace {
 
-using test::shipped_nodes;
+using test::occurrences;
 
 namespace fs = std::filesystem;
-
-size_t count(const std::string& text, const std::string& part) {
-    size_t found = 0;
-    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
-    return found;
-}
 
 Plan shipped_plan(const std::string& name) {
     Diagnostics diagnostics;
@@ -72,8 +67,8 @@ TEST(ReportFigures, MemoryHasABoxPerResourceAndFrameOrTwoWhereALifeWrapsAround) 
                         ? 2
                         : 1;
         const std::string figure = memory_figure(plan, "p0");
-        EXPECT_EQ(count(figure, "class=\"life "), boxes) << name;
-        EXPECT_EQ(count(figure, "class=\"bound\""), plan.heaps.size());
+        EXPECT_EQ(occurrences(figure, "class=\"life "), boxes) << name;
+        EXPECT_EQ(occurrences(figure, "class=\"bound\""), plan.heaps.size());
     }
 }
 
@@ -159,10 +154,10 @@ TEST_F(ReportPage, NeedsNoOtherFile) {
     const std::string text = page();
     for (const char* outside : {"src=\"http", "href=\"http", "<link", "@import", "url(", "src=\"images"})
         EXPECT_EQ(text.find(outside), std::string::npos) << outside;
-    EXPECT_EQ(count(text, "src=\"data:image/png;base64,"), 1 + 2 * results_.rows.size());
+    EXPECT_EQ(occurrences(text, "src=\"data:image/png;base64,"), 1 + 2 * results_.rows.size());
     EXPECT_EQ(text.find("In motion"), std::string::npos);
     add_motion();
-    EXPECT_EQ(count(page(), "src=\"data:image/webp;base64,"), 1u);
+    EXPECT_EQ(occurrences(page(), "src=\"data:image/webp;base64,"), 1u);
     EXPECT_EQ(text.find("{{"), std::string::npos);
 }
 
@@ -174,7 +169,7 @@ TEST_F(ReportPage, HasNoSectionOfWhatWasNotMeasured) {
     for (const char* gone : {"id=\"headline\"", "#headline", "id=\"edge\"", "#edge", "class=\"after-cut\"",
                              "class=\"over-time\"", "{{"})
         EXPECT_EQ(text.find(gone), std::string::npos) << gone;
-    EXPECT_EQ(count(text, "class=\"front\""), 2u);
+    EXPECT_EQ(occurrences(text, "class=\"front\""), 2u);
     EXPECT_NE(text.find("brute force&#39;s time"), std::string::npos);
 }
 

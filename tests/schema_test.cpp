@@ -197,6 +197,7 @@ const std::set<std::string> beyond_schemas = {
     // sums over all ports or parameters of a node, and ports that depend on others
     "decl_layers.node.json",
     "decl_push_constants.node.json",
+    "decl_push_constants_levels.node.json",
     "decl_too_many_variants.node.json",
     // duplicate keys are the parser's business: no schema sees them
     "duplicate_key.shot.json",

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "penumbra/graph.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/golden_text.h"
 
@@ -34,11 +35,12 @@ inline std::vector<std::string> rendering_pipeline_files() {
 
 // Of pipelines/NAME.json. Throws with the diagnostics where a setting is wrong.
 inline CheckedPipeline shipped_pipeline(const std::string& name,
-                                        const std::vector<std::string>& settings = {}) {
+                                        const std::vector<std::string>& settings = {},
+                                        const NodeSet& nodes = shipped_nodes()) {
     Diagnostics diagnostics;
     const auto pipeline = load_pipeline(
         std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
-    auto checked = pipeline ? check(*pipeline, shipped_nodes(), diagnostics) : std::nullopt;
+    auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     return std::move(*checked);
 }

@@ -15,7 +15,7 @@
 
 namespace penumbra::test {
 
-// The colours reach the node as an albedo under white ambient light.
+// The colours reach the node as an albedo under white ambient light: `lit` is what the test chose.
 inline std::string taa_pipeline(const std::string& taa) {
     return R"({
   "penumbra": 1, "name": "taa", "inputs": { "depth": {}, "normal": {}, "motion": {}, "albedo": {}, "visibility": {}, "sun": {} },
@@ -70,22 +70,31 @@ class Taa {
 
     std::vector<glm::dvec3> frame(const Picture& picture, const FrameDescription& description,
                                   glm::dvec2 shift) {
-        std::vector<std::array<uint16_t, 4>> color, motion;
+        std::vector<glm::dvec3> color, motion;
         std::vector<float> depth;
         for (size_t i = 0; i < pixels(); ++i) {
             const Sample s = picture(centre(i) - shift);
-            color.push_back(to_half4({s.color.x, s.color.y, s.color.z, 1}));
-            motion.push_back(
-                to_half4({s.motion.x / extent_.width, s.motion.y / extent_.height, s.motion.z, 0}));
+            color.push_back(s.color);
+            motion.emplace_back(s.motion.x / extent_.width, s.motion.y / extent_.height, s.motion.z);
             depth.push_back(static_cast<float>(s.z == 0 ? 0 : 0.05 / s.z));
         }
-        run_.set("albedo", color);
-        run_.set("motion", motion);
+        return frame(color, motion, depth, description);
+    }
+
+    // Of images as they are: motion in uv and metres, depth as reverse Z with the near plane at 5 cm.
+    std::vector<glm::dvec3> frame(const std::vector<glm::dvec3>& color, const std::vector<glm::dvec3>& motion,
+                                  const std::vector<float>& depth, const FrameDescription& description) {
+        std::vector<std::array<uint16_t, 4>> albedo, motion_texels;
+        for (const glm::dvec3& c : color) albedo.push_back(to_half4({c.x, c.y, c.z, 1}));
+        for (const glm::dvec3& m : motion) motion_texels.push_back(to_half4({m.x, m.y, m.z, 0}));
+        run_.set("albedo", albedo);
+        run_.set("motion", motion_texels);
         run_.set("depth", depth);
         run_.frame(description);
         return image("color");
     }
     std::vector<glm::dvec3> lit() { return image("lit"); }
+    std::vector<float> view_depth() { return captured<float>(run_.view(), "view_depth"); }
     std::vector<float> frames_held() {
         std::vector<float> alpha = captured_planes(run_.view(), "color")[3];
         for (float& a : alpha) a = std::round(a * 32);  // what is left is below half a frame
@@ -104,7 +113,7 @@ class Taa {
                      {"motion", Format::rgba16f},
                      {"albedo", Format::rgba16f},
                      {"visibility", Format::r8}};
-        o.captures = {"lit"};
+        o.captures = {"lit", "view_depth"};
         return o;
     }
     std::vector<glm::dvec3> image(const char* name) {

@@ -1,29 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The node taa on a device: its published form, computed again in double precision per pixel, and what any
 // temporal anti-aliasing owes: a reset passes through, a still image stays, an edge under jitter becomes its
-// area, history from outside the screen is none, and nothing finite becomes infinite. The colours reach the
-// node as an albedo under white ambient light, so that `lit` is what the test chose.
+// area, history from outside the screen is none, and nothing finite becomes infinite.
 #include <cmath>
-#include <glm/glm.hpp>
 #include <limits>
 #include <random>
 
-#include "shaders/common/blocks.h"
-#include "tests/gpu_test.h"
-#include "tests/view_run.h"
+#include "tests/taa_run.h"
 
 namespace penumbra::test {
 namespace {
-
-constexpr const char* pipeline_text = R"({
-  "penumbra": 1, "name": "taa", "inputs": { "depth": {}, "normal": {}, "motion": {}, "albedo": {}, "visibility": {}, "sun": {} },
-  "outputs": ["color"],
-  "nodes": {
-    "guides": { "type": "guides" },
-    "shade": { "type": "shade", "params": { "sun_color": [0, 0, 0], "ambient": [1, 1, 1] } },
-    "taa": { "type": "taa", "params": { "form": "published", "box": "rgb" }, "in": { "history": "color@-1" } }
-  }
-})";
 
 using Color = glm::dvec3;
 
@@ -33,17 +19,10 @@ struct TaaInputs {
     std::vector<float> depth;  // reverse Z, near 5 cm
 };
 
-class Taa {
+class TaaOnImages : public Taa {
   public:
-    Taa(Extent extent, bool cpu)
-        : extent_(extent), run_(shadow_pipeline(pipeline_text), extent, options(cpu)) {
-        const size_t n = pixels();
-        run_.set("normal", std::vector<std::array<uint16_t, 4>>(n, to_half4({0, 0, 1, 0})));
-        run_.set("visibility", std::vector<uint8_t>(n, 255));
-        run_.set("sun", std::vector<blocks::Sun>{{{{0, 1, 0}}, 0.01f}});
-    }
+    TaaOnImages(Extent extent, bool cpu) : Taa(extent, cpu, published), extent_(extent) {}
 
-    size_t pixels() const { return static_cast<size_t>(extent_.width) * extent_.height; }
     TaaInputs still(Color color) const {
         return {std::vector<Color>(pixels(), color), std::vector<glm::dvec2>(pixels(), glm::dvec2(0)),
                 std::vector<float>(pixels(), 0.01f)};
@@ -51,42 +30,16 @@ class Taa {
 
     // The node's result; lit() is what it was made of.
     std::vector<Color> frame(const TaaInputs& in, bool reset, glm::dvec2 jitter = glm::dvec2(0)) {
-        std::vector<std::array<uint16_t, 4>> color, motion;
-        for (const Color& c : in.color) color.push_back(to_half4({c.x, c.y, c.z, 1}));
-        for (const glm::dvec2& m : in.motion) motion.push_back(to_half4({m.x, m.y, 0, 0}));
-        run_.set("albedo", color);
-        run_.set("motion", motion);
-        run_.set("depth", in.depth);
+        std::vector<glm::dvec3> motion;
+        for (const glm::dvec2& m : in.motion) motion.emplace_back(m, 0);
         const Camera camera = camera_at({0, 0, 0}, 0, extent_);
         FrameDescription description = frame_between(camera, camera, extent_, index_++, reset);
         description.jitter = {jitter.x / extent_.width, jitter.y / extent_.height};
-        run_.frame(description);
-        return image("color");
+        return Taa::frame(in.color, motion, in.depth, description);
     }
-    std::vector<Color> lit() { return image("lit"); }
-    std::vector<float> view_depth() { return captured<float>(run_.view(), "view_depth"); }
 
   private:
-    static ViewRunOptions options(bool cpu) {
-        ViewRunOptions o;
-        o.cpu = cpu;
-        o.formats = {{"depth", Format::r32f},
-                     {"normal", Format::rgba16f},
-                     {"motion", Format::rgba16f},
-                     {"albedo", Format::rgba16f},
-                     {"visibility", Format::r8}};
-        o.captures = {"lit", "view_depth"};
-        return o;
-    }
-    std::vector<Color> image(const char* name) {
-        const auto planes = captured_planes(run_.view(), name);
-        std::vector<Color> colors(planes[0].size());
-        for (size_t i = 0; i < colors.size(); ++i) colors[i] = {planes[0][i], planes[1][i], planes[2][i]};
-        return colors;
-    }
-
     Extent extent_;
-    ViewRun run_;
     uint32_t index_ = 0;
 };
 
@@ -219,7 +172,7 @@ constexpr double nan_value = std::numeric_limits<double>::quiet_NaN(),
 TEST_P(TaaTest, IsThePublishedForm) {
     for (const Extent extent : {Extent{67, 45}, Extent{17, 1}, Extent{203, 117}}) {
         SCOPED_TRACE(testing::Message() << extent.width << "x" << extent.height);
-        Taa taa(extent, GetParam());
+        TaaOnImages taa(extent, GetParam());
         std::mt19937 random(extent.width);
         std::uniform_real_distribution<double> uniform(0, 1);
         std::vector<Color> history;
@@ -277,7 +230,7 @@ TEST_P(TaaTest, IsThePublishedForm) {
 
 TEST_P(TaaTest, PassesAResetThrough) {
     const Extent extent{67, 45};
-    Taa taa(extent, GetParam());
+    TaaOnImages taa(extent, GetParam());
     TaaInputs in = taa.still({5, 5, 5});
     for (int frame = 0; frame < 3; ++frame) taa.frame(in, frame == 0);  // a history that must not show
     std::mt19937 random(1);
@@ -289,7 +242,7 @@ TEST_P(TaaTest, PassesAResetThrough) {
 }
 
 TEST_P(TaaTest, AStillConstantImageIsAFixedPoint) {
-    Taa taa({40, 24}, GetParam());
+    TaaOnImages taa({40, 24}, GetParam());
     for (const Color color : {Color(0.18, 0.5, 0.9), Color(0), Color(7, 30, 0.001)}) {
         const TaaInputs in = taa.still(color);
         taa.frame(in, true);
@@ -305,7 +258,7 @@ TEST_P(TaaTest, AStillConstantImageIsAFixedPoint) {
 }
 
 TEST_P(TaaTest, StaysFiniteWhateverComesIn) {
-    Taa taa({67, 45}, GetParam());
+    TaaOnImages taa({67, 45}, GetParam());
     std::mt19937 random(5);
     const auto one_of = [&](std::initializer_list<double> values) {
         return values.begin()[random() % values.size()];
@@ -333,7 +286,7 @@ TEST_P(TaaTest, StaysFiniteWhateverComesIn) {
 
 TEST_P(TaaTest, RejectsHistoryFromOutsideTheScreen) {
     const Extent extent{64, 32};
-    Taa taa(extent, GetParam());
+    TaaOnImages taa(extent, GetParam());
     std::mt19937 random(3);
     const auto noise = [&] {
         TaaInputs in = taa.still({0, 0, 0});
@@ -371,7 +324,7 @@ TEST_P(TaaTest, RejectsHistoryFromOutsideTheScreen) {
 // history that is stored in every frame.
 TEST_P(TaaTest, AnEdgeUnderJitterBecomesItsArea) {
     const Extent extent{48, 32};
-    Taa taa(extent, GetParam());
+    TaaOnImages taa(extent, GetParam());
     const glm::dvec2 across = glm::normalize(glm::dvec2(1, 0.37));
     const double offset = glm::dot(across, glm::dvec2(24, 16));
     const Color dark(0.05), bright(0.8);

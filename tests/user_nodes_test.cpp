@@ -246,7 +246,8 @@ TEST_F(UserNodes, ASetWithoutADomainTakesAFolderOfSeveral) {
 }
 
 TEST_F(UserNodes, AShadersNameMayBeTooLongForAFile) {
-    write("nodes/mine.json", std::regex_replace(std::string(declaration), std::regex("mine.comp"), std::string(300, 'm') + ".comp"));
+    write("nodes/mine.json", std::regex_replace(std::string(declaration), std::regex("mine.comp"),
+                                                std::string(300, 'm') + ".comp"));
     EXPECT_NE(declaration_errors().find("shader: no file "), std::string::npos) << diagnostics_.text();
 }
 

@@ -97,7 +97,7 @@ class Map {
                 auto value = by_name_.find(name);
                 if (value ==
                     by_name_.end()) {  // the first reader in the plan's order is the leftmost or near it
-                    const bool previous = name.ends_with("@-1");
+                    const bool previous = is_previous(name);
                     const size_t source = add({previous ? Kind::previous : Kind::host, name, {name}}, 0);
                     value = by_name_.emplace(name, values_.size()).first;
                     values_.push_back({name, source, 0, previous, {}});

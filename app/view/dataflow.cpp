@@ -46,7 +46,7 @@ Dataflow dataflow_of(const Plan& plan, double letter) {
         for (const std::string& name : pass->reads) {
             auto source = sources.find(name);
             if (source == sources.end()) {
-                const bool previous = name.ends_with("@-1");
+                const bool previous = is_previous(name);
                 add({previous ? FlowBox::Kind::previous : FlowBox::Kind::host, "", {name}},
                     items[box].layer - 1);
                 source = sources.find(name);

@@ -13,11 +13,6 @@ constexpr ImU32 box_color = IM_COL32(44, 50, 58, 255), title_color = IM_COL32(52
                 line_color = IM_COL32(130, 140, 150, 110), bright_color = IM_COL32(255, 200, 0, 230),
                 text_color = IM_COL32(225, 228, 232, 255);
 
-// Without "@-1": a previous value is last frame's picture of the same name.
-std::string resource_of(const std::string& row) {
-    return row.ends_with("@-1") ? row.substr(0, row.size() - 3) : row;
-}
-
 }  // namespace
 
 void Panels::dataflow(const Live& live) {
@@ -34,7 +29,7 @@ void Panels::dataflow(const Live& live) {
         const double row = static_cast<double>(line.row) + (from.title.empty() ? 0.5 : 1.5);
         const ImVec2 a = at(from.x + from.width, from.y + row), b = at(to.x, to.y + 0.5);
         const float bend = std::max((b.x - a.x) / 2, 2 * height);
-        const bool bright = resource_of(from.rows[line.row]) == shown;
+        const bool bright = without_previous(from.rows[line.row]) == shown;
         draw->AddBezierCubic(a, {a.x + bend, a.y}, {b.x - bend, b.y}, b, bright ? bright_color : line_color,
                              bright ? 2.0f : 1.0f);
     }
@@ -53,7 +48,8 @@ void Panels::dataflow(const Live& live) {
             ++y;
         }
         for (size_t row = 0; row < box.rows.size(); ++row, ++y) {
-            const std::string name = resource_of(box.rows[row]);
+            // A previous value is last frame's picture of the same name.
+            const std::string name(without_previous(box.rows[row]));
             draw->AddText(at(box.x + 0.5, y + 0.1), name == shown ? bright_color : text_color,
                           box.rows[row].c_str());
             if (std::ranges::find(can, name) == can.end()) continue;

@@ -60,7 +60,8 @@ std::vector<DeviceInfo> list_devices();
 
 class Device {
   public:
-    // Throws DeviceError where the wish cannot be met, NoSuchDevice where that is its name, VulkanError where a call fails.
+    // Throws DeviceError where the wish cannot be met, NoSuchDevice where that is its name, VulkanError where
+    // a call fails.
     explicit Device(const DeviceOptions& options);
     ~Device();
     Device(const Device&) = delete;

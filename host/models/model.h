@@ -54,7 +54,7 @@ struct Part {
     bool single_sided = false;
     std::vector<std::array<uint8_t, 4>> colors =
         {};  // linear, times the material's; as many as positions, or none
-    // What moves its vertices (host/scene/deform.h): per vertex four joints of the node's skin, as indices
+    // What moves its vertices (host/scene/pose.h): per vertex four joints of the node's skin, as indices
     // into Skin::joints, with weights whose sum is 1; and offsets of each morph target. As many as positions,
     // or none.
     std::vector<std::array<uint16_t, 4>> joints = {};

@@ -32,21 +32,6 @@ const std::vector<Kind>& kinds() {
     return list;
 }
 
-const Kind* kind_of(Reader& reader, const Json& name, const std::string& path) {
-    std::vector<std::string> names;
-    for (const Kind& kind : kinds()) {
-        if (name.kind == Json::Kind::string && name.string == kind.name) return &kind;
-        names.emplace_back(kind.name);
-    }
-    if (name.kind == Json::Kind::string)
-        reader.error(name.place, path,
-                     fmt::format("no kind of light is named \"{}\"{}; there are {}", name.string,
-                                 did_you_mean(name.string, names), fmt::join(names, ", ")));
-    else
-        reader.error(name.place, path, fmt::format("expected a string, not {}", kind_name(name.kind)));
-    return nullptr;
-}
-
 double* value_of(ShotLight& light, std::string_view key) {
     if (key == "radius") return &light.radius;
     if (key == "height") return &light.height;
@@ -163,7 +148,7 @@ void read_lights(Reader& reader, const Json& root, Shot& shot) {
                          "control characters");
         if (member.key == "sun") reader.error(member.key_place, path, "the sun has a key of its own");
         const Json* name = json.kind == Json::Kind::object ? reader.required(json, path, "kind") : nullptr;
-        const Kind* kind = name ? kind_of(reader, *name, path + ".kind") : nullptr;
+        const Kind* kind = name ? reader.named(*name, path + ".kind", "kind of light", kinds()) : nullptr;
         std::vector<const char*> known{"kind"};
         const bool in_model = kind && kind->kind == LightKind::model;
         if (in_model)

@@ -38,22 +38,6 @@ const std::vector<AnalyticKind>& analytic_kinds() {
     return kinds;
 }
 
-const AnalyticKind* analytic_kind(Reader& reader, const Json& name) {
-    std::vector<std::string> names;
-    for (const AnalyticKind& kind : analytic_kinds()) {
-        if (name.kind == Json::Kind::string && name.string == kind.name) return &kind;
-        names.emplace_back(kind.name);
-    }
-    if (name.kind == Json::Kind::string)
-        reader.error(name.place, "scene.analytic",
-                     fmt::format("no analytic scene is named \"{}\"{}; there are {}", name.string,
-                                 did_you_mean(name.string, names), fmt::join(names, ", ")));
-    else
-        reader.error(name.place, "scene.analytic",
-                     fmt::format("expected a string, not {}", kind_name(name.kind)));
-    return nullptr;
-}
-
 void read_points(Reader& reader, const Json& list, std::vector<glm::dvec2>& out) {
     const std::string path = "scene.points";
     if (list.kind != Json::Kind::array || list.items.size() < 3 || list.items.size() > 256) {
@@ -74,7 +58,8 @@ void read_points(Reader& reader, const Json& list, std::vector<glm::dvec2>& out)
 
 void read_analytic(Reader& reader, const Json& scene, Shot& shot) {
     const Json* name = reader.required(scene, "scene", "analytic");
-    const AnalyticKind* kind = name ? analytic_kind(reader, *name) : nullptr;
+    const AnalyticKind* kind =
+        name ? reader.named(*name, "scene.analytic", "analytic scene", analytic_kinds()) : nullptr;
     if (!kind) return;
     AnalyticScene& out = shot.analytic.emplace();
     out.shape = kind->shape;

@@ -41,6 +41,25 @@ class Reader {
         return value;
     }
 
+    // The one of `list` that has this name, or an error that lists their names.
+    template <class Named>
+    const Named* named(const Json& json, const std::string& path, const char* what,
+                       const std::vector<Named>& list) {
+        if (json.kind != Json::Kind::string) {
+            error(json.place, path, fmt::format("expected a string, not {}", kind_name(json.kind)));
+            return nullptr;
+        }
+        std::vector<std::string> names;
+        for (const Named& one : list) {
+            if (json.string == one.name) return &one;
+            names.emplace_back(one.name);
+        }
+        error(json.place, path,
+              fmt::format("no {} is named \"{}\"{}; there are {}", what, json.string,
+                          did_you_mean(json.string, names), fmt::join(names, ", ")));
+        return nullptr;
+    }
+
     void number(const Json& json, const std::string& path, double low, double high, double& out) {
         if (!json.is_number()) {
             error(json.place, path, fmt::format("expected a number, not {}", kind_name(json.kind)));

@@ -16,6 +16,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "penumbra/export.h"
@@ -115,6 +116,16 @@ struct Use {
     VkAccessFlags2 access = 0;
     bool write = false;
 };
+
+// Ends the name of a resource's previous value: "color@-1".
+inline constexpr std::string_view previous_suffix = "@-1";
+inline bool is_previous(std::string_view name) {
+    return name.ends_with(previous_suffix);
+}
+// The resource's own name, whichever value is named.
+inline std::string_view without_previous(std::string_view name) {
+    return is_previous(name) ? name.substr(0, name.size() - previous_suffix.size()) : name;
+}
 
 // A slot the host fills at every record(): an input, its previous value, a part of a bundle, or an image of
 // its own to put an output into.

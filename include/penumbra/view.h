@@ -163,8 +163,8 @@ class View {
     void end(VkCommandBuffer cmd);
 
     // The value of a parameter of Plan::passes[pass].params, of passes that are recorded from now on; false
-    // where there is none or the value is not of its range and very type (5u of an unsigned one). What was set
-    // is this view's: its heir begins with the values of its own plan.
+    // where there is none or the value is not of its range and very type (5u of an unsigned one). What was
+    // set is this view's: its heir begins with the values of its own plan.
     [[nodiscard]] bool set_param(size_t pass, size_t param, const ParamValue& value);
     // The same by names.
     [[nodiscard]] bool set_param(std::string_view node, std::string_view param, const ParamValue& value);

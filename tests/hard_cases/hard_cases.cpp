@@ -79,6 +79,21 @@ Shot scene_shot(const std::string& key, const std::vector<Placed>& shapes, std::
     return shot;
 }
 
+double share(size_t part, size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(whole);
+}
+
+Camera looking(glm::dvec3 eye, glm::dvec3 target, double fov_rad, Extent extent, double near) {
+    Camera camera;
+    const glm::dvec3 back = glm::normalize(eye - target), right = glm::normalize(glm::cross({0, 1, 0}, back));
+    const glm::dmat3 axes(right, glm::cross(back, right), back);
+    std::copy_n(glm::value_ptr(axes), 9, camera.world_from_view.begin());
+    camera.position = {eye.x, eye.y, eye.z};
+    camera.clip_from_view = perspective(fov_rad, double(extent.width) / extent.height, near);
+    camera.near_m = near;
+    return camera;
+}
+
 SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& options) {
     SessionOptions session_options;
     session_options.size = shot.size;

@@ -30,6 +30,10 @@ struct Placed {
 // A still shot of the shapes from above; the file is gone when the process ends. Shots of one `key` share it.
 Shot scene_shot(const std::string& key, const std::vector<Placed>& shapes, std::array<uint32_t, 2> size);
 
+double share(size_t part, size_t whole);
+
+Camera looking(glm::dvec3 eye, glm::dvec3 target, double fov_rad, Extent extent, double near = 0.05);
+
 struct RunOptions {
     std::vector<std::string> settings, captures;  // captures: besides the visibility
     Facts facts;

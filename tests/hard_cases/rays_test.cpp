@@ -21,10 +21,6 @@ using Oracle = decltype(against({}, {}, 0.0));  // clear, blocked, either
 
 constexpr float whole_ray = std::numeric_limits<float>::infinity();
 
-double share(size_t part, size_t whole) {
-    return static_cast<double>(part) / static_cast<double>(whole);
-}
-
 Ray ray_between(const glm::vec3& from, const glm::vec3& to) {
     const glm::vec3 d = to - from;
     return {{from.x, from.y, from.z}, {d.x, d.y, d.z}, 0, whole_ray};

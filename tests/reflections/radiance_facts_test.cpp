@@ -210,7 +210,8 @@ TEST_F(RadianceFacts, WhatRaysHitAndMovesHasNoLongPast) {
     }
 }
 
-// Seen from a camera that goes ahead and carries it, a thing stands still: no still surface would have been at its depth.
+// Seen from a camera that goes ahead and carries it, a thing stands still: no still surface would have been
+// at its depth.
 TEST_F(RadianceFacts, WhatTheCameraCarriesKeepsItsPast) {
     Model model = striped_floor({0.4f});
     model.meshes.push_back({{to_part(box({-0.8, 0.1, -0.8}, {0.8, 0.9, 0.8}), 0)}});
@@ -227,7 +228,8 @@ TEST_F(RadianceFacts, WhatTheCameraCarriesKeepsItsPast) {
     end.target[2] -= 0.25 * (frames - 1);
     shot.camera.push_back(end);
     shot.objects["carried"].keys = {{0, {0, 0, 0}, {}}, {frames - 1, {0, 0, -0.25 * (frames - 1)}, {}}};
-    const auto session = open_shipped("reflections", shot, {"nodes.accumulate.params.moving_hit_frames=63"}, {"frames"}, {}, false);
+    const auto session = open_shipped("reflections", shot, {"nodes.accumulate.params.moving_hit_frames=63"},
+                                      {"frames"}, {}, false);
     for (uint32_t frame = 0; frame < frames; ++frame) session->run_frame(frame, frame == 0);
     const auto bytes = captured<uint8_t>(session->view(), "frames");
     for (uint32_t y = height / 2 - 3; y < height / 2 + 3; ++y)
