@@ -93,12 +93,12 @@ TEST_F(Materials, DefaultsAreTheFormats) {
 }
 
 TEST_F(Materials, AreChecked) {
-    EXPECT_FALSE(read(R"({ "name": "m", "pbrMetallicRoughness": { "roughnessFactor": 1.5 } })"));
-    expect_error("material \"m\": roughnessFactor 1.5 is not in 0..1");
+    EXPECT_FALSE(read(R"({ "name": "m", "pbrMetallicRoughness": { "roughnessFactor": -0.5 } })"));
+    expect_error("material \"m\": roughnessFactor -0.5 is not a number from 0 on");
     EXPECT_FALSE(read(R"({ "name": "m", "pbrMetallicRoughness": { "metallicFactor": -1 } })"));
     expect_error("metallicFactor -1");
-    EXPECT_FALSE(read(R"({ "emissiveFactor": [0, 2, 0] })"));
-    expect_error("emissiveFactor 2");
+    EXPECT_FALSE(read(R"({ "emissiveFactor": [0, -2, 0] })"));
+    expect_error("emissiveFactor -2");
     EXPECT_FALSE(
         read(R"({ "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": -3 } } })"));
     expect_error("emissiveStrength -3");
