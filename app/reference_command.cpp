@@ -13,6 +13,7 @@
 #include "app/outputs.h"
 #include "app/progress.h"
 #include "app/radiance_truth.h"
+#include "app/text_file.h"
 #include "app/truth.h"
 #include "app/view_source.h"
 #include "host/truth/analytic.h"
@@ -108,14 +109,14 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
         lit ? open_lit_truth(device, shot, diagnostics, warnings, told)
             : open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings, told);
     doing.clear();
-    for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
+    print_warnings(warnings);
     if (!session) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
-    if (!job.made_up.empty()) write_file(shot.file, std::as_bytes(std::span(job.made_up)));
+    if (!job.made_up.empty()) write_text(shot.file, job.made_up);
     Progress progress("reference", job.frames.size() * uint64_t{arguments.rays});
     for (const uint32_t frame : job.frames) {
         const auto step = [&](uint32_t rays) { progress.step(rays); };
@@ -146,7 +147,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
             ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter, nullptr, told)
             : open_truth(device, shot, diagnostics, warnings, job.jitter, nullptr, told);
     doing.clear();
-    for (const std::string& warning : warnings) std::cerr << "warning: " << warning << "\n";
+    print_warnings(warnings);
     if (!session) {
         std::cerr << diagnostics.text();
         return exit_wrong;
@@ -154,7 +155,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
     fs::remove(folder / "reference.json");  // comes last: a folder that has it is a complete one
-    if (!job.made_up.empty()) write_file(shot.file, std::as_bytes(std::span(job.made_up)));
+    if (!job.made_up.empty()) write_text(shot.file, job.made_up);
     OutputWriter host_images(device, folder);
     size_t lost = 0, frames_of_lost = 0;  // pixels; frames with any
     ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};

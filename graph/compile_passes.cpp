@@ -71,7 +71,7 @@ void Compiler::check_needs(const BoundNode& node) {
             plan_.jitter = true;
         else if (!target_.device.features.contains(need))
             error(node.place, "nodes." + node.id,
-                  fmt::format("the device \"{}\" lacks {} (DeviceTable::features)", plan_.device, need));
+                  fmt::format("the device \"{}\" lacks {} among its features", plan_.device, need));
     }
 }
 
@@ -100,7 +100,7 @@ const std::string& Compiler::backend_of_port(const BoundNode& node, const Bundle
 // What keeps a backend from this target.
 std::optional<std::string> Compiler::problem_of(const Bundle::Backend& backend) const {
     if (!backend.feature.empty() && !target_.device.features.contains(backend.feature))
-        return fmt::format("\"{}\": the device \"{}\" lacks {} (DeviceTable::features)", backend.name,
+        return fmt::format("\"{}\": the device \"{}\" lacks {} among its features", backend.name,
                            plan_.device, backend.feature);
     if (!backend.fact.empty() && !plan_.facts.at(backend.fact))
         return fmt::format("\"{}\": the fact \"{}\" does not hold for this plan", backend.name, backend.fact);

@@ -84,10 +84,10 @@ GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
         fail(ErrorCode::usage, "DeviceHandles::memory", "has one of its two functions");
     const auto loaded = [](auto function, const char* name) {
         if (!function)
-            fail(ErrorCode::usage, name,
-                 "DeviceHandles::get_instance_proc_addr does not give it (was the instance made for Vulkan "
-                 "1.3, "
-                 "VkApplicationInfo::apiVersion?)");
+            fail(
+                ErrorCode::usage, name,
+                "DeviceHandles::get_instance_proc_addr does not give it (is VkApplicationInfo::apiVersion of "
+                "the instance 1.3?)");
         return function;
     };
 #define PENUMBRA_LOAD(name)                                                                                  \

@@ -26,6 +26,16 @@ double x_at(const Model& model, double seconds) {
     return pose_at(model, 0, seconds)[0].translation.x;
 }
 
+// All of whose vertices hang on the first joint of a skin.
+Glb square_of_one_joint() {
+    Glb glb = square_file();
+    const std::array<std::array<uint8_t, 4>, 4> joints{};
+    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
+    primitive(glb)["attributes"]["WEIGHTS_0"] =
+        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    return glb;
+}
+
 TEST(GltfFeatures, AnimationsInterpolateAndHold) {
     Glb linear = animated_file("translation", "LINEAR", {1, 3}, {0, 0, 0, 4, 0, 0}, "VEC3", 3),
         step = animated_file("translation", "STEP", {1, 3}, {0, 0, 0, 4, 0, 0}, "VEC3", 3),
@@ -101,11 +111,7 @@ TEST(GltfFeatures, SkinsFollowTheirJoints) {
 
 // Where an instance stands its own transform says, which a skin would override: it is in its rest pose.
 TEST(GltfFeatures, InstancesHaveNoSkin) {
-    Glb glb = square_file();
-    const std::array<std::array<uint8_t, 4>, 4> joints{};
-    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
-    primitive(glb)["attributes"]["WEIGHTS_0"] =
-        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    Glb glb = square_of_one_joint();
     const int translations = glb.floats({0, 0, 0, 5, 0, 0}, "VEC3", 3);
     glb.json["nodes"] = {
         {{"mesh", 0},
@@ -181,11 +187,7 @@ TEST(GltfFeatures, InstancesHaveTheirNodesMorphs) {
 
 // A skin's vertices are told from its first joint: fp32 in the scene's frame would lose the millimetre.
 TEST(GltfFeatures, SkinsFarAwayKeepTheirShape) {
-    Glb glb = square_file();
-    const std::array<std::array<uint8_t, 4>, 4> joints{};
-    primitive(glb)["attributes"]["JOINTS_0"] = glb.accessor(glb.view(joints.data(), 16), 5121, 4, "VEC4");
-    primitive(glb)["attributes"]["WEIGHTS_0"] =
-        glb.floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, "VEC4", 4);
+    Glb glb = square_of_one_joint();
     glb.json["nodes"] = {
         {{"mesh", 0}, {"skin", 0}},
         {{"name", "root"}, {"translation", {5e5, 50, 5.4e6}}, {"scale", {1e-3, 1e-3, 1e-3}}}};

@@ -117,6 +117,37 @@ TEST_F(HostImagesGpu, AnImageComesAndGoesInTheHostsLayouts) {
     }
 }
 
+// On a first frame what a host has for a previous value is this frame's: one image in two slots, of which no
+// layout changes twice.
+TEST_F(HostImagesGpu, AnImageInTwoSlotsIsHandedOverOnce) {
+    const CheckedPipeline pipeline = checked(
+        R"("inputs": { "given": { "format": "r32f", "history": "host" } }, "outputs": ["now", "before"],
+            "nodes": {
+                "now": { "type": "toy_blend", "in": { "value": "given" }, "out": { "blended": "now" } },
+                "before": { "type": "toy_blend", "in": { "value": "given@-1" }, "out": { "blended": "before" } } })");
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline))), {});
+    const GpuImage given =
+        image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+    Externals externals(view.plan());
+    SlotBinding& now = externals["given"];
+    now = {.image = given.view.get(),
+           .handover = Handover{.image = given.get(),
+                                .stages_before = VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                                .access_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                .layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}};
+    externals["given@-1"] = now;
+    gpu().run([&](VkCommandBuffer cmd) {
+        clear(cmd, given, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 2);
+        view.record(cmd, description(0), externals);
+    });
+    for (const char* const output : {"now", "before"})
+        EXPECT_EQ(floats(view.captured(output)), std::vector<float>(width * height, 2)) << output;
+    externals["given@-1"].handover->layout_after = VK_IMAGE_LAYOUT_GENERAL;
+    gpu().run(
+        [&](VkCommandBuffer cmd) { EXPECT_THROW(view.record(cmd, description(1), externals), Failure); });
+}
+
 // "value" is put into images of the host, another one every frame, is read on within the frame, and goes back
 // in the layout of a copy's source.
 TEST_F(HostImagesGpu, AnOutputIsPutIntoTheHostsImage) {
