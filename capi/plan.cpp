@@ -84,12 +84,23 @@ penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbr
         auto made = std::make_unique<penumbra_plan>();
         made->plan = std::make_shared<const Plan>(make_plan(read(request, "request")));
         made->needs = requirements(*made->plan);
+        for (const HostSlot& slot : made->plan->slots) {
+            std::vector<const char*>& names = made->accepted.emplace_back();
+            for (const Format format : slot.accepted) names.push_back(info(format).name);
+        }
         *plan = made.release();
     });
 }
 
 void penumbra_plan_destroy(penumbra_plan* plan) {
     delete plan;
+}
+
+penumbra_code penumbra_plan_read(const penumbra_plan* plan, penumbra_plan_info* info, penumbra_error* error) {
+    return guarded(error, [&] {
+        const Plan& p = *given(plan, "plan").plan;
+        write(info, {0, p.jitter, p.settles.value_or(UINT32_MAX)}, "info");
+    });
 }
 
 uint32_t penumbra_plan_slot_count(const penumbra_plan* plan) {
@@ -102,10 +113,11 @@ penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penu
         const std::vector<HostSlot>& slots = given(plan, "plan").plan->slots;
         if (index >= slots.size()) misuse("index", "the plan has " + std::to_string(slots.size()) + " slots");
         const HostSlot& s = slots[index];
+        const std::vector<const char*>& accepted = plan->accepted[index];
         write(slot,
               {0, static_cast<penumbra_slot_kind>(s.kind), s.name.c_str(), format_of(s.kind, s.format),
                s.extent.width, s.extent.height, s.layers, s.bytes, s.output, s.required, s.use.stages,
-               s.use.access},
+               s.use.access, accepted.data(), static_cast<uint32_t>(accepted.size())},
               "slot");
     });
 }
@@ -123,11 +135,42 @@ penumbra_code penumbra_plan_output(const penumbra_plan* plan, uint32_t index, pe
         const PlanOutput& o = p.outputs[index];
         const PlanResource& r = p.resources[o.resource];
         const auto bytes = static_cast<uint32_t>(r.kind == PortKind::image ? 0 : r.buffer_bytes());
-        write(
-            output,
-            {0, static_cast<penumbra_slot_kind>(r.kind), o.name.c_str(), format_of(r.kind, r.format),
-             r.extent.width, r.extent.height, r.layers, bytes, VK_TRUE, VK_TRUE, o.use.stages, o.use.access},
-            "output");
+        write(output,
+              {0, static_cast<penumbra_slot_kind>(r.kind), o.name.c_str(), format_of(r.kind, r.format),
+               r.extent.width, r.extent.height, r.layers, bytes, VK_TRUE, VK_TRUE, o.use.stages, o.use.access,
+               nullptr, 0},
+              "output");
+    });
+}
+
+penumbra_code penumbra_plan_extent(const penumbra_plan* plan, const char* name, const uint32_t frame[2],
+                                   uint32_t extent[2], penumbra_error* error) {
+    return guarded(error, [&] {
+        const Plan& p = *given(plan, "plan").plan;
+        const Extent largest = p.extent, size{given(frame, "frame"), frame[1]};
+        given(extent, "extent");
+        if (size.width < 1 || size.height < 1 || size.width > largest.width || size.height > largest.height)
+            misuse("frame",
+                   "is 1x1 to " + std::to_string(largest.width) + "x" + std::to_string(largest.height));
+        const auto put = [&](PortKind kind, Extent own, const std::optional<Follows>& follows) {
+            if (kind != PortKind::image) misuse("name", std::string("\"") + name + "\" is no image");
+            const Extent used = follows ? follows->at(size) : own;
+            extent[0] = used.width;
+            extent[1] = used.height;
+        };
+        if (const auto slot = p.slot(named(name, "name"))) {
+            const HostSlot& s = p.slots[*slot];
+            put(s.kind, s.extent, s.follows);
+        } else if (const PlanOutput* output = p.output(name)) {
+            const PlanResource& r = p.resources[output->resource];
+            put(r.kind, r.extent, r.follows);
+        } else {
+            std::vector<std::string> names;
+            for (const HostSlot& s : p.slots) names.push_back(s.name);
+            for (const PlanOutput& o : p.outputs) names.push_back(o.name);
+            misuse("name", std::string("the plan has no slot or output \"") + name + "\"" +
+                               did_you_mean(name, names));
+        }
     });
 }
 

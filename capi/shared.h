@@ -17,6 +17,7 @@ struct penumbra_nodes {
 struct penumbra_plan {
     std::shared_ptr<const penumbra::Plan> plan;
     std::vector<penumbra::Requirement> needs;
+    std::vector<std::vector<const char*>> accepted;  // slot by slot
 };
 struct penumbra_program {
     std::shared_ptr<const penumbra::Program> program;
@@ -51,6 +52,7 @@ PENUMBRA_FIRST(penumbra_input, layers);
 PENUMBRA_FIRST(penumbra_output_use, access);
 PENUMBRA_FIRST(penumbra_plan_request, hand_on_history);
 PENUMBRA_FIRST(penumbra_slot, access);
+PENUMBRA_FIRST(penumbra_plan_info, settles);
 PENUMBRA_FIRST(penumbra_requirement, value);
 PENUMBRA_FIRST(penumbra_memory, persistent_bytes);
 PENUMBRA_FIRST(penumbra_program_options, pipeline_cache);

@@ -8,113 +8,19 @@
 #include <vector>
 
 #include "penumbra/graph.h"
-#include "penumbra/penumbra.h"
-#include "penumbra/version.h"
 #include "tests/allocations.h"
 #include "tests/c_nodes.h"
-#include "tests/gpu_test.h"
+#include "tests/c_requests.h"
 
 namespace penumbra::test {
 namespace {
 
-const char* const text = R"({ "penumbra": 1, "name": "c", "inputs": { "depth": {}, "normal": {} },
-    "outputs": ["view_depth"], "nodes": { "guides": { "type": "guides" } } })";
-
-penumbra_plan_request request_of(const char* pipeline) {
-    penumbra_plan_request request{};
-    request.struct_size = sizeof request;
-    request.width = 29;
-    request.height = 13;
-    request.file = "c.json";
-    request.text = pipeline;
-    return request;
-}
-
-penumbra_error no_error() {
-    penumbra_error error{};
-    error.struct_size = sizeof error;
-    return error;
-}
-
-penumbra_device host_device() {
-    penumbra_device device{};
-    device.struct_size = sizeof device;
-    device.queue_family = gpu().queue_family();
-    device.instance = gpu().instance();
-    device.physical = gpu().physical();
-    device.device = gpu().get();
-    device.get_instance_proc_addr = vkGetInstanceProcAddr;
-    return device;
-}
-
 class CApiGpu : public GpuTest {
   protected:
-    penumbra_error error_ = no_error();
+    penumbra_error error_ = sized<penumbra_error>();
     penumbra_plan* plan_ = nullptr;
     ~CApiGpu() override { penumbra_plan_destroy(plan_); }
 };
-
-TEST_F(CApiGpu, PlansAndWhatTheyNeedAreData) {
-    EXPECT_STREQ(penumbra_version(), PENUMBRA_VERSION_TEXT);
-    const penumbra_plan_request request = request_of(text);
-    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
-    ASSERT_EQ(penumbra_plan_slot_count(plan_), 2u);
-    penumbra_slot slot{};
-    slot.struct_size = sizeof slot;
-    ASSERT_EQ(penumbra_plan_slot(plan_, 0, &slot, &error_), PENUMBRA_OK);
-    EXPECT_STREQ(slot.name, "depth");
-    EXPECT_EQ(slot.kind, PENUMBRA_IMAGE);
-    EXPECT_EQ(slot.width, 29u);
-    EXPECT_EQ(slot.struct_size, sizeof slot);
-    EXPECT_EQ(penumbra_plan_slot(plan_, 2, &slot, &error_), PENUMBRA_USAGE);
-    EXPECT_STREQ(error_.text, "the plan has 2 slots");
-    EXPECT_GT(penumbra_plan_requirement_count(plan_), 3u);
-    penumbra_requirement need{};
-    need.struct_size = sizeof need;
-    ASSERT_EQ(penumbra_plan_requirement(plan_, 0, &need, nullptr), PENUMBRA_OK);
-    EXPECT_STREQ(need.kind, "version");
-    EXPECT_EQ(need.value, VK_API_VERSION_1_3);
-    penumbra_memory memory{};
-    memory.struct_size = sizeof memory;
-    ASSERT_EQ(penumbra_plan_memory(plan_, &memory, &error_), PENUMBRA_OK);
-    EXPECT_GT(memory.heap_bytes, 0u);
-}
-
-// A driver whose devices say that they have no core feature at all.
-VKAPI_ATTR void VKAPI_CALL no_features(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {
-    vkGetPhysicalDeviceFeatures2(device, features);
-    features->features = {};
-}
-VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL of_a_lesser_driver(VkInstance instance, const char* name) {
-    if (!std::strcmp(name, "vkGetPhysicalDeviceFeatures2"))
-        return reinterpret_cast<PFN_vkVoidFunction>(no_features);
-    return vkGetInstanceProcAddr(instance, name);
-}
-
-TEST_F(CApiGpu, WhatADeviceLacksIsListedWhereThereIsRoom) {
-    const penumbra_plan_request request =
-        request_of(R"({ "penumbra": 1, "name": "c", "inputs": { "depth": {}, "normal": {} },
-        "outputs": ["guide_normal"], "nodes": { "guides": { "type": "guides" } } })");
-    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
-    penumbra_device device = host_device();
-    device.get_instance_proc_addr = of_a_lesser_driver;
-    uint32_t count = 0;
-    ASSERT_EQ(penumbra_plan_unmet(plan_, &device, &count, nullptr, &error_), PENUMBRA_OK) << error_.text;
-    ASSERT_GT(count, 0u);
-    const uint32_t all = count;
-    std::vector<penumbra_requirement> list(all + 1);
-    for (penumbra_requirement& requirement : list) requirement.struct_size = sizeof requirement;
-    ASSERT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_OK) << error_.text;
-    EXPECT_EQ(count, all);
-    for (uint32_t i = 0; i < all; ++i) EXPECT_STREQ(list[i].kind, "feature") << list[i].name;
-    EXPECT_EQ(list[all].name, nullptr) << "written behind the end";
-    count = all - 1;  // no room for one of them: nothing is written
-    list.assign(all, {});
-    for (penumbra_requirement& requirement : list) requirement.struct_size = sizeof requirement;
-    EXPECT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_USAGE);
-    EXPECT_EQ(std::string(error_.text), std::to_string(all) + " requirements are not met");
-    for (const penumbra_requirement& requirement : list) EXPECT_EQ(requirement.name, nullptr);
-}
 
 TEST_F(CApiGpu, APipelinesMistakesHaveTheirPlace) {
     const penumbra_plan_request request = request_of(
@@ -138,7 +44,7 @@ TEST_F(CApiGpu, TextsAreCutToTheirRoom) {
     struct {
         penumbra_error error;
         char behind[16];
-    } own{no_error(), "untouched"};
+    } own{sized<penumbra_error>(), "untouched"};
     EXPECT_EQ(penumbra_plan_create(&request, &plan_, &own.error), PENUMBRA_PIPELINE);
     EXPECT_EQ(std::strlen(own.error.text), sizeof own.error.text - 1);
     EXPECT_STREQ(own.behind, "untouched");
@@ -152,11 +58,11 @@ TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
     struct Newer {
         penumbra_plan_request request;
         uint64_t more[4];
-    } newer{request_of(text), {1, 2, 3, 4}};
+    } newer{request_of(c_pipeline), {1, 2, 3, 4}};
     newer.request.struct_size = sizeof newer;
     EXPECT_EQ(penumbra_plan_create(&newer.request, &plan_, &error_), PENUMBRA_OK) << error_.text;
     penumbra_plan* other = nullptr;
-    penumbra_plan_request unset = request_of(text);
+    penumbra_plan_request unset = request_of(c_pipeline);
     unset.struct_size = 0;
     EXPECT_EQ(penumbra_plan_create(&unset, &other, &error_), PENUMBRA_USAGE);
     EXPECT_STREQ(error_.place, "request.struct_size");
@@ -174,7 +80,7 @@ TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
         penumbra_fact fact;
         uint64_t more;
     } facts[2]{{{sizeof(NewerFact), VK_FALSE, "moves"}, 1}, {{sizeof(NewerFact), VK_FALSE, "alhpa"}, 1}};
-    penumbra_plan_request request = request_of(text);
+    penumbra_plan_request request = request_of(c_pipeline);
     request.facts = &facts[0].fact;
     request.fact_count = 2;
     EXPECT_EQ(penumbra_plan_create(&request, &other, &error_), PENUMBRA_PIPELINE);
@@ -188,8 +94,8 @@ TEST_F(CApiGpu, AnOlderCallersStructsAreShorter) {
         t.struct_size = static_cast<uint32_t>(end - reinterpret_cast<const char*>(&t));
         std::memset(reinterpret_cast<char*>(&t) + t.struct_size, 0x7f, sizeof t - t.struct_size);
     };
-    penumbra_device device = host_device();
-    penumbra_plan_request request = request_of(text);
+    penumbra_device device = c_device();
+    penumbra_plan_request request = request_of(c_pipeline);
     older(request, &penumbra_plan_request::hand_on_history);
     request.device = &device;
     ASSERT_LT(request.struct_size, sizeof request);
@@ -252,10 +158,11 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
 
 // Wherever the host's own memory ends: also where what is wrong is being put into words.
 TEST_F(CApiGpu, NothingThrowsWhereverMemoryEnds) {
-    const std::string wrong = std::string(text).replace(std::string(text).rfind("guides"), 6, "gides");
-    for (const char* pipeline : {text, wrong.c_str()}) {
+    const std::string wrong =
+        std::string(c_pipeline).replace(std::string(c_pipeline).rfind("guides"), 6, "gides");
+    for (const char* pipeline : {c_pipeline, wrong.c_str()}) {
         const penumbra_plan_request request = request_of(pipeline);
-        const penumbra_code whole = pipeline == text ? PENUMBRA_OK : PENUMBRA_PIPELINE;
+        const penumbra_code whole = pipeline == c_pipeline ? PENUMBRA_OK : PENUMBRA_PIPELINE;
         ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), whole) << error_.text;
         penumbra_plan_destroy(std::exchange(plan_, nullptr));  // the node set is made once
         const size_t before = allocations;
@@ -308,11 +215,11 @@ void release(void* user, const penumbra_memory_block* block) {
 
 TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
     Counted counted;
-    penumbra_device device = host_device();
+    penumbra_device device = c_device();
     device.allocate = allocate;
     device.release = release;
     device.memory_user = &counted;
-    penumbra_plan_request request = request_of(text);
+    penumbra_plan_request request = request_of(c_pipeline);
     request.device = &device;
     ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
     penumbra_program* program = nullptr;
@@ -387,7 +294,7 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
 // Without the validation layer, which takes memory in the same way and may not be without.
 TEST_F(CApiGpu, EachAllocationOfAViewMayFail) {
     Device own({});
-    penumbra_device device = host_device();
+    penumbra_device device = c_device();
     device.queue_family = own.queue_family();
     device.instance = own.instance();
     device.physical = own.physical();
@@ -472,7 +379,7 @@ void main() { for_each_pixel(); }
     check(vkAllocateCommandBuffers(gpu().get(), &allocate_info, &c_commands), "vkAllocateCommandBuffers",
           "C");
     const std::string at = folder.string();
-    c_host host{host_device(), at.c_str(), begin_commands, submit_commands, vkCmdClearColorImage};
+    c_host host{c_device(), at.c_str(), begin_commands, submit_commands, vkCmdClearColorImage};
     const char* problem = run_c_nodes(&host);
     EXPECT_EQ(problem, nullptr) << (problem ? problem : "");
     std::filesystem::remove_all(folder);

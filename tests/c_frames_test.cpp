@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "penumbra/penumbra.h"
+#include "tests/c_requests.h"
 #include "tests/embedding_host.h"
 
 namespace penumbra::test {
@@ -45,13 +45,6 @@ const char* const text = R"({ "penumbra": 1, "name": "c",
     "inputs": { "numbers": {}, "given": { "format": "r32f", "optional": true } }, "outputs": ["doubled"],
     "nodes": { "frame": { "type": "c_frame", "in": { "history": "doubled@-1" } }, "again": { "type": "c_again" } } })";
 
-template <class T>
-T sized() {
-    T t{};
-    t.struct_size = sizeof t;
-    return t;
-}
-
 // Blocks that begin somewhere in the host's memory.
 VkResult allocate(void*, const penumbra_memory_request* request, penumbra_memory_block* block) {
     block->offset = 1 << 16;
@@ -71,12 +64,7 @@ void release(void*, const penumbra_memory_block* block) {
 
 class CFramesGpu : public GpuTest {
   protected:
-    CFramesGpu() : device_(sized<penumbra_device>()), error_(sized<penumbra_error>()) {
-        device_.queue_family = gpu().queue_family();
-        device_.instance = gpu().instance();
-        device_.physical = gpu().physical();
-        device_.device = gpu().get();
-        device_.get_instance_proc_addr = vkGetInstanceProcAddr;
+    CFramesGpu() : device_(c_device()), error_(sized<penumbra_error>()) {
         device_.allocate = allocate;
         device_.release = release;
         const std::filesystem::path folder =

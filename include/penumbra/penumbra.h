@@ -180,7 +180,17 @@ typedef struct penumbra_slot {
     VkBool32 output, required;
     VkPipelineStageFlags2 stages; /* of the frame's accesses; of an output of the caller's, after it */
     VkAccessFlags2 access;
+    /* Of slots, images and texels: the formats that the caller may bring (penumbra_input.format). */
+    const char* const* accepted;
+    uint32_t accepted_count;
 } penumbra_slot;
+
+typedef struct penumbra_plan_info {
+    uint32_t struct_size;
+    VkBool32 jitter; /* a node asks the caller to jitter */
+    uint32_t
+        settles; /* UNCHANGED frames after which no output gets better; UINT32_MAX: none */
+} penumbra_plan_info;
 
 typedef struct penumbra_requirement {
     uint32_t struct_size;
@@ -193,6 +203,8 @@ typedef struct penumbra_memory {
     uint64_t heap_bytes, shared_bytes, persistent_bytes;
 } penumbra_memory;
 
+PENUMBRA_API penumbra_code penumbra_plan_read(const penumbra_plan* plan, penumbra_plan_info* info,
+                                              penumbra_error* error);
 PENUMBRA_API uint32_t penumbra_plan_slot_count(const penumbra_plan* plan);
 PENUMBRA_API penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penumbra_slot* slot,
                                               penumbra_error* error);
@@ -200,6 +212,11 @@ PENUMBRA_API penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_
 PENUMBRA_API uint32_t penumbra_plan_output_count(const penumbra_plan* plan);
 PENUMBRA_API penumbra_code penumbra_plan_output(const penumbra_plan* plan, uint32_t index,
                                                 penumbra_slot* output, penumbra_error* error);
+/* Of an image, a slot or an output, by name: the top left part that a frame uses whose penumbra_frame.size is
+   `frame`. */
+PENUMBRA_API penumbra_code penumbra_plan_extent(const penumbra_plan* plan, const char* name,
+                                                const uint32_t frame[2], uint32_t extent[2],
+                                                penumbra_error* error);
 PENUMBRA_API uint32_t penumbra_plan_pass_count(const penumbra_plan* plan);
 PENUMBRA_API uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan);
 PENUMBRA_API penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,

@@ -107,6 +107,10 @@ void fuzz_c_api(Bytes bytes) {
         penumbra_slot slot{};
         slot.struct_size = size_of<penumbra_slot>(make);
         static_cast<void>(penumbra_plan_slot(plan, i, &slot, nullptr));
+        const uint32_t frame[2] = {make.number(), make.number()};
+        uint32_t extent[2];
+        static_cast<void>(
+            penumbra_plan_extent(plan, slot.name ? slot.name : make.text(), frame, extent, nullptr));
     }
     penumbra_plan_destroy(plan);
 }

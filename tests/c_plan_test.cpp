@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// Plans through penumbra.h: what they ask of a host is data.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "penumbra/version.h"
+#include "tests/c_requests.h"
+
+namespace penumbra::test {
+namespace {
+
+class CPlanGpu : public GpuTest {
+  protected:
+    penumbra_error error_ = sized<penumbra_error>();
+    penumbra_plan* plan_ = nullptr;
+    ~CPlanGpu() override { penumbra_plan_destroy(plan_); }
+
+    void plan_of(const char* pipeline) {
+        const penumbra_plan_request request = request_of(pipeline);
+        ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    }
+    // The slot or output of a name.
+    penumbra_slot slot_of(const char* name) {
+        auto slot = sized<penumbra_slot>();
+        for (uint32_t i = 0; penumbra_plan_slot(plan_, i, &slot, &error_) == PENUMBRA_OK; ++i)
+            if (!std::strcmp(slot.name, name)) return slot;
+        for (uint32_t i = 0; penumbra_plan_output(plan_, i, &slot, &error_) == PENUMBRA_OK; ++i)
+            if (!std::strcmp(slot.name, name)) return slot;
+        ADD_FAILURE() << "no slot " << name;
+        return slot;
+    }
+};
+
+// A driver whose devices say that they have no core feature at all.
+VKAPI_ATTR void VKAPI_CALL no_features(VkPhysicalDevice device, VkPhysicalDeviceFeatures2* features) {
+    vkGetPhysicalDeviceFeatures2(device, features);
+    features->features = {};
+}
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL of_a_lesser_driver(VkInstance instance, const char* name) {
+    if (!std::strcmp(name, "vkGetPhysicalDeviceFeatures2"))
+        return reinterpret_cast<PFN_vkVoidFunction>(no_features);
+    return vkGetInstanceProcAddr(instance, name);
+}
+
+TEST_F(CPlanGpu, PlansAndWhatTheyNeedAreData) {
+    EXPECT_STREQ(penumbra_version(), PENUMBRA_VERSION_TEXT);
+    const penumbra_plan_request request = request_of(c_pipeline);
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_EQ(penumbra_plan_slot_count(plan_), 2u);
+    auto slot = sized<penumbra_slot>();
+    ASSERT_EQ(penumbra_plan_slot(plan_, 0, &slot, &error_), PENUMBRA_OK);
+    EXPECT_STREQ(slot.name, "depth");
+    EXPECT_EQ(slot.kind, PENUMBRA_IMAGE);
+    EXPECT_EQ(slot.width, 29u);
+    EXPECT_EQ(slot.struct_size, sizeof slot);
+    EXPECT_EQ(penumbra_plan_slot(plan_, 2, &slot, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "the plan has 2 slots");
+    EXPECT_GT(penumbra_plan_requirement_count(plan_), 3u);
+    auto need = sized<penumbra_requirement>();
+    ASSERT_EQ(penumbra_plan_requirement(plan_, 0, &need, nullptr), PENUMBRA_OK);
+    EXPECT_STREQ(need.kind, "version");
+    EXPECT_EQ(need.value, VK_API_VERSION_1_3);
+    auto memory = sized<penumbra_memory>();
+    ASSERT_EQ(penumbra_plan_memory(plan_, &memory, &error_), PENUMBRA_OK);
+    EXPECT_GT(memory.heap_bytes, 0u);
+}
+
+TEST_F(CPlanGpu, WhatADeviceLacksIsListedWhereThereIsRoom) {
+    const penumbra_plan_request request =
+        request_of(R"({ "penumbra": 1, "name": "c", "inputs": { "depth": {}, "normal": {} },
+        "outputs": ["guide_normal"], "nodes": { "guides": { "type": "guides" } } })");
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_device device = c_device();
+    device.get_instance_proc_addr = of_a_lesser_driver;
+    uint32_t count = 0;
+    ASSERT_EQ(penumbra_plan_unmet(plan_, &device, &count, nullptr, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_GT(count, 0u);
+    const uint32_t all = count;
+    std::vector list(all + 1, sized<penumbra_requirement>());
+    ASSERT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_EQ(count, all);
+    for (uint32_t i = 0; i < all; ++i) EXPECT_STREQ(list[i].kind, "feature") << list[i].name;
+    EXPECT_EQ(list[all].name, nullptr) << "written behind the end";
+    count = all - 1;  // no room for one of them: nothing is written
+    list.assign(all, sized<penumbra_requirement>());
+    EXPECT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(std::string(error_.text), std::to_string(all) + " requirements are not met");
+    for (const penumbra_requirement& requirement : list) EXPECT_EQ(requirement.name, nullptr);
+}
+
+TEST_F(CPlanGpu, FormatsThatASlotAcceptsAreThoseThatARequestTakes) {
+    plan_of(c_pipeline);
+    const penumbra_slot depth = slot_of("depth");
+    std::vector<std::string> names(depth.accepted, depth.accepted + depth.accepted_count);
+    std::ranges::sort(names);
+    EXPECT_EQ(names, (std::vector<std::string>{"d32", "r32f"}));
+    for (const std::string& name : names) {
+        auto input = sized<penumbra_input>();
+        input.name = "depth";
+        input.format = name.c_str();
+        input.width = 29;
+        input.height = 13;
+        penumbra_plan_request request = request_of(c_pipeline);
+        request.inputs = &input;
+        request.input_count = 1;
+        penumbra_plan_destroy(std::exchange(plan_, nullptr));
+        EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << name << error_.text;
+    }
+    EXPECT_EQ(slot_of("view_depth").accepted_count, 0u) << "the plan's own";
+}
+
+// What follows the frame, an output of half its size, and what has a size of its own.
+TEST_F(CPlanGpu, OfASmallerFrameTheTopLeftPartIsUsed) {
+    penumbra_nodes* nodes = nullptr;
+    ASSERT_EQ(penumbra_nodes_create(&nodes, &error_), PENUMBRA_OK);
+    EXPECT_EQ(penumbra_nodes_add(
+                  nodes, R"({ "node": "c_half", "doc": "d", "host": true,
+        "inputs": { "given": { "kind": "image", "format": "r32f" }, "own": { "kind": "image", "format": "rgba8" },
+                    "words": { "kind": "buffer", "element": "u32" } },
+        "outputs": { "small": { "kind": "image", "format": "r16f", "extent": { "of": "frame", "div": [2, 2] } } } })",
+                  [](const penumbra_call*) {}, &error_),
+              PENUMBRA_OK)
+        << error_.text;
+    penumbra_plan_request request = request_of(R"({ "penumbra": 1, "name": "c", "outputs": ["small"],
+        "inputs": { "given": { "format": "r32f" }, "own": { "format": "rgba8", "extent": [5, 7] }, "words": {} },
+        "nodes": { "c_half": { "type": "c_half" } } })");
+    request.nodes = nodes;
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_nodes_destroy(nodes);
+    const uint32_t frame[2] = {19, 10};
+    const auto extent_of = [&](const char* name) {
+        std::array<uint32_t, 2> extent{};
+        EXPECT_EQ(penumbra_plan_extent(plan_, name, frame, extent.data(), &error_), PENUMBRA_OK)
+            << error_.text;
+        return extent;
+    };
+    EXPECT_EQ(extent_of("given"), (std::array{19u, 10u}));
+    EXPECT_EQ(extent_of("own"), (std::array{5u, 7u}));
+    EXPECT_EQ(extent_of("small"), (std::array{10u, 5u}));
+
+    uint32_t extent[2] = {3, 3};
+    EXPECT_EQ(penumbra_plan_extent(plan_, "words", frame, extent, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "\"words\" is no image");
+    EXPECT_EQ(penumbra_plan_extent(plan_, "samll", frame, extent, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "the plan has no slot or output \"samll\"; did you mean \"small\"?");
+    for (const auto& [width, height] : {std::pair{30u, 13u}, {29u, 14u}, {0u, 13u}, {29u, 0u}}) {
+        const uint32_t wrong[2] = {width, height};
+        EXPECT_EQ(penumbra_plan_extent(plan_, "small", wrong, extent, &error_), PENUMBRA_USAGE);
+        EXPECT_STREQ(error_.place, "frame");
+    }
+    EXPECT_EQ(penumbra_plan_extent(plan_, "small", frame, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(extent[0], 3u) << "nothing is written where something is wrong";
+}
+
+TEST_F(CPlanGpu, WhetherToJitterAndWhenToStop) {
+    auto info = sized<penumbra_plan_info>();
+    plan_of(c_pipeline);
+    ASSERT_EQ(penumbra_plan_read(plan_, &info, &error_), PENUMBRA_OK);
+    EXPECT_FALSE(info.jitter);
+    EXPECT_EQ(info.settles, 0u) << "it has no past";
+    penumbra_plan_destroy(std::exchange(plan_, nullptr));
+    penumbra_plan_request request = request_of(nullptr);
+    request.file = PENUMBRA_SOURCE_DIR "/pipelines/hybrid_shadows.json";
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_EQ(penumbra_plan_read(plan_, &info, &error_), PENUMBRA_OK);
+    EXPECT_TRUE(info.jitter);
+    EXPECT_GT(info.settles, 16u) << "jitter's places";
+    EXPECT_NE(info.settles, UINT32_MAX);
+    penumbra_plan_destroy(std::exchange(plan_, nullptr));
+    request.file = PENUMBRA_SOURCE_DIR "/pipelines/fidelityfx.json";
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_EQ(penumbra_plan_read(plan_, &info, &error_), PENUMBRA_OK);
+    EXPECT_EQ(info.settles, UINT32_MAX) << "what it keeps never settles";
+}
+
+}  // namespace
+}  // namespace penumbra::test
