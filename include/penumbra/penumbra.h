@@ -187,9 +187,8 @@ typedef struct penumbra_slot {
 
 typedef struct penumbra_plan_info {
     uint32_t struct_size;
-    VkBool32 jitter; /* a node asks the caller to jitter */
-    uint32_t
-        settles; /* UNCHANGED frames after which no output gets better; UINT32_MAX: none */
+    VkBool32 jitter;  /* a node asks the caller to jitter */
+    uint32_t settles; /* UNCHANGED frames after which no output gets better; UINT32_MAX: none */
 } penumbra_plan_info;
 
 typedef struct penumbra_requirement {

@@ -62,7 +62,7 @@ void compare_cell(uint at, ivec2 cell) {
             }
             Past past;
             if (HAS_MOTION)
-                past = past_of(p, n, Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m));
+                past = past_of(p, n, z, Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m));
             else
                 past = past_of(p);
             past = under_this_light(past, rays.o + z * rays.r);

@@ -62,13 +62,16 @@ float sharper(ivec2 first, vec2 t, int rows) {
     return sum;
 }
 
-// `surface`: the pixel's, among what previous_rays() sees.
-Past past_of(ivec2 p, vec3 n, Surface surface) {
-    const Reprojection there = reproject(p, texelFetch(motion, p, 0).xy);
+// `surface`: the pixel's at depth z, among what previous_rays() sees.
+Past past_of(ivec2 p, vec3 n, float z, Surface surface) {
+    const vec3 moved = texelFetch(motion, p, 0).xyz;
+    const Reprojection there = reproject(p, moved.xy);
     const bool asks = there.on_screen && (frame.flags & FRAME_RESET) == 0u;
     const vec2 at = there.uv * vec2(frame.prev_size) - 0.5;
     const ivec2 first = ivec2(floor(at + 1e-3)), last = ivec2(frame.prev_size) - 1;
     const vec2 t = clamp(at - vec2(first), 0.0, 1.0);
+    // What moves by itself was off the plane that it has now by as much as the point that the motion names.
+    const float moved_m = metres_off(surface.plane, at + (frame.prev_jitter - frame.jitter) * vec2(frame.prev_size), z + moved.z);
     float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0, own_visibility = 0.0;
     uint nearest_word = 0u;
     Past past = NO_PAST;
@@ -76,12 +79,12 @@ Past past_of(ivec2 p, vec3 n, Surface surface) {
         const float share = bilinear_share(i, t);
         if (asks && share > 1e-3) {
             const ivec2 q = first + corner(i), inside = clamp(q, ivec2(0), last);
-            const float z = imageLoad(view_depth_prev, inside).x;
+            const float z_prev = imageLoad(view_depth_prev, inside).x, off_m = metres_off(surface.plane, vec2(inside), z_prev);
             const vec3 n_prev = decode_normal(imageLoad(guide_normal_prev, inside));
             const uint word = imageLoad(history, inside).x;
             const float v = visibility_in(word);
-            const bool same = q == inside && z > 0.0 && has_count(word) && dot(n, n_prev) > SAME_FACE &&
-                              shows(surface, vec2(inside), z);
+            const bool same = q == inside && z_prev > 0.0 && has_count(word) && dot(n, n_prev) > SAME_FACE &&
+                              min(abs(off_m), abs(off_m - moved_m)) <= surface.tolerance_m;
             const float weight = same ? share : 0.0;
             weights += weight;
             past.visibility += weight * v;
