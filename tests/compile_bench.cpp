@@ -8,6 +8,7 @@
 
 #include "penumbra/graph.h"
 #include "penumbra/shadow_nodes.h"
+#include "tests/shipped.h"
 #include "tests/toy_set.h"
 #include "tests/view_run.h"
 
@@ -66,7 +67,7 @@ int main() {
     using namespace penumbra::test;
     for (const char* name : {"shadows", "hybrid_shadows", "covered", "fidelityfx", "one_ray"})
         measure(
-            name, [&] { return shadow_pipeline_file(name); }, 30);
+            name, [&] { return shipped_pipeline(name); }, 30);
     for (const int nodes : {10, 100, 1000})
         measure(("chain of " + std::to_string(nodes)).c_str(), [&] { return chain(nodes); },
                 nodes < 1000 ? 10 : 3);

@@ -12,6 +12,7 @@
 #include "host/bvh/bvh.h"
 #include "host/standalone.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -88,7 +89,7 @@ TEST_F(Crop, OfALargerRenderEqualsTheSmallRender) {
                        {"normal", Format::rgba32f},
                        {"motion", Format::rgba16f},
                        {"albedo", Format::rgba8}};
-    const CheckedPipeline pipeline = shadow_pipeline_file("one_ray");
+    const CheckedPipeline pipeline = shipped_pipeline("one_ray");
     ViewRun whole(pipeline, {large, large}, options), part(pipeline, {small, small}, options);
 
     for (uint32_t index = 0; index < 4; ++index) {

@@ -42,8 +42,8 @@ class ForeignRays {
         options.optimum = false;
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        tracer_ = Session::open(gpu(), test_nodes(), shadow_pipeline_file(tracer), shot_, options,
-                                diagnostics, warnings);
+        tracer_ = Session::open(gpu(), test_nodes(), shipped_pipeline(tracer), shot_, options, diagnostics,
+                                warnings);
         if (!tracer_) throw std::runtime_error(diagnostics.text());
     }
 

@@ -11,6 +11,7 @@
 #include "penumbra/shadow_nodes.h"
 #include "tests/denoiser_check.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
@@ -54,7 +55,7 @@ class ShippedDenoiser : public DenoiserGpu, public ::testing::WithParamInterface
 
 TEST_P(ShippedDenoiser, ComputesWhatTheModelSays) {
     static const NodeSet nodes = shadow_nodes();
-    const CheckedPipeline pipeline = shadow_pipeline_file("fidelityfx");
+    const CheckedPipeline pipeline = shipped_pipeline("fidelityfx");
     SessionOptions options;
     options.size = GetParam();
     options.optimum = false;

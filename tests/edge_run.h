@@ -13,6 +13,7 @@
 #include "host/truth/analytic.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -52,8 +53,8 @@ class EdgeRun {
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
         static const NodeSet nodes = shadow_nodes();
-        session_ = Session::open(gpu(), nodes, shadow_pipeline_file(pipeline), shot_, options, diagnostics,
-                                 warnings);
+        session_ =
+            Session::open(gpu(), nodes, shipped_pipeline(pipeline), shot_, options, diagnostics, warnings);
         if (!session_) throw std::runtime_error(diagnostics.text());
     }
 

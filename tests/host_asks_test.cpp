@@ -11,6 +11,7 @@
 #include "penumbra/shadow_nodes.h"
 #include "penumbra/user_nodes.h"
 #include "tests/embedding_host.h"
+#include "tests/shipped.h"
 #include "tests/toy_nodes.h"
 #include "tests/view_run.h"
 
@@ -64,7 +65,7 @@ const Requirement* need_of(const std::vector<Requirement>& list, const std::stri
 }
 
 TEST_F(HostAsksGpu, RequirementsSayWhatAndWhy) {
-    const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
+    const CheckedPipeline pipeline = shipped_pipeline("shadows");
     Diagnostics diagnostics;
     Target target{.extent = {1280, 720}, .device = reference_device()};
     const auto plan = compile(pipeline, target, {}, diagnostics);
@@ -110,7 +111,7 @@ TEST_F(HostAsksGpu, RequirementsSayWhatAndWhy) {
 }
 
 TEST_F(HostAsksGpu, SlotsSayWhatTheHostMayBring) {
-    const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
+    const CheckedPipeline pipeline = shipped_pipeline("shadows");
     Diagnostics diagnostics;
     const auto plan = compile(pipeline, {.extent = {64, 32}, .device = reference_device()}, {}, diagnostics);
     ASSERT_TRUE(plan) << diagnostics.text();

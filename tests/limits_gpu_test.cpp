@@ -8,6 +8,7 @@
 
 #include "app/session.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -24,8 +25,8 @@ std::unique_ptr<Session> open(const char* name, std::array<uint32_t, 2> size, st
     options.cascade_size = 64;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(name), plaza_shot(size, 2),
-                                 options, diagnostics, warnings);
+    auto session = Session::open(gpu(), test_nodes(), shipped_pipeline(name), plaza_shot(size, 2), options,
+                                 diagnostics, warnings);
     refusal = diagnostics.text();
     return session;
 }

@@ -7,6 +7,7 @@
 
 #include "app/session.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -24,7 +25,7 @@ TEST_F(NoTreeGpu, NoSlotIsThatOfATree) {
     };
     for (const char* name : tracers)
         for (const bool cpu : {false, true}) {  // where `auto` would rather take the tree
-            const CheckedPipeline pipeline = shadow_pipeline_file(name);
+            const CheckedPipeline pipeline = shipped_pipeline(name);
             Target target{.extent = {96, 54}, .device = reference_device(cpu)};
             target.device.features = {"ray_query", "storage8"};
             for (const bool sun_disc : {false, true}) {
@@ -72,7 +73,7 @@ std::vector<float> visibility_of(const char* name, bool tree) {
     options.optimum = options.pass_costs = options.jitter = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(name),
+    const auto session = Session::open(gpu(), test_nodes(), shipped_pipeline(name),
                                        plaza_shot(options.size, 4), options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     EXPECT_EQ(session->bvh() != nullptr, tree) << name;

@@ -12,6 +12,7 @@
 #include "tests/gpu_test.h"
 #include "tests/plan_executor.h"
 #include "tests/recording.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -30,7 +31,7 @@ std::vector<std::byte> bytes_in(const fs::path& file) {
 class PlanJsonGpu : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
 void run_plan(const char* name, std::array<uint32_t, 2> size, std::array<uint32_t, 2> largest) {
-    const CheckedPipeline pipeline = shadow_pipeline_file(name);
+    const CheckedPipeline pipeline = shipped_pipeline(name);
     const fs::path folder =
         fs::path(::testing::TempDir()) / fmt::format("penumbra_plan_json_{}_{}", name, getpid());
     fs::remove_all(folder);

@@ -6,6 +6,7 @@
 
 #include "tests/gpu_test.h"
 #include "tests/recording.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 int main(int argc, char** argv) {
@@ -16,7 +17,7 @@ int main(int argc, char** argv) {
     }
     try {
         const auto number = [&](int i) { return static_cast<uint32_t>(std::stoul(argv[i])); };
-        record_plaza(shadow_pipeline_file(argv[1]), {number(2), number(3)}, number(4), argv[5]);
+        record_plaza(shipped_pipeline(argv[1]), {number(2), number(3)}, number(4), argv[5]);
     } catch (const std::exception& e) {
         std::cerr << "record_inputs: " << e.what() << "\n";
         return 1;

@@ -25,8 +25,8 @@ std::unique_ptr<Session> open(const std::string& pipeline, Shot shot, SessionOpt
     options.captures = {"visibility", "view_depth", pipeline == "raw" ? "lit" : "color"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), shipped_nodes(), shadow_pipeline_file(pipeline), std::move(shot),
-                                 options, diagnostics, warnings);
+    auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline(pipeline), std::move(shot), options,
+                                 diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     return session;
 }

@@ -10,6 +10,7 @@
 #include "host/models/glb_writer.h"
 #include "tests/gpu_test.h"
 #include "tests/scene_file.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -45,8 +46,8 @@ double n_eff(const Shot& shot, const Truth& truth, const Facts& facts, const cha
     options.optimum = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(pipeline), shot, options,
-                                       diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), test_nodes(), shipped_pipeline(pipeline), shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     double signal = 0, error = 0;
     for (uint32_t frame = 0; frame < frames; ++frame) {
@@ -97,8 +98,8 @@ double moving_error(const Shot& shot, const char* pipeline) {
     options.captures = {"visibility"};
     options.jitter = false;
     options.optimum = false;
-    const auto session = Session::open(gpu(), test_nodes(), shadow_pipeline_file(pipeline), shot, options,
-                                       diagnostics, warnings);
+    const auto session =
+        Session::open(gpu(), test_nodes(), shipped_pipeline(pipeline), shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     for (uint32_t frame = 0; frame <= last; ++frame) session->run_frame(frame, frame == 0);
     const auto bytes = session->view().captured("visibility");

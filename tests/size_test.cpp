@@ -67,7 +67,7 @@ class SizeChangeGpu : public GpuTest {};
 // What the host brings lies in larger images, beside garbage.
 TEST_F(SizeChangeGpu, WhatLiesBesideTheFrameIsNotRead) {
     for (const char* name : {"shadows", "hybrid_shadows"}) {
-        const CheckedPipeline pipeline = shadow_pipeline_file(name);
+        const CheckedPipeline pipeline = shipped_pipeline(name);
         const Recording recording = record(pipeline, plaza_shot(size, 3), 3, recorded_facts());
         SizedRun run(pipeline, {largest[0], largest[1]}, recording.plan.facts);
         for (size_t f = 0; f < 3; ++f) {
@@ -155,7 +155,7 @@ class HistoryGpu : public GpuTest, public ::testing::WithParamInterface<Change> 
 TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
     constexpr uint32_t change = 16, frames = change + 5;
     const auto& [name, still, before, after] = GetParam();
-    const CheckedPipeline pipeline = shadow_pipeline_file("shadows");
+    const CheckedPipeline pipeline = shipped_pipeline("shadows");
     const Facts facts =
         still ? Facts{{"alpha", false}, {"translucent", false}, {"moves", false}, {"sun_moves", false}}
               : recorded_facts();

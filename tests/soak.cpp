@@ -10,6 +10,7 @@
 #include "host/truth/analytic.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/process_size.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -53,7 +54,7 @@ class Run {
         session_options.pass_costs = false;
         Diagnostics diagnostics;
         std::vector<std::string> warnings;
-        session_ = Session::open(device, nodes, shadow_pipeline_file(options.pipeline), jumping_shot(options),
+        session_ = Session::open(device, nodes, shipped_pipeline(options.pipeline), jumping_shot(options),
                                  session_options, diagnostics, warnings);
         if (!session_) throw std::runtime_error(diagnostics.text());
     }

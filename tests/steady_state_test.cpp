@@ -13,6 +13,7 @@
 #include "tests/allocations.h"
 #include "tests/gpu_test.h"
 #include "tests/process_size.h"
+#include "tests/shipped.h"
 #include "tests/toy_set.h"
 #include "tests/view_run.h"
 
@@ -73,7 +74,7 @@ TEST_F(SteadyStateGpu, RecordingAllocatesNothing) {
         Diagnostics diagnostics;
         CompileOptions options;
         options.share_transients = true;
-        const auto made = compile(shadow_pipeline_file(name),
+        const auto made = compile(shipped_pipeline(name),
                                   {.extent = {64, 32},
                                    .facts = {{"alpha", false}, {"translucent", false}},
                                    .device = device_table(handles)},

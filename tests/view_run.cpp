@@ -73,12 +73,6 @@ CheckedPipeline shadow_pipeline(std::string_view text) {
     return checked(parse_pipeline(text, "test.json", {}, diagnostics), diagnostics);
 }
 
-CheckedPipeline shadow_pipeline_file(const std::string& name) {
-    Diagnostics diagnostics;
-    const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
-    return checked(load_pipeline(root / "pipelines" / (name + ".json"), {}, diagnostics), diagnostics);
-}
-
 ViewRun::ViewRun(const CheckedPipeline& pipeline, Extent extent, const ViewRunOptions& options)
     : arrays_(options.arrays) {
     auto plan = std::make_shared<Plan>(plan_for(pipeline, extent, options));

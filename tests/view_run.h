@@ -18,10 +18,8 @@
 
 namespace penumbra::test {
 
-// Checked against the shadow nodes; throws with the diagnostics where the text is wrong. The file is one of
-// pipelines/.
+// Checked against the shadow nodes; throws with the diagnostics where the text is wrong.
 CheckedPipeline shadow_pipeline(std::string_view text);
-CheckedPipeline shadow_pipeline_file(const std::string& name);
 
 // The shipped node types and those in tests/nodes.
 const NodeSet& test_nodes();

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "tests/hard_cases/hard_cases.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
@@ -128,8 +129,7 @@ TEST_F(HardCase, ASteepPlaneIsFilteredLikeOneSeenFaceOn) {
         return 0.25 * wide.width * wide.height / error;
     };
     const double naive = samples(published_denoiser(), 85) / samples(published_denoiser(), 0);
-    const double ours =
-        samples(shadow_pipeline_file("denoise"), 85) / samples(shadow_pipeline_file("denoise"), 0);
+    const double ours = samples(shipped_pipeline("denoise"), 85) / samples(shipped_pipeline("denoise"), 0);
     figure("case 10, N_eff at 85 degrees over face on", naive, ours);
     EXPECT_GT(ours, 0.5);
     EXPECT_LT(naive, 0.5);

@@ -11,6 +11,7 @@
 
 #include "host/truth/analytic.h"
 #include "tests/hard_cases/hard_cases.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
@@ -111,7 +112,7 @@ TEST(HardHistory, TheVarianceOfBitsNeedsNoDifferenceOfSquares) {
 TEST_F(HardCase, AnAverageInHalfFloatsReachesItsEnd) {
     const Extent extent{64, 32};
     const Camera camera = camera_at({0, 0, 0}, 0, extent);
-    DenoiseRun run(shadow_pipeline_file("denoise"), extent, {"state"});
+    DenoiseRun run(shipped_pipeline("denoise"), extent, {"state"});
     const PlaneImages wall = see_plane({{0, 0, -5}, {0, 0, 1}}, camera, camera, extent);
     const auto stays_dark = [](uint32_t x, uint32_t y) { return x % 8 == 3 && y % 8 == 5; };
     float naive = 0;

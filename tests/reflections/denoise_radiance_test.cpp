@@ -8,6 +8,7 @@
 #include "host/models/model_builder.h"
 #include "tests/gpu_test.h"
 #include "tests/reflections/radiance_run.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -36,7 +37,7 @@ Images run(bool turned) {
                      {"nodes.rays.params.hit_normals=false", "nodes.reconnect.params.hit_normals=false"},
                      {"radiance", "ray_direction"});
     const ViewRunOptions options = radiance_host_options();
-    ViewRun host(shadow_pipeline_file("denoise_radiance"), {shot.size[0], shot.size[1]}, options);
+    ViewRun host(shipped_pipeline("denoise_radiance"), {shot.size[0], shot.size[1]}, options);
     const auto hand_over = [&](const char* name, const GpuImage& image) {
         host.set(name, read_image(gpu(), image.get(), image.format, image.extent, GBuffer::final_layout));
     };
@@ -87,7 +88,7 @@ TEST_F(DenoiseRadiance, AMirrorsPastIsThePixelsOwn) {
                                      -1,           0, 0, near_m, 0};
         ViewRunOptions options = radiance_host_options();
         options.captures = {"past_image", "past_surface", "past_frames"};
-        ViewRun host(shadow_pipeline_file("denoise_radiance"), extent, options);
+        ViewRun host(shipped_pipeline("denoise_radiance"), extent, options);
         std::vector<float> normal(4 * pixels);
         std::vector<uint16_t> radiance(4 * pixels, glm::packHalf1x16(4));  // of which w is the distance
         std::vector<uint32_t> direction(pixels);

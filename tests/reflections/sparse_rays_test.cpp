@@ -8,6 +8,7 @@
 #include "host/models/model_builder.h"
 #include "tests/gpu_test.h"
 #include "tests/reflections/radiance_run.h"
+#include "tests/shipped.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -122,7 +123,7 @@ TEST_F(SparseRays, AHostMayCastWhereItLikes) {
                      {"nodes.rays.params.hit_normals=false", "nodes.reconnect.params.hit_normals=false"},
                      {"radiance", "ray_direction"});
     const ViewRunOptions options = radiance_host_options();
-    ViewRun host(shadow_pipeline_file("denoise_radiance"), {shot.size[0], shot.size[1]}, options);
+    ViewRun host(shipped_pipeline("denoise_radiance"), {shot.size[0], shot.size[1]}, options);
     const auto hand_over = [&](const char* name, const GpuImage& image) {
         host.set(name, read_image(gpu(), image.get(), image.format, image.extent, GBuffer::final_layout));
     };
