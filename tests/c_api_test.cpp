@@ -100,6 +100,10 @@ TEST_F(CApiGpu, AnOlderCallersStructsAreShorter) {
     request.device = &device;
     ASSERT_LT(request.struct_size, sizeof request);
     ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_slot slot{};
+    older(slot, &penumbra_slot::access);
+    ASSERT_EQ(penumbra_plan_slot(plan_, 0, &slot, &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_EQ(slot.accepted_count, 0x7f7f7f7fu) << "written behind the end";
     penumbra_program* program = nullptr;
     ASSERT_EQ(penumbra_program_create(&device, plan_, nullptr, &program, &error_), PENUMBRA_OK)
         << error_.text;
@@ -144,6 +148,8 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     EXPECT_EQ(penumbra_view_record_pass(nullptr, nullptr, 0, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_view_end(nullptr, nullptr, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_output(nullptr, 0, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_read(nullptr, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_extent(nullptr, nullptr, nullptr, nullptr, &error_), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_output_count(nullptr), 0u);
     EXPECT_EQ(penumbra_plan_pass_count(nullptr), 0u);
     EXPECT_EQ(penumbra_plan_slot_count(nullptr), 0u);

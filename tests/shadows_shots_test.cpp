@@ -137,9 +137,9 @@ INSTANTIATE_TEST_SUITE_P(Shots, ShadowsOfMovingShots,
                          ::testing::Values(std::pair{"engine", 15.5}, std::pair{"lamp", 16.5}),
                          [](const auto& test) { return std::string(test.param.first); });
 
-// A deck with a plate above it that goes ahead with the camera: everything in the picture stands still there,
-// and no still surface would have been where it was, whether it moves along its own plane or also across
-// that. And one that comes nearer to where these are.
+// A deck with a plate above it goes ahead with the camera, along its own plane or also across it: all of the
+// picture stands still, and is where nothing that stands still in the world would have been. In the last one
+// the camera stands, and the deck comes nearer, to end where it is in the others.
 TEST_F(ShadowsOfShots, KeepThePastOfWhatMoves) {
     Model model;
     model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
@@ -168,7 +168,8 @@ TEST_F(ShadowsOfShots, KeepThePastOfWhatMoves) {
             EXPECT_LT(moving_error(shot_going(way, way), pipeline), 1.1 * still) << pipeline << way.y;
     }
     const double still = moving_error(shot_going({0, 0, 0}, {0, 0, 0}), "one_ray");
-    EXPECT_LT(moving_error(shot_going({0, 0.2, 0.34}, {0, 0, 0}), "one_ray"), 9 * still);  // without: 16
+    EXPECT_LT(moving_error(shot_going({0, 0.2, 0.34}, {0, 0, 0}), "one_ray"),
+              9 * still);  // 16 without the motion's third component
 }
 
 }  // namespace

@@ -180,7 +180,8 @@ typedef struct penumbra_slot {
     VkBool32 output, required;
     VkPipelineStageFlags2 stages; /* of the frame's accesses; of an output of the caller's, after it */
     VkAccessFlags2 access;
-    /* Of slots, images and texels: the formats that the caller may bring (penumbra_input.format). */
+    /* Of slots that are images or texels: formats that the caller may bring, of an input by
+     * penumbra_input.format. Of penumbra_plan_output() none. */
     const char* const* accepted;
     uint32_t accepted_count;
 } penumbra_slot;
@@ -188,7 +189,7 @@ typedef struct penumbra_slot {
 typedef struct penumbra_plan_info {
     uint32_t struct_size;
     VkBool32 jitter;  /* a node asks the caller to jitter */
-    uint32_t settles; /* UNCHANGED frames after which no output gets better; UINT32_MAX: none */
+    uint32_t settles; /* UNCHANGED frames after which no output gets better; UINT32_MAX: never */
 } penumbra_plan_info;
 
 typedef struct penumbra_requirement {

@@ -25,7 +25,7 @@ PixelPast nearest_past(ivec2 p) {
         q = clamp(ivec2(nearest), ivec2(0), ivec2(frame.prev_size) - 1);
         const float z = imageLoad(view_depth, p).x, was = imageLoad(view_depth_prev, q).x;
         const vec2 expected = past_depths(p, z, position(p, z));
-        known = known && before.on_screen && any(lessThanEqual(abs(was - expected), SAME_DEPTH * expected));
+        known = known && before.on_screen && any(lessThan(abs(was - expected), SAME_DEPTH * expected));
     }
     const uint word = imageLoad(history, q).x;
     return PixelPast(known && has_count(word), visibility_in(word), count_in(word), residual_in(word), resampled);

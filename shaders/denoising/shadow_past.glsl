@@ -70,8 +70,12 @@ Past past_of(ivec2 p, vec3 n, float z, Surface surface) {
     const vec2 at = there.uv * vec2(frame.prev_size) - 0.5;
     const ivec2 first = ivec2(floor(at + 1e-3)), last = ivec2(frame.prev_size) - 1;
     const vec2 t = clamp(at - vec2(first), 0.0, 1.0);
-    // What moves by itself was off the plane that it has now by as much as the point that the motion names.
-    const float moved_m = metres_off(surface.plane, at + (frame.prev_jitter - frame.jitter) * vec2(frame.prev_size), z + moved.z);
+    // What moves by itself was on another plane, through the point that the motion names. A comparison that a NaN fails.
+    const vec2 middle = at + (frame.prev_jitter - frame.jitter) * vec2(frame.prev_size);
+    const ivec2 around = clamp(ivec2(floor(at + 0.5)), ivec2(0), last);
+    const float moved_m = metres_off(surface.plane, middle, z + moved.z);
+    const float off_m = metres_off(surface.plane, vec2(around), imageLoad(view_depth_prev, around).x);
+    if (abs(off_m - moved_m) < abs(off_m)) surface.plane.o -= moved_m;
     float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0, own_visibility = 0.0;
     uint nearest_word = 0u;
     Past past = NO_PAST;
@@ -79,12 +83,12 @@ Past past_of(ivec2 p, vec3 n, float z, Surface surface) {
         const float share = bilinear_share(i, t);
         if (asks && share > 1e-3) {
             const ivec2 q = first + corner(i), inside = clamp(q, ivec2(0), last);
-            const float z_prev = imageLoad(view_depth_prev, inside).x, off_m = metres_off(surface.plane, vec2(inside), z_prev);
+            const float z_prev = imageLoad(view_depth_prev, inside).x;
             const vec3 n_prev = decode_normal(imageLoad(guide_normal_prev, inside));
             const uint word = imageLoad(history, inside).x;
             const float v = visibility_in(word);
             const bool same = q == inside && z_prev > 0.0 && has_count(word) && dot(n, n_prev) > SAME_FACE &&
-                              min(abs(off_m), abs(off_m - moved_m)) <= surface.tolerance_m;
+                              shows(surface, vec2(inside), z_prev);
             const float weight = same ? share : 0.0;
             weights += weight;
             past.visibility += weight * v;

@@ -103,6 +103,9 @@ void fuzz_c_api(Bytes bytes) {
     if (code == PENUMBRA_INTERNAL) throw std::logic_error(std::string("a defect: ") + error.text);
     if ((code == PENUMBRA_OK) != (plan != nullptr))
         throw std::logic_error("the code says otherwise than the plan");
+    penumbra_plan_info info{};
+    info.struct_size = size_of<penumbra_plan_info>(make);
+    static_cast<void>(penumbra_plan_read(plan, &info, nullptr));
     for (uint32_t i = 0; plan && i <= penumbra_plan_slot_count(plan); ++i) {
         penumbra_slot slot{};
         slot.struct_size = size_of<penumbra_slot>(make);

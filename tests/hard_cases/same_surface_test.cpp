@@ -22,12 +22,12 @@ std::vector<uint32_t> noise(Extent extent, uint32_t frame) {
 constexpr uint32_t looked_at = 12;  // frame; until then the samples' own noise shortens histories
 
 // Share of the plane's pixels without a history, though the previous frame showed all of them. `believed` is
-// what the denoiser is told of the previous camera.
+// the previous camera as the host has it, for its motion, too.
 double ours_forgotten(const ViewedPlane& plane, const std::function<Camera(double)>& camera,
                       const std::function<Camera(double)>& believed) {
     DenoiseRun run(denoiser(), wide, {"state"});
     for (uint32_t f = 0; f <= looked_at; ++f)
-        run.frame(see_plane(plane, camera(f - 1.0), camera(f), wide), noise(wide, f),
+        run.frame(see_plane(plane, believed(f), camera(f), wide), noise(wide, f),
                   frame_between(believed(f), camera(f), wide, f, f == 0));
     const std::vector<float> count = run.kept_frames();
     const PlaneImages images = see_plane(plane, camera(looked_at - 1), camera(looked_at), wide);
