@@ -15,12 +15,7 @@
 namespace penumbra::test {
 namespace {
 
-class CApiGpu : public GpuTest {
-  protected:
-    penumbra_error error_ = sized<penumbra_error>();
-    penumbra_plan* plan_ = nullptr;
-    ~CApiGpu() override { penumbra_plan_destroy(plan_); }
-};
+class CApiGpu : public CGpuTest {};
 
 TEST_F(CApiGpu, APipelinesMistakesHaveTheirPlace) {
     const penumbra_plan_request request = request_of(

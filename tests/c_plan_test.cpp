@@ -13,12 +13,8 @@
 namespace penumbra::test {
 namespace {
 
-class CPlanGpu : public GpuTest {
+class CPlanGpu : public CGpuTest {
   protected:
-    penumbra_error error_ = sized<penumbra_error>();
-    penumbra_plan* plan_ = nullptr;
-    ~CPlanGpu() override { penumbra_plan_destroy(plan_); }
-
     void plan_of(const char* pipeline) {
         const penumbra_plan_request request = request_of(pipeline);
         ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;

@@ -37,4 +37,12 @@ inline penumbra_device c_device() {
     return device;
 }
 
+// A plan of C's, and what went wrong with it.
+class CGpuTest : public GpuTest {
+  protected:
+    penumbra_error error_ = sized<penumbra_error>();
+    penumbra_plan* plan_ = nullptr;
+    ~CGpuTest() override { penumbra_plan_destroy(plan_); }
+};
+
 }  // namespace penumbra::test

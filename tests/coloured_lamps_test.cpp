@@ -7,6 +7,7 @@
 #include "tests/light_plate.h"
 #include "tests/ray_maker.h"
 #include "tests/scene_file.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
@@ -51,17 +52,14 @@ std::vector<glm::dvec3> light_of(const Session& session, const char* name) {
 std::unique_ptr<Session> shown(const Shot& shot, const char* pipeline, std::vector<std::string> captures,
                                const std::vector<std::string>& settings = {}, const Facts& facts = {}) {
     Diagnostics diagnostics;
-    const auto file = fs::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (std::string(pipeline) + ".json");
-    const auto read = load_pipeline(file, settings, diagnostics);
-    const auto checked = read ? check(*read, test_nodes(), diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
+    const CheckedPipeline checked = shipped_pipeline(pipeline, settings, test_nodes());
     SessionOptions options;
     options.size = shot.size;
     options.jitter = options.optimum = false;
     options.captures = std::move(captures);
     options.facts = facts;
     std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), test_nodes(), *checked, shot, options, diagnostics, warnings);
+    auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
     return session;

@@ -13,6 +13,7 @@
 #include "penumbra/shadow_nodes.h"
 #include "tests/cli_run.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -47,19 +48,16 @@ Images run(const Case& c, const Shot& shot, uint32_t width, std::optional<bool> 
     }
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto pipeline =
-        load_pipeline(root / "pipelines" / (std::string(c.pipeline) + ".json"), c.settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
+    const CheckedPipeline checked = shipped_pipeline(c.pipeline, c.settings, nodes);
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.cpu = cpu;
     options.captures = c.captures;
-    for (const std::string& output : checked->output_names())
+    for (const std::string& output : checked.output_names())
         if (std::ranges::find(options.captures, output) == options.captures.end())
             options.captures.push_back(output);
-    const auto session = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);
+    const auto session = Session::open(gpu(), nodes, checked, shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     Images result{.names = options.captures};
     for (const PlanPass& pass : session->plan().passes) result.constants.push_back(pass.constants);

@@ -22,6 +22,7 @@
 #include "app/view/picture.h"
 #include "penumbra/graph.h"
 #include "penumbra/shadow_nodes.h"
+#include "tests/shipped.h"
 
 namespace penumbra::viewer {
 namespace {
@@ -245,14 +246,10 @@ TEST_F(ViewFiles, APipelineIsReadFromAllThatItExtends) {
 }
 
 Plan plan_of(const std::string& name, const std::vector<std::string>& settings = {}) {
-    static const NodeSet nodes = shadow_nodes();
+    const CheckedPipeline checked = test::shipped_pipeline(name, settings);
     Diagnostics diagnostics;
-    const auto pipeline =
-        load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
-    auto plan = compile(*checked, standalone_target(*checked, reference_device(true), {640, 360}, {}), {},
-                        diagnostics);
+    auto plan =
+        compile(checked, standalone_target(checked, reference_device(true), {640, 360}, {}), {}, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::move(*plan);
 }
