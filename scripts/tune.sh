@@ -112,7 +112,7 @@ def constants():
     for line in open(table_file):
         said = re.match(r"Measured with `([^`]*\.json)`", line)
         pipeline = said[1] if said else pipeline
-        if re.match(r"\| `", line):
+        if re.match(r"\| `", line) and len(Constant(line).cells) > 3:  # a table of other things has no more
             rows.append(Constant(line, os.environ.get("PIPELINE", pipeline)))
             if rows[-1].is_measured() and rows[-1].pipeline is None:
                 sys.exit(f'tune.sh: {table_file}: no line "Measured with `FILE.json`" comes before the table with {rows[-1].name}')
@@ -352,7 +352,7 @@ def write_row(row, said):
     for i, line in enumerate(lines):
         if re.match(r"\| `", line) and (Constant(line).name, Constant(line).file) == (row.name, row.file):
             cells = row.cells[:2] + [f"`{row.now()}`"] + (row.cells[3:5] + said if said else row.cells[3:])
-            lines[i] = "| " + " | ".join(cells) + " |"
+            lines[i] = re.sub(r"\|  (?=\|)", "| ", "| " + " | ".join(cells) + " |")
     with open(table_file, "w") as out:
         out.write("\n".join(lines))
 

@@ -20,6 +20,9 @@
 const float RESIDUAL_VARIANCE = 0.2 / 1.8;  // of a running mean with weight .2, over that of one frame
 const float CLAMP_ERRORS = 5.0;             // insurance only, where something may have changed: the test nearly always comes first
 const float GAIN_OF_SURROUNDINGS = 1.5;     // share of the surroundings' mean difference, over that of the own
+// Of a frame, squared, beyond what it says itself. Frames that say lit or dark have the least error, by their own word: weighted by that alone
+// they pull a mean towards the two.
+const float UNTOLD_ERROR = 1e-4, UNTOLD_OF_MANY = 0.01;
 
 // Excess of what the cells around say over what noise says, 0 where nothing moves. In a static penumbra the four
 // quotients have means between .5 and 1.1 at every width.
@@ -55,7 +58,7 @@ float surrounding_difference(ivec2 p, int step, ViewRays rays) {
             const ivec2 q = clamp(p + step * ivec2(x, y), ivec2(0), last);
             const Gathered g = unpack_gathered(imageLoad(gathered, q).xy, 1.0);
             const bool same = g.counts && g.count > 0.0 && shows(surface, vec2(q - p), imageLoad(view_depth, q).x);
-            const float w = same ? 1.0 / (g.error * g.error + 1e-4) : 0.0;
+            const float w = same ? 1.0 / (g.error * g.error + (MANY_RAYS ? UNTOLD_OF_MANY : UNTOLD_ERROR)) : 0.0;
             sum += w * (g.now - g.past);
             weights += w;
         }
@@ -102,7 +105,7 @@ void work_on(ivec2 cell) {
             const float left = g.count * shrink;
             s.count = min(left + worth, MANY_RAYS ? max(COUNT_CAP * sqrt(max(worth, 1.0)), kept(left)) : COUNT_CAP);
             const float a = worth / s.count;
-            const float a_around = radius_px < 1.0 ? a : min(1.0, GAIN_OF_SURROUNDINGS * a);
+            const float a_around = radius_px < (MANY_RAYS ? OWN_RAY_PX : 1.0) ? a : min(1.0, GAIN_OF_SURROUNDINGS * a);
             const float around = surrounding_difference(p, a_around > a ? step : 0, moved(corner, vec2(offset)));
             s.visibility = clamp(past + a * (g.now - past) + (a_around - a) * around, 0.0, 1.0);
             s.residual = shrink < 0.5 ? 0.5 * g.residual : g.residual;

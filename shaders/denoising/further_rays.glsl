@@ -4,6 +4,9 @@
 // Includer has sheared_gather.glsl.
 #include "denoising/further_bits.glsl"
 
+// Of others' further rays, what they make a frame worth to who has none. They go where a first ray was an exception, so that frames with
+// many say something else than those with few, and a mean by their number is off.
+const float OTHERS_SHARE = 0.5;
 const float EVEN_GAIN = 0.25;  // an estimate of many rays is packed as of a quarter of them, with a quarter of the variance
 
 float rays_worth(Estimate e) { return e.rays > 1.0 ? e.rays / e.gain : 0.0; }
@@ -19,7 +22,8 @@ Estimate with_own(Estimate around, uint word, bool first_lit) {
 // pixel's rays of one frame after the other, n frames of which are worth n^EVEN_POINTS as well.
 float frames_worth(Estimate around, uint word) {
     const float own = word == 0u ? 1.0 : even_worth(word), others = rays_worth(around);
-    const float worth = (others > 0.0 && word == 0u ? others : own + others) / max(others / around.each, 1.0);
+    const float each = word == 0u ? max(OTHERS_SHARE * around.each, 1.0) : around.each;
+    const float worth = (others > 0.0 && word == 0u ? others : own + others) / max(others / each, 1.0);
     return pow(max(worth, 1.0), 1.0 / EVEN_POINTS);
 }
 

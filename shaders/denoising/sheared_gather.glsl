@@ -12,6 +12,9 @@
 
 const float UNEVEN = 0.109;   // see Window
 const float FEWEST = 2.5;     // rays with which a plane through their bits is fitted
+// Rays by which such a plane is pulled to the disc's rim: one for each of its two slopes, and more where those at the rim are of pixels that have
+// fewer, and count for more.
+const float PULL_OF_ONE = 2.0, PULL_OF_MANY = 3.0;
 
 // What surrounds the pixel, in light space.
 struct Penumbra {
@@ -168,10 +171,10 @@ Estimate estimate_of(Moments m, Horizon horizon) {
         const vec3 s = m.ee * by_n - vec3(eta.x * eta.x, eta.x * eta.y, eta.y * eta.y) + vec3(ridge, 0.0, ridge);
         const float det = s.x * s.z - s.y * s.y;
         const vec2 beta = vec2(s.z * cov.x - s.y * cov.y, s.x * cov.y - s.y * cov.x) / det;
-        // The plane lies too near to the bits at the disc's rim, which pull it most: by a ray's worth for each of its two slopes. 4, so that a
-        // handful of rays is not made noisier by it than it was wrong.
+        // The plane lies too near to the bits at the disc's rim, which pull it most. 4, so that a handful of rays is not made noisier by it than
+        // it was wrong.
         const float at_rim = horizon.above == 1.0 ? m.be2 / (m.ee.x + m.ee.z) : mean;
-        e.visibility = clamp(mean - dot(beta, eta - horizon.middle) + 2.0 / (rays + 4.0) * (at_rim - mean), 0.0, 1.0);
+        e.visibility = clamp(mean - dot(beta, eta - horizon.middle) + (MANY_RAYS ? PULL_OF_MANY : PULL_OF_ONE) / (rays + 4.0) * (at_rim - mean), 0.0, 1.0);
         left = max(variance - dot(beta, cov), 0.1 * variance);
     }
     e.gain = variance > 1e-6 ? clamp(left / variance, 0.25, 1.0) : 0.4;
