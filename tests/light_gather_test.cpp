@@ -224,6 +224,17 @@ TEST_F(LampGather, StillPenumbraeAreNotTooSteep) {
     }
 }
 
+// No neighbour's ray tests a disc of one pixel, and their means would be noise to its own.
+TEST_F(LampGather, NarrowPenumbraeThatStandStillAreTheirOwnRays) {
+    double error = 0;
+    for (const double offset : {0.37, 3.1}) {
+        const LampEdge lamp{LightKind::disc, {2, 0, 63, offset}};
+        error += 1 / n_eff_of(lamp, "light_shadows");
+    }
+    std::printf("%.4g\n", 2 / error);
+    EXPECT_GT(2 / error, 6000);
+}
+
 // A field of axes over all directions has a whirl somewhere: here the image's middle looks at it.
 TEST_F(LampGather, ASphereStraightBelowIsAsGoodAsOneAbove) {
     std::array<double, 2> errors{};

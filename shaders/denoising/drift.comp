@@ -105,6 +105,7 @@ void work_on(ivec2 cell) {
             const float left = g.count * shrink;
             s.count = min(left + worth, MANY_RAYS ? max(COUNT_CAP * sqrt(max(worth, 1.0)), kept(left)) : COUNT_CAP);
             const float a = worth / s.count;
+            // Below OWN_RAY_PX no neighbour's ray was asked, so that theirs have nothing to say in common.
             const float a_around = radius_px < (MANY_RAYS ? OWN_RAY_PX : 1.0) ? a : min(1.0, GAIN_OF_SURROUNDINGS * a);
             const float around = surrounding_difference(p, a_around > a ? step : 0, moved(corner, vec2(offset)));
             s.visibility = clamp(past + a * (g.now - past) + (a_around - a) * around, 0.0, 1.0);
