@@ -97,6 +97,7 @@ void compare_cell(uint at, ivec2 cell) {
 
             OwnRays own = past.own;
             if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), own_worth(further));
+            if (now.rays <= 0.0 && past.count > 0.0) now.visibility = past.visibility;  // nothing says otherwise
             g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
                          worth > 0.0 ? sqrt(max(squared_error(now), error_by_past(now, past))) : 0.5, true, own);
 #if HAS_FRAME_WORTH
