@@ -8,6 +8,9 @@
 
 const uint NO_POINT = 0u;       // in ray_points, of who has no ray
 const float EQUAL_SHARE = 0.6;  // of the rays of a box that all say the same: what they count
+// Further rays of a turn. Most pixels have few; and one driver ends all loops of a workgroup after 65 535 turns, of which each of a CPU's
+// invocations has 64 pixels with up to 49 neighbours (81 at a radius of 5) to ask.
+const uint AT_ONCE = R > 4 ? 4u : 2u;
 const float UNSHEARED_SHARE = 0.7, UNSHEARED_PX = 2.8;  // of the disc's radius, and at most: how far rays of unknown points are asked
 
 // A pixel on its receiver's plane, as the light sees it.
@@ -64,6 +67,27 @@ Reach reach_of(Stretches s, Penumbra penumbra) {
     const vec2 extent = vec2(length(vec2(b1 * s.first.x, b2 * s.second.x)), length(vec2(b1 * s.first.y, b2 * s.second.y)));
     const vec2 box = min(ceil(extent - 1e-3), float(R));
     return Reach(limit, b1, b2, clamp(ivec2(rounded(box.x), rounded(box.y)), 1, R));
+}
+
+// The pixels of a row of the neighbourhood that can be within reach on the receiver's plane: those of an ellipse, cut off at the box and at a disc
+// of R pixels. From the box alone the fifth to the half of what is asked would be outside.
+struct ReachRows {
+    float limit2;  // along x, in pixels of the receiver's row
+    float shear, shrink;
+};
+const float ROW_MARGIN_PX = 0.25;  // off the plane
+
+ReachRows rows_of(Reach reach, mat2 pixels) {
+    const float by_x2 = 1.0 / max(dot(pixels[0], pixels[0]), 1e-20), shear = dot(pixels[0], pixels[1]) * by_x2;
+    return ReachRows(reach.limit_m * reach.limit_m * by_x2, shear, dot(pixels[1], pixels[1]) * by_x2 - shear * shear);
+}
+
+// First and last; none where the first comes after the last.
+ivec2 row_of_reach(ReachRows rows, Reach reach, int dy) {
+    const float most = min(floor(sqrt(float(R * R - dy * dy)) + 1e-3), float(reach.box.x)), middle = -rows.shear * float(dy);
+    const float half_width = sqrt(max(rows.limit2 - rows.shrink * float(dy * dy), 0.0)) + ROW_MARGIN_PX;
+    const float first = clamp(ceil(middle - half_width), -most, most + 1.0), last = clamp(floor(middle + half_width), -most - 1.0, most);
+    return clamp(ivec2(rounded(first + float(R + 1)), rounded(last + float(R + 1))) - (R + 1), -R - 1, R + 1);  // a NaN is no end of a loop
 }
 
 // All rays of the box agree, and so may those beyond: worth as many rays, if they are of this surface.
@@ -154,13 +178,14 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
     const int at_p = r.p.y * int(frame.size.x) + r.p.x, last = int(frame.size.x * frame.size.y) - 1;
     Moments m = Moments(0.0, 0.0, 0.0, 0.0, 0.0, vec2(0.0), vec2(0.0), vec3(0.0));
     float further_asked = 0.0;
+    const ReachRows reach_rows = rows_of(reach, mat2(r.foot.tangents[0].xy, r.foot.tangents[1].xy));
     vec2 stand_in = vec2(0.0);
     if (HAS_RAY_WORDS && HAS_RAY_POINTS) stand_in = first_stand_in();
-    for (int dy = -reach.box.y; dy <= reach.box.y; ++dy) {  // a disc of pixels, cut off at the box
+    for (int dy = -reach.box.y; dy <= reach.box.y; ++dy) {
         const uint row = rows[r.in_rows.y + dy] >> uint(r.in_rows.x - R);
-        const int half_width = min(int(rounded(floor(sqrt(float(R * R - dy * dy)) + 1e-3))), reach.box.x);
+        const ivec2 span = row_of_reach(reach_rows, reach, dy);
         const ViewRays of_row = moved(around, vec2(0.0, float(dy)));
-        for (int dx = -half_width; dx <= half_width; ++dx) {
+        for (int dx = span.x; dx <= span.y; ++dx) {
             vec3 at = seen_at(of_row, vec2(float(dx), 0.0), imageLoad(view_depth, r.p + ivec2(dx, dy)).x);
             bool usable = (row >> uint(dx + R + 16) & 1u) != 0u && abs(dot(plane, at)) <= tolerance;
             if (HAS_LIGHT) at = window.by_radius * place_of(r.lamp, at);
@@ -186,12 +211,10 @@ Estimate asked_around(Receiver r, Reach reach, Penumbra penumbra, Estimate other
                 if (further != 0u) {
                     const float before = m.asked;
                     FurtherPoint next = further_point(point, further);
-                    // By eights: one driver ends all loops of a workgroup after 65 535 turns.
-                    for (uint k = 0u; k < further; k += 8u)
-                        [[unroll]] for (uint j = 0u; j < 8u; ++j) {
+                    for (uint k = 0u; k < further; k += AT_ONCE)
+                        [[unroll]] for (uint j = 0u; j < AT_ONCE; ++j) {
                             step_on(next);
-                            const bool lit = (word >> k + j & 1u) == 0u;
-                            add_ray(m, k + j < further, lit, part, at, point_of(next), window, horizon);
+                            add_ray(m, k + j < further, (word >> k + j & 1u) == 0u, part, at, point_of(next), window, horizon);
                         }
                     further_asked += m.asked - before;
                 }
