@@ -129,7 +129,7 @@ inline ViewRun run_with(int radius, bool cpu = true) {
     text.replace(text.find("RADIUS"), 6, std::to_string(radius));
     ViewRunOptions options;
     options.cpu = cpu;
-    options.captures = {"gathered"};
+    options.captures = {"gathered", "idle_cells"};
     options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}};
     return ViewRun(shadow_pipeline(text), extent, options);
 }
@@ -222,9 +222,15 @@ inline Result gather(ViewRun& run, const Setting& setting) {
     run.set("blockers", blockers);
     run.set("ray_points", given);
     run.frame(frame_between(camera, camera, extent, setting.frame, setting.frame == 0));
-    for (const auto& words : captured<std::array<uint32_t, 2>>(run.view(), "gathered")) {
-        result.now.push_back((words[0] & 0x7ff) / 2046.0);
-        result.past.push_back((words[0] >> 11 & 0x7ff) / 2046.0);
+    const auto gathered = captured<std::array<uint32_t, 2>>(run.view(), "gathered");
+    const auto idle_cells = captured<uint32_t>(run.view(), "idle_cells");
+    const uint32_t cells_across = (extent.width + 3) / 4;
+    for (uint32_t i = 0; i < pixels; ++i) {
+        const uint32_t x = i % extent.width, y = i / extent.width, idle = idle_cells[y / 4 * cells_across + x / 4];
+        const bool works = idle == 0x00030001u;  // NOT_IDLE; others are their bits (common/shadow_state.glsl)
+        const double bit = idle >> (4 * (y % 4) + x % 4) & 1;
+        result.now.push_back(works ? (gathered[i][0] & 0x7ff) / 2046.0 : bit);
+        result.past.push_back(works ? (gathered[i][0] >> 11 & 0x7ff) / 2046.0 : bit);
     }
     return result;
 }

@@ -47,6 +47,22 @@ float excess_at(ivec2 cell) {
     return max(0.0, sf - 9.0) + max(0.0, ss - 7.0) + 2.0 * max(0.0, qf - 2.5) + 2.0 * max(0.0, qs - 2.5);
 }
 
+// Between a frame and a past, where a pixel has one. Of a cell that is idle gather leaves nothing but what it is: they are the same.
+struct Difference {
+    bool counts;
+    float frame_less_past, error;
+};
+
+Difference difference_at(ivec2 p) {
+    const uint idle = idle_cells[cell_index(p / CELL)];
+    Difference d = Difference((idle >> uint(16 + CELL * (p.y % CELL) + p.x % CELL) & 1u) != 0u, 0.0, 0.0);
+    if (!is_idle(idle)) {
+        const Gathered g = unpack_gathered(imageLoad(gathered, p).xy, 1.0);
+        d = Difference(g.counts && g.count > 0.0, g.now - g.past, g.error);
+    }
+    return d;
+}
+
 // Mean difference between frame and past over 3x3 taps of the same surface, `step` pixels apart; 0: nothing is asked.
 float surrounding_difference(ivec2 p, int step, ViewRays rays) {
     const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
@@ -56,10 +72,10 @@ float surrounding_difference(ivec2 p, int step, ViewRays rays) {
     for (int y = -1; y <= (step > 0 ? 1 : -2); ++y)
         for (int x = -1; x <= 1; ++x) {
             const ivec2 q = clamp(p + step * ivec2(x, y), ivec2(0), last);
-            const Gathered g = unpack_gathered(imageLoad(gathered, q).xy, 1.0);
-            const bool same = g.counts && g.count > 0.0 && shows(surface, vec2(q - p), imageLoad(view_depth, q).x);
-            const float w = same ? 1.0 / (g.error * g.error + (MANY_RAYS ? UNTOLD_OF_MANY : UNTOLD_ERROR)) : 0.0;
-            sum += w * (g.now - g.past);
+            const Difference d = difference_at(q);
+            const bool same = d.counts && shows(surface, vec2(q - p), imageLoad(view_depth, q).x);
+            const float w = same ? 1.0 / (d.error * d.error + (MANY_RAYS ? UNTOLD_OF_MANY : UNTOLD_ERROR)) : 0.0;
+            sum += w * d.frame_less_past;
             weights += w;
         }
     return weights > 0.0 ? sum / weights : 0.0;

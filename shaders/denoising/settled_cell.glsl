@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // First phase of gather: cells with nothing but equal bits in reach, whose past has said nothing else, are what these say.
 //
-// Includer has working_cells.glsl, bit_rows.glsl, corners.glsl, shadow_state.glsl, sun_change.glsl and lit_or_sky(), and declares the images history, gathered and,
+// Includer has working_cells.glsl, bit_rows.glsl, corners.glsl, shadow_state.glsl, sun_change.glsl and lit_or_sky(), and declares the images history and,
 // where things move, motion, and the buffers idle_cells, idle_cells_prev and cells.
 #include "common/another_sun.glsl"
 #include "common/cell_before.glsl"
@@ -51,17 +51,7 @@ bool is_settled(ivec2 cell, bool below_last) {
     if (HAS_RAY_WORDS && !known) counted &= ray_words[tile_index(cell * CELL / TILE)];
     uint lit = lit_or_sky(cell);
     if (HAS_RAY_WORDS && said != 0u) lit = (said & 0xffffu) != 0u ? lit | sunward : lit & ~sunward;
-    // Counted by what there is to do: in a branch, as loops of a known length, they take lavapipe longer.
-    uint idle = 0u;
-    for (int i = 0; i < (works ? 0 : CELL * CELL); ++i) {
-        const ivec2 offset = in_cell(i), p = first + offset;
-        const bool bit = (lit & pixel_bit(p)) != 0u, tests = (counted & pixel_bit(p)) != 0u;
-        idle |= ((bit ? 1u : 0u) | (tests ? 0x10000u : 0u)) << uint(i);
-        // Packed when this is compiled.
-        const uvec2 g = bit ? pack_gathered(Gathered(1.0, 1.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 1.0, 0u)
-                            : pack_gathered(Gathered(0.0, 0.0, IDLE_COUNT, 0.0, 0.0, false, NO_RAYS), 1.0, 0u);
-        imageStore(gathered, p, uvec4(g | uvec2(0u, tests ? TESTED : 0u), 0u, 0u));
-    }
+    const uint idle = pixels_of_cell(lit, cell) | pixels_of_cell(counted, cell) << 16;
     idle_cells[cell_index(cell)] = works ? NOT_IDLE : idle;
     if (!works) {  // nothing to doubt
         cells[2u * cell_index(cell)] = vec4(0.0);
