@@ -291,6 +291,45 @@ TEST_F(Denoise, BelievesAPixelsOwnRaysBeforeOthersThatAgree) {
     }
 }
 
+// A block of pixels that turns dark, and beyond the reach of rays, but not of the doubt that this casts on
+// the past, one that has no ray any more: nothing says that it has changed.
+TEST_F(Denoise, LeavesAPixelThatNothingTellsWhatItWas) {
+    constexpr Extent extent{32, 32};
+    constexpr uint32_t n = extent.width * extent.height, alone = 10 * extent.width + 19, turns = 8;
+    ViewRunOptions options;
+    options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}, {"motion", Format::rgba16f}};
+    ViewRun run(
+        shipped_pipeline("denoise", {"inputs.ray_words={}", "nodes.gather.out.frame_worth=frame_worth",
+                                     "nodes.drift.in.frames=frame_worth"}),
+        extent, options);
+    std::vector<uint64_t> normal(n, glm::packHalf4x16({0, 0, -1, 0}));  // away from the sun
+    normal[alone] = glm::packHalf4x16({0, 0, 1, 0});
+    std::vector<uint32_t> block(n / 32), rays(n / 32, ~0u);
+    for (uint32_t y = 8; y < 16; ++y)
+        for (uint32_t x = 8; x < 16; ++x) {
+            normal[y * extent.width + x] = normal[alone];
+            block[y / 4 * (extent.width / 8) + x / 8] |= 1u << (y % 4 * 8 + x % 8);
+        }
+    const Camera camera = camera_at({0, 0, 0}, 0, extent);
+    const blocks::Sun sun{{{0, 0.6f, 0.8f}}, 0.00465f};
+    for (uint32_t index = 0; index < turns + 4; ++index) {
+        run.set("depth", std::vector<float>(n, 0.01f));
+        run.set("normal", normal);
+        run.set("motion", std::vector<uint64_t>(n, 0));
+        run.set("sun", std::vector{sun});
+        run.set("sun_prev", std::vector{sun});
+        run.set("hits", index < turns ? std::vector<uint32_t>(n / 32) : block);
+        rays[10 / 4 * (extent.width / 8) + 19 / 8] = index < turns ? ~0u : 0u;
+        run.set("ray_words", rays);
+        run.frame(frame_between(camera, camera, extent, index, index == 0));
+        const std::vector<float> image = captured_planes(run.view(), "visibility").at(0);
+        EXPECT_GT(image.at(alone), 0.99f) << index;
+        if (index >= turns) {
+            EXPECT_LT(image.at(10 * extent.width + 12), 0.2f) << index;
+        }
+    }
+}
+
 // What a broken frame leaves behind is a shorter history, in the part that was broken and around it.
 TEST_F(Denoise, SurvivesABrokenFrame) {
     for (const float broken :

@@ -226,7 +226,8 @@ inline Result gather(ViewRun& run, const Setting& setting) {
     const auto idle_cells = captured<uint32_t>(run.view(), "idle_cells");
     const uint32_t cells_across = (extent.width + 3) / 4;
     for (uint32_t i = 0; i < pixels; ++i) {
-        const uint32_t x = i % extent.width, y = i / extent.width, idle = idle_cells[y / 4 * cells_across + x / 4];
+        const uint32_t x = i % extent.width, y = i / extent.width,
+                       idle = idle_cells[y / 4 * cells_across + x / 4];
         const bool works = idle == 0x00030001u;  // NOT_IDLE; others are their bits (common/shadow_state.glsl)
         const double bit = idle >> (4 * (y % 4) + x % 4) & 1;
         result.now.push_back(works ? (gathered[i][0] & 0x7ff) / 2046.0 : bit);

@@ -172,5 +172,27 @@ TEST_F(ShadowsOfShots, KeepThePastOfWhatMoves) {
               9 * still);  // 16 without the motion's third component
 }
 
+// Poles of a pixel's width, seen from a camera that goes by: their texels show other parts of them in each
+// frame, so that a pixel has no past that could stand for the ray that it does not get. Nothing stands before
+// the sun.
+TEST_F(ShadowsOfShots, AreRightOfPolesThatArePixelsWide) {
+    Model model;
+    model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
+    for (int i = 0; i < 7; ++i) {
+        add(model, ("pole" + std::to_string(i)).c_str(), rod({0, -1.5, 0}, {0, 1.5, 0}, 0.04, 24), 0);
+        model.nodes.back().translation = {0.7 * i - 2.1, 0, 0};
+    }
+    const SceneFile file("poles.glb", to_glb(model));
+    Shot shot;
+    shot.name = "poles";
+    shot.model = file.path();
+    shot.size = {96, 54};
+    shot.frames = 16;
+    shot.camera = {{0, {-0.25, 0, 6}, {-0.25, 0, 0}, {0, 1, 0}}, {15, {0.25, 0, 6}, {0.25, 0, 0}, {0, 1, 0}}};
+    shot.sun = {{0, {0.7, 0.5, 1}}};
+    shot.sun_angular_radius_deg = 0.5;
+    EXPECT_LT(moving_error(shot, "shadows"), 0.01);
+}
+
 }  // namespace
 }  // namespace penumbra::test

@@ -43,9 +43,9 @@ bool goes_on(ivec2 p, ivec2 axis, float z) {
     return before > 0.0 && behind > 0.0 && abs(off) <= BENT_OFF_PX * pixel_span_m(z);
 }
 
-// `ring`: how near unlike rays are; `lit`: what its own says.
-float expected_error(ivec2 p, uint ring, bool lit, float neighbours) {
-    PixelPast past = nearest_past(p);
+// `ring`: how near unlike rays are; `lit`: what its own says; `before`: as nearest_past() takes it.
+float expected_error(ivec2 p, uint ring, bool lit, float neighbours, ViewRays before) {
+    PixelPast past = nearest_past(p, before);
     float share = 1.0;  // of this frame's light where the last frame's was
     if (past.known) {
         if (HAS_LIGHT_PREV)

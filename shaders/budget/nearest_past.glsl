@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
-// What the previous frame knew of the surface that a pixel shows, by the nearest texel: enough to allot rays by, not to shade by.
+// What the previous frame knew of the surface that a pixel shows, by the nearest texel: enough to allot rays by, not to shade by. It is asked whether
+// that showed the same plane and face, as gather asks: whose past gather does not believe has to have a ray.
 //
-// Includer has camera.glsl and shadow_state.glsl and declares the images history, view_depth and, where things move, motion and
-// view_depth_prev.
-#include "common/past_places.glsl"
+// Includer has camera.glsl, guide_normal.glsl and shadow_state.glsl and declares the images history, view_depth and, where things move, motion, guide_normal
+// and the previous two.
+#include "common/view_rays.glsl"
+#include "common/surface_before.glsl"
 
 const float SURE_BELOW = 0.01;       // of 0 or of 1: no penumbra
-const float SAME_DEPTH = 0.03;       // relative
+const float SAME_PLANE_PX = 1.0;     // as gather's plane_tolerance is
 const float WHOLE_TEXEL = 0.02;      // px
 
 struct PixelPast {
@@ -15,17 +17,22 @@ struct PixelPast {
     bool resampled;   // lay between texels
 };
 
-PixelPast nearest_past(ivec2 p) {
+// `before`: previous_rays(), where things move.
+PixelPast nearest_past(ivec2 p, ViewRays before) {
     ivec2 q = p;
     bool known = HAS_MOTION ? (frame.flags & FRAME_RESET) == 0u : pixels_have_pasts(), resampled = false;
     if (HAS_MOTION) {
-        const Reprojection before = reproject(p, surface_motion(p));
-        const vec2 at = before.uv * vec2(frame.prev_size) - 0.5, nearest = floor(at + 0.5);
+        const vec3 moved = texelFetch(motion, p, 0).xyz;
+        const Reprojection there = reproject(p, moved.xy);
+        const vec2 at = there.uv * vec2(frame.prev_size) - 0.5, nearest = floor(at + 0.5);
         resampled = any(greaterThan(abs(at - nearest), vec2(WHOLE_TEXEL)));
         q = clamp(ivec2(nearest), ivec2(0), ivec2(frame.prev_size) - 1);
         const float z = imageLoad(view_depth, p).x, was = imageLoad(view_depth_prev, q).x;
-        const vec2 expected = past_depths(p, z, position(p, z));
-        known = known && before.on_screen && any(lessThan(abs(was - expected), SAME_DEPTH * expected));
+        const vec3 n = unit_or_zero(decode_normal(imageLoad(guide_normal, p)));
+        Surface surface = Surface(off_plane(before, n, position(p, z)), SAME_PLANE_PX * pixel_span_m(z));
+        follow(surface.plane, at, z + moved.z, q, was);
+        const bool same_face = dot(n, decode_normal(imageLoad(guide_normal_prev, q))) > SAME_FACE;
+        known = known && there.on_screen && was > 0.0 && same_face && shows(surface, vec2(q), was);
     }
     const uint word = imageLoad(history, q).x;
     return PixelPast(known && has_count(word), visibility_in(word), count_in(word), residual_in(word), resampled);

@@ -5,6 +5,7 @@
 #define LISTED_ARGS candidate_args
 #include "node.glsl"
 #include "common/camera.glsl"
+#include "common/guide_normal.glsl"
 #include "common/corners.glsl"
 #include "common/rounded.glsl"
 #include "common/tile_list.glsl"
@@ -28,8 +29,10 @@ const float SETTLED = 24.0;  // frames after which, where nothing can move, a pi
 uvec4 by_their_past(ivec2 tile, uint pixels) {
     if ((frame.flags & FRAME_RESET) != 0u || is_another_sun()) return uvec4(pixels, 0u, 0u, 0u);
     uvec4 masks = uvec4(0u);
+    ViewRays before;
+    if (HAS_MOTION) before = previous_rays(mat3(1.0));
     for (int i = 0; i < 32; ++i) {
-        const PixelPast past = nearest_past(tile * TILE + ivec2(i & 7, i >> 3));
+        const PixelPast past = nearest_past(tile * TILE + ivec2(i & 7, i >> 3), before);
         const float between = min(past.visibility, 1.0 - past.visibility);
         if (!past.known || between >= SURE_BELOW) masks.x |= 1u << i;
         if (!HAS_MOTION && !HAS_SUN_PREV && !HAS_LIGHT_PREV && past.known && past.count >= SETTLED && between < NEVER_ELSE) masks.w |= 1u << i;

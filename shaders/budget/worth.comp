@@ -4,6 +4,7 @@
 // rays would gain over the whole image. An invocation owns a tile; the pixels to be looked at are dealt out among all.
 #include "node.glsl"
 #include "common/camera.glsl"
+#include "common/guide_normal.glsl"
 #include "common/rounded.glsl"
 #include "common/tiles.glsl"
 #include "common/tile_rows.glsl"
@@ -90,11 +91,13 @@ void main() {
         }
     }
     barrier();
+    ViewRays before;
+    if (HAS_MOTION) before = previous_rays(mat3(1.0));
     for (uint i = lane; i < asked_count; i += TILES) {
         const uint entry = asked[i], of = (entry & 0x3fffffffu) >> 5, number = entry & 31u;
         const ivec2 p = tile_of_lane(of) * TILE + ivec2(number & 7u, number >> 3);
         const bool lit = (hits[tile_index(p / TILE)] >> number & 1u) == 0u;
-        const float error = expected_error(p, 2u - (entry >> 31) - (entry >> 30 & 1u), lit, neighbours_worth[of]);
+        const float error = expected_error(p, 2u - (entry >> 31) - (entry >> 30 & 1u), lit, neighbours_worth[of], before);
         uint c = 0u;
         while (c < CLASSES && error < LEAST_OF[c]) ++c;
         if (c < CLASSES) atomicOr(class_masks[CLASSES * of + c], 1u << number);

@@ -69,7 +69,7 @@ void compare_cell(uint at, ivec2 cell) {
             const float radius_px = rho / max(foot.s.s1, 1e-9);
             const float resampling = min(RESAMPLING_SHARE / max(radius_px, 1e-3), LARGEST_SHARE) * past.variance;
             if (past.count < DOUBTED) past.own.count = 0.0;
-            // Who has no ray trusts its past before what rays say that do not test its own disc, unless drift finds the past wrong.
+            // Who has no ray trusts its past before what rays say that do not test its own disc.
             const bool told = now.rays > 0.0 && (tested || asked || past.count <= 0.0);
             worth = told ? frames_worth(now, further) : 0.0;
             const float shared_by = max(now.rays / now.each, 1.0);  // pixels whose rays it counts
@@ -97,7 +97,6 @@ void compare_cell(uint at, ivec2 cell) {
 
             OwnRays own = past.own;
             if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), own_worth(further));
-            if (now.rays <= 0.0 && past.count > 0.0) now.visibility = past.visibility;  // nothing says otherwise
             g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
                          worth > 0.0 ? sqrt(max(squared_error(now), error_by_past(now, past))) : 0.5, true, own);
 #if HAS_FRAME_WORTH

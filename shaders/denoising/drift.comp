@@ -117,7 +117,6 @@ void work_on(ivec2 cell) {
         ShadowState s = ShadowState(g.now, g.counts ? worth : 0.0, 0.0, g.own);
         if (g.counts && g.count > 0.0) {
             const float off = CLAMP_ERRORS * g.error, past = certain ? g.past : clamp(g.past, g.now - off, g.now + off);
-            if (MANY_RAYS && shrink < 0.5) worth = max(worth, 1.0);
             const float left = g.count * shrink;
             s.count = min(left + worth, MANY_RAYS ? max(COUNT_CAP * sqrt(max(worth, 1.0)), kept(left)) : COUNT_CAP);
             const float a = worth / s.count;

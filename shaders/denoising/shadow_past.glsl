@@ -5,10 +5,9 @@
 // Includer has shadow_state.glsl, view_rays.glsl, corners.glsl and common/light_axes.glsl, and declares the images history
 // and, where things move, motion, view_depth_prev and guide_normal_prev.
 #include "common/cubic.glsl"
+#include "common/surface_before.glsl"
 #include "common/sun_change.glsl"
 #include "common/light_change.glsl"
-
-const float SAME_FACE = 0.9;  // cosine, as near as 10 bits are to a unit vector: beyond a crease the sun stands differently
 
 struct Past {
     float visibility, count, residual;
@@ -17,34 +16,6 @@ struct Past {
     bool resampled, elsewhere;  // between texels; not the pixel's own
 };
 const Past NO_PAST = Past(0.0, 0.0, 0.0, 0.0, NO_RAYS, false, false);
-
-// Camera-relative point, in the *current* camera's terms, that a texel of the previous frame showed at `view_depth`.
-// The texel's centre and its depth are three linear equations in the point; Cramer's rule solves them.
-vec3 previous_position(ivec2 texel, float view_depth) {
-    const mat4 m = transpose(frame.prev_clip_from_rel);  // rows
-    const vec2 uv = (vec2(texel) + 0.5) / vec2(frame.prev_size) - frame.prev_jitter;
-    const vec2 ndc = 2.0 * uv - 1.0;
-    const vec4 x = m[0] - ndc.x * m[3], y = m[1] - ndc.y * m[3];
-    // Depth is w of a perspective; see previous_depth() for the other.
-    vec4 z = m[3] - vec4(0.0, 0.0, 0.0, view_depth);
-    if ((frame.flags & FRAME_ORTHOGRAPHIC) != 0u)
-        z = frame.view_from_clip[2].z * m[2] + vec4(0.0, 0.0, 0.0, frame.view_from_clip[3].z + view_depth);
-    const vec3 xy = cross(x.xyz, y.xyz), yz = cross(y.xyz, z.xyz), zx = cross(z.xyz, x.xyz);
-    return -(x.w * yz + y.w * zx + z.w * xy) / dot(xy, z.xyz);
-}
-
-// What the previous frame's texels showed, from its first one on, in light space: previous_position() is linear in a texel's
-// place and depth. Taken over the whole image, differences do not round away.
-ViewRays previous_rays(mat3 axes) {
-    const ivec2 size = ivec2(frame.prev_size);
-    const ivec2 right = ivec2(size.x, 0), below = ivec2(0, size.y);
-    const vec3 o = axes * previous_position(ivec2(0), 0.0), r = axes * previous_position(ivec2(0), 1.0) - o;
-    const vec3 right_o = axes * previous_position(right, 0.0), right_r = axes * previous_position(right, 1.0) - right_o;
-    const vec3 below_o = axes * previous_position(below, 0.0), below_r = axes * previous_position(below, 1.0) - below_o;
-    const vec2 by_size = 1.0 / vec2(size);
-    return ViewRays(o, (right_o - o) * by_size.x, (below_o - o) * by_size.y, r, (right_r - r) * by_size.x,
-                    (below_r - r) * by_size.y);
-}
 
 // The history between its texels without bilinear's blur; none of it where `rows` is 0 instead of 4.
 float sharper(ivec2 first, vec2 t, int rows) {
@@ -70,12 +41,8 @@ Past past_of(ivec2 p, vec3 n, float z, Surface surface) {
     const vec2 at = there.uv * vec2(frame.prev_size) - 0.5;
     const ivec2 first = ivec2(floor(at + 1e-3)), last = ivec2(frame.prev_size) - 1;
     const vec2 t = clamp(at - vec2(first), 0.0, 1.0);
-    // What moves by itself was on another plane, through the point that the motion names. A comparison that a NaN fails.
-    const vec2 middle = at + (frame.prev_jitter - frame.jitter) * vec2(frame.prev_size);
     const ivec2 around = clamp(ivec2(floor(at + 0.5)), ivec2(0), last);
-    const float moved_m = metres_off(surface.plane, middle, z + moved.z);
-    const float off_m = metres_off(surface.plane, vec2(around), imageLoad(view_depth_prev, around).x);
-    if (abs(off_m - moved_m) < abs(off_m)) surface.plane.o -= moved_m;
+    follow(surface.plane, at, z + moved.z, around, imageLoad(view_depth_prev, around).x);
     float weights = 0.0, nearest = 0.0, low = 1.0, high = 0.0, own_visibility = 0.0;
     uint nearest_word = 0u;
     Past past = NO_PAST;
