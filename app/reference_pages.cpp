@@ -36,12 +36,18 @@ std::string paragraph(const std::string& text) {
     return out;
 }
 
+// A float in as few digits as tell it from others.
+std::string text_of(const ParamValue& value) {
+    const auto json = json_of(value);
+    return json.is_number_float() ? fmt::format("{}", json.get<float>()) : json.dump();
+}
+
 std::string settings_of(const BoundNode& node) {
     std::vector<std::string> settings;
     for (size_t i = 0; i < node.params.size(); ++i) {
         const Param& param = node.type().params[i];
         if (!node.set[i] || node.params[i] == param.default_value) continue;
-        settings.push_back(fmt::format("{} = {}", param.name, json_of(node.params[i]).dump()));
+        settings.push_back(fmt::format("{} = {}", param.name, text_of(node.params[i])));
     }
     return joined(settings, ", ");
 }
