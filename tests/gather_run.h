@@ -69,6 +69,7 @@ struct Setting {
     std::function<bool(int x, int y)> above = nullptr;     // pixels whose surface lies above the edges
     double sun_radius_deg = small_sun_deg;
     double sun_elevation_deg = 45;  // over the receiver
+    double sun_azimuth_deg = 0;     // from the image's x axis
     uint32_t frame = 0;             // others know the one before
 };
 
@@ -77,9 +78,12 @@ struct Receiver {
 };
 
 inline Receiver receiver_of(const Setting& setting) {
-    const double tilt = glm::radians(setting.tilt_deg), elevation = glm::radians(setting.sun_elevation_deg);
+    const double tilt = glm::radians(setting.tilt_deg), elevation = glm::radians(setting.sun_elevation_deg),
+                 azimuth = glm::radians(setting.sun_azimuth_deg);
     const glm::dvec3 n(0, std::sin(tilt), std::cos(tilt));
-    return {n, std::sin(elevation) * n + std::cos(elevation) * glm::dvec3(1, 0, 0)};
+    const glm::dvec3 along = std::cos(azimuth) * glm::dvec3(1, 0, 0) +
+                             std::sin(azimuth) * glm::dvec3(0, std::cos(tilt), -std::sin(tilt));
+    return {n, std::sin(elevation) * n + std::cos(elevation) * along};
 }
 
 inline double pixel_m(const Camera& camera) {

@@ -143,6 +143,20 @@ TEST_F(Gather, HoldsAtGrazingViews) {
         }
 }
 
+// Pixels that a low sun sees along their diagonal are as good as those that it sees along a side: who is
+// within reach lies in an ellipse, whose axes need not be the image's.
+TEST_F(Gather, AsksAsManyInEveryDirectionOfTheSun) {
+    const auto from = [&](double azimuth) {
+        double sum = 0;
+        for (const double angle : {0.0, 45.0, 90.0, 135.0})
+            sum += n_eff(
+                {.edges = {{distance_for(8), angle}}, .sun_elevation_deg = 25, .sun_azimuth_deg = azimuth});
+        return sum;
+    };
+    const double along_x = from(0);
+    for (const double azimuth : {45.0, 135.0}) EXPECT_GT(from(azimuth), 0.85 * along_x) << azimuth;
+}
+
 // A step in the receiver: rays of the other side are somebody else's, unless they lie on the same plane.
 TEST_F(Gather, KeepsTwoReceiversApart) {
     Setting flat{.edges = {{distance_for(12), 17}}}, step = flat;
