@@ -150,7 +150,7 @@ TEST_F(Gather, AsksAsManyInEveryDirectionOfTheSun) {
         double sum = 0;
         for (const double angle : {0.0, 45.0, 90.0, 135.0})
             sum += n_eff(
-                {.edges = {{distance_for(8), angle}}, .sun_elevation_deg = 25, .sun_azimuth_deg = azimuth});
+                {.edges = {{distance_for(3.5), angle}}, .sun_elevation_deg = 25, .sun_azimuth_deg = azimuth});
         return sum;
     };
     const double along_x = from(0);
