@@ -20,7 +20,7 @@ vec3 previous_position(ivec2 texel, float view_depth) {
     return -(x.w * yz + y.w * zx + z.w * xy) / dot(xy, z.xyz);
 }
 
-// What the previous frame's texels showed, from its first one on, in light space: previous_position() is linear in a texel's
+// What the previous frame's texels showed, from its first one on, along `axes`: previous_position() is linear in a texel's
 // place and depth. Taken over the whole image, differences do not round away.
 ViewRays previous_rays(mat3 axes) {
     const ivec2 size = ivec2(frame.prev_size);

@@ -70,7 +70,7 @@ Reach reach_of(Stretches s, Penumbra penumbra) {
 }
 
 // The pixels of a row of the neighbourhood that can be within reach on the receiver's plane: those of an ellipse, cut off at the box and at a disc
-// of R pixels. From the box alone the fifth to the half of what is asked would be outside.
+// of R pixels.
 struct ReachRows {
     float limit2;  // along x, in pixels of the receiver's row
     float shear, shrink;
