@@ -194,5 +194,30 @@ TEST_F(ShadowsOfShots, AreRightOfPolesThatArePixelsWide) {
     EXPECT_LT(moving_error(shot, "shadows"), 0.01);
 }
 
+// Lit specks that go by a wall in shadow, by more per frame than rays are asked from: where one is, the wall and
+// all around were dark. Those whose turn it is not in this frame are what they were, not what the wall is.
+TEST_F(ShadowsOfShots, KeepTheLightOfSpecksBeforeAWallInShadow) {
+    Model model;
+    model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
+    add(model, "wall", box({-10, -1, -0.1}, {10, 1, 0}), 0);
+    add(model, "roof", box({-20, 3, 1}, {20, 3.1, 5}), 0);
+    Shape specks;
+    for (int i = 0; i < 15; ++i)
+        for (const double y : {-0.3, 0.0, 0.3})
+            specks.append(box({0.8 * i - 9, y - 0.02, 3.99}, {0.8 * i - 8.96, y + 0.02, 4}));
+    add(model, "specks", specks, 0);
+    const SceneFile file("specks.glb", to_glb(model));
+    Shot shot;
+    shot.name = "specks";
+    shot.model = file.path();
+    shot.size = {192, 108};
+    shot.frames = 16;
+    shot.camera = {{0, {0, 0, 7}, {0, 0, 0}, {0, 1, 0}}};
+    shot.objects["specks"].keys = {{0, {0, 0, 0}, {}}, {15, {5.8, 0, 0}, {}}};
+    shot.sun = {{0, {0, 1, 1}}};
+    shot.sun_angular_radius_deg = 0.5;
+    EXPECT_LT(moving_error(shot, "shadows"), 0.1);
+}
+
 }  // namespace
 }  // namespace penumbra::test

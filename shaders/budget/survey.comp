@@ -67,7 +67,8 @@ void main() {
         } else {
             masks = by_their_past(tile, record.y);
             const uint idle = (was_idle(cell) ? 0x0f0f0f0fu : 0u) | (was_idle(cell + ivec2(1, 0)) ? 0xf0f0f0f0u : 0u);
-            masks.y = record.y & idle & ~masks.x | masks.w;
+            const uint sure = record.y & ~masks.x;
+            masks.y = ((masks.z & sure) != 0u && (~masks.z & sure) != 0u ? 0u : sure & idle) | masks.w;
         }
         known[tile_index(tile)] = masks;
 #if HAS_SHARE_STEPS
