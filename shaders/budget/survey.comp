@@ -26,7 +26,9 @@ const float NEVER_ELSE = 0.003;  // of 0 or of 1: less than one ray among those 
 const float SETTLED = 24.0;  // frames after which, where nothing can move, a pixel that was never in penumbra needs no more than its turn
 
 // Pixels that are new or were in penumbra; none; those that were lit; those that have long been lit or shadowed and cannot change.
-uvec4 by_their_past(ivec2 tile, uint pixels) {
+// `at_steps`: those whose past is taken from beside a step, and may be at its foot now.
+uvec4 by_their_past(ivec2 tile, uint pixels, out uint at_steps) {
+    at_steps = 0u;
     if ((frame.flags & FRAME_RESET) != 0u || is_another_sun()) return uvec4(pixels, 0u, 0u, 0u);
     uvec4 masks = uvec4(0u);
     ViewRays before;
@@ -37,6 +39,7 @@ uvec4 by_their_past(ivec2 tile, uint pixels) {
         if (!past.known || between >= SURE_BELOW) masks.x |= 1u << i;
         if (!HAS_MOTION && !HAS_SUN_PREV && !HAS_LIGHT_PREV && past.known && past.count >= SETTLED && between < NEVER_ELSE) masks.w |= 1u << i;
         if (past.visibility > 0.5) masks.z |= 1u << i;
+        if (past.beside_step) at_steps |= 1u << i;
     }
     return masks & pixels;
 }
@@ -65,10 +68,13 @@ void main() {
             masks = uvec4(0u, record.y, 0u, record.y);
             proved_pixels = uint(bitCount(record.y));
         } else {
-            masks = by_their_past(tile, record.y);
-            const uint idle = (was_idle(cell) ? 0x0f0f0f0fu : 0u) | (was_idle(cell + ivec2(1, 0)) ? 0xf0f0f0f0u : 0u);
-            const uint sure = record.y & ~masks.x;
-            masks.y = ((masks.z & sure) != 0u && (~masks.z & sure) != 0u ? 0u : sure & idle) | masks.w;
+            uint at_steps;
+            masks = by_their_past(tile, record.y, at_steps);
+            const uint cells = (was_idle(cell) ? 0x0f0f0f0fu : 0u) | (was_idle(cell + ivec2(1, 0)) ? 0xf0f0f0f0u : 0u);
+            const uint sure = record.y & ~masks.x, lit = sure & masks.z;
+            // Pasts that are unlike come from different places; and where there was light a step's foot may be dark.
+            const uint idle = lit == 0u || lit == sure ? sure & cells & ~(lit & at_steps) : 0u;
+            masks.y = idle | masks.w;
         }
         known[tile_index(tile)] = masks;
 #if HAS_SHARE_STEPS
