@@ -194,8 +194,9 @@ TEST_F(ShadowsOfShots, AreRightOfPolesThatArePixelsWide) {
     EXPECT_LT(moving_error(shot, "shadows"), 0.01);
 }
 
-// Lit specks that go by a wall in shadow, by more per frame than rays are asked from: where one is, the wall and
-// all around were dark. Those whose turn it is not in this frame are what they were, not what the wall is.
+// Lit specks that go by a wall in shadow, by more per frame than rays are asked from: where one is, the wall
+// and all around were dark. Those whose turn it is not in this frame are what they were, not what the wall
+// is.
 TEST_F(ShadowsOfShots, KeepTheLightOfSpecksBeforeAWallInShadow) {
     Model model;
     model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
@@ -219,8 +220,8 @@ TEST_F(ShadowsOfShots, KeepTheLightOfSpecksBeforeAWallInShadow) {
     EXPECT_LT(moving_error(shot, "shadows"), 0.1);
 }
 
-// Kerbs that keep the sun from less than a pixel before them, below a camera that rises: the row of pixels at a
-// kerb's foot is lit in most frames and dark in some, and nothing of that was there in the frame before.
+// Kerbs that keep the sun from less than a pixel before them, below a camera that rises: the row of pixels at
+// a kerb's foot is lit in most frames and dark in some, and nothing of that was there in the frame before.
 TEST_F(ShadowsOfShots, SeeTheShadowAtTheFootOfAKerb) {
     Model model;
     model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
@@ -239,6 +240,28 @@ TEST_F(ShadowsOfShots, SeeTheShadowAtTheFootOfAKerb) {
     shot.sun = {{0, {0, 1, -1}}};
     shot.sun_angular_radius_deg = 0.5;
     EXPECT_LT(moving_error(shot, "shadows"), 10);  // 214 where a past beside a kerb is one of a plane
+}
+
+// A strip of road two rows high, seen through a slit in what turns its back to the sun. A shadow comes in
+// that was hidden behind that in the frame before.
+TEST_F(ShadowsOfShots, SeeWhatComesFromBehindWhatHasNoRays) {
+    Model model;
+    model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
+    add(model, "road", ground(20, 20, 4, 4), 0);
+    add(model, "below", box({-20, 0, 0}, {20, 1, 0.1}), 0);
+    add(model, "above", box({-20, 1.12, 0}, {20, 3, 0.1}), 0);
+    add(model, "roof", box({-20, 3, -20}, {20, 3.1, -9.8}), 0);
+    const SceneFile file("slit.glb", to_glb(model));
+    Shot shot;
+    shot.name = "slit";
+    shot.model = file.path();
+    shot.size = {192, 108};
+    shot.frames = 16;
+    shot.camera = {{0, {0, 2, 5}, {0, 0, -5}, {0, 1, 0}}};
+    shot.objects["roof"].keys = {{14, {0, 0, 0}, {}}, {15, {0, 0, 1.1}, {}}};
+    shot.sun = {{0, {0, 1, -1}}};
+    shot.sun_angular_radius_deg = 0.5;
+    EXPECT_LT(moving_error(shot, "shadows"), 1);  // 192 where it waits for a turn
 }
 
 }  // namespace

@@ -54,6 +54,18 @@ uint asked_of(uint kind, uint pixels, float share, ivec2 tile, bool counted) {
     return asked;
 }
 
+uint sunward_in(ivec2 tile) {
+    return any(lessThan(tile, ivec2(0))) || any(greaterThanEqual(tile, tile_grid())) ? 0u : sunward_words[tile_index(tile)];
+}
+
+// Pixels of a tile next to which no receiver is seen, or nothing: what comes from there had no ray before.
+uint beside_others(ivec2 tile, uint sunward) {
+    const uint left = sunward_in(tile - ivec2(1, 0)), right = sunward_in(tile + ivec2(1, 0));
+    const uint above = sunward_in(tile - ivec2(0, 1)), below = sunward_in(tile + ivec2(0, 1));
+    const uint from_left = (sunward & 0x7f7f7f7fu) << 1 | (left & 0x80808080u) >> 7, from_right = (sunward & 0xfefefefeu) >> 1 | (right & 0x01010101u) << 7;
+    return ~(from_left & from_right & (sunward << 8 | above >> 24) & (sunward >> 8 | below << 24));
+}
+
 void main() {
     float unsure[SHARE_CLASSES], rest[SHARE_CLASSES], first = 0.0, others = 0.0, pixels_of_all = 0.0;
     for (uint c = 0u; c < SHARES; ++c) {
@@ -64,7 +76,7 @@ void main() {
         pixels_of_all += unsure[c] + pixels_that_are(OTHERS, c) + pixels_that_are(IDLE, c);
     }
     const float budget = params.rays_per_frame * (pixels_of_all + float(HAS_POOLED ? 0u : pixel_counts[PROVED_PIXELS]));
-    const bool enough = budget >= first;
+    const bool enough = budget >= first, for_everyone = HAS_SUNWARD_WORDS && budget >= pixels_of_all;
     const float tiles = float(candidate_args[3]);
     // Tiles are rounded up and down, and some more of them up in one frame than in another: rays that are kept for that.
     const float dealt = enough || HAS_POOLED ? budget : max(budget - sqrt(tiles), 0.0);
@@ -87,9 +99,10 @@ void main() {
         const float weight = HAS_LIGHT_SHARES ? weight_of(share_class(light_shares[tile_index(tile)])) : 1.0;
         const float others_here = min(of_others * weight, 1.0), idle_here = one_first ? LEAST_SHARE : params.trickle * others_here;
         const bool counted = HAS_POOLED || !enough;
+        const uint idle = tile_known.y & ~(for_everyone ? beside_others(tile, record.y) : 0u);
         pixels = asked_of(UNSURE, record.y & tile_known.x, of_unsure * weight, tile, counted) |
-                 asked_of(IDLE, record.y & tile_known.y, idle_here, tile, counted && !one_first) |
-                 asked_of(OTHERS, record.y & ~(tile_known.x | tile_known.y), others_here, tile, counted);
+                 asked_of(IDLE, record.y & idle, idle_here, tile, counted && !one_first) |
+                 asked_of(OTHERS, record.y & ~(tile_known.x | idle), others_here, tile, counted);
         ray_words[tile_index(tile)] = pixels;
     }
     const uint rays = subgroupAdd(uint(bitCount(pixels)));
