@@ -61,11 +61,11 @@ else
     echo "test: FAILED, since no test ran on Mesa 22.3.6" >&2
     failed=1
 fi
-# SwiftShader is slow and its compiler unbounded: what its coarse grid could spoil, under a limit of memory (docs/gpu.md).
+# SwiftShader is slow and its compiler unbounded: what its coarse grid could spoil, and the denoiser, under a limit of memory (docs/gpu.md).
 if manifest=$(scripts/swiftshader.sh); then
     echo "test: on SwiftShader"
     ulimit -v 8000000
-    VK_DRIVER_FILES=$manifest asked -L gpu -R '(^|/)RayStart\.|(^|/)CoverTwin\.|^TerrainStart\.TheTruthFinds|^GBufferTest\.DepthIs'
+    VK_DRIVER_FILES=$manifest asked -L gpu -R '(^|/)RayStart\.|(^|/)CoverTwin\.|^TerrainStart\.TheTruthFinds|^GBufferTest\.DepthIs|^Gather\.|^Denoise\.(ComesFrom|DoesNotShow|Believes|Leaves)'
 else
     echo "test: FAILED, since no GPU test ran on SwiftShader" >&2
     failed=1
