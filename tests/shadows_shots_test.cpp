@@ -172,6 +172,20 @@ TEST_F(ShadowsOfShots, KeepThePastOfWhatMoves) {
               9 * still);  // 16 without the motion's third component
 }
 
+// 16 frames of a scene under a small sun.
+Shot under_a_small_sun(const SceneFile& file, std::array<uint32_t, 2> size, std::vector<CameraKey> camera,
+                       glm::dvec3 to_sun) {
+    Shot shot;
+    shot.name = "scene";
+    shot.model = file.path();
+    shot.size = size;
+    shot.frames = 16;
+    shot.camera = std::move(camera);
+    shot.sun = {{0, to_sun}};
+    shot.sun_angular_radius_deg = 0.5;
+    return shot;
+}
+
 // Poles of a pixel's width, seen from a camera that goes by: their texels show other parts of them in each
 // frame, so that a pixel has no past that could stand for the ray that it does not get. Nothing stands before
 // the sun.
@@ -183,14 +197,10 @@ TEST_F(ShadowsOfShots, AreRightOfPolesThatArePixelsWide) {
         model.nodes.back().translation = {0.7 * i - 2.1, 0, 0};
     }
     const SceneFile file("poles.glb", to_glb(model));
-    Shot shot;
-    shot.name = "poles";
-    shot.model = file.path();
-    shot.size = {96, 54};
-    shot.frames = 16;
-    shot.camera = {{0, {-0.25, 0, 6}, {-0.25, 0, 0}, {0, 1, 0}}, {15, {0.25, 0, 6}, {0.25, 0, 0}, {0, 1, 0}}};
-    shot.sun = {{0, {0.7, 0.5, 1}}};
-    shot.sun_angular_radius_deg = 0.5;
+    const Shot shot = under_a_small_sun(
+        file, {96, 54},
+        {{0, {-0.25, 0, 6}, {-0.25, 0, 0}, {0, 1, 0}}, {15, {0.25, 0, 6}, {0.25, 0, 0}, {0, 1, 0}}},
+        {0.7, 0.5, 1});
     EXPECT_LT(moving_error(shot, "shadows"), 0.01);
 }
 
@@ -208,15 +218,8 @@ TEST_F(ShadowsOfShots, KeepTheLightOfSpecksBeforeAWallInShadow) {
             specks.append(box({0.8 * i - 9, y - 0.02, 3.99}, {0.8 * i - 8.96, y + 0.02, 4}));
     add(model, "specks", specks, 0);
     const SceneFile file("specks.glb", to_glb(model));
-    Shot shot;
-    shot.name = "specks";
-    shot.model = file.path();
-    shot.size = {192, 108};
-    shot.frames = 16;
-    shot.camera = {{0, {0, 0, 7}, {0, 0, 0}, {0, 1, 0}}};
+    Shot shot = under_a_small_sun(file, {192, 108}, {{0, {0, 0, 7}, {0, 0, 0}, {0, 1, 0}}}, {0, 1, 1});
     shot.objects["specks"].keys = {{0, {0, 0, 0}, {}}, {15, {5.8, 0, 0}, {}}};
-    shot.sun = {{0, {0, 1, 1}}};
-    shot.sun_angular_radius_deg = 0.5;
     EXPECT_LT(moving_error(shot, "shadows"), 0.1);
 }
 
@@ -231,14 +234,9 @@ TEST_F(ShadowsOfShots, SeeTheShadowAtTheFootOfAKerb) {
         model.nodes.back().translation = {0, 0, 1.5 - i * 0.77};
     }
     const SceneFile file("kerbs.glb", to_glb(model));
-    Shot shot;
-    shot.name = "kerbs";
-    shot.model = file.path();
-    shot.size = {192, 108};
-    shot.frames = 16;
-    shot.camera = {{0, {0, 2, 5}, {0, 0, 0}, {0, 1, 0}}, {15, {0, 2.1, 5}, {0, 0.1, 0}, {0, 1, 0}}};
-    shot.sun = {{0, {0, 1, -1}}};
-    shot.sun_angular_radius_deg = 0.5;
+    const Shot shot = under_a_small_sun(
+        file, {192, 108}, {{0, {0, 2, 5}, {0, 0, 0}, {0, 1, 0}}, {15, {0, 2.1, 5}, {0, 0.1, 0}, {0, 1, 0}}},
+        {0, 1, -1});
     EXPECT_LT(moving_error(shot, "shadows"), 10);  // 214 where a past beside a kerb is one of a plane
 }
 
@@ -252,15 +250,8 @@ TEST_F(ShadowsOfShots, SeeWhatComesFromBehindWhatHasNoRays) {
     add(model, "above", box({-20, 1.12, 0}, {20, 3, 0.1}), 0);
     add(model, "roof", box({-20, 3, -20}, {20, 3.1, -9.8}), 0);
     const SceneFile file("slit.glb", to_glb(model));
-    Shot shot;
-    shot.name = "slit";
-    shot.model = file.path();
-    shot.size = {192, 108};
-    shot.frames = 16;
-    shot.camera = {{0, {0, 2, 5}, {0, 0, -5}, {0, 1, 0}}};
+    Shot shot = under_a_small_sun(file, {192, 108}, {{0, {0, 2, 5}, {0, 0, -5}, {0, 1, 0}}}, {0, 1, -1});
     shot.objects["roof"].keys = {{14, {0, 0, 0}, {}}, {15, {0, 0, 1.1}, {}}};
-    shot.sun = {{0, {0, 1, -1}}};
-    shot.sun_angular_radius_deg = 0.5;
     EXPECT_LT(moving_error(shot, "shadows"), 1);  // 192 where it waits for a turn
 }
 
