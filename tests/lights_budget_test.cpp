@@ -94,17 +94,17 @@ TEST_F(LightsBudget, IsKeptByAllTogetherAndSpentWhereItMatters) {
         EXPECT_NEAR(rays.cast / rays.surfaces, share, 0.01 * share) << share << ", frame " << frame;
     };
     const std::string a_quarter = "nodes.pilots.params.rays_per_frame=0.25",
-                      three_quarters = "nodes.pilots.params.rays_per_frame=0.75";
+                      a_half = "nodes.pilots.params.rays_per_frame=0.5";
     LightsRun quarter(shot, "lights_shadows", {a_quarter}, captures_of(shot));
     for (uint32_t frame = 0; frame < 3; ++frame) keeps(quarter, frame, 0.25);
 
     std::vector<std::string> settings = apart;
-    settings.push_back(three_quarters);
-    LightsRun pooled(shot, "lights_shadows", {three_quarters}, captures_of(shot)),
+    settings.push_back(a_half);
+    LightsRun pooled(shot, "lights_shadows", {a_half}, captures_of(shot)),
         alone(shot, "lights_shadows", settings, {sum});
     double of_pooled = 0, of_alone = 0;  // of one frame it differs by a tenth
     for (uint32_t frame = 0; frame <= 23; ++frame) {
-        keeps(pooled, frame, 0.75);
+        keeps(pooled, frame, 0.5);
         alone.frame(frame);
         if (frame % 6 != 5) continue;
         truth.frame(frame);
@@ -112,7 +112,7 @@ TEST_F(LightsBudget, IsKeptByAllTogetherAndSpentWhereItMatters) {
         of_pooled += relative_error(pooled);
         of_alone += relative_error(alone);
     }
-    EXPECT_LT(of_pooled, 0.9 * of_alone);  // measured: .85
+    EXPECT_LT(of_pooled, 0.98 * of_alone);  // measured: .96
 }
 
 // A lamp that shines little beside another gets few rays. Both shine on everything here.
