@@ -206,8 +206,7 @@ TEST_F(ShadowsOfShots, AreRightOfPolesThatArePixelsWide) {
 }
 
 // Lit specks that go by a wall in shadow, by more per frame than rays are asked from: where one is, the wall
-// and all around were dark. Those whose turn it is not in this frame are what they were, not what the wall
-// is.
+// and all around were dark. One whose turn it is not is what it was, not what the wall is.
 TEST_F(ShadowsOfShots, KeepTheLightOfSpecksBeforeAWallInShadow) {
     Model model;
     model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
