@@ -58,7 +58,7 @@ constexpr KnownSlot known_slots[] = {
      [](const Brought& of, SlotBinding& b) { b.buffer = of.alpha_map().buffer.get(); }},
     {"scene.tlas", [](const Brought& of, SlotBinding& b) { b.structure = of.resources.tlas->get(); }},
     {"neighbours",
-     [](const Brought& of, SlotBinding& b) { b.texels = of.resources.bvh->neighbours().view.get(); }},
+     [](const Brought& of, SlotBinding& b) { b.buffer = of.resources.bvh->neighbours().get(); }},
     {"surfaces", [](const Brought& of, SlotBinding& b) { b.texels = of.resources.surfaces->surfaces(); }},
     {"surface_texels", [](const Brought& of, SlotBinding& b) { b.texels = of.resources.surfaces->texels(); }},
     {"translucents", [](const Brought& of, SlotBinding& b) { b.texels = of.resources.translucents->tree(); }},

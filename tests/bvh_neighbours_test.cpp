@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The words of leaf_neighbours(): mutual, and each names a triangle that has the same edge, on a closed
-// surface for every edge; recomputed after a refit that moves parts apart.
+// surface for every edge; made anew, and refitted, after a refit that moves parts apart.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -160,6 +160,80 @@ TEST(LeafNeighbours, FollowARefitThatTakesPartsApart) {
         for (auto& v : strip[i].v) v[1] += 1;
     ASSERT_TRUE(refit(bvh, strip));
     EXPECT_EQ(joined(), 4);
+}
+
+// Balls of which some turn, shrink or lose triangles in each step, two of them from a place that they share.
+TEST(LeafNeighbours, AreRefittedToWhatMakingThemAnewGives) {
+    const std::vector<Triangle> ball = sphere(7, 10, false);
+    std::vector<Triangle> start;
+    std::vector<uint32_t> objects;
+    for (uint32_t i = 0; i < 5; ++i)
+        for (Triangle t : ball) {
+            for (auto& v : t.v) v[0] += 3 * float(i);
+            start.push_back(t);
+            objects.push_back(i);
+        }
+    Bvh bvh = build_bvh(start, objects);
+    const std::vector<Texel> built = leaf_neighbours(bvh);
+    std::vector<Texel> words = built;
+    const auto moved_by = [&](uint32_t which, float by, size_t broken) {
+        std::vector<Triangle> out = start;
+        for (size_t i = 0; i < out.size(); ++i) {
+            if (!(which >> objects[i] & 1)) continue;
+            for (auto& v : out[i].v) v[1] = v[1] * (1 - 0.1f * by) + by;
+            if (broken && i % broken == 0) out[i].v[1][2] = std::numeric_limits<float>::quiet_NaN();
+        }
+        return out;
+    };
+    size_t changes = 0;
+    const struct {
+        uint32_t which;
+        float by;
+        size_t broken;
+    } steps[] = {{2, 1, 0}, {6, 2, 0},     {8, 1, 3},     {24, 1.5f, 2},
+                 {0, 0, 0}, {31, 0.5f, 5}, {31, 0.5f, 0}, {0, 0, 0}};
+    for (const auto& step : steps) {
+        Refitted written;
+        ASSERT_TRUE(refit(bvh, moved_by(step.which, step.by, step.broken), &written));
+        const std::vector<Texel> before = words;
+        const bool changed = refit_neighbours(bvh, written.leaves, built, words);
+        EXPECT_EQ(changed, words != before);
+        changes += changed;
+        expect_consistent(bvh, words);
+        // A half of a pair joins nobody where words are refitted.
+        if (!step.broken) {
+            EXPECT_EQ(words, leaf_neighbours(bvh));
+        }
+    }
+    EXPECT_EQ(changes, 5u);
+    EXPECT_EQ(words, built);
+}
+
+TEST(LeafNeighbours, AreLostWhereEdgesComeApartAndBackWhereTheyMeetAgain) {
+    std::vector<Triangle> strip;
+    std::vector<uint32_t> objects;
+    for (int x = 0; x < 4; ++x) {
+        const float a = float(x), b = float(x + 1);
+        strip.push_back({{{a, 0, 0}, {b, 0, 0}, {a, 0, 1}}});
+        strip.push_back({{{b, 0, 0}, {b, 0, 1}, {a, 0, 1}}});
+        objects.insert(objects.end(), 2, uint32_t(x));
+    }
+    Bvh bvh = build_bvh(strip, objects);
+    const std::vector<Texel> built = leaf_neighbours(bvh);
+    std::vector<Texel> words = built, apart;
+    for (const bool away : {true, false}) {
+        std::vector<Triangle> now = strip;
+        for (size_t i = 4; away && i < now.size(); ++i)
+            for (auto& v : now[i].v) v[1] += 1;
+        Refitted written;
+        ASSERT_TRUE(refit(bvh, now, &written));
+        EXPECT_EQ(written.leaves.size(), 2u) << "the other two stand still";
+        EXPECT_TRUE(refit_neighbours(bvh, written.leaves, built, words));
+        EXPECT_EQ(words, leaf_neighbours(bvh));
+        if (away) apart = words;
+    }
+    EXPECT_NE(apart, built);
+    EXPECT_EQ(words, built);
 }
 
 TEST(LeafNeighbours, OfAnEmptySceneAreNone) {

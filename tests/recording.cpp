@@ -42,8 +42,8 @@ std::vector<std::byte> slot_bytes(const Session& session, const StandaloneFrame&
     if (name == "sun") return bytes_of(frame.sun);
     if (name == "sun_prev") return bytes_of(frame.sun_prev);
     if (name == "scene") return bytes_of(frame.scene);
-    if (name == "scene.nodes") return texels_of(session.bvh()->bvh().nodes);
-    if (name == "scene.leaves") return texels_of(session.bvh()->bvh().leaves);
+    if (name == "scene.nodes" || name == "scene.nodes_words") return texels_of(session.bvh()->bvh().nodes);
+    if (name == "scene.leaves" || name == "scene.leaves_words") return texels_of(session.bvh()->bvh().leaves);
     if (name == "hits") {
         const auto hits = session.view().captured("hits");
         return {hits.begin(), hits.end()};

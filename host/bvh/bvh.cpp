@@ -5,6 +5,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <optional>
 
 #include "host/bvh/bvh_internal.h"
 #include "host/bvh/twofold.h"
@@ -37,8 +38,6 @@ Grid fit_grid(float lo, float hi) {
     }
 }
 
-}  // namespace
-
 void encode(const WideNode& node, Texel out[3]) {
     Box all;
     uint32_t node_mask = 0, leaf_mask = 0;
@@ -70,6 +69,15 @@ void encode(const WideNode& node, Texel out[3]) {
     out[2] = {planes[1][0], planes[1][1], planes[2][0], planes[2][1]};
 }
 
+}  // namespace
+
+void put_node(Bvh& bvh, uint32_t i, const WideNode& node) {
+    Box all;
+    for (uint32_t k = 0; k < node.nodes + node.leaves; ++k) all.add(node.box[k]);
+    bvh.bounds[i] = {all.lo[0], all.lo[1], all.lo[2], all.hi[0], all.hi[1], all.hi[2]};
+    encode(node, &bvh.nodes[size_t(i) * 3]);
+}
+
 void encode_leaf(std::span<const Triangle> triangles, const Corners& corners, Texel out[3]) {
     for (uint32_t i = 0; i < 12; ++i)
         out[i / 4][i % 4] = std::bit_cast<uint32_t>(corner(triangles, corners[i / 3])[i % 3]);
@@ -92,55 +100,95 @@ bool still_paired(std::span<const Triangle> triangles, const Corners& c) {
     return (same_position(a, d) && same_position(b, e)) || (same_position(a, e) && same_position(b, d));
 }
 
-}  // namespace
+// A leaf that is not as it was; without corners where nothing is left of it.
+struct Change {
+    uint32_t leaf;
+    std::optional<Corners> corners;
+};
 
-bool refit(Bvh& bvh, std::span<const Triangle> triangles) {
-    assert(triangles.size() == bvh.triangle_count);
-    for (uint32_t t : bvh.skipped)
-        if (usable(triangles[t])) return false;
+// Whether a leaf says what its triangles are now. One without anything does not, of which zeros are all that
+// is known.
+bool is_encoded(const Bvh& bvh, uint32_t leaf, std::span<const Triangle> triangles) {
+    Texel now[3];
+    encode_leaf(triangles, bvh.corners[leaf], now);
+    const Texel* then = &bvh.leaves[size_t(leaf) * 3];
+    return std::equal(now, now + 3, then) && now[0] != Texel{};
+}
 
-    // A pair with one unusable half keeps the other; with none it has no box and its texels are zero.
-    std::vector<Corners> corners = bvh.corners;
-    std::vector<Box> leaf_boxes(corners.size());
-    for (size_t i = 0; i < corners.size(); ++i) {
-        Corners& c = corners[i];
-        const bool single = c[3] == c[2];
-        const bool first = usable(triangles[c[0] / 3]);
-        const bool second = !single && usable(triangles[c[3] / 3]);
-        if (first && second) {
-            if (!still_paired(triangles, c)) return false;
-        } else if (second) {
-            const uint32_t t = c[3] / 3 * 3;
-            c = {t, t + 1, t + 2, t + 2};
-        } else {
-            c[3] = c[2];
-        }
-        if (first || second) leaf_boxes[i] = leaf_box(triangles, c);
-    }
+Box bounds_of(const Bvh& bvh, uint32_t node) {
+    const auto& b = bvh.bounds[node];
+    return {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+}
 
-    for (size_t i = 0; i < corners.size(); ++i) {
-        if (leaf_boxes[i].empty())
-            std::fill_n(&bvh.leaves[i * 3], 3, Texel{});
-        else
-            encode_leaf(triangles, corners[i], &bvh.leaves[i * 3]);
-    }
+// Nodes above leaves that were written, which it returns, ascending.
+std::vector<uint32_t> refit_nodes(Bvh& bvh, std::span<const uint32_t> leaves) {
+    std::vector<uint8_t> stale_leaves(bvh.corners.size()), stale(bvh.child_counts.size());
+    for (const uint32_t leaf : leaves) stale_leaves[leaf] = 1;
+    const auto any = [](const std::vector<uint8_t>& of, uint32_t first, uint32_t count) {
+        return std::any_of(of.begin() + first, of.begin() + first + count, [](uint8_t x) { return x != 0; });
+    };
+    std::vector<uint32_t> written;
     // Children come after their parent: backwards is bottom-up.
-    std::vector<Box> boxes(bvh.child_counts.size());
-    for (size_t i = boxes.size(); i-- > 0;) {
-        Texel* texels = &bvh.nodes[i * 3];
+    for (uint32_t i = uint32_t(stale.size()); i-- > 0;) {
+        const Texel* texels = &bvh.nodes[size_t(i) * 3];
         WideNode node;
         node.nodes = bvh.child_counts[i][0];
         node.leaves = bvh.child_counts[i][1];
         node.axis = texels[1][0] & 3;
         node.first_node = texels[1][0] >> 2;
         node.first_leaf = texels[1][1] + node.nodes;
-        for (uint32_t k = 0; k < node.nodes + node.leaves; ++k) {
-            node.box[k] =
-                k < node.nodes ? boxes[node.first_node + k] : leaf_boxes[node.first_leaf + k - node.nodes];
-            boxes[i].add(node.box[k]);
-        }
-        encode(node, texels);
+        if (!any(stale, node.first_node, node.nodes) && !any(stale_leaves, node.first_leaf, node.leaves))
+            continue;
+        for (uint32_t k = 0; k < node.nodes; ++k) node.box[k] = bounds_of(bvh, node.first_node + k);
+        for (uint32_t k = 0; k < node.leaves; ++k)
+            node.box[node.nodes + k] = leaf_box(&bvh.leaves[size_t(node.first_leaf + k) * 3]);
+        put_node(bvh, i, node);
+        stale[i] = 1;
+        written.push_back(i);
     }
+    std::reverse(written.begin(), written.end());
+    return written;
+}
+
+}  // namespace
+
+bool refit(Bvh& bvh, std::span<const Triangle> triangles, Refitted* written) {
+    assert(triangles.size() == bvh.triangle_count);
+    for (uint32_t t : bvh.skipped)
+        if (usable(triangles[t])) return false;
+
+    // Nothing is written before all of it is known to fit.
+    std::vector<Change> changes;
+    for (uint32_t leaf = 0; leaf < bvh.corners.size(); ++leaf) {
+        Corners c = bvh.corners[leaf];
+        const bool single = c[3] == c[2];
+        const bool paired = !single && still_paired(triangles, c);
+        if ((single || paired) && is_encoded(bvh, leaf, triangles)) continue;
+        // A pair with one unusable half keeps the other; with none it has no box and its texels are zero.
+        const bool first = usable(triangles[c[0] / 3]);
+        const bool second = !single && usable(triangles[c[3] / 3]);
+        if (first && second) {
+            if (!paired) return false;
+        } else if (second) {
+            const uint32_t t = c[3] / 3 * 3;
+            c = {t, t + 1, t + 2, t + 2};
+        } else {
+            c[3] = c[2];
+        }
+        changes.push_back({leaf, first || second ? std::optional(c) : std::nullopt});
+    }
+
+    Refitted all;
+    for (const Change& change : changes) {
+        Texel* leaf = &bvh.leaves[size_t(change.leaf) * 3];
+        if (change.corners)
+            encode_leaf(triangles, *change.corners, leaf);
+        else
+            std::fill_n(leaf, 3, Texel{});
+        all.leaves.push_back(change.leaf);
+    }
+    all.nodes = refit_nodes(bvh, all.leaves);
+    if (written) *written = std::move(all);
     return true;
 }
 

@@ -54,6 +54,7 @@ struct Bvh {
     // triangle * 3 + corner. A leaf that holds one triangle repeats the third entry.
     std::vector<std::array<uint32_t, 4>> corners;
     std::vector<std::array<uint8_t, 2>> child_counts;  // per node: child nodes, leaves
+    std::vector<std::array<float, 6>> bounds;          // per node: least x, y, z of what it holds, greatest
     std::vector<uint32_t> skipped;  // triangles left out because usable() is false, ascending
     uint32_t triangle_count = 0;    // of the input
 };
@@ -80,17 +81,29 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
 // Moves the leaves to new vertex positions and fits all boxes; the tree's shape stays, so its quality decays
 // with the distance moved. `triangles` must be as many as at the build. False, with `bvh` unchanged, where
 // the old shape cannot hold the new triangles: a paired edge came apart, or a triangle that was skipped is
-// usable now. A triangle that became unusable is left out until it is usable again.
-bool refit(Bvh& bvh, std::span<const Triangle> triangles);
+// usable now. A triangle that became unusable is left out until it is usable again. Nodes and leaves that
+// hold nothing that moved are not written; `written`, if given, becomes those that are.
+struct Refitted {
+    std::vector<uint32_t> nodes, leaves;  // ascending; 3 texels each
+};
+bool refit(Bvh& bvh, std::span<const Triangle> triangles, Refitted* written = nullptr);
 
 // One texel per leaf: what lies across its outer edges, for shaders/classification/closing_patch.glsl. The
 // words belong to the edges (v0, v1), (v2, v0), (v1, v3), (v3, v2); of a leaf that holds one triangle, the
 // third is (v1, v2) and the fourth is none. A word is leaf << 4 | both windings run the same way along the
 // edge << 3 | second triangle of its leaf << 2 | its corner opposite to the edge, counted in (v0, v1, v2) or
-// (v2, v1, v3); or no_neighbour. If a names b, b names a. Fewer than 2^28 leaves. Made anew after each refit:
-// parts that moved may have come together or apart.
+// (v2, v1, v3); or no_neighbour. If a names b, b names a. Fewer than 2^28 leaves. After a refit parts that
+// moved may have come together or apart: made anew, or refitted.
 inline constexpr uint32_t no_neighbour = ~0u;
 std::vector<Texel> leaf_neighbours(const Bvh& bvh);
+
+// The same where only what came apart matters, at the cost of what moved: of the edges that `built` joins
+// (leaf_neighbours() of this tree before it was refitted), those join that coincide now. Parts that have come
+// together since are not joined, which costs proofs and spoils none. `leaves` are those that a refit() has
+// written since `neighbours` was right, which both lists have one texel for each of the tree's. Returns
+// whether any of its words is another one now.
+bool refit_neighbours(const Bvh& bvh, std::span<const uint32_t> leaves, std::span<const Texel> built,
+                      std::span<Texel> neighbours);
 
 struct Ray {
     float origin[3];

@@ -292,8 +292,9 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
     if (pairs.empty()) {
         bvh.nodes.resize(3);
         bvh.leaves.resize(3);
-        encode(WideNode{}, bvh.nodes.data());
         bvh.child_counts.resize(1);
+        bvh.bounds.resize(1);
+        put_node(bvh, 0, WideNode{});
         return bvh;
     }
 
@@ -311,7 +312,11 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
 
     std::vector<Box> boxes;
     boxes.reserve(pairs.size());
-    for (const Corners& c : pairs) boxes.push_back(leaf_box(triangles, c));
+    for (const Corners& c : pairs) {
+        Texel leaf[3];
+        encode_leaf(triangles, c, leaf);
+        boxes.push_back(leaf_box(leaf));
+    }
     BinaryTree tree(std::move(boxes), step);
     const auto moved = [&](double of_moves) {
         if (progress) progress(binary + (better - binary) * of_moves);
@@ -325,6 +330,7 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
     bvh.leaves.resize(pairs.size() * 3);
     bvh.nodes.resize(3);
     bvh.child_counts.resize(1);
+    bvh.bounds.resize(1);
     struct Work {
         uint32_t binary, wide, level;
     };
@@ -348,6 +354,7 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
         node.first_leaf = uint32_t(bvh.corners.size());
         bvh.nodes.resize(bvh.nodes.size() + size_t(node.nodes) * 3);
         bvh.child_counts.resize(bvh.child_counts.size() + node.nodes);
+        bvh.bounds.resize(bvh.child_counts.size());
         bvh.child_counts[w.wide] = {uint8_t(node.nodes), uint8_t(node.leaves)};
         for (uint32_t k = 0; k < children.size(); ++k) {
             node.box[k] = tree.nodes[children[k]].box;
@@ -360,7 +367,7 @@ Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> obj
                 step();
             }
         }
-        encode(node, &bvh.nodes[size_t(w.wide) * 3]);
+        put_node(bvh, w.wide, node);
     }
     return bvh;
 }

@@ -72,7 +72,8 @@ inline const float* corner(std::span<const Triangle> triangles, uint32_t c) {
 // units in the last place of their distance from the ray's origin; the part of it that grows with the
 // distance is covered by the slab test's factor, the part that grows with the triangle by this. Without it a
 // ray along a shared edge can be turned away by the box of the one triangle whose rounded form it meets.
-Box leaf_box(std::span<const Triangle> triangles, const Corners& corners);
+// Empty where the texels are zeros: nothing is left of such a leaf.
+Box leaf_box(const Texel leaf[3]);
 
 // Numbers equal positions equally, by their first occurrence: an open-addressing table.
 std::vector<uint32_t> position_numbers(std::span<const std::array<float, 3>> positions);
@@ -89,7 +90,8 @@ struct WideNode {
     uint32_t axis = 0;
 };
 
-void encode(const WideNode& node, Texel out[3]);
+// Into the texels and bounds of the tree's node `i`.
+void put_node(Bvh& bvh, uint32_t i, const WideNode& node);
 void encode_leaf(std::span<const Triangle> triangles, const Corners& corners, Texel out[3]);
 
 }  // namespace penumbra::bvh_detail

@@ -25,6 +25,13 @@ struct Side {
 // Corners of a leaf's triangles, as numbers of its vertices.
 constexpr uint32_t corner_vertex[2][3] = {{0, 1, 2}, {2, 1, 3}};
 
+std::array<float, 3> vertex(const Bvh& bvh, uint32_t leaf, uint32_t i) {
+    std::array<float, 3> p;
+    for (uint32_t a = 0; a < 3; ++a)
+        p[a] = std::bit_cast<float>(bvh.leaves[size_t(leaf) * 3 + (i * 3 + a) / 4][(i * 3 + a) % 4]);
+    return p;
+}
+
 uint32_t word_of(const Side& side, bool same_way) {
     return side.triangle >> 1 << 4 | uint32_t(same_way) << 3 | (side.triangle & 1) << 2 | side.corner;
 }
@@ -36,16 +43,32 @@ uint32_t slot_of(const Side& side, bool pair) {
     return side.corner == 2 ? ~0u : side.corner + 2;
 }
 
+// The edge that a word of `leaf` belongs to: which of the leaf's triangles, and the corner opposite to it.
+struct LeafEdge {
+    uint32_t leaf, which, corner;
+
+    size_t slot(bool pair) const { return slot_of({0, 0, leaf << 1 | which, corner}, pair); }
+};
+
+LeafEdge edge_of(uint32_t leaf, uint32_t slot, bool pair) {
+    if (slot < 2) return {leaf, 0, 2 - slot};
+    return pair ? LeafEdge{leaf, 1, slot - 2} : LeafEdge{leaf, 0, 0};
+}
+
+std::array<std::array<float, 3>, 2> ends(const Bvh& bvh, const LeafEdge& edge) {
+    const auto end = [&](uint32_t k) {
+        return vertex(bvh, edge.leaf, corner_vertex[edge.which][(edge.corner + k) % 3]);
+    };
+    return {end(1), end(2)};
+}
+
 }  // namespace
 
 std::vector<Texel> leaf_neighbours(const Bvh& bvh) {
     const uint32_t leaves = uint32_t(bvh.leaves.size() / 3);
     std::vector<std::array<float, 3>> positions(size_t(leaves) * 4);
     for (size_t i = 0; i < positions.size(); ++i)
-        for (size_t a = 0; a < 3; ++a) {
-            const size_t word = i % 4 * 3 + a;
-            positions[i][a] = std::bit_cast<float>(bvh.leaves[i / 4 * 3 + word / 4][word % 4]);
-        }
+        positions[i] = vertex(bvh, uint32_t(i / 4), uint32_t(i % 4));
     const std::vector<uint32_t> number = position_numbers(positions);
     const auto is_pair = [&](uint32_t leaf) { return number[leaf * 4 + 2] != number[leaf * 4 + 3]; };
 
@@ -89,6 +112,35 @@ std::vector<Texel> leaf_neighbours(const Bvh& bvh) {
         }
     }
     return out;
+}
+
+bool refit_neighbours(const Bvh& bvh, std::span<const uint32_t> leaves, std::span<const Texel> built,
+                      std::span<Texel> neighbours) {
+    const auto was_pair = [&](uint32_t leaf) { return bvh.corners[leaf][2] != bvh.corners[leaf][3]; };
+    // A pair of which one half is left has other edges than its words tell of.
+    const auto is_whole = [&](uint32_t leaf) {
+        return !was_pair(leaf) || vertex(bvh, leaf, 2) != vertex(bvh, leaf, 3);
+    };
+    bool changed = false;
+    const auto put = [&](uint32_t& word, uint32_t now) {
+        changed = changed || word != now;
+        word = now;
+    };
+    for (const uint32_t leaf : leaves)
+        for (uint32_t slot = 0; slot < 4; ++slot) {
+            const uint32_t word = built[leaf][slot];
+            if (word == no_neighbour) continue;
+            const LeafEdge ours = edge_of(leaf, slot, was_pair(leaf)),
+                           theirs{word >> 4, word >> 2 & 1, word & 3};
+            auto here = ends(bvh, ours);
+            if ((word >> 3 & 1) == 0) std::swap(here[0], here[1]);
+            const bool joins =
+                is_whole(leaf) && is_whole(theirs.leaf) && here[0] != here[1] && here == ends(bvh, theirs);
+            const size_t back = theirs.slot(was_pair(theirs.leaf));
+            put(neighbours[leaf][slot], joins ? word : no_neighbour);
+            put(neighbours[theirs.leaf][back], joins ? built[theirs.leaf][back] : no_neighbour);
+        }
+    return changed;
 }
 
 }  // namespace penumbra

@@ -26,9 +26,14 @@ bool usable(const Triangle& t) {
 
 namespace bvh_detail {
 
-Box leaf_box(std::span<const Triangle> triangles, const Corners& corners) {
+Box leaf_box(const Texel leaf[3]) {
+    if (std::all_of(leaf, leaf + 3, [](const Texel& texel) { return texel == Texel{}; })) return {};
     Box box;
-    for (uint32_t c : corners) box.add(corner(triangles, c));
+    for (size_t i = 0; i < 4; ++i) {
+        float p[3];
+        for (size_t a = 0; a < 3; ++a) p[a] = std::bit_cast<float>(leaf[(3 * i + a) / 4][(3 * i + a) % 4]);
+        box.add(p);
+    }
     float longest = 0;
     for (int a = 0; a < 3; ++a) longest = std::max(longest, box.hi[a] - box.lo[a]);
     const float pad = longest * 0x1p-20f;

@@ -58,6 +58,12 @@ void write_buffer(const Device& device, VkDescriptorSet set, uint32_t binding, c
     write(device, set, binding, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, &info, nullptr);
 }
 
+void write_part(const Device& device, VkDescriptorSet set, uint32_t binding, const GpuBuffer& buffer,
+                VkDeviceSize bytes) {
+    const VkDescriptorBufferInfo info{buffer.get(), 0, bytes};
+    write(device, set, binding, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, &info, nullptr);
+}
+
 void write_image(const Device& device, VkDescriptorSet set, uint32_t binding, VkSampler sampler,
                  VkImageView view) {
     const VkDescriptorImageInfo info{sampler, view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};

@@ -23,6 +23,9 @@ DescriptorSets make_descriptor_sets(const Device& device,
 
 // A whole buffer, or an image in SHADER_READ_ONLY_OPTIMAL, for a binding of one descriptor.
 void write_buffer(const Device& device, VkDescriptorSet set, uint32_t binding, const GpuBuffer& buffer);
+// So much of a uniform buffer, from an offset that is given when the set is bound.
+void write_part(const Device& device, VkDescriptorSet set, uint32_t binding, const GpuBuffer& buffer,
+                VkDeviceSize bytes);
 void write_image(const Device& device, VkDescriptorSet set, uint32_t binding, VkSampler sampler,
                  VkImageView view);
 

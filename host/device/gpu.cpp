@@ -194,13 +194,32 @@ GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBuffe
     const VkDeviceSize bytes = std::max<VkDeviceSize>(data.size(), 16);
     GpuBuffer result = make_device_buffer(device, bytes, usage | VK_BUFFER_USAGE_TRANSFER_DST_BIT, what);
     GpuBuffer staging = make_host_buffer(device, bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, what);
-    std::memset(staging.mapped, 0, bytes);
     if (!data.empty()) std::memcpy(staging.mapped, data.data(), data.size());
+    std::memset(static_cast<std::byte*>(staging.mapped) + data.size(), 0, bytes - data.size());
     device.run([&](VkCommandBuffer commands) {
         const VkBufferCopy region{0, 0, bytes};
         vkCmdCopyBuffer(commands, staging.get(), result.get(), 1, &region);
     });
     return result;
+}
+
+void update_buffer(Device& device, const GpuBuffer& buffer, std::span<const std::byte> data,
+                   size_t element_bytes, std::span<const uint32_t> elements, std::string_view what) {
+    if (elements.empty()) return;
+    const GpuBuffer staging =
+        make_host_buffer(device, elements.size() * element_bytes, VK_BUFFER_USAGE_TRANSFER_SRC_BIT, what);
+    std::vector<VkBufferCopy> regions;
+    for (size_t i = 0; i < elements.size(); ++i) {
+        const VkDeviceSize from = i * element_bytes, to = elements[i] * element_bytes;
+        std::memcpy(static_cast<std::byte*>(staging.mapped) + from, data.data() + to, element_bytes);
+        if (i > 0 && elements[i] == elements[i - 1] + 1)
+            regions.back().size += element_bytes;
+        else
+            regions.push_back({from, to, element_bytes});
+    }
+    device.run([&](VkCommandBuffer commands) {
+        vkCmdCopyBuffer(commands, staging.get(), buffer.get(), uint32_t(regions.size()), regions.data());
+    });
 }
 
 namespace {

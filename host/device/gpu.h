@@ -58,6 +58,10 @@ Owned<VkImageView> make_layer_view(const Device& device, const GpuImage& image, 
 // A device buffer filled with `data` (at least 16 bytes are allocated, so that empty data has a buffer too).
 GpuBuffer upload_buffer(Device& device, std::span<const std::byte> data, VkBufferUsageFlags usage,
                         std::string_view what);
+// Writes some elements of so many bytes anew, by their numbers, ascending, into a buffer that was filled with
+// as much data.
+void update_buffer(Device& device, const GpuBuffer& buffer, std::span<const std::byte> data,
+                   size_t element_bytes, std::span<const uint32_t> elements, std::string_view what);
 // At least one texel; throws DeviceError, which names `what`, where the device's texel buffers hold fewer.
 GpuTexels upload_texels(Device& device, std::span<const std::byte> data, VkFormat format,
                         std::string_view what);

@@ -122,7 +122,6 @@ DrawConstants frame_constants(const FrameDescription& frame, VkExtent2D extent) 
             glm::vec4(ray_y, clip[3][2]),
             glm::vec4(ray_0, orthographic),
             glm::vec4(-axes[2], 0),
-            0,
             0};
 }
 
@@ -192,15 +191,15 @@ std::vector<const GpuImage*> GBuffer::color_images() const {
 
 void GBuffer::create_draw_records(uint32_t frames_in_flight) {
     VkDescriptorSetLayoutBinding binding{};
-    binding.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    binding.descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
     binding.descriptorCount = 1;
     binding.stageFlags = draw_constant_stages;
     draws_ = make_descriptor_sets(device_, {&binding, 1}, frames_in_flight, "draw records");
     const VkDeviceSize bytes = std::max<size_t>(items_.size(), 1) * sizeof(DrawRecord);
     for (uint32_t slot = 0; slot < frames_in_flight; ++slot) {
         records_.push_back(
-            make_host_buffer(device_, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "draw records"));
-        write_buffer(device_, draws_.sets[slot], 0, records_.back());
+            make_host_buffer(device_, bytes, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "draw records"));
+        write_part(device_, draws_.sets[slot], 0, records_.back(), sizeof(DrawRecord));
     }
 }
 
@@ -300,8 +299,6 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
     const VkExtent2D extent = images_.depth.extent;
     VkBuffer bound_vertices = VK_NULL_HANDLE;
     vkCmdBindIndexBuffer(commands, indices_.get(), 0, VK_INDEX_TYPE_UINT32);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 0, 1,
-                            &draws_.sets[slot], 0, nullptr);
     VkDescriptorSet bound = VK_NULL_HANDLE;
     VkPipeline drawn_with = VK_NULL_HANDLE;
     DrawConstants constants = frame_constants(frame, extent);
@@ -328,7 +325,9 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
             vkCmdBindVertexBuffers(commands, 0, 2, both, zeros);
             bound_vertices = now;
         }
-        constants.draw = static_cast<uint32_t>(i);
+        const auto record = static_cast<uint32_t>(i * sizeof(DrawRecord));
+        vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline_layout_.get(), 0, 1,
+                                &draws_.sets[slot], 1, &record);
         constants.least_alpha = item.least_alpha;
         vkCmdPushConstants(commands, pipeline_layout_.get(), draw_constant_stages, 0, sizeof(constants),
                            &constants);

@@ -20,6 +20,5 @@ layout(push_constant) uniform Constants {
     vec4 ray_y;  // w: depth_1
     vec4 ray_0;  // w: 1 of an orthographic camera, 0 of a perspective one
     vec4 ahead;  // w unused
-    uint draw;
     uint least_alpha;  // of 255; texels below it are not there
 } constants;

@@ -5,7 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gbuffer.glsl"
 
-layout(set = 0, binding = 0, std430) readonly buffer Draws { Draw draws[]; };
+layout(set = 0, binding = 0) uniform Drawn { Draw draw; };
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 winding_normal;
@@ -21,7 +21,6 @@ layout(location = 4) flat out float plane_offset;  // of the triangle's plane: n
 layout(location = 5) flat out uint hidden;         // 1: its back is before the viewer, who sees its front alone
 
 void main() {
-    const Draw draw = draws[constants.draw];
     const vec4 clip = draw.clip_from_local * vec4(position, 1.0);
     const vec4 prev = draw.prev_clip_from_local * vec4(prev_position, 1.0);
     clip_change = prev.xyw - clip.xyw;

@@ -18,7 +18,7 @@ inline constexpr std::array<VkFormat, 5> gbuffer_color_formats{
     VK_FORMAT_R8G8_UNORM, VK_FORMAT_R16G16B16A16_SFLOAT};
 inline constexpr size_t gbuffer_colors_without_materials = 3;
 
-// `Draw` of gbuffer.glsl, std430.
+// `Draw` of gbuffer.glsl, std140; as far apart as any device wants offsets of uniform buffers to be.
 struct DrawRecord {
     glm::mat4 clip_from_local, prev_clip_from_local;
     glm::vec4 world_from_local[3];  // a mat3: columns padded to 16 bytes
@@ -33,7 +33,6 @@ struct DrawConstants {
     glm::vec2 jitter_ndc;
     glm::vec2 ndc_per_pixel;
     glm::vec4 ray_x, ray_y, ray_0, ahead;
-    uint32_t draw;
     uint32_t least_alpha;
 };
 inline constexpr VkShaderStageFlags draw_constant_stages =

@@ -12,7 +12,7 @@ layout(constant_id = 0) const bool ALPHA_TESTED = false;
 
 layout(set = 1, binding = 0) uniform sampler2D base_color_texture;
 #ifdef MATERIALS
-layout(set = 0, binding = 0, std430) readonly buffer Draws { Draw draws[]; };
+layout(set = 0, binding = 0) uniform Drawn { Draw draw; };
 layout(set = 1, binding = 1) uniform sampler2D metallic_roughness_texture;
 layout(set = 1, binding = 2) uniform sampler2D emissive_texture;
 layout(location = 3) out vec2 out_material;  // metallic, perceptual roughness
@@ -53,8 +53,8 @@ float depth_of_plane(vec2 ndc) {
 void main() {
     const vec3 albedo = texture(base_color_texture, texture_uv).rgb * base_color;  // while all neighbours are there
 #ifdef MATERIALS
-    out_material = texture(metallic_roughness_texture, texture_uv).bg * draws[constants.draw].metallic_roughness.xy;
-    out_emissive = vec4(min(texture(emissive_texture, texture_uv).rgb * draws[constants.draw].emissive.rgb, largest_half), 1.0);
+    out_material = texture(metallic_roughness_texture, texture_uv).bg * draw.metallic_roughness.xy;
+    out_emissive = vec4(min(texture(emissive_texture, texture_uv).rgb * draw.emissive.rgb, largest_half), 1.0);
 #endif
     if (hidden != 0u || ALPHA_TESTED && is_hole()) discard;
     const vec2 ndc = gl_FragCoord.xy * constants.ndc_per_pixel - 1.0 - constants.jitter_ndc;

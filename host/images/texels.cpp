@@ -4,7 +4,7 @@
 #include "host/images/texels.h"
 
 #include <algorithm>
-#include <cmath>
+#include <bit>
 #include <cstring>
 #include <limits>
 
@@ -17,9 +17,9 @@ float small_float(uint32_t bits, uint32_t mantissa_bits) {
     const uint32_t exponent = bits >> mantissa_bits & 31;
     if (exponent == 31)
         return mantissa ? std::numeric_limits<float>::quiet_NaN() : std::numeric_limits<float>::infinity();
-    const float fraction = std::ldexp(static_cast<float>(mantissa), -static_cast<int>(mantissa_bits));
-    return exponent ? std::ldexp(1.0f + fraction, static_cast<int>(exponent) - 15)
-                    : std::ldexp(fraction, -14);
+    if (exponent == 0)
+        return 0x1p-14f * static_cast<float>(mantissa) / static_cast<float>(1u << mantissa_bits);
+    return std::bit_cast<float>((exponent + 127 - 15) << 23 | mantissa << (23 - mantissa_bits));
 }
 
 float half(uint32_t bits) {

@@ -296,8 +296,16 @@ void Scene::each_triangle(double frame, const Visit& visit) const {
     }
 }
 
+size_t Scene::triangle_count() const {
+    size_t count = 0;
+    for (const Instance& instance : instances_)
+        for (const Part& part : parts(instance)) count += part.indices.size() / 3;
+    return count;
+}
+
 std::vector<Triangle> Scene::triangles(double frame) const {
     std::vector<Triangle> out;
+    out.reserve(triangle_count());
     each_triangle(frame, [&](const Part& part, Triangle& triangle) {
         if (translucent(part))
             for (auto& corner : triangle.v) std::ranges::copy(triangle.v[0], corner);

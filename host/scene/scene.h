@@ -57,6 +57,7 @@ class Scene {
     std::vector<Triangle> translucent_triangles(double frame) const;
     // Per triangle, the index of its instance: what build_bvh() calls its object.
     std::vector<uint32_t> triangle_objects() const;
+    size_t triangle_count() const;
     // Whether a part lets light through (host/models/translucency.h), and whether any that is shown does.
     bool translucent(const Part& part) const {
         return part.material >= 0 && translucent_[static_cast<size_t>(part.material)];

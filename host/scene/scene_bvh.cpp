@@ -7,6 +7,12 @@
 
 namespace penumbra {
 
+namespace {
+
+constexpr const char *nodes_name = "the BVH's nodes", *leaves_name = "the BVH's leaves";
+
+}  // namespace
+
 SceneBvh::SceneBvh(Device& device, const Scene& scene, double frame, bool neighbours, TexelsAs as,
                    const std::function<void(double)>& progress)
     : device_(device), scene_(scene), frame_(frame), with_neighbours_(neighbours), as_(as) {
@@ -23,7 +29,8 @@ void SceneBvh::update(double frame) {
     if (!scene_.moved(frame_, frame)) return;
     frame_ = frame;
     const std::vector<Triangle> triangles = scene_.triangles(frame);
-    if (!follow(triangles)) build(triangles);
+    if (follow(triangles)) return;
+    build(triangles);
     upload_tree();
 }
 
@@ -42,18 +49,31 @@ bool SceneBvh::follow(const std::vector<Triangle>& triangles) {
     if (alpha_ && std::ranges::count_if(triangles, [](const Triangle& t) { return !usable(t); }) !=
                       std::ssize(bvh_.skipped))
         return false;
-    return refit(bvh_, triangles);
+    Refitted written;
+    if (!refit(bvh_, triangles, &written)) return false;
+    constexpr size_t bytes = 3 * sizeof(Texel);
+    update_buffer(device_, nodes_.buffer, std::as_bytes(std::span(bvh_.nodes)), bytes, written.nodes,
+                  nodes_name);
+    update_buffer(device_, leaves_.buffer, std::as_bytes(std::span(bvh_.leaves)), bytes, written.leaves,
+                  leaves_name);
+    if (with_neighbours_ && refit_neighbours(bvh_, written.leaves, built_neighbours_, neighbour_words_))
+        upload_neighbours();
+    return true;
 }
 
 void SceneBvh::upload_tree() {
     nodes_ = upload_texels_as(as_, device_, std::as_bytes(std::span(bvh_.nodes)), VK_FORMAT_R32G32B32A32_UINT,
-                              "the BVH's nodes");
+                              nodes_name);
     leaves_ = upload_texels_as(as_, device_, std::as_bytes(std::span(bvh_.leaves)),
-                               VK_FORMAT_R32G32B32A32_UINT, "the BVH's leaves");
+                               VK_FORMAT_R32G32B32A32_UINT, leaves_name);
     if (!with_neighbours_) return;
-    const std::vector<Texel> neighbours = leaf_neighbours(bvh_);
-    neighbours_ = upload_texels(device_, std::as_bytes(std::span(neighbours)), VK_FORMAT_R32G32B32A32_UINT,
-                                "the BVH's neighbours");
+    neighbour_words_ = built_neighbours_ = leaf_neighbours(bvh_);
+    upload_neighbours();
+}
+
+void SceneBvh::upload_neighbours() {
+    neighbours_ = upload_buffer(device_, std::as_bytes(std::span(neighbour_words_)),
+                                VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "the BVH's neighbours");
 }
 
 }  // namespace penumbra

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A scene's BVH on the device, as the texel buffers that a `scene` port reads, or storage buffers of the same
-// words: two, and two more where triangles are alpha-tested (scene_alpha.h); and as the texels of the input
-// `neighbours`. Follows moving objects: refitted, and rebuilt where the old shape cannot hold them.
+// words: two, and two more where triangles are alpha-tested (scene_alpha.h); and as the buffer of the input
+// `neighbours`. Follows moving objects, at the cost of what moves: refitted, and rebuilt where the old shape
+// cannot hold them.
 #pragma once
 
 #include <functional>
@@ -29,7 +30,7 @@ class SceneBvh {
     const GpuTexels& leaves() const { return leaves_; }
     const GpuTexels& alpha_uv() const { return alpha_uv_; }
     const GpuTexels& alpha_map() const { return alpha_map_; }
-    const GpuTexels& neighbours() const { return neighbours_; }  // none where they were not asked for
+    const GpuBuffer& neighbours() const { return neighbours_; }  // none where they were not asked for
     const Bvh& bvh() const { return bvh_; }
     uint32_t builds() const { return builds_; }  // so far: each has leaves of its own
 
@@ -37,6 +38,7 @@ class SceneBvh {
     void build(const std::vector<Triangle>& triangles, const std::function<void(double)>& progress = {});
     bool follow(const std::vector<Triangle>& triangles);
     void upload_tree();
+    void upload_neighbours();
 
     Device& device_;
     const Scene& scene_;
@@ -45,8 +47,10 @@ class SceneBvh {
     Bvh bvh_;
     bool with_neighbours_;
     TexelsAs as_;
+    std::vector<Texel> built_neighbours_, neighbour_words_;  // of the last build; of now
     std::optional<SceneAlpha> alpha_;
-    GpuTexels nodes_, leaves_, alpha_uv_, alpha_map_, neighbours_;
+    GpuTexels nodes_, leaves_, alpha_uv_, alpha_map_;
+    GpuBuffer neighbours_;
 };
 
 }  // namespace penumbra

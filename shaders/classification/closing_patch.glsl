@@ -25,7 +25,7 @@ bool covers(Walk walk, uint first) {
         const uint leaf = word >> 4;
         const bool second = (word & 4u) != 0u;
         const BvhLeaf corners = cone_leaf(cone, leaf);
-        const uvec4 across = texelFetch(neighbours, int(leaf));
+        const uvec4 across = neighbours[leaf];
         // Two triangles of a leaf are each other's neighbours; see host/bvh/bvh.h for the words of the other edges.
         const bool pair = corners.d != corners.c;
         vec3 a = second ? corners.c : corners.a, b = corners.b, c = second ? corners.d : corners.c;
