@@ -65,7 +65,7 @@ fi
 if manifest=$(scripts/swiftshader.sh); then
     echo "test: on SwiftShader"
     ulimit -v 8000000
-    VK_DRIVER_FILES=$manifest asked -L gpu -R '(^|/)RayStart\.|(^|/)CoverTwin\.|^TerrainStart\.TheTruthFinds|^GBufferTest\.DepthIs|^Gather\.|^Denoise\.(ComesFrom|DoesNotShow|Believes|Leaves)'
+    VK_DRIVER_FILES=$manifest asked -L gpu -R '(^|/)RayStart\.|(^|/)CoverTwin\.|^TerrainStart\.TheTruthFinds|^GBufferTest\.DepthIs|(^|/)BvhGpu\.|^Gather\.|^Denoise\.(ComesFrom|DoesNotShow|Believes|Leaves)'
 else
     echo "test: FAILED, since no GPU test ran on SwiftShader" >&2
     failed=1

@@ -50,14 +50,25 @@ class BvhGpu : public GpuTest {
             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
         compute.load(BVH_RAYS_SPV, bindings);
         cpu_device = compute.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+        VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+        VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
+        vkGetPhysicalDeviceProperties2(gpu().physical(), &all);
+        keeps_denormals = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;  // which does not promise it
         std::printf("device: %s\n", compute.properties().deviceName);
     }
 
     // A CPU device divides with correct rounding and must agree bit for bit. Vulkan allows others 2.5 ulp in
     // the ray's slopes; then the oracle has the last word, and at most this share of rays is open to it.
+    // Trees that the device's texel buffers cannot hold, which are what this shader reads, are not asked.
     void expect_equal(const std::string& name, const std::vector<Triangle>& triangles,
                       const std::vector<Ray>& rays, double most_differ = 1e-4) {
         const Bvh bvh = build_bvh(triangles);
+        const size_t most = compute.properties().limits.maxTexelBufferElements;
+        if (std::max(bvh.nodes.size(), bvh.leaves.size()) > most) {
+            std::printf("%s: more than the %zu texels of a buffer here\n", name.c_str(), most);
+            return;
+        }
+        ++asked;
         const std::vector<uint32_t> gpu = answers(compute, bvh, rays);
         size_t differ = 0, hits = 0;
         for (size_t i = 0; i < rays.size(); ++i) {
@@ -76,12 +87,14 @@ class BvhGpu : public GpuTest {
     }
 
     Compute compute{gpu()};
-    bool cpu_device = false;
+    bool cpu_device = false, keeps_denormals = false;
+    size_t asked = 0;  // scenes
 };
 
 TEST_F(BvhGpu, AnswersLikeTheReference) {
     for (const TriangleScene& s : all_scenes())
         expect_equal(s.name, s.triangles, shadow_rays(s.triangles, 250'000, 21));
+    EXPECT_GT(asked, all_scenes().size() / 2);
 }
 
 // Rays towards the small end of a tree as deep as they get: what they pass waits until they are down, and a
@@ -89,7 +102,7 @@ TEST_F(BvhGpu, AnswersLikeTheReference) {
 TEST_F(BvhGpu, DeepTreesAnswerLikeTheReference) {
     // A triangle's distance has products of three lengths, and Vulkan lets a device take what is below 2^-126
     // for 0. Of a small ray the largest triangles' planes lie within rounding of its start.
-    const int smallest = cpu_device ? -59 : -24;
+    const int smallest = keeps_denormals ? -59 : -24;
     for (const int copies : {6, 24}) {
         Random random(27);
         std::vector<Ray> rays;
