@@ -434,6 +434,11 @@ TEST(Bvh, RefitRefusesWhatTheOldTreeCannotHold) {
     std::vector<Triangle> apart = quads;
     for (auto& v : apart[1].v) v[2] += 1;
     EXPECT_FALSE(refit(bvh, apart));
+    // Of the second triangle a leaf holds one corner; the other two are the first's.
+    std::vector<Triangle> torn = quads;
+    torn[1].v[0][2] += 1;
+    torn[1].v[1][2] += 1;
+    EXPECT_FALSE(refit(bvh, torn));
     std::vector<Triangle> appeared = quads;
     appeared[2].v[0][0] = 4;
     EXPECT_FALSE(refit(bvh, appeared));

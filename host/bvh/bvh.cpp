@@ -106,13 +106,11 @@ struct Change {
     std::optional<Corners> corners;
 };
 
-// Whether a leaf says what its triangles are now. One without anything does not, of which zeros are all that
-// is known.
+// Whether a leaf says what its triangles are now.
 bool is_encoded(const Bvh& bvh, uint32_t leaf, std::span<const Triangle> triangles) {
     Texel now[3];
     encode_leaf(triangles, bvh.corners[leaf], now);
-    const Texel* then = &bvh.leaves[size_t(leaf) * 3];
-    return std::equal(now, now + 3, then) && now[0] != Texel{};
+    return std::equal(now, now + 3, &bvh.leaves[size_t(leaf) * 3]);
 }
 
 Box bounds_of(const Bvh& bvh, uint32_t node) {
