@@ -168,9 +168,12 @@ TEST(LeafNeighbours, AreRefittedToWhatMakingThemAnewGives) {
     std::vector<Triangle> start;
     std::vector<uint32_t> objects;
     for (uint32_t i = 0; i < 5; ++i)
-        for (Triangle t : ball) {
-            for (auto& v : t.v) v[0] += 3 * float(i);
-            start.push_back(t);
+        for (const Triangle& t : ball) {
+            Triangle& turned = start.emplace_back();  // whose corners begin anywhere
+            for (size_t k = 0; k < 3; ++k) {
+                std::copy_n(t.v[(k + start.size()) % 3], 3, turned.v[k]);
+                turned.v[k][0] += 3 * float(i);
+            }
             objects.push_back(i);
         }
     Bvh bvh = build_bvh(start, objects);
@@ -181,7 +184,7 @@ TEST(LeafNeighbours, AreRefittedToWhatMakingThemAnewGives) {
         for (size_t i = 0; i < out.size(); ++i) {
             if (!(which >> objects[i] & 1)) continue;
             for (auto& v : out[i].v) v[1] = v[1] * (1 - 0.1f * by) + by;
-            if (broken && i % broken == 0) out[i].v[1][2] = std::numeric_limits<float>::quiet_NaN();
+            if (broken && i % broken == 0) out[i].v[i % 3][2] = std::numeric_limits<float>::quiet_NaN();
         }
         return out;
     };
