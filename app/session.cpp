@@ -40,11 +40,15 @@ FrameCost Session::repeat_frame() {
 }
 
 void Session::update_surfaces(double moment, double previous) {
-    resources_.surfaces->update(
-        moment, previous, resources_.bvh ? &resources_.bvh->bvh() : nullptr,
-        resources_.tlas ? resources_.tlas->first_triangles() : std::vector<uint32_t>{});
+    const uint32_t builds = resources_.bvh ? resources_.bvh->builds() : 0;
+    if (surfaces_builds_ == builds)
+        resources_.surfaces->move(moment, previous);
+    else
+        resources_.surfaces->make(
+            moment, previous, resources_.bvh ? &resources_.bvh->bvh() : nullptr,
+            resources_.tlas ? resources_.tlas->first_triangles() : std::vector<uint32_t>{});
     surfaces_moments_ = {moment, previous};
-    surfaces_builds_ = resources_.bvh ? resources_.bvh->builds() : 0;
+    surfaces_builds_ = builds;
 }
 
 void Session::draw_cascades(uint32_t index, FrameCost& cost) {
@@ -104,7 +108,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     if (resources_.surfaces) {
         const auto moved = [&](double a, double b) { return host_->scene().moved(a, b); };
         if (moved(surfaces_moments_[0], moment) || moved(surfaces_moments_[0], surfaces_moments_[1]) ||
-            moved(previous, moment) || (resources_.bvh && surfaces_builds_ != resources_.bvh->builds()))
+            moved(previous, moment) || (resources_.bvh && *surfaces_builds_ != resources_.bvh->builds()))
             update_surfaces(moment, previous);
     }
     resources_.blocks->write(frame);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "host/materials/hit_surfaces.h"
 
+#include <algorithm>
 #include <bit>
 #include <map>
 #include <stdexcept>
@@ -9,6 +10,7 @@ namespace penumbra {
 namespace {
 
 constexpr uint32_t no_texture = ~0u, moves_bit = 1u << 31;
+constexpr const char* what = "the surfaces that rays hit";
 
 uint32_t bits(float value) {
     return std::bit_cast<uint32_t>(value);
@@ -78,24 +80,18 @@ std::vector<uint32_t> leaf_words(const Bvh& bvh) {
 
 SurfaceTexels make_surface_texels(const Scene& scene, double frame, double previous, const Bvh* bvh,
                                   std::span<const uint32_t> first_triangles) {
-    const std::vector<Triangle> triangles = scene.triangles(frame);
-    const std::vector<Corners> corners = triangle_corners(scene);
-    const std::vector<uint32_t> objects = scene.triangle_objects();
-    const std::vector<glm::dmat4> here = scene.transforms(frame), before = scene.transforms(previous);
-
     SurfaceTexels out;
     out.surfaces.push_back({});
-    for (size_t t = 0; t < triangles.size(); ++t) {
-        uint32_t words[16];
-        for (size_t i = 0; i < 9; ++i) words[i] = bits(triangles[t].v[i / 3][i % 3]);
+    for (const Corners& corners : triangle_corners(scene)) {
+        uint32_t words[16]{};
         for (size_t k = 0; k < 3; ++k) {
-            words[9 + 2 * k] = bits(corners[t].uv[k].x);
-            words[10 + 2 * k] = bits(corners[t].uv[k].y);
+            words[9 + 2 * k] = bits(corners.uv[k].x);
+            words[10 + 2 * k] = bits(corners.uv[k].y);
         }
-        const auto node = static_cast<size_t>(scene.instances()[objects[t]].node);
-        words[15] = corners[t].material | (here[node] != before[node] ? moves_bit : 0);
+        words[15] = corners.material;
         append_words(out.surfaces, words);
     }
+    move_surface_texels(scene, frame, previous, out.surfaces);
     const auto place = [&] { return static_cast<uint32_t>(out.surfaces.size()); };
     out.surfaces[0][0] = place();
     if (bvh) append_words(out.surfaces, leaf_words(*bvh));
@@ -116,15 +112,46 @@ SurfaceTexels make_surface_texels(const Scene& scene, double frame, double previ
     return out;
 }
 
-void HitSurfaces::update(double frame, double previous, const Bvh* bvh,
-                         std::span<const uint32_t> first_triangles) {
+std::vector<uint32_t> move_surface_texels(const Scene& scene, double frame, double previous,
+                                          std::span<Texel> surfaces) {
+    const std::vector<Triangle> triangles = scene.triangles(frame);
+    const std::vector<uint32_t> objects = scene.triangle_objects();
+    const std::vector<glm::dmat4> here = scene.transforms(frame), before = scene.transforms(previous);
+    std::vector<bool> moves;
+    for (const Instance& instance : scene.instances())
+        moves.push_back(here[static_cast<size_t>(instance.node)] !=
+                        before[static_cast<size_t>(instance.node)]);
+
+    std::vector<uint32_t> written;
+    for (size_t t = 0; t < triangles.size(); ++t) {
+        const size_t first = 1 + 4 * t;
+        std::array<Texel, 4> now;
+        std::copy_n(&surfaces[first], 4, now.begin());
+        for (size_t i = 0; i < 9; ++i) now[i / 4][i % 4] = bits(triangles[t].v[i / 3][i % 3]);
+        now[3][3] = (now[3][3] & ~moves_bit) | (moves[objects[t]] ? moves_bit : 0);
+        for (size_t k = 0; k < 4; ++k) {
+            if (surfaces[first + k] == now[k]) continue;
+            surfaces[first + k] = now[k];
+            written.push_back(static_cast<uint32_t>(first + k));
+        }
+    }
+    return written;
+}
+
+void HitSurfaces::make(double frame, double previous, const Bvh* bvh,
+                       std::span<const uint32_t> first_triangles) {
     SurfaceTexels made = make_surface_texels(scene_, frame, previous, bvh, first_triangles);
-    surfaces_ = upload_texels(device_, std::as_bytes(std::span(made.surfaces)), VK_FORMAT_R32G32B32A32_UINT,
-                              "the surfaces that rays hit");
+    made_ = std::move(made.surfaces);
+    surfaces_ = upload_texels(device_, std::as_bytes(std::span(made_)), VK_FORMAT_R32G32B32A32_UINT, what);
     if (made.texels.empty()) made.texels.push_back(0);  // a view is of something
     if (!texels_.view.get())
         texels_ = upload_texels(device_, std::as_bytes(std::span(made.texels)), VK_FORMAT_R32_UINT,
                                 "the textures that rays hit");
+}
+
+void HitSurfaces::move(double frame, double previous) {
+    const std::vector<uint32_t> written = move_surface_texels(scene_, frame, previous, made_);
+    update_buffer(device_, surfaces_.buffer, std::as_bytes(std::span(made_)), sizeof(Texel), written, what);
 }
 
 }  // namespace penumbra

@@ -68,7 +68,11 @@ SceneTranslucents make_scene_translucents(const Scene& scene) {
 }
 
 TranslucentTree::TranslucentTree(Device& device, const Scene& scene, double frame)
-    : device_(device), scene_(scene), frame_(frame), translucents_(make_scene_translucents(scene)) {
+    : device_(device),
+      scene_(scene),
+      frame_(frame),
+      triangles_(scene.translucent_triangles(frame)),
+      translucents_(make_scene_translucents(scene)) {
     std::vector<uint32_t> words = translucents_.map;
     if (words.empty()) words.push_back(0);  // a view is of something
     texels_ = upload_texels(device, std::as_bytes(std::span(words)), VK_FORMAT_R32_UINT,
@@ -79,12 +83,15 @@ TranslucentTree::TranslucentTree(Device& device, const Scene& scene, double fram
 void TranslucentTree::update(double frame) {
     if (!scene_.moved(frame_, frame)) return;
     frame_ = frame;
+    std::vector<Triangle> now = scene_.translucent_triangles(frame);
+    const auto bytes = [](const std::vector<Triangle>& of) { return std::as_bytes(std::span(of)); };
+    if (std::ranges::equal(bytes(now), bytes(triangles_))) return;  // something opaque has moved
+    triangles_ = std::move(now);
     build();
 }
 
 void TranslucentTree::build() {
-    const std::vector<Triangle> triangles = scene_.translucent_triangles(frame_);
-    const std::vector<Texel> texels = tree_texels(build_bvh(triangles), translucents_, triangles);
+    const std::vector<Texel> texels = tree_texels(build_bvh(triangles_), translucents_, triangles_);
     tree_ = upload_texels(device_, std::as_bytes(std::span(texels)), VK_FORMAT_R32G32B32A32_UINT,
                           "the tree of translucent triangles");
 }

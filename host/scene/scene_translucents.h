@@ -54,6 +54,7 @@ class TranslucentTree {
     Device& device_;
     const Scene& scene_;
     double frame_;
+    std::vector<Triangle> triangles_;
     SceneTranslucents translucents_;
     GpuTexels tree_, texels_;
 };

@@ -157,6 +157,18 @@ TEST_F(Materials, AHitFindsItsTriangle) {
     EXPECT_EQ(word(materials + 6, 8), 0u);
     EXPECT_EQ(word(materials + 6, 9), 2u | 1u << 16) << "3x2 texels";
     EXPECT_EQ(made.texels, (std::vector<uint32_t>{1, 2, 3, 4, 5, 6}));
+
+    // Moved, they are what they would be made as; all of the other box stays.
+    std::vector<Texel> surfaces = make_surface_texels(scene, 0, 0, &bvh, instances).surfaces;
+    const std::vector<Texel> before = surfaces;
+    const std::vector<uint32_t> written = move_surface_texels(scene, 1, 0, surfaces);
+    EXPECT_EQ(surfaces, made.surfaces);
+    std::vector<uint32_t> unlike;
+    for (uint32_t i = 0; i < surfaces.size(); ++i)
+        if (surfaces[i] != before[i]) unlike.push_back(i);
+    EXPECT_EQ(written, unlike);
+    ASSERT_FALSE(written.empty());
+    EXPECT_GE(written.front(), 1u + 4 * 12);
 }
 
 TEST_F(Materials, EnvironmentsAreRead) {
