@@ -139,15 +139,20 @@ TEST(LeafNeighbours, KeepTheSidesOfADoubleSheetApart) {
     EXPECT_GT(joined, 0u);
 }
 
-TEST(LeafNeighbours, FollowARefitThatTakesPartsApart) {
+// Side by side, two triangles each.
+std::vector<Triangle> four_squares() {
     std::vector<Triangle> strip;
-    std::vector<uint32_t> objects;
     for (int x = 0; x < 4; ++x) {
         const float a = float(x), b = float(x + 1);
         strip.push_back({{{a, 0, 0}, {b, 0, 0}, {a, 0, 1}}});
         strip.push_back({{{b, 0, 0}, {b, 0, 1}, {a, 0, 1}}});
-        objects.insert(objects.end(), 2, uint32_t(x));
     }
+    return strip;
+}
+
+TEST(LeafNeighbours, FollowARefitThatTakesPartsApart) {
+    const std::vector<uint32_t> objects{0, 0, 1, 1, 2, 2, 3, 3};
+    std::vector<Triangle> strip = four_squares();
     Bvh bvh = build_bvh(strip, objects);
     const auto joined = [&] {
         const std::vector<Texel> words = leaf_neighbours(bvh);
@@ -213,14 +218,8 @@ TEST(LeafNeighbours, AreRefittedToWhatMakingThemAnewGives) {
 }
 
 TEST(LeafNeighbours, AreLostWhereEdgesComeApartAndBackWhereTheyMeetAgain) {
-    std::vector<Triangle> strip;
-    std::vector<uint32_t> objects;
-    for (int x = 0; x < 4; ++x) {
-        const float a = float(x), b = float(x + 1);
-        strip.push_back({{{a, 0, 0}, {b, 0, 0}, {a, 0, 1}}});
-        strip.push_back({{{b, 0, 0}, {b, 0, 1}, {a, 0, 1}}});
-        objects.insert(objects.end(), 2, uint32_t(x));
-    }
+    const std::vector<Triangle> strip = four_squares();
+    const std::vector<uint32_t> objects{0, 0, 1, 1, 2, 2, 3, 3};
     Bvh bvh = build_bvh(strip, objects);
     const std::vector<Texel> built = leaf_neighbours(bvh);
     std::vector<Texel> words = built, apart;
