@@ -108,7 +108,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     if (resources_.surfaces) {
         const auto moved = [&](double a, double b) { return host_->scene().moved(a, b); };
         if (moved(surfaces_moments_[0], moment) || moved(surfaces_moments_[0], surfaces_moments_[1]) ||
-            moved(previous, moment) || (resources_.bvh && *surfaces_builds_ != resources_.bvh->builds()))
+            moved(previous, moment) || (resources_.bvh && surfaces_builds_ != resources_.bvh->builds()))
             update_surfaces(moment, previous);
     }
     resources_.blocks->write(frame);

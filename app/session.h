@@ -139,7 +139,7 @@ class Session {
     double traced_moment_ = 0;  // the moment that these stand at, but for the tree, which others move, too
     // What the surfaces of hits were made for: SceneBvh::builds(), and the frame's moment and its previous
     // one's.
-    std::optional<uint32_t> surfaces_builds_;  // of the tree that they were made with
+    std::optional<uint32_t> surfaces_builds_;
     std::array<double, 2> surfaces_moments_{};
     std::unique_ptr<View> view_;
 };

@@ -167,7 +167,7 @@ TEST(LeafNeighbours, FollowARefitThatTakesPartsApart) {
     EXPECT_EQ(joined(), 4);
 }
 
-// Balls of which some turn, shrink or lose triangles in each step, two of them from a place that they share.
+// Balls of which some move, shrink or lose triangles in each step.
 TEST(LeafNeighbours, AreRefittedToWhatMakingThemAnewGives) {
     const std::vector<Triangle> ball = sphere(7, 10, false);
     std::vector<Triangle> start;

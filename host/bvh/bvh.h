@@ -78,14 +78,16 @@ bool usable(const Triangle& triangle);
 Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects = {},
               const std::function<void(double)>& progress = {});
 
+// What refit() has written: numbers of nodes and leaves, of 3 texels each, ascending.
+struct Refitted {
+    std::vector<uint32_t> nodes, leaves;
+};
+
 // Moves the leaves to new vertex positions and fits all boxes; the tree's shape stays, so its quality decays
 // with the distance moved. `triangles` must be as many as at the build. False, with `bvh` unchanged, where
 // the old shape cannot hold the new triangles: a paired edge came apart, or a triangle that was skipped is
 // usable now. A triangle that became unusable is left out until it is usable again. Nodes and leaves that
 // hold nothing that moved are not written; `written`, if given, becomes those that are.
-struct Refitted {
-    std::vector<uint32_t> nodes, leaves;  // ascending; 3 texels each
-};
 bool refit(Bvh& bvh, std::span<const Triangle> triangles, Refitted* written = nullptr);
 
 // One texel per leaf: what lies across its outer edges, for shaders/classification/closing_patch.glsl. The
