@@ -175,9 +175,10 @@ struct Seen {
 };
 
 Seen render(const Model& model, const std::vector<std::string>& settings = {},
-            std::optional<uint32_t> poison = {}) {
+            std::optional<uint32_t> poison = {}, const decltype(Shot::objects)& moving = {}) {
     const SceneFile file("floor.glb", to_glb(model));
-    const Shot shot = shot_of(file.path());
+    Shot shot = shot_of(file.path());
+    shot.objects = moving;
     SessionOptions options;
     options.size = shot.size;
     options.optimum = options.jitter = false;
@@ -308,6 +309,20 @@ TEST_F(Transmit, OpaqueInFrontOfAPaneAndBehindItKeepsItsExactShadow) {
     }
     EXPECT_GT(dark, 1000u);
     EXPECT_GT(between, 500u);
+}
+
+// With something opaque that moves, and without.
+TEST_F(Transmit, FollowsAPaneThatMoves) {
+    const glm::dvec3 color(0.9, 0.35, 0.1);
+    Model model = floor_with({glass(color)});
+    add(model, "pane", sheet(-30, 0, sheet_height), 1);
+    add(model, "opaque", sheet(-30, -29, sheet_height), 0);
+    const auto from = [](double x) { return ObjectMotion{{}, {{0, {x, 0, 0}, {}}, {1, {0, 0, 0}, {}}}}; };
+    const Seen stands = render(model), beside = render(model, {}, {}, {{"opaque", from(-9)}}),
+               moved = render(model, {}, {}, {{"opaque", from(-9)}, {"pane", from(-9)}});
+    EXPECT_TRUE(beside.bytes == stands.bytes);
+    EXPECT_TRUE(moved.bytes == stands.bytes);
+    EXPECT_NE(std::ranges::count(stands.color, glm::dvec3(1)), std::ssize(stands.color));
 }
 
 // An opaque edge, and a pane's beside it, over what the first leaves of the sun: the mean transmittance of
