@@ -154,7 +154,7 @@ Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& dev
     target.extent = {size[0], size[1]};
     target.facts = facts;
     target.device = device;
-    target.inputs = {{"depth", {Format::d32, target.extent}},
+    target.inputs = {{"depth", {Format::r32f, target.extent}},
                      {"normal", {Format::rgba32f, target.extent}},
                      {"motion", {Format::rgba16f, target.extent}},
                      {"albedo", {Format::rgba8, target.extent}},

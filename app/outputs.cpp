@@ -128,7 +128,7 @@ Texels host_texels(Device& device, const Session& session, const std::string& na
                             : name == "normal" ? images.normal
                             : name == "motion" ? images.motion
                                                : images.albedo;
-    const Format format = name == "depth"    ? Format::d32
+    const Format format = name == "depth"    ? Format::r32f
                           : name == "normal" ? Format::rgba32f
                           : name == "motion" ? Format::rgba16f
                                              : Format::rgba8;

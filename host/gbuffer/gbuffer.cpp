@@ -9,8 +9,6 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <stdexcept>
 
-#include "host/gbuffer/gbuffer_pipeline.h"
-
 namespace penumbra {
 
 namespace {
@@ -86,12 +84,10 @@ void begin_writing(VkCommandBuffer commands, std::span<const GpuImage* const> im
 void hand_over(VkCommandBuffer commands, std::span<const GpuImage* const> images) {
     std::vector<VkImageMemoryBarrier2> list;
     for (const GpuImage* image : images) {
-        const bool depth = is_depth(image->format);
         VkImageMemoryBarrier2& barrier =
             list.emplace_back(transition(*image, VK_IMAGE_LAYOUT_ATTACHMENT_OPTIMAL, GBuffer::final_layout));
-        barrier.srcStageMask = depth ? depth_stages : VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
-        barrier.srcAccessMask =
-            depth ? VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT : VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+        barrier.srcStageMask = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+        barrier.srcAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
         barrier.dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |
                                VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT;
         barrier.dstAccessMask = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
@@ -128,8 +124,9 @@ DrawConstants frame_constants(const FrameDescription& frame, VkExtent2D extent) 
 }  // namespace
 
 uint64_t gbuffer_bytes_per_pixel() {
-    uint64_t bytes = texel_bytes(gbuffer_depth_format);
-    for (size_t i = 0; i < 3; ++i) bytes += texel_bytes(gbuffer_color_formats[i]);
+    uint64_t bytes = texel_bytes(gbuffer_test_format);
+    for (size_t i = 0; i < gbuffer_colors_without_materials; ++i)
+        bytes += texel_bytes(gbuffer_color_formats[i]);
     return bytes;
 }
 
@@ -156,7 +153,7 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
                     ? least_opaque_alpha(scene.model().materials[static_cast<size_t>(material)])
                     : 0;
             DrawItem& item = items_.emplace_back();
-            item = {instance, &parts[i], geometry.meshes[mesh][i], least_alpha, {}, {}};
+            item = {instance, &parts[i], geometry.meshes[mesh][i], least_alpha, VK_NULL_HANDLE, {}, {}};
             if (!scene.deforms(instance, parts[i])) continue;
             for (auto* list : {&item.vertices, &item.prev_vertices})
                 for (uint32_t slot = 0; slot < frames_in_flight; ++slot)
@@ -167,24 +164,25 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
     }
     create_images(extent);
     create_draw_records(frames_in_flight);
-    create_pipeline();
+    create_pipelines();
 }
 
 void GBuffer::create_images(VkExtent2D extent) {
     constexpr VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     constexpr VkImageUsageFlags color = read | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-    images_.depth = make_image(device_, gbuffer_depth_format, extent, 1,
-                               read | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, "depth");
-    images_.normal = make_image(device_, gbuffer_color_formats[0], extent, 1, color, "normal");
-    images_.motion = make_image(device_, gbuffer_color_formats[1], extent, 1, color, "motion");
-    images_.albedo = make_image(device_, gbuffer_color_formats[2], extent, 1, color, "albedo");
+    tested_ = make_image(device_, gbuffer_test_format, extent, 1, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT,
+                         "depth that is tested");
+    images_.depth = make_image(device_, gbuffer_color_formats[0], extent, 1, color, "depth");
+    images_.normal = make_image(device_, gbuffer_color_formats[1], extent, 1, color, "normal");
+    images_.motion = make_image(device_, gbuffer_color_formats[2], extent, 1, color, "motion");
+    images_.albedo = make_image(device_, gbuffer_color_formats[3], extent, 1, color, "albedo");
     if (!materials_) return;
-    images_.material = make_image(device_, gbuffer_color_formats[3], extent, 1, color, "material");
-    images_.emissive = make_image(device_, gbuffer_color_formats[4], extent, 1, color, "emissive");
+    images_.material = make_image(device_, gbuffer_color_formats[4], extent, 1, color, "material");
+    images_.emissive = make_image(device_, gbuffer_color_formats[5], extent, 1, color, "emissive");
 }
 
 std::vector<const GpuImage*> GBuffer::color_images() const {
-    std::vector<const GpuImage*> images{&images_.normal, &images_.motion, &images_.albedo};
+    std::vector<const GpuImage*> images{&images_.depth, &images_.normal, &images_.motion, &images_.albedo};
     if (materials_) images.insert(images.end(), {&images_.material, &images_.emissive});
     return images;
 }
@@ -203,17 +201,18 @@ void GBuffer::create_draw_records(uint32_t frames_in_flight) {
     }
 }
 
-void GBuffer::create_pipeline() {
+void GBuffer::create_pipelines() {
     const VkDescriptorSetLayout sets[] = {draws_.layout.get(), textures_.layout()};
     pipeline_layout_ =
         make_pipeline_layout(device_, sets, draw_constant_stages, sizeof(DrawConstants), "G-buffer");
-    const auto made = [&](bool alpha_tested) {
-        return make_gbuffer_pipeline(device_, pipeline_layout_.get(), images_.depth.extent, alpha_tested,
-                                     materials_);
-    };
-    opaque_ = made(false);
-    if (std::ranges::any_of(items_, [](const DrawItem& item) { return item.least_alpha > 0; }))
-        alpha_tested_ = made(true);
+    for (DrawItem& item : items_) {
+        const DrawnAs as{item.least_alpha > 0, textures_.textured(item.part->material)};
+        Owned<VkPipeline>& pipeline = pipelines_[as];
+        if (!pipeline)
+            pipeline =
+                make_gbuffer_pipeline(device_, pipeline_layout_.get(), images_.depth.extent, as, materials_);
+        item.pipeline = pipeline.get();
+    }
 }
 
 void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
@@ -277,12 +276,14 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
     write_draw_records(frame, world, prev_world, origin, slot);
     write_deformed(frame, slot);
 
-    std::vector<const GpuImage*> all = color_images();
+    const std::vector<const GpuImage*> images = color_images();
     std::vector<VkRenderingAttachmentInfo> colors;
-    for (const GpuImage* image : all) colors.push_back(cleared_attachment(*image));
-    all.push_back(&images_.depth);
+    for (const GpuImage* image : images) colors.push_back(cleared_attachment(*image));
+    std::vector<const GpuImage*> all = images;
+    all.push_back(&tested_);
     begin_writing(commands, all);
-    const VkRenderingAttachmentInfo depth = cleared_attachment(images_.depth);
+    VkRenderingAttachmentInfo depth = cleared_attachment(tested_);
+    depth.storeOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
     VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
     rendering.renderArea = {{0, 0}, images_.depth.extent};
     rendering.layerCount = 1;
@@ -292,7 +293,7 @@ void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
     vkCmdBeginRendering(commands, &rendering);
     draw(commands, frame, slot);
     vkCmdEndRendering(commands);
-    hand_over(commands, all);
+    hand_over(commands, images);
 }
 
 void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const {
@@ -311,10 +312,9 @@ void GBuffer::draw(VkCommandBuffer commands, const FrameDescription& frame, size
                                     &texture, 0, nullptr);
             bound = texture;
         }
-        const VkPipeline pipeline = item.least_alpha > 0 ? alpha_tested_.get() : opaque_.get();
-        if (pipeline != drawn_with) {
-            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
-            drawn_with = pipeline;
+        if (item.pipeline != drawn_with) {
+            vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, item.pipeline);
+            drawn_with = item.pipeline;
         }
         const bool deforms = !item.vertices.empty();
         const VkBuffer now = deforms ? item.vertices[slot].get() : vertices_.get(),

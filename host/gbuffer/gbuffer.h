@@ -6,11 +6,13 @@
 
 #include <array>
 #include <glm/glm.hpp>
+#include <map>
 #include <span>
 #include <vector>
 
 #include "host/device/descriptor_sets.h"
 #include "host/device/gpu.h"
+#include "host/gbuffer/gbuffer_pipeline.h"
 #include "host/scene/geometry.h"
 #include "host/scene/scene.h"
 #include "host/scene/textures.h"
@@ -19,7 +21,7 @@
 namespace penumbra {
 
 struct GBufferImages {
-    GpuImage depth;   // d32: near / view depth, 0 = sky
+    GpuImage depth;   // r32f: near / view depth, 0 = sky
     GpuImage normal;  // rgba32f: a receiver's horizon is as exact as its normal
     GpuImage motion;  // rgba16f
     GpuImage albedo;  // rgba8
@@ -28,7 +30,8 @@ struct GBufferImages {
     GpuImage emissive;  // rgba16f: linear radiance
 };
 
-// Of device memory, for what is always rendered: depth, normal, motion, albedo.
+// Of device memory, for what is always rendered: depth, normal, motion, albedo, and the rasteriser's own
+// depth.
 uint64_t gbuffer_bytes_per_pixel();
 
 class GBuffer {
@@ -51,7 +54,7 @@ class GBuffer {
     void create_images(VkExtent2D extent);
     std::vector<const GpuImage*> color_images() const;
     void create_draw_records(uint32_t frames_in_flight);
-    void create_pipeline();
+    void create_pipelines();
     void write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
                             std::span<const glm::dmat4> prev_world, const glm::dvec3& origin, size_t slot);
     void draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const;
@@ -62,6 +65,7 @@ class GBuffer {
         const Part* part = nullptr;
         PartRange range;
         uint32_t least_alpha = 0;  // 0: not alpha-tested
+        VkPipeline pipeline = VK_NULL_HANDLE;
         // Of what deforms, per frame in flight: its vertices in this frame and in the one before.
         std::vector<GpuBuffer> vertices, prev_vertices;
     };
@@ -71,6 +75,7 @@ class GBuffer {
     const Scene& scene_;
     bool materials_;
     GBufferImages images_;
+    GpuImage tested_;  // d32: what the rasteriser tests
     RasterGeometry geometry_;
     GpuBuffer vertices_, indices_;
     MaterialTextures textures_;
@@ -78,7 +83,7 @@ class GBuffer {
     std::vector<GpuBuffer> records_;  // per frame in flight
     DescriptorSets draws_;            // of these
     Owned<VkPipelineLayout> pipeline_layout_;
-    Owned<VkPipeline> opaque_, alpha_tested_;  // the second where the scene needs it
+    std::map<DrawnAs, Owned<VkPipeline>> pipelines_;  // that the scene needs
 };
 
 }  // namespace penumbra

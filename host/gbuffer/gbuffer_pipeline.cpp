@@ -11,10 +11,11 @@
 namespace penumbra {
 
 Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, VkExtent2D area,
-                                        bool alpha_tested, bool materials) {
-    const VkBool32 tested = alpha_tested;
-    const VkSpecializationMapEntry constant{0, 0, sizeof(tested)};  // ALPHA_TESTED
-    const VkSpecializationInfo specialization{1, &constant, sizeof(tested), &tested};
+                                        DrawnAs as, bool materials) {
+    const VkBool32 constants[] = {as.alpha_tested, as.textured};
+    const VkSpecializationMapEntry places[] = {{0, 0, sizeof(VkBool32)},
+                                               {1, sizeof(VkBool32), sizeof(VkBool32)}};
+    const VkSpecializationInfo specialization{2, places, sizeof(constants), constants};
     // The second binding holds the previous frame's vertices: the same ones of what does not deform.
     const VkVertexInputBindingDescription bindings[] = {
         {0, sizeof(RasterVertex), VK_VERTEX_INPUT_RATE_VERTEX},
@@ -37,7 +38,7 @@ Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout l
     pipeline.area = area;
     pipeline.colors = std::span(gbuffer_color_formats)
                           .first(materials ? gbuffer_color_formats.size() : gbuffer_colors_without_materials);
-    pipeline.depth = gbuffer_depth_format;
+    pipeline.depth = gbuffer_test_format;
     pipeline.passes = VK_COMPARE_OP_GREATER;  // reverse Z
     return make_raster_pipeline(device, pipeline, "G-buffer");
 }

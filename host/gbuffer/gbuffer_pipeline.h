@@ -10,13 +10,14 @@
 
 namespace penumbra {
 
-// Its depth is that of each pixel's very centre, which no grid moved: frame_depth_at_centres.
-inline constexpr VkFormat gbuffer_depth_format = VK_FORMAT_D32_SFLOAT;
-// Normal, motion, albedo; where materials are wanted also those and what shines.
-inline constexpr std::array<VkFormat, 5> gbuffer_color_formats{
-    VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_R8G8B8A8_UNORM,
-    VK_FORMAT_R8G8_UNORM, VK_FORMAT_R16G16B16A16_SFLOAT};
-inline constexpr size_t gbuffer_colors_without_materials = 3;
+// What the rasteriser tests; hosts' input `depth` is the first of the colours.
+inline constexpr VkFormat gbuffer_test_format = VK_FORMAT_D32_SFLOAT;
+// Depth (of each pixel's very centre, which no grid moved: frame_depth_at_centres), normal, motion, albedo;
+// where materials are wanted also those and what shines.
+inline constexpr std::array<VkFormat, 6> gbuffer_color_formats{
+    VK_FORMAT_R32_SFLOAT,     VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT,
+    VK_FORMAT_R8G8B8A8_UNORM, VK_FORMAT_R8G8_UNORM,          VK_FORMAT_R16G16B16A16_SFLOAT};
+inline constexpr size_t gbuffer_colors_without_materials = 4;
 
 // `Draw` of gbuffer.glsl, std140; as far apart as any device wants offsets of uniform buffers to be.
 struct DrawRecord {
@@ -38,9 +39,15 @@ struct DrawConstants {
 inline constexpr VkShaderStageFlags draw_constant_stages =
     VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-// Reverse Z, which the fragment shader writes: no depth is tested before it. `alpha_tested`: texels below
-// DrawConstants::least_alpha are discarded. `materials`: all five colours.
+// What the materials of some draws need of the fragment shader.
+struct DrawnAs {
+    bool alpha_tested = false;  // texels below DrawConstants::least_alpha are discarded
+    bool textured = false;      // else no texture is read
+    auto operator<=>(const DrawnAs&) const = default;
+};
+
+// Reverse Z. `materials`: all six colours.
 Owned<VkPipeline> make_gbuffer_pipeline(const Device& device, VkPipelineLayout layout, VkExtent2D area,
-                                        bool alpha_tested, bool materials);
+                                        DrawnAs as, bool materials);
 
 }  // namespace penumbra

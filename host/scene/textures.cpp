@@ -125,6 +125,7 @@ MaterialTextures::MaterialTextures(Device& device, std::span<const Material> mat
                                      image(of_surface[1], true).view.get()};
         for (uint32_t binding = 0; binding < 3; ++binding)
             write_image(device, sets_.sets[i], binding, sampler_.get(), views[binding]);
+        textured_.push_back(material.texture >= 0 || of_surface[0] >= 0 || of_surface[1] >= 0);
     }
 }
 

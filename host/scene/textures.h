@@ -22,12 +22,15 @@ class MaterialTextures {
     VkDescriptorSetLayout layout() const { return sets_.layout.get(); }
     // -1, no material: white.
     VkDescriptorSet set(int material) const { return sets_.sets[static_cast<size_t>(1 + material)]; }
+    // Whether any of a material's textures is not just white.
+    bool textured(int material) const { return textured_[static_cast<size_t>(1 + material)]; }
 
   private:
     std::map<std::pair<int, bool>, GpuImage>
         images_;  // by texture (-1: white) and whether it is sRGB-encoded
     Owned<VkSampler> sampler_;
     DescriptorSets sets_;
+    std::vector<bool> textured_;  // of sets_.sets
 };
 
 }  // namespace penumbra
