@@ -19,8 +19,8 @@ struct CompileOptions {
     // What lives within a frame gets heaps of its own, which several views may share
     // (ViewOptions::transients).
     bool share_transients = false;
-    // Another plan's view may take over what this one's leaves for its next frame, and the other way round
-    // (ViewOptions::heir_of): both were compiled so.
+    // Lets a view of this plan inherit the history of another plan's view, and the reverse
+    // (ViewOptions::heir_of); both plans need it.
     bool hand_on_history = false;
     std::vector<std::string> captures;  // resources to copy out every frame, by name
     std::map<std::string, OutputUse>

@@ -24,9 +24,9 @@ namespace penumbra PENUMBRA_API {
 struct Param;
 
 using ParamVariant = std::variant<bool, int32_t, uint32_t, float, std::vector<float>, std::string>;
-// That variant. A copy for which there is no memory throws std::bad_alloc: with libstdc++ 12 a variant's own
-// copy of these alternatives, which it takes for never without a value, then destroys one that was never
-// made.
+// That variant; a copy that runs out of memory throws std::bad_alloc. With libstdc++ 12 a variant's own
+// copy of these alternatives, which assumes it is never valueless, then destroys an object never
+// constructed.
 struct ParamValue : ParamVariant {
     using ParamVariant::ParamVariant;
     ParamValue() = default;

@@ -30,9 +30,9 @@ struct MemoryBlock {
     void* user = nullptr;    // the host's own
 };
 
-// The host's allocator; empty functions: vkAllocateMemory, once per request. May be called from any thread
-// that makes or destroys a program, transients or a view (of shared ones whoever is the last), never while a
-// frame is recorded. What it fails with is reported as ErrorCode::out_of_memory.
+// The host's allocator; empty functions: vkAllocateMemory, once per request. Called on any thread that
+// makes or destroys a program, transients or a view (shared ones: by their last owner), never while a
+// frame is recorded. A failure is reported as ErrorCode::out_of_memory, with its VkResult.
 struct HostMemory {
     std::function<VkResult(const MemoryRequest&, MemoryBlock&)> allocate;
     std::function<void(const MemoryBlock&)> release;

@@ -40,9 +40,9 @@ struct Bundle {
         bool gpu_only = false;  // `auto` leaves it on a CPU device that has another
         std::string glsl;       // what its shaders begin with
     };
-    // Which devices a part exists on, by how many texels their buffers hold (large_texel_buffer): what may
-    // exceed those of some comes as a buffer there. Of many texels a shader fetches them or, where that is
-    // faster (DeviceTable::loads_texels), loads them as an image's: two parts of one slot.
+    // Which devices a part exists on, by the size of their texel buffers (large_texel_buffer): where these
+    // are small (few) it comes as a buffer. Elsewhere a shader reads texels by texelFetch (fetched) or, if
+    // faster (DeviceTable::loads_texels), by imageLoad (loaded): two parts of one slot.
     enum class Texels : uint8_t { any, few, fetched, loaded };
     struct Part {
         std::string name;  // the slot is PORT.name, PORT_name in GLSL; empty: PORT itself

@@ -7,7 +7,7 @@ struct FrameBlock {
     mat3 world_from_view;     // rotation only: camera-relative positions in world axes
     mat4 prev_clip_from_rel;  // current camera-relative metres -> previous clip (previous projection)
     vec3 camera_delta;        // previous - current camera position, metres
-    float near_m;             // depth = near_m / view_depth
+    float near_m;             // depth = near_m / view_depth where the camera is perspective(); no node that ships reads it
     vec2 jitter;              // uv
     vec2 prev_jitter;         // uv
     uvec2 size;               // pixels

@@ -33,11 +33,11 @@ static_assert(sizeof(FrameBlock) == 64 * 3 + 48 + 16 + 32 + 16 + 16);
 
 using std140::FrameBlock;
 
-// frame_depth_at_centres: each pixel's depth was computed for its very centre; a rasteriser interpolates that
-// of a point up to half a step of its grid beside it.
+// frame_depth_at_centres: each depth was computed exactly at its pixel's centre; a rasteriser interpolates it
+// for a point up to half a sub-pixel step away.
 //
-// frame_unchanged: but for the jitter and the index, all that the host brings is as it was in the frame
-// recorded before; it is what View::settled() counts, and is not in the block.
+// frame_unchanged: apart from jitter and index, all that the host brings is as in the previously recorded
+// frame; View::settled() counts it, and it is not in the block.
 enum FrameFlags : uint32_t {
     frame_reset = 1,
     frame_orthographic = 2,
@@ -60,16 +60,14 @@ std::array<double, 16> perspective(double vertical_fov_rad, double aspect, doubl
 struct FrameDescription {
     // Of this frame, and of the one recorded before it, whatever frames the host has left out in between.
     Camera camera, previous;
-    // By how much of the image's width and height the picture was moved right and down when it was drawn:
-    // what a pixel shows lies at its centre's uv - jitter in the unjittered picture. A host adds 2 w times it
-    // to clip space.
+    // In uv, how far right and down the image was shifted when it was drawn: a pixel shows what the
+    // unjittered image has at its centre's uv - jitter. The host adds 2 * w * jitter to clip-space xy.
     std::array<double, 2> jitter{0, 0}, prev_jitter{0, 0};
     std::array<uint32_t, 2> size{0, 0};  // pixels
     // Of the last recorded frame, for make_frame_block() alone: a view knows it.
     std::array<uint32_t, 2> prev_size{1, 1};
-    // Counts the recorded frames, in steps of 1: numbers that should differ from frame to frame follow from
-    // it, and so does which frames may have had the same jitter (docs: coverage, "While the camera stands
-    // still").
+    // Counts the recorded frames, in steps of 1: per-frame random numbers derive from it, and so does
+    // which frames may have had the same jitter (docs/coverage.md, "While the camera stands still").
     uint32_t index = 0;
     float dt_s = 0;  // since the frame before
     uint32_t flags = 0;
@@ -78,8 +76,7 @@ struct FrameDescription {
     uint32_t sub_pixel_bits = 0;
 };
 
-// Where neither the frame nor the caller knows the rasteriser, it is one of the least precise that Vulkan
-// allows.
+// `device_sub_pixel_bits` stands in where the frame has 0; its default is the least that Vulkan allows.
 FrameBlock make_frame_block(const FrameDescription& frame, uint32_t device_sub_pixel_bits = 4);
 
 }  // namespace penumbra

@@ -61,7 +61,7 @@ struct Port {
     Writes writes = Writes::all;
     // Output: what frames before left in it spares work and changes nothing that is put out.
     bool memo = false;
-    // Output: frames that are alike, after which what it takes from its own past gets no better; 0: never.
+    // Output: number of alike frames after which its own history improves it no further; 0: never.
     uint32_t settles = 0;
     std::string updates;  // output: the input port whose memory it takes over
     std::optional<uint32_t> updated_input,

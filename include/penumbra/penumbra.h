@@ -276,8 +276,7 @@ typedef struct penumbra_camera {
     double near_m;
 } penumbra_camera;
 
-/* DEPTH_AT_CENTRES: of each pixel's very centre, computed; a rasteriser interpolates it for a point beside
-   it.
+/* DEPTH_AT_CENTRES: computed at each pixel's very centre; a rasteriser interpolates it for a point nearby.
    UNCHANGED: but for the jitter and the index, all that the caller brings is as it was in the frame
    recorded before. */
 enum {
@@ -305,8 +304,8 @@ typedef struct penumbra_handover {
     VkPipelineStageFlags2 stages_before, stages_after;
     VkAccessFlags2 access_before, access_after;
     VkImageLayout layout_before, layout_after; /* 0: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL */
-    /* VK_QUEUE_FAMILY_IGNORED: the frame's. 0 is a family like any other, and not what a host wants that says
-     * nothing. */
+    /* VK_QUEUE_FAMILY_IGNORED: the frame's. To be set by every host: 0 is a family like any other, not
+     * "none". */
     uint32_t family_before, family_after;
 } penumbra_handover;
 
@@ -380,9 +379,8 @@ PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, ui
 /* Why the most recently recorded frame had no history: "none" (it had), "first_frame", "asked", or
    "not_handed_on", of which `resource` says what; the view's text. `resource` may be null. */
 PENUMBRA_API const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource);
-/* Whether as many UNCHANGED frames have been recorded as the plan's pasts take to settle: until something
-   changes, the outputs of the last frame are as good as those of another one would be, and need not be
-   recorded again. */
+/* Whether enough UNCHANGED frames have been recorded for the plan's histories to settle: until something
+   changes, another frame would not improve the outputs, and none need be recorded. */
 PENUMBRA_API VkBool32 penumbra_view_settled(const penumbra_view* view);
 PENUMBRA_API uint64_t penumbra_view_bytes(const penumbra_view* view);
 

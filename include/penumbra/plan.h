@@ -340,8 +340,8 @@ struct Plan {
     std::array<Dependency, 2> end;      // makes the outputs visible to the host
     std::vector<std::string> counters;  // "node.counter", in the counter buffer's order
     bool jitter = false;                // a node asks the host to jitter
-    // Frames that are alike, but for the jitter and their index, after which no output gets better by one
-    // more: pasts settle one behind the other. Nothing: there is one that never does.
+    // Number of frames, alike but for jitter and index, after which one more improves no output: histories
+    // settle one after another. Empty: one of them never does.
     std::optional<uint32_t> settles;
     MemoryReport memory;
 

@@ -26,16 +26,15 @@ namespace penumbra PENUMBRA_API {
 // changes, nothing is recorded for it.
 struct Handover {
     VkImage image = VK_NULL_HANDLE;  // whose view is bound; null for buffers
-    // Before the frame, and behind it. What the host has written is made visible to the frame's reads of it;
-    // what the frame has done comes before the host's next accesses. Stages of 0: the host orders that
-    // itself.
+    // The host's accesses before the frame and after it. Its writes become visible to the frame's reads;
+    // its next accesses wait for what the frame has done. Stages of 0: the host orders that itself.
     VkPipelineStageFlags2 stages_before = 0, stages_after = 0;
     VkAccessFlags2 access_before = 0, access_after = 0;
     // In between it is in SlotBinding::layout; what the frame writes in VK_IMAGE_LAYOUT_GENERAL.
     VkImageLayout layout_before = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     VkImageLayout layout_after = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
-    // The queue family that owns it, where it is not the frame's: acquired before, released behind. The
-    // other half of each transfer is the host's, with the same two layouts.
+    // Queue family ownership, if it is not the frame's: acquired before, released after. The matching half
+    // of each transfer is the host's, with the same two layouts.
     uint32_t family_before = VK_QUEUE_FAMILY_IGNORED, family_after = VK_QUEUE_FAMILY_IGNORED;
     VkImageAspectFlags aspects = 0;  // 0: as the format has them; of a depth-stencil image both
 };
@@ -48,8 +47,8 @@ struct SlotBinding {
     VkBuffer buffer = VK_NULL_HANDLE;  // kinds buffer and block; of texels where they are handed over
     VkDeviceSize offset = 0, range = VK_WHOLE_SIZE;
     VkAccelerationStructureKHR structure = VK_NULL_HANDLE;  // kind structure
-    // Nothing: it is readable when the frame comes, stays as it is, and the host orders its own accesses:
-    // writes before the compute stage's reads of this frame, and the next frame's writes after them.
+    // Empty: it is in `layout` and readable when the frame begins, stays so, and the host orders its own
+    // accesses: its writes before this frame's compute stage, its next writes after it.
     std::optional<Handover> handover;
 };
 
@@ -80,13 +79,12 @@ struct ViewOptions {
     // Where shared heaps lie; null: in memory of this view's own. Such views run one after another, and each
     // frame waits for what is in them.
     std::shared_ptr<const TransientMemory> transients;
-    // The view whose place this one takes, with other facts, say: what its last frame has left for the next
-    // one is copied in this one's first frame, by name, where both plans have it alike, and what this plan
-    // has besides is cleared. Where something is wanted that is neither, the first frame is a reset frame.
-    // That view stays until this frame has completed; both plans hand on their history (CompileOptions). What
-    // follows the frame's size may be larger or smaller here, where the last frame's size is one of this
-    // plan's. A memo that is kept in place is never handed on: it may be what that plan's parameters made of
-    // it.
+    // The view that this one replaces, after a change of facts, say. The first frame copies from it, by
+    // name, every history that both plans have alike, and clears the others. If one of those must not
+    // begin cleared, the first frame is a reset frame. That view stays until this frame has completed;
+    // both plans are compiled with hand_on_history. What follows the frame's size may have another largest
+    // size here, if that view's last frame fits this plan. A memo that is kept in place is never copied:
+    // it may depend on the other plan's parameters.
     const View* heir_of = nullptr;
     void* user = nullptr;  // for host nodes
 };
@@ -149,8 +147,8 @@ class View {
     View& operator=(const View&) = delete;
 
     // Records the whole frame, of any size up to the plan's. `slots` is parallel to Plan::slots (Externals
-    // fills it by name); one without a handle is a Failure that names it, and nothing has been recorded then.
-    // The first frame is a reset frame whatever its flags.
+    // fills it by name); one without a handle is a Failure that names it, with nothing recorded. The first
+    // frame, but an heir's, is a reset whatever its flags.
     void record(VkCommandBuffer cmd, const FrameDescription& frame, std::span<const SlotBinding> slots);
     void record(VkCommandBuffer cmd, const FrameDescription& frame, const Externals& slots);
 
@@ -162,9 +160,9 @@ class View {
     void record_pass(VkCommandBuffer cmd, size_t pass);
     void end(VkCommandBuffer cmd);
 
-    // The value of a parameter of Plan::passes[pass].params, of passes that are recorded from now on; false
-    // where there is none or the value is not of its range and very type (5u of an unsigned one). What was
-    // set is this view's: its heir begins with the values of its own plan.
+    // Sets Plan::passes[pass].params[param] for passes recorded from now on; false if there is none, or if
+    // the value is out of range or not of exactly its type (5u for an unsigned one). It is set for this
+    // view alone: an heir begins with its own plan's values.
     [[nodiscard]] bool set_param(size_t pass, size_t param, const ParamValue& value);
     // The same by names.
     [[nodiscard]] bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
@@ -184,10 +182,10 @@ class View {
     // Of the most recently recorded frame.
     const Reset& reset() const;
 
-    // Whether as many frames of frame_unchanged have been recorded, one after the other, as the plan's pasts
-    // take to settle (Plan::settles): a host to which nothing changes keeps the outputs of the last frame,
-    // which another one would make no better, and records none. A parameter that is set is a change; of what
-    // a host's own passes keep for themselves, the host alone knows whether it changes.
+    // Whether enough frame_unchanged frames have been recorded in a row for the plan's histories to settle
+    // (Plan::settles). Until something changes the host can keep the last frame's outputs, which another
+    // would not improve, and record none. Setting a parameter counts as a change; what host passes keep
+    // for themselves only the host can judge.
     bool settled() const;
 
     const Plan& plan() const;
