@@ -128,11 +128,12 @@ void Compiler::fill_constants(const SelectedNode& selected) {
     PlanPass& pass = plan_.passes.back();
     const auto group = overrides(node).group.value_or(type.dispatch.group);
     const auto per_thread = overrides(node).per_thread.value_or(type.dispatch.per_thread);
-    pass.constants = {group[0],      group[1],          group[2],          per_thread[0],
-                      per_thread[1], pass.counter_base, target_.device.cpu};
+    pass.constants = {group[0], group[1], group[2], per_thread[0], per_thread[1], target_.device.cpu};
     const PushConstants layout = push_constants(type);
     pass.push.resize(layout.size);
     pass.mip_level = layout.mip_level;
+    if (layout.counter_base)
+        std::memcpy(pass.push.data() + *layout.counter_base, &pass.counter_base, sizeof pass.counter_base);
     for (size_t i = 0; i < type.params.size(); ++i) {
         const auto backend = variant_.backends.find(type.params[i].name);
         const std::vector<std::byte> bytes =

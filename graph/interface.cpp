@@ -212,6 +212,7 @@ std::string declare_params(const NodeType& type, const Variant& variant) {
     for (const Presence& p : presence(type))
         constants += fmt::format("layout(constant_id = {}) const bool HAS_{} = true;\n", id++, upper(p.name));
     if (type.levelled_output()) dynamic += "    uint mip_level;\n";
+    if (!type.counters.empty()) dynamic += "    uint counter_base;\n";
     if (!dynamic.empty())
         constants += "layout(push_constant, std430) uniform Params {\n" + dynamic + "} params;\n";
     return constants;
@@ -220,14 +221,14 @@ std::string declare_params(const NodeType& type, const Variant& variant) {
 // One atomic per subgroup: active lanes add first.
 std::string declare_counters(const NodeType& type) {
     if (type.counters.empty()) return {};
-    std::string text = fmt::format(
-        "layout(set = 1, binding = {}, std430) buffer counters_buffer {{ uint counters[]; }};\n"
-        "layout(constant_id = {}) const uint COUNTER_BASE = 0u;\n",
-        counters_binding, counter_base_constant);
+    std::string text =
+        fmt::format("layout(set = 1, binding = {}, std430) buffer counters_buffer {{ uint counters[]; }};\n",
+                    counters_binding);
     for (size_t i = 0; i < type.counters.size(); ++i)
         text += fmt::format(
             "void count_{}(uint n) {{\n    uint sum = subgroupAdd(n);\n"
-            "    if (subgroupElect() && sum != 0u) atomicAdd(counters[COUNTER_BASE + {}u], sum);\n}}\n",
+            "    if (subgroupElect() && sum != 0u) atomicAdd(counters[params.counter_base + {}u], "
+            "sum);\n}}\n",
             type.counters[i], i);
     return text;
 }
@@ -293,6 +294,10 @@ PushConstants push_constants(const NodeType& type) {
     if (type.levelled_output()) {
         result.mip_level = static_cast<uint32_t>(align_up(result.size, 4));
         result.size = *result.mip_level + 4;
+    }
+    if (!type.counters.empty()) {
+        result.counter_base = static_cast<uint32_t>(align_up(result.size, 4));
+        result.size = *result.counter_base + 4;
     }
     return result;
 }

@@ -28,9 +28,8 @@ inline constexpr uint32_t first_port_binding = 2;
 // Specialisation constant ids. Constant parameters follow, then presence().
 inline constexpr uint32_t group_constant = 0;       // 0, 1, 2: workgroup size
 inline constexpr uint32_t per_thread_constant = 3;  // 3, 4
-inline constexpr uint32_t counter_base_constant = 5;
-inline constexpr uint32_t on_cpu_constant = 6;  // whether the device is of the class cpu
-inline constexpr uint32_t first_param_constant = 7;
+inline constexpr uint32_t on_cpu_constant = 5;      // whether the device is of the class cpu
+inline constexpr uint32_t first_param_constant = 6;
 
 // An output with a mip chain takes two bindings: the level that a dispatch writes, and NAME_finer, the level
 // before it. One dispatch per level, finest first; params.mip_level says which.
@@ -59,6 +58,7 @@ std::vector<Presence> presence(const NodeType& type);
 struct PushConstants {
     std::vector<std::optional<uint32_t>> offsets;  // parallel to NodeType::params
     std::optional<uint32_t> mip_level;             // of nodes that write a mip chain: the level of a dispatch
+    std::optional<uint32_t> counter_base;          // of nodes that count: the first of the pass's counters
     uint32_t size = 0;
 };
 PushConstants push_constants(const NodeType& type);

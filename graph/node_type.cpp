@@ -72,7 +72,10 @@ class DeclarationReader {
             last->place, "params." + last->name,
             fmt::format("the parameters that may change per frame{} end at byte {}; at most {} fit the push "
                         "constants (constant parameters do not count)",
-                        layout.mip_level ? " and the level of the mip chain" : "", layout.size, most));
+                        layout.mip_level      ? " and the level of the mip chain"
+                        : layout.counter_base ? " and the place of the counters"
+                                              : "",
+                        layout.size, most));
     }
 
     void read_needs() {
@@ -226,6 +229,8 @@ class DeclarationReader {
         if (name == "mip_level")
             error(place, path,
                   "\"mip_level\" is taken: it tells a node which level of a mip chain it writes");
+        else if (name == "counter_base")
+            error(place, path, "\"counter_base\" is taken: it tells a node where its counters are");
         else if (name == "frame")
             error(place, path, "\"frame\" names the frame block and its extent");
         else if (problem)

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// One pipeline per compute pass, specialised with the plan's constants; set 0 holds internal resources and
+// Pipelines of compute passes, specialised with the plan's constants; set 0 holds internal resources and
 // tables, set 1 the frame block, counters and host slots.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "graph/program_state.h"
@@ -22,6 +23,15 @@ Held<VkDescriptorSetLayout> make_set_layout(const GraphDevice& device,
     return {device, layout};
 }
 
+// Set layouts that are defined alike are compatible, so that one pipeline serves both.
+bool are_one_program(const PlanPass& a, const PlanPass& b) {
+    return a.kind == b.kind && a.module == b.module && a.constants == b.constants &&
+           a.push.size() == b.push.size() &&
+           std::ranges::equal(a.bindings, b.bindings, [](const PlanBinding& x, const PlanBinding& y) {
+               return x.set == y.set && x.binding == y.binding && x.type == y.type;
+           });
+}
+
 constexpr VkDeviceSize absent_bytes = 16384;  // what every device lets a uniform buffer have
 
 }  // namespace
@@ -30,7 +40,7 @@ ProgramState::ProgramState(const DeviceHandles& handles, std::shared_ptr<const P
                            const ProgramOptions& options)
     : device_(std::make_shared<const GraphDevice>(handles)),
       plan_(std::move(plan)),
-      passes_(plan_->passes.size()) {
+      program_of_(plan_->passes.size()) {
     check_device(*plan_, handles);
     for (int linear = 0; linear < 2; ++linear) {
         VkSamplerCreateInfo create{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
@@ -52,11 +62,18 @@ ProgramState::ProgramState(const DeviceHandles& handles, std::shared_ptr<const P
     cache_ = {*device_, cache};
     make_tables();
     make_absent();
-    for (size_t i = 0; i < passes_.size(); ++i) {
+    std::vector<const PlanPass*> first;  // of each program
+    for (size_t i = 0; i < program_of_.size(); ++i) {
         const PlanPass& pass = plan_->passes[i];
         if (pass.kind == PassKind::host && !pass.callback)
             fail(ErrorCode::usage, pass.node, "this host node has no callback");
-        if (pass.kind == PassKind::compute) make_pass(i);
+        if (pass.kind != PassKind::compute) continue;
+        const auto same =
+            std::ranges::find_if(first, [&](const PlanPass* p) { return are_one_program(*p, pass); });
+        program_of_[i] = static_cast<size_t>(same - first.begin());
+        if (same != first.end()) continue;
+        first.push_back(&pass);
+        programs_.push_back(make_program(pass));
     }
 }
 
@@ -143,10 +160,8 @@ VkImageView ProgramState::absent_image(const PlanBinding& binding) const {
         .view.get();
 }
 
-void ProgramState::make_pass(size_t index) {
-    const PlanPass& pass = plan_->passes[index];
-    PassProgram& out = passes_[index];
-
+PassProgram ProgramState::make_program(const PlanPass& pass) const {
+    PassProgram out;
     std::array<std::vector<VkDescriptorSetLayoutBinding>, 2> sets;
     for (const PlanBinding& b : pass.bindings)
         sets[b.set].push_back({b.binding, b.type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
@@ -194,6 +209,7 @@ void ProgramState::make_pass(size_t index) {
         "vkCreateComputePipelines", pass.node);
     out.pipeline = {*device_, pipeline};
     device_->name(VK_OBJECT_TYPE_PIPELINE, pipeline, pass.node);
+    return out;
 }
 
 void ProgramState::record_uploads(VkCommandBuffer cmd) const {

@@ -14,6 +14,7 @@ inline VkImageAspectFlags aspects_of(Format format) {
     return info(format).kind == FormatClass::depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
+// Of all passes that differ in nothing that a pipeline knows, as instances' do.
 struct PassProgram {
     std::array<Held<VkDescriptorSetLayout>, 2> set_layouts;
     Held<VkPipelineLayout> layout;
@@ -34,7 +35,7 @@ class ProgramState {
 
     const DevicePtr& device() const { return device_; }
     const Plan& plan() const { return *plan_; }
-    const PassProgram& pass(size_t index) const { return passes_[index]; }
+    const PassProgram& pass(size_t index) const { return programs_[program_of_[index]]; }
     VkPipelineCache cache() const { return cache_.get(); }
     VkSampler sampler(bool linear) const { return samplers_[linear].get(); }
     VkImageView table(uint32_t index) const { return tables_[index].image.view.get(); }
@@ -61,13 +62,14 @@ class ProgramState {
                            bool layered, const std::string& what) const;
     void make_tables();
     void make_absent();
-    void make_pass(size_t index);
+    PassProgram make_program(const PlanPass& pass) const;
 
     DevicePtr device_;
     std::shared_ptr<const Plan> plan_;
     std::array<Held<VkSampler>, 2> samplers_;
     Held<VkPipelineCache> cache_;
-    std::vector<PassProgram> passes_;
+    std::vector<PassProgram> programs_;
+    std::vector<size_t> program_of_;  // per pass; of host passes none
     std::vector<TableImage> tables_;
     std::map<AbsentKey, StaticImage> absent_images_;
     MappedBuffer absent_buffer_;

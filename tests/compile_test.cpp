@@ -43,9 +43,9 @@ TEST(CompileClasses, TheDeviceClassOverridesWhatThePipelineDoesNotSet) {
     const std::string body = R"("outputs": ["value"], "nodes": { "source": { "type": "source" } })";
     const Plan gpu = *compile_text(set, body, target_of({640, 480})).plan;
     const Plan cpu = *compile_text(set, body, target_of({640, 480}, true)).plan;
-    // Workgroup, pixels per thread, counter base, ON_CPU, taps.
-    EXPECT_EQ(gpu.passes[0].constants, (std::vector<uint32_t>{8, 8, 1, 1, 1, 0, 0, 4}));
-    EXPECT_EQ(cpu.passes[0].constants, (std::vector<uint32_t>{64, 1, 1, 1, 2, 0, 1, 9}));
+    // Workgroup, pixels per thread, ON_CPU, taps.
+    EXPECT_EQ(gpu.passes[0].constants, (std::vector<uint32_t>{8, 8, 1, 1, 1, 0, 4}));
+    EXPECT_EQ(cpu.passes[0].constants, (std::vector<uint32_t>{64, 1, 1, 1, 2, 1, 9}));
     EXPECT_EQ(gpu.passes[0].groups, (std::array<uint32_t, 3>{80, 60, 1}));
     EXPECT_EQ(cpu.passes[0].groups, (std::array<uint32_t, 3>{10, 240, 1}));
     const Plan set_by_user = *compile_text(set, R"("outputs": ["value"], "nodes": {
