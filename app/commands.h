@@ -129,6 +129,7 @@ struct GatesArguments {
     std::vector<std::string> parts;      // empty: all that the signal has
     std::optional<uint32_t> seeds;       // else the study's
     std::optional<double> edge_deg;      // else the study's
+    std::vector<double> widths_px;       // empty: the study's
     std::vector<std::string> node_folders;
     std::string device;
 };

@@ -104,11 +104,15 @@ void print_text(const CompareArguments& arguments, const Comparison& c) {
 
 int run_compare(const CompareArguments& arguments) {
     if (arguments.signal == "lit" || arguments.signal == "color") return compare_pictures(arguments);
+    Diagnostics diagnostics;
+    if (!arguments.picture.empty()) {
+        diagnostics.add({}, "--picture", "is of pictures: --signal lit or color");
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
     if (arguments.signal == "transmittance") return compare_colors(arguments);
     if (arguments.signal != "visibility") return compare_radiance(arguments);
-    Diagnostics diagnostics;
-    if (!arguments.picture.empty()) diagnostics.add({}, "--picture", "is of pictures: --signal lit or color");
-    const auto comparison = diagnostics.empty() ? compare_folders(arguments, diagnostics) : std::nullopt;
+    const auto comparison = compare_folders(arguments, diagnostics);
     if (!comparison) {
         std::cerr << diagnostics.text();
         return exit_wrong;

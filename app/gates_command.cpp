@@ -159,6 +159,7 @@ int run_gates(const GatesArguments& arguments) {
         study.tilted_seeds = std::min(study.tilted_seeds, study.seeds);
     }
     study.edge_deg = arguments.edge_deg.value_or(study.edge_deg);
+    if (!arguments.widths_px.empty()) study.widths_px = arguments.widths_px;
     const std::set<std::string> all{"still", "moving", "jump", "tilted"},
         given(arguments.parts.begin(), arguments.parts.end());
     const std::set<std::string>& parts = given.empty() ? all : given;

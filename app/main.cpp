@@ -216,12 +216,19 @@ void add_gates(CLI::App& app, GatesArguments& a) {
         ->check(CLI::IsMember({"still", "moving", "jump", "tilted", "furnace", "lag"}));
     c->add_option("--seeds", a.seeds, "repetitions of every run (default: 16; of radiance: 4)")
         ->check(CLI::Range(1u, 1024u));
+    // What is none lies in no range, and outside of none.
+    const auto is_number = [](const std::string& text) {
+        return text.find("nan") == text.npos && text.find("NaN") == text.npos ? "" : text + " is no number";
+    };
     c->add_option("--edge-deg", a.edge_deg, "direction of the edge of still, moving and jump (default: 20)")
         ->check(CLI::Range(-360.0, 360.0))
-        ->check([](const std::string& text) {  // which lies in no range, and outside of none
-            return text.find("nan") == text.npos && text.find("NaN") == text.npos ? ""
-                                                                                  : text + " is no number";
-        });
+        ->check(is_number);
+    c->add_option("--widths", a.widths_px,
+                  "of the penumbrae of still, moving and jump, in pixels (default: 8,16,32)")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->check(CLI::Range(0.5, 4096.0))
+        ->check(is_number);
     add_node_folders(c, a.node_folders);
     c->add_option("--device", a.device, "part of a device's name");
 }

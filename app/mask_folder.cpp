@@ -112,6 +112,7 @@ std::optional<RenderedFolder> read_rendered_frames(const fs::path& folder, Diagn
     good = good && read_size(json->find("size"), out.size);
     if (good) {
         out.shot = (folder / shot->string).lexically_normal();
+        if (const Json* light = json->find("light")) out.light = light->string;
         for (const Json& frame : frames->items) {
             uint32_t number = 0;
             good = good && read_count(frame.find("frame"), number);
@@ -144,33 +145,40 @@ fs::path visibility_file(const fs::path& folder, uint32_t frame, const std::stri
     return file;
 }
 
-std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, Diagnostics& diagnostics,
-                                                       const std::string& light) {
-    const std::vector<std::string> masks = names_of_mask(light);
+std::optional<FramesByImage> images_in(const fs::path& folder, Diagnostics& diagnostics) {
+    constexpr std::string_view ending = ".exr";
     std::error_code failure;
-    std::vector<uint32_t> frames;
+    FramesByImage images;
     for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
          entry.increment(failure)) {
-        const std::string name = entry->path().filename().string();
-        for (const std::string& mask : masks) {
-            if (!name.starts_with(mask + ".")) continue;
-            uint32_t frame = 0;
-            const char* const last = name.data() + name.size();
-            const auto [rest, error] = std::from_chars(name.data() + mask.size() + 1, last, frame);
-            if (error == std::errc() && std::string_view(rest, last) == ".exr") frames.push_back(frame);
-        }
+        std::string name = entry->path().filename().string();
+        if (!name.ends_with(ending)) continue;
+        name.resize(name.size() - ending.size());
+        const size_t dot = name.rfind('.');
+        if (dot == std::string::npos) continue;
+        uint32_t frame = 0;
+        const char* const last = name.data() + name.size();
+        const auto [rest, error] = std::from_chars(name.data() + dot + 1, last, frame);
+        if (error == std::errc() && rest == last) images[name.substr(0, dot)].insert(frame);
     }
-    if (failure) {
-        diagnostics.add({folder.string(), 0, 0}, "", "cannot be listed: " + failure.message());
-        return std::nullopt;
-    }
-    if (frames.empty()) {
-        diagnostics.add({folder.string(), 0, 0}, "",
-                        fmt::format("no {}.NNNN.exr in here", fmt::join(masks, ".NNNN.exr and no ")));
-        return std::nullopt;
-    }
-    std::sort(frames.begin(), frames.end());
-    return frames;
+    if (!failure) return images;
+    diagnostics.add({folder.string(), 0, 0}, "", "cannot be listed: " + failure.message());
+    return std::nullopt;
+}
+
+std::optional<std::vector<uint32_t>> visibility_frames(const fs::path& folder, Diagnostics& diagnostics,
+                                                       const std::string& light) {
+    const auto images = images_in(folder, diagnostics);
+    if (!images) return std::nullopt;
+    const std::vector<std::string> masks = names_of_mask(light);
+    std::set<uint32_t> frames;
+    for (const std::string& mask : masks)
+        if (const auto found = images->find(mask); found != images->end())
+            frames.insert(found->second.begin(), found->second.end());
+    if (!frames.empty()) return std::vector<uint32_t>(frames.begin(), frames.end());
+    diagnostics.add({folder.string(), 0, 0}, "",
+                    fmt::format("no {}.NNNN.exr in here", fmt::join(masks, ".NNNN.exr and no ")));
+    return std::nullopt;
 }
 
 }  // namespace penumbra

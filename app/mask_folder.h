@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct RenderedFolder {
     std::filesystem::path shot;  // its file
     std::array<uint32_t, 2> size{};
     std::map<uint32_t, std::array<double, 2>> jitter;  // uv, per executed frame
+    std::string light;  // that `visibility` is of; empty: of none, or nobody has said
 };
 
 std::optional<RenderedFolder> read_rendered_frames(const std::filesystem::path& folder,
@@ -49,7 +51,12 @@ std::optional<RenderedFolder> read_rendered_frames(const std::filesystem::path& 
 std::filesystem::path visibility_file(const std::filesystem::path& folder, uint32_t frame,
                                       const std::string& light = {});
 
-// Numbers of the visibility images in a folder, rising; an error where there is no such folder.
+// Frames of the images in a folder, by what they are called: 3 and "visibility" of visibility.0003.exr. An
+// error where there is no such folder.
+using FramesByImage = std::map<std::string, std::set<uint32_t>>;
+std::optional<FramesByImage> images_in(const std::filesystem::path& folder, Diagnostics& diagnostics);
+
+// Numbers of the visibility images in a folder, rising; an error where there are none.
 std::optional<std::vector<uint32_t>> visibility_frames(const std::filesystem::path& folder,
                                                        Diagnostics& diagnostics,
                                                        const std::string& light = {});

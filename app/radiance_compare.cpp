@@ -105,8 +105,6 @@ int failed(const Diagnostics& diagnostics) {
 
 int compare_radiance(const CompareArguments& arguments) {
     Diagnostics diagnostics;
-    if (!arguments.picture.empty())
-        diagnostics.add({}, "--picture", "is of signals that are pictures: lit, color");
     const auto frames = frames_to_compare(arguments, diagnostics);
     if (!frames) return failed(diagnostics);
     RadianceErrorSums sums;

@@ -16,8 +16,8 @@ namespace penumbra {
 namespace {
 
 constexpr uint64_t rays_per_pass = 1u << 21;
-// As in truth.cpp: what Mesa 22's lavapipe lets one invocation walk. Such a ray is followed by a second one,
-// to the sun; lamps add a third, and the environment's lots as many again.
+// Mesa 22's lavapipe ends an invocation's loops, all of them together, after 65 535 rounds, without a word. A
+// ray is followed by a second one, to the sun; lamps add a third, and the environment's lots as many again.
 uint64_t rays_per_invocation(const Plan& plan) {
     return uint64_t{64} >> (plan.slot("lights") ? 1 : 0) >> (plan.slot("environment_lots") ? 1 : 0);
 }

@@ -2,6 +2,7 @@
 // penumbra reference: the true visibility of a shot's frames, each frozen in time. Analytic scenes have it in
 // closed form; elsewhere rays are counted.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iostream>
@@ -53,8 +54,57 @@ struct Job {
     Shot shot;
     std::string made_up;  // the shot's text, if nobody wrote it
     std::vector<uint32_t> frames;
+    std::string light;  // as asked for, else as it was rendered
     bool jitter = false;
 };
+
+// Lights that have masks of their own in a folder.
+std::vector<std::string> lights_with_masks(const FramesByImage& images, const Shot& shot) {
+    std::vector<std::string> lights;
+    for (const auto& [light, about] : shot.lights)
+        if (images.contains("visibility_" + light) || images.contains("masks." + light))
+            lights.push_back(light);
+    return lights;
+}
+
+// Frames that a truth is to be like, and whose: into `job`.
+void choose_mask(const ReferenceArguments& arguments, const RenderedFolder& rendered,
+                 const FramesByImage& images, Job& job, Diagnostics& diagnostics) {
+    const auto refuse = [&](const char* option, const std::string& why) {
+        diagnostics.add({arguments.like, 0, 0}, option, why);
+    };
+    const std::vector<std::string> lights = lights_with_masks(images, job.shot);
+    const bool own_mask = std::ranges::find(lights, arguments.light) != lights.end();
+    if (images.contains("visibility") && !own_mask) {
+        if (!arguments.light.empty() && !rendered.light.empty() && arguments.light != rendered.light)
+            return refuse("--light", fmt::format("visibility in here is of \"{}\"", rendered.light));
+        job.light = arguments.light.empty() ? rendered.light : arguments.light;
+        job.frames.assign(images.at("visibility").begin(), images.at("visibility").end());
+        return;
+    }
+    if (arguments.light.empty() && lights.size() > 1)
+        return refuse("--light",
+                      fmt::format("there is a mask of each of {}: whose truth?", fmt::join(lights, ", ")));
+    job.light = arguments.light.empty() && !lights.empty() ? lights.front() : arguments.light;
+    if (job.light.empty() && !images.empty()) {
+        std::vector<std::string> names;
+        for (const auto& [name, frames] : images) names.push_back(name);
+        return refuse("--signal", fmt::format("no visibility.NNNN.exr in here, but {}: the truth of what?",
+                                              fmt::join(names, ", ")));
+    }
+    if (const auto frames = visibility_frames(arguments.like, diagnostics, job.light)) job.frames = *frames;
+}
+
+// Of radiance the frames that have it, or else all that there are.
+void choose_radiance(const ReferenceArguments& arguments, const FramesByImage& images, Job& job,
+                     Diagnostics& diagnostics) {
+    std::set<uint32_t> frames;
+    for (const auto& [name, of_image] : images)
+        if (name == arguments.signal || !images.contains(arguments.signal))
+            frames.insert(of_image.begin(), of_image.end());
+    if (frames.empty()) diagnostics.add({arguments.like, 0, 0}, "", "no NAME.NNNN.exr in here");
+    job.frames.assign(frames.begin(), frames.end());
+}
 
 // What a rendered folder shows: its shot and size, the frames that it has, and where in their pixels they
 // look.
@@ -64,13 +114,15 @@ std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostic
         return std::nullopt;
     }
     const auto rendered = read_rendered_frames(arguments.like, diagnostics);
-    // Of a pipeline for one light the mask has no name, of one for several that of its light.
-    Diagnostics of_one_light;
-    auto present = rendered ? visibility_frames(arguments.like, of_one_light) : std::nullopt;
-    if (rendered && !present) present = visibility_frames(arguments.like, diagnostics, arguments.light);
-    auto shot = present ? read_completed_shot(rendered->shot, diagnostics) : std::nullopt;
+    const auto images = rendered ? images_in(arguments.like, diagnostics) : std::nullopt;
+    auto shot = images ? read_completed_shot(rendered->shot, diagnostics) : std::nullopt;
     if (!shot) return std::nullopt;
-    Job job{std::move(*shot), "", *present};
+    Job job{std::move(*shot), "", {}, ""};
+    if (arguments.signal == "visibility")
+        choose_mask(arguments, *rendered, *images, job, diagnostics);
+    else
+        choose_radiance(arguments, *images, job, diagnostics);
+    if (job.frames.empty()) return std::nullopt;
     job.shot.size = rendered->size;
     if (!arguments.frames.empty()) {
         const auto range = parse_frames(arguments.frames, job.shot.frames);
@@ -91,7 +143,7 @@ std::optional<Job> prepare(const ReferenceArguments& arguments, Diagnostics& dia
     const auto size = arguments.size.empty() ? std::optional(view->shot.size) : parse_size(arguments.size);
     const auto range = parse_frames(arguments.frames, view->shot.frames);
     if (!size || !range) return std::nullopt;
-    Job job{std::move(view->shot), std::move(view->made_up), {}};
+    Job job{std::move(view->shot), std::move(view->made_up), {}, arguments.light};
     job.shot.size = *size;
     for (uint32_t frame = (*range)[0]; frame <= (*range)[1]; ++frame) job.frames.push_back(frame);
     return job;
@@ -138,7 +190,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     Device device({arguments.device, false});
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto chosen = choose_light(shot, arguments.light, diagnostics);
+    const auto chosen = choose_light(shot, job.light, diagnostics);
     Doing doing;
     const Told told = [&](const char* what, double share) { doing(what, share); };
     const auto session =

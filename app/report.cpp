@@ -168,6 +168,14 @@ OrderedJson settings_json(const std::vector<std::string>& settings) {
     return out;
 }
 
+// Which of the shot's lights the pipeline's one mask is of; null where it has none, or one of each of
+// several.
+OrderedJson light_json(const Session& session, const CheckedPipeline& pipeline) {
+    const StandaloneHost& host = session.host();
+    const bool of_one = pipeline.input("light") || (pipeline.input("sun") && host.shot().has_sun);
+    return of_one ? OrderedJson(host.light_name()) : OrderedJson();
+}
+
 OrderedJson outputs_json(const OutputWriter& outputs) {
     OrderedJson list = OrderedJson::array();
     for (const WrittenOutput& o : outputs.written())
@@ -207,6 +215,7 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"pipeline", plan.pipeline},
             {"shot", session.host().shot().name},
             {"shot_file", shot_file.generic_string()},
+            {"light", light_json(session, pipeline)},
             {"seed", session.seed()},
             {"size", {plan.extent.width, plan.extent.height}},
             {"frames", rendered.wanted},

@@ -20,6 +20,7 @@
 #include "app/report/parts.h"
 #include "app/report/radiance_report.h"
 #include "app/text_file.h"
+#include "host/gbuffer/gbuffer.h"
 
 namespace penumbra {
 namespace {
@@ -228,7 +229,7 @@ std::optional<std::vector<PipelinePlan>> plan_contenders(const Job& job, const D
 // What all contenders take that stand ready at once, each with a host of its own, and the masks that are
 // kept.
 std::string memory_text(const Job& job, const std::vector<PipelinePlan>& plans) {
-    constexpr uint64_t host_bytes = 32;  // per pixel of depth, normal, motion and albedo
+    const uint64_t host_bytes = gbuffer_bytes_per_pixel();
     const Study& study = job.results.study;
     const uint64_t pixels = uint64_t{study.size[0]} * study.size[1];
     const uint64_t masks =

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 
 #include "app/commands.h"
 #include "app/session.h"
@@ -12,6 +13,7 @@
 #include "host/materials/environment.h"
 #include "host/materials/environment_lots.h"
 #include "host/shots/model_lights.h"
+#include "penumbra/requirements.h"
 
 namespace penumbra {
 
@@ -52,6 +54,11 @@ bool fits_memory(std::array<uint32_t, 2> size, uint64_t more, const char* what, 
     return false;
 }
 
+// Whether the G-buffer has them.
+bool has_surfaces(const CheckedPipeline& pipeline) {
+    return pipeline.input("material") || pipeline.input("emissive");
+}
+
 std::unique_ptr<StandaloneHost> make_host(Device& device, const CheckedPipeline& pipeline, Shot shot,
                                           std::shared_ptr<const Scene> scene, const SessionLights& lights,
                                           const SessionOptions& options) {
@@ -61,7 +68,7 @@ std::unique_ptr<StandaloneHost> make_host(Device& device, const CheckedPipeline&
     host.lights = lights.names;
     host.steered = options.steered;
     host.emitters = pipeline.input("emitters");
-    host.materials = pipeline.input("material") || pipeline.input("emissive");
+    host.materials = has_surfaces(pipeline);
     try {
         return std::make_unique<StandaloneHost>(device, std::move(shot), std::move(scene), host);
     } catch (const VulkanError& error) {  // what a call says of itself does not say that the frame is large
@@ -141,6 +148,14 @@ std::optional<Plan> make_plan(const CheckedPipeline& pipeline, const NodeSet& no
     return validating ? compile(*validating, target, how, diagnostics) : std::nullopt;
 }
 
+// What the device lacks of what the plan's shaders need.
+void check_device_has(const Plan& plan, const Device& device, Diagnostics& diagnostics) {
+    for (const Requirement& r : unmet(plan, handles_of(device)))
+        diagnostics.add(
+            {}, r.why,
+            fmt::format("{} lacks what this needs: {} {}", device.info().name, kind_name(r.kind), r.name));
+}
+
 }  // namespace
 
 DeviceHandles handles_of(const Device& device) {
@@ -218,6 +233,9 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     EnvironmentInput environment;
     if (pipeline.input("environment") && !(environment.map = make_environment(shot, diagnostics)))
         return nullptr;
+    std::ranges::move(texture_warnings(scene->model().materials, scene->model().textures,
+                                       has_surfaces(pipeline), device.limits().maxImageDimension2D),
+                      std::back_inserter(warnings));
     auto session = std::unique_ptr<Session>(new Session(device, options, options.seed.value_or(shot.seed)));
     // Whether to jitter is known from the plan, and the plan needs the scene's facts: the host is made in
     // between.
@@ -242,6 +260,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     std::optional<Plan> plan = make_plan(pipeline, nodes, target, options, diagnostics);
     if (plan) check_slots(*plan, pipeline.file, lights->names, diagnostics);
     if (plan) check_lights(*plan, pipeline, *lights, host.light(), diagnostics);
+    if (plan) check_device_has(*plan, device, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;
     if (!fits_memory(options.size, plan->memory.heap_bytes, "the G-buffer and the pipeline", table,
                      diagnostics))

@@ -9,6 +9,8 @@
 #include <functional>
 #include <memory>
 
+#include "penumbra/json_text.h"
+
 namespace penumbra {
 
 namespace fs = std::filesystem;
@@ -68,6 +70,22 @@ std::vector<std::pair<std::string, fs::path>> named_files(const fs::path& root, 
     return named;
 }
 
+// What else may be wrong with the file, whoever reads it says.
+bool is_of_another_kind(const fs::path& file, const ShippedKind& kind, Diagnostics& diagnostics) {
+    std::error_code failure;
+    if (!fs::is_regular_file(file, failure)) return false;
+    Diagnostics unheard;
+    const auto json = read_json(file, unheard);
+    if (!json || json->find(kind.version)) return false;
+    for (const ShippedKind& other : {shipped_pipelines, shipped_shots})
+        if (const Json* version = json->find(other.version)) {
+            diagnostics.add(version->place, other.version,
+                            fmt::format("this is a {}, not a {}", other.what, kind.what));
+            return true;
+        }
+    return false;
+}
+
 }  // namespace
 
 std::vector<fs::path> shipped_files(const fs::path& root, const ShippedKind& kind) {
@@ -88,7 +106,10 @@ bool is_shipped(const std::string& name, const fs::path& root, const ShippedKind
 std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& root, const ShippedKind& kind,
                                      Diagnostics& diagnostics) {
     std::error_code failure;
-    if (fs::exists(wanted, failure)) return fs::path(wanted);  // a folder: whoever reads it says so
+    if (fs::exists(wanted, failure)) {  // a folder: whoever reads it says so
+        if (is_of_another_kind(wanted, kind, diagnostics)) return std::nullopt;
+        return fs::path(wanted);
+    }
     for (const auto& [name, file] : named_files(root, kind))
         if (name == wanted) return file;
     std::vector<std::string> names = shipped_names(root, kind);

@@ -14,16 +14,17 @@ namespace penumbra {
 
 struct ShippedKind {
     const char *folder, *suffix, *what;
+    const char* version;  // the key that says which version of the format a file has
 };
-inline constexpr ShippedKind shipped_pipelines{"pipelines", ".json", "pipeline"};
-inline constexpr ShippedKind shipped_shots{"scenes", ".shot.json", "shot"};
+inline constexpr ShippedKind shipped_pipelines{"pipelines", ".json", "pipeline", "penumbra"};
+inline constexpr ShippedKind shipped_shots{"scenes", ".shot.json", "shot", "penumbra_shot"};
 
 // The folder that holds `pipelines/` and `scenes/`: the current one, or one above the program's. Empty where
 // there is none.
 std::filesystem::path shipped_root();
 
 // The file that `wanted` names: itself where it is one, else the shipped one of that name below `root`; an
-// error with what it may have meant.
+// error with what it may have meant, or where the file says that it is of another kind.
 std::optional<std::filesystem::path> shipped_file(const std::string& wanted,
                                                   const std::filesystem::path& root, const ShippedKind& kind,
                                                   Diagnostics& diagnostics);

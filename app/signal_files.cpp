@@ -22,11 +22,19 @@ std::vector<uint32_t> frames_there(const CompareArguments& arguments, Diagnostic
         if (!range) diagnostics.add({}, "--frames", "not A..B: " + arguments.frames);
         return frames;
     }
-    for (uint32_t frame = 0; frame < most_frames; ++frame)
-        if (fs::exists(file_of(arguments.reference, arguments.signal, frame)) &&
-            fs::exists(file_of_image(arguments.image, arguments, frame)))
-            frames.push_back(frame);
-    if (frames.empty())
+    bool of_one_light = false;
+    for (uint32_t frame = 0; frame < most_frames; ++frame) {
+        if (!fs::exists(file_of(arguments.reference, arguments.signal, frame))) continue;
+        if (fs::exists(file_of_image(arguments.image, arguments, frame))) frames.push_back(frame);
+        of_one_light |= fs::exists(file_of(arguments.image, arguments.signal, frame));
+    }
+    if (!frames.empty()) return frames;
+    if (of_one_light)
+        diagnostics.add(
+            {}, "--light",
+            fmt::format("chooses among images of several lights, and {} has {} of one: leave it out",
+                        arguments.image, arguments.signal));
+    else
         diagnostics.add({arguments.reference, 0, 0}, arguments.signal,
                         "shares no frame of this signal with " + arguments.image);
     return frames;

@@ -94,10 +94,12 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     parity_ = static_cast<uint32_t>(recorded_ & 1);
     slot_ = static_cast<uint32_t>(recorded_ % slots_.size());
     const Slot& slot = slots_[slot_];
-    if (recorded_ >= slots_.size()) {  // by the host's promise this frame has completed
-        completed_.frame = recorded_ - slots_.size();
-        read_statistics(slot, completed_.passes, ticks_);
-        has_completed_ = true;
+    if (recorded_ >= slots_.size()) {  // by the host's promise this frame has completed, if it ever ran
+        if (has_run(slot)) {
+            completed_.frame = recorded_ - slots_.size();
+            read_statistics(slot, completed_.passes, ticks_);
+            has_completed_ = true;
+        }
     }
     std::ranges::copy(slots, bound_.begin());
     for (size_t i = 0; i < plan().resources.size(); ++i)
@@ -116,19 +118,19 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     frame_block_.prev_size = {before.width, before.height};
     size_ = size;
     std::memcpy(slot.frame_block.data(), &frame_block_, sizeof frame_block_);
+    expect_to_run(slot);
     // The frame before a reset may never have run, and with it the first uploads.
     if ((reset || recorded_ == 0) && !options_.tables_uploaded) program_.record_uploads(cmd);
     if (slot.timestamps)
         vk().vkCmdResetQueryPool(cmd, slot.timestamps.get(), 0,
                                  2 * static_cast<uint32_t>(plan().passes.size()));
-    if (!plan().counters.empty()) {
-        vk().vkCmdFillBuffer(cmd, slot.counters.get(), 0, VK_WHOLE_SIZE, 0);
+    vk().vkCmdFillBuffer(cmd, slot.counters.get(), 0, VK_WHOLE_SIZE, 0);  // with what has_run() reads
+    if (!plan().counters.empty())
         memory_dependency(cmd, {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
                                 VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                                 VK_ACCESS_2_TRANSFER_WRITE_BIT,
                                 VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
                                 {}});
-    }
     record_handovers(cmd, false);
     if (memory_.shares()) full_dependency(cmd);
     if (reset || recorded_ == 0) record_reset(cmd);
@@ -358,12 +360,12 @@ void ViewState::end(VkCommandBuffer cmd) {
     record_dependency(cmd, plan().end[parity_]);
     record_handovers(cmd, true);
     // Counters and captures are read by the host once the frame has completed.
-    if (!plan().counters.empty() || !capture_passes_.empty())
-        memory_dependency(cmd, {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
-                                VK_PIPELINE_STAGE_2_HOST_BIT,
-                                VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                                VK_ACCESS_2_HOST_READ_BIT,
-                                {}});
+    memory_dependency(cmd, {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT |
+                                VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                            VK_PIPELINE_STAGE_2_HOST_BIT,
+                            VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                            VK_ACCESS_2_HOST_READ_BIT,
+                            {}});
     ++recorded_;
 }
 

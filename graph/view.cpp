@@ -179,7 +179,7 @@ void ViewState::make_slot(Slot& slot) {
     slot.frame_block =
         MappedBuffer(device_, sizeof(FrameBlock), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "the frame block");
     slot.counters =
-        MappedBuffer(device_, std::max<size_t>(plan().counters.size(), 1) * sizeof(uint32_t),
+        MappedBuffer(device_, (plan().counters.size() + 1) * sizeof(uint32_t),
                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT, "counters");
     for (const size_t p : capture_passes_)
         slot.captures.emplace_back(device_,
@@ -253,15 +253,28 @@ std::span<const std::byte> ViewState::captured(std::string_view name) const {
     for (size_t i = 0; i < capture_passes_.size(); ++i)
         if (plan().passes[capture_passes_[i]].node == name) {
             if (recorded_ == 0) return {};
-            return {slots_[slot_].captures[i].data(), slots_[slot_].captures[i].size()};
+            return {last_recorded().captures[i].data(), last_recorded().captures[i].size()};
         }
     fail(ErrorCode::usage, fmt::format("\"{}\"", name), "the plan does not capture it");
+}
+
+// Commands may be thrown away, and then the queries are those of an older frame or were never reset, which
+// must not be read. So the host writes a word that the frame's own commands clear.
+void ViewState::expect_to_run(const Slot& slot) const {
+    constexpr uint32_t not_yet = 1;
+    std::memcpy(slot.counters.data() + plan().counters.size() * sizeof not_yet, &not_yet, sizeof not_yet);
+}
+
+bool ViewState::has_run(const Slot& slot) const {
+    uint32_t word = 0;
+    std::memcpy(&word, slot.counters.data() + plan().counters.size() * sizeof word, sizeof word);
+    return word == 0;
 }
 
 void ViewState::read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
                                 std::vector<uint64_t>& ticks) const {
     bool timed = false;
-    if (slot.timestamps) {
+    if (slot.timestamps && has_run(slot)) {
         const VkResult result = vk().vkGetQueryPoolResults(
             device_.get(), slot.timestamps.get(), 0, static_cast<uint32_t>(ticks.size()),
             ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
@@ -284,7 +297,7 @@ std::vector<PassStatistics> ViewState::statistics() const {
     if (recorded_ == 0) return {};
     std::vector<PassStatistics> passes = completed_.passes;  // of the right shape
     std::vector<uint64_t> ticks(ticks_.size());
-    read_statistics(slots_[slot_], passes, ticks);
+    read_statistics(last_recorded(), passes, ticks);
     return passes;
 }
 

@@ -37,7 +37,8 @@ class ViewState {
   private:
     struct Slot {  // one frame in flight
         Held<VkQueryPool> timestamps;
-        MappedBuffer frame_block, counters;
+        MappedBuffer frame_block;
+        MappedBuffer counters;               // and a word behind them, for has_run()
         std::vector<VkDescriptorSet> sets;   // set 1 of every pass
         std::vector<MappedBuffer> captures;  // parallel to capture_passes_
     };
@@ -54,6 +55,9 @@ class ViewState {
     void check_slot_binding(const HostSlot& slot, const SlotBinding& binding) const;
     void check_range(const HostSlot& slot, const SlotBinding& binding) const;
     void write_slot_bindings(const Slot& slot);
+    const Slot& last_recorded() const { return slots_[(recorded_ - 1) % slots_.size()]; }
+    void expect_to_run(const Slot& slot) const;
+    bool has_run(const Slot& slot) const;
     void read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
                          std::vector<uint64_t>& ticks) const;
 

@@ -123,8 +123,7 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
 void StandaloneHost::record(VkCommandBuffer commands, const StandaloneFrame& frame) {
     const FrameDescription& description = frame.description;
     const uint32_t previous = (description.flags & frame_reset) ? description.index : description.index - 1;
-    gbuffer_.record(commands, description, scene_->transforms(moment(description.index)),
-                    scene_->transforms(moment(previous)), shot_.origin);
+    gbuffer_.record(commands, description, moment(description.index), moment(previous), shot_.origin);
 }
 
 std::map<std::string, bool> StandaloneHost::facts() const {

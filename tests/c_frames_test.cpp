@@ -45,6 +45,19 @@ const char* const text = R"({ "penumbra": 1, "name": "c",
     "inputs": { "numbers": {}, "given": { "format": "r32f", "optional": true } }, "outputs": ["doubled"],
     "nodes": { "frame": { "type": "c_frame", "in": { "history": "doubled@-1" } }, "again": { "type": "c_again" } } })";
 
+const char* const table = R"({ "node": "c_table", "doc": "d", "shader": "c_table.comp", "inputs": {},
+    "outputs": { "value": { "kind": "image", "format": "r32f" } },
+    "tables": { "steps": { "file": "steps.bin", "format": "r32f", "extent": [4, 1] } },
+    "dispatch": { "over": "frame", "group": [8, 8] } })";
+const char* const table_shader = R"(#include "node.glsl"
+#include "common/pixels.glsl"
+void for_pixel(ivec2 p) { imageStore(value, p, texelFetch(steps, ivec2(p.x & 3, 0), 0)); }
+void main() { for_each_pixel(); }
+)";
+const char* const table_text =
+    R"({ "penumbra": 1, "name": "c", "outputs": ["value"], "nodes": { "table": { "type": "c_table" } } })";
+constexpr float steps[] = {3, 1, 4, 1.5f};
+
 // Blocks that begin somewhere in the host's memory.
 VkResult allocate(void*, const penumbra_memory_request* request, penumbra_memory_block* block) {
     block->offset = 1 << 16;
@@ -74,6 +87,10 @@ class CFramesGpu : public GpuTest {
         std::ofstream(folder / "c_frame.comp") << shader;
         std::ofstream(folder / "c_again.json") << twice;
         std::ofstream(folder / "c_again.comp") << twice_shader;
+        std::ofstream(folder / "c_table.json") << table;
+        std::ofstream(folder / "c_table.comp") << table_shader;
+        std::ofstream(folder / "steps.bin", std::ios::binary)
+            .write(reinterpret_cast<const char*>(steps), sizeof steps);
         EXPECT_EQ(penumbra_nodes_create(&nodes_, &error_), PENUMBRA_OK);
         EXPECT_EQ(penumbra_nodes_add_folder(nodes_, folder.string().c_str(), "", &error_), PENUMBRA_OK)
             << error_.text;
@@ -241,6 +258,38 @@ TEST_F(CFramesGpu, WhatAHostSaysOfAFrameReachesIt) {
     penumbra_view_destroy(heir);
     penumbra_view_destroy(view);
     penumbra_transients_destroy(transients);
+    penumbra_program_destroy(program);
+    penumbra_plan_destroy(made);
+}
+
+TEST_F(CFramesGpu, TablesMayBeUploadedAheadOfAllViews) {
+    Spy::uploads = 0;
+    device_.get_instance_proc_addr = Spy::of_instance;
+    request_.text = table_text;
+    output_ = "value";
+    penumbra_plan* made = plan();
+    penumbra_program* program = nullptr;
+    ASSERT_EQ(penumbra_program_create(&device_, made, nullptr, &program, &error_), PENUMBRA_OK)
+        << error_.text;
+    gpu().run([&](VkCommandBuffer cmd) {
+        penumbra_program_record_uploads(nullptr, cmd);
+        penumbra_program_record_uploads(program, VK_NULL_HANDLE);
+        EXPECT_EQ(Spy::uploads, 0u);
+        penumbra_program_record_uploads(program, cmd);
+    });
+    EXPECT_EQ(Spy::uploads, 1u);
+    penumbra_view_options options = sized<penumbra_view_options>();
+    options.tables_uploaded = VK_TRUE;
+    penumbra_view* view = nullptr;
+    ASSERT_EQ(penumbra_view_create(program, &options, &view, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_EQ(record(view, 0, {}), PENUMBRA_OK) << error_.text;
+    EXPECT_EQ(Spy::uploads, 1u);
+    const void* data = nullptr;
+    size_t size = 0;
+    ASSERT_EQ(penumbra_view_captured(view, output_, &data, &size, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_GE(size, sizeof steps);
+    EXPECT_EQ(std::memcmp(data, steps, sizeof steps), 0);
+    penumbra_view_destroy(view);
     penumbra_program_destroy(program);
     penumbra_plan_destroy(made);
 }

@@ -1,73 +1,13 @@
 // SPDX-License-Identifier: MIT
 // check() on valid pipelines, and the rules whose borders matter. Messages are in tests/golden/broken.
-#include "penumbra/check.h"
 
-#include <gtest/gtest.h>
+#include "tests/check_test.h"
 
-#include "tests/toy_nodes.h"
-
-namespace penumbra {
+namespace penumbra::test {
 namespace {
 
-// A pipeline of these inputs, outputs and nodes ("more" may add keys).
-std::string pipeline(const std::string& inputs, const std::string& outputs, const std::string& nodes,
-                     const std::string& more = "") {
-    return R"({"penumbra": 1, "name": "p", "inputs": {)" + inputs + R"(}, "outputs": [)" + outputs +
-           R"(], "nodes": {)" + nodes + "}" + more + "}";
-}
-
-class Check : public ::testing::Test {
-  protected:
-    std::optional<CheckedPipeline> run(const std::string& text,
-                                       const std::vector<std::string>& settings = {}) {
-        diagnostics_ = {};
-        const auto parsed = parse_pipeline(text, "p.json", settings, diagnostics_);
-        EXPECT_TRUE(parsed) << diagnostics_.text();
-        if (!parsed) return std::nullopt;
-        const auto checked = check(*parsed, nodes_, diagnostics_);
-        EXPECT_EQ(checked.has_value(), diagnostics_.empty());
-        return checked;
-    }
-    // The one error's message, or all the text where there is not exactly one.
-    std::string error(const std::string& text, const std::vector<std::string>& settings = {}) {
-        EXPECT_FALSE(run(text, settings)) << text;
-        if (diagnostics_.size() != 1) return diagnostics_.text();
-        return diagnostics_.list()[0].path + ": " + diagnostics_.list()[0].message;
-    }
-    void expect_valid(const std::string& text) { EXPECT_TRUE(run(text)) << diagnostics_.text(); }
-
-    static const BoundPort& port(const CheckedPipeline& checked, const std::string& node,
-                                 const std::string& name) {
-        for (const BoundNode& bound : checked.nodes)
-            if (bound.id == node)
-                for (const BoundPort& p : bound.ports)
-                    if (p.port->name == name) return p;
-        throw std::runtime_error("no port " + node + "." + name);
-    }
-
-    static size_t param_index(const CheckedPipeline& checked, size_t node, const std::string& name) {
-        const NodeType& type = checked.nodes[node].type();
-        return static_cast<size_t>(type.param(name) - type.params.data());
-    }
-    static const ParamValue& param(const CheckedPipeline& checked, size_t node, const std::string& name) {
-        return checked.nodes[node].params[param_index(checked, node, name)];
-    }
-    static bool is_set(const CheckedPipeline& checked, size_t node, const std::string& name) {
-        return checked.nodes[node].set[param_index(checked, node, name)];
-    }
-    // The name that a port reads or writes; empty: unbound.
-    static std::string bound_to(const CheckedPipeline& checked, const std::string& node,
-                                const std::string& name) {
-        const BoundPort& bound = port(checked, node, name);
-        return bound.resource == no_resource ? "" : checked.resources[bound.resource].name;
-    }
-
-    NodeSet nodes_ = test::toy_nodes();
-    Diagnostics diagnostics_;
-};
-
 TEST_F(Check, BindsEveryPortOnce) {
-    const auto checked = run(test::toy_pipeline());
+    const auto checked = run(toy_pipeline());
     ASSERT_TRUE(checked) << diagnostics_.text();
     for (const BoundNode& node : checked->nodes) {
         ASSERT_EQ(node.ports.size(), node.type().ports.size());
@@ -89,8 +29,8 @@ TEST_F(Check, BindsEveryPortOnce) {
 }
 
 TEST_F(Check, AnOptionalOutputExistsWhereSomebodyAsksForIt) {
-    const auto checked = run(test::toy_pipeline(), {"outputs=[\"color\", \"debug\"]",
-                                                    "nodes.classify.if=alpha", "nodes.trace.if=alpha"});
+    const auto checked = run(toy_pipeline(), {"outputs=[\"color\", \"debug\"]", "nodes.classify.if=alpha",
+                                              "nodes.trace.if=alpha"});
     EXPECT_FALSE(checked) << "an output must be written under all facts";
     const std::string inputs = R"("depth": {}, "normal": {}, "sun": {})";
     const std::string classify = R"("guides": {"type": "guides"}, "classify": {"type": "classify"%})";
@@ -136,44 +76,6 @@ TEST_F(Check, ManyMistakesAreSaidOnceEach) {
     EXPECT_EQ(diagnostics_.size(), count - 1) << "each second writer, not each pair";
 }
 
-TEST_F(Check, TwoWritersNeedConditionsThatExcludeEachOther) {
-    const auto two = [](const std::string& a, const std::string& b) {
-        return pipeline("", R"("value")",
-                        R"("a": {"type": "fill")" + a + R"(}, "b": {"type": "fill")" + b + "}");
-    };
-    expect_valid(two(R"(, "if": "sun_up")", R"(, "if": "!sun_up")"));
-    EXPECT_NE(error(two(R"(, "if": "sun_up")", "")), "");
-    EXPECT_NE(error(two("", "")), "");
-    EXPECT_EQ(error(two(R"(, "if": "sun_up & alpha")", R"(, "if": "!sun_up")")),
-              "outputs[0]: nobody writes \"value\" where !alpha & sun_up");
-    expect_valid(
-        pipeline("", R"("value")",
-                 R"("a": {"type": "fill", "if": "sun_up & alpha"}, "b": {"type": "fill", "if": "!sun_up"},
-        "c": {"type": "fill", "if": "sun_up & !alpha"})"));
-}
-
-TEST_F(Check, AMissingWriterUnderSomeFactsIsAnErrorUnlessTheReaderIsOptionalOrGoneToo) {
-    const auto reader = [](const std::string& port_text) {
-        return pipeline(R"("albedo": {})", R"("lit")",
-                        R"("f": {"type": "fill", "if": "sun_up", "out": {"value": "v"}}, )" + port_text);
-    };
-    expect_valid(reader(R"("s": {"type": "shade", "in": {"visibility": "v"}})"));
-    const std::string filter = R"("g": {"type": "filter", "in": {"signal": "w"}, "out": {"filtered": "x"}%})";
-    const auto filtered = [&](const std::string& condition) {
-        std::string text = filter;
-        text.replace(text.find('%'), 1, condition);
-        return pipeline("", R"("y")",
-                        R"("y": {"type": "fill", "out": {"value": "y"}},
-            "f": {"type": "fill", "if": "sun_up & alpha", "out": {"value": "w"}}, )" +
-                            text);
-    };
-    EXPECT_EQ(error(filtered("")),
-              "nodes.g.in.signal: nobody writes \"w\" where !alpha, and the port is not optional");
-    EXPECT_EQ(error(filtered(R"(, "if": "alpha")")),
-              "nodes.g.in.signal: nobody writes \"w\" where alpha & !sun_up, and the port is not optional");
-    expect_valid(filtered(R"(, "if": "alpha & sun_up & hdr")"));
-}
-
 TEST_F(Check, HistoryMayBeReadBeforeAndAfterTheWriter) {
     const std::string inputs = R"("lit": {})";
     expect_valid(pipeline(inputs, R"("color")", R"("taa": {"type": "taa", "in": {"history": "color@-1"}})"));
@@ -189,19 +91,6 @@ TEST_F(Check, HistoryMayBeReadBeforeAndAfterTheWriter) {
                              R"("taa": {"type": "taa", "in": {"history": "old@-1"}})")),
               "");
 }
-
-TEST_F(Check, HistoryOfAWriterThatIsGoneUnderSomeFactsNeedsAnOptionalPort) {
-    const std::string taa = R"("a": {"type": "taa", "if": "moves", "in": {"history": "color@-1"}},
-        "b": {"type": "taa", "in": {"history": "color@-1"}, "out": {"color": "other"}})";
-    EXPECT_EQ(error(pipeline(R"("lit": {})", R"("other")", taa)),
-              "nodes.b.in.history: nobody writes \"color\" where !moves, and the port is not optional");
-    expect_valid(
-        test::toy_pipeline());  // denoise.history reads half@-1, which casters decides, together with denoise
-}
-
-const char* const sum_nodes = R"("f": {"type": "fill", "out": {"value": "s0"}},
-    "a": {"type": "accumulate", "in": {"sum": "s0"}, "out": {"total": "s1"}},
-    "b": {"type": "accumulate", "in": {"sum": "s1"}, "out": {"total": "s2"}})";
 
 TEST_F(Check, UpdatesFormAChainWithOneEnd) {
     const std::string nodes = sum_nodes;
@@ -248,25 +137,6 @@ TEST_F(Check, ReadersOfAnOldNameComeBeforeItsUpdater) {
         "r": {"type": "accumulate", "in": {"sum": "s1", "addend": "s0"}, "out": {"total": "s2"}})")),
               "nodes.a.out.total: nodes wait for each other within one frame: a -> r -> a")
         << "r reads s1, which a writes, and s0, which a overwrites";
-}
-
-TEST_F(Check, ACycleMayExistUnderConditionsThatExcludeEachOther) {
-    const auto ring = [](const std::string& first, const std::string& second) {
-        return pipeline(
-            "", R"("x")",
-            R"("a": {"type": "filter", "in": {"signal": "y"}, "out": {"filtered": "x"}, "if": ")" + first +
-                R"("}, "b": {"type": "filter", "in": {"signal": "x"}, "out": {"filtered": "y"}, "if": ")" +
-                second + R"("},
-            "fx": {"type": "fill", "out": {"value": "x"}, "if": "!sun_up"}, "fy": {"type": "fill", "out": {"value": "y"}, "if": "sun_up"})");
-    };
-    expect_valid(ring("sun_up", "!sun_up"));  // x from y where sun_up, y from x where not
-    const std::string both =
-        pipeline("", R"("x")", R"("a": {"type": "filter", "in": {"signal": "y"}, "out": {"filtered": "x"}},
-        "b": {"type": "filter", "in": {"signal": "x"}, "out": {"filtered": "y"}})");
-    EXPECT_EQ(error(both), "nodes.a.in.signal: nodes wait for each other within one frame: a -> b -> a");
-    EXPECT_EQ(error(pipeline("", R"("x")",
-                             R"("a": {"type": "filter", "in": {"signal": "x"}, "out": {"filtered": "x"}})")),
-              "nodes.a.in.signal: nodes wait for each other within one frame: a -> a");
 }
 
 TEST_F(Check, FormatsMustMeet) {
@@ -330,34 +200,6 @@ TEST_F(Check, BesideAnotherInputAPortIsNotOptional) {
         "nodes.n.in.place: nobody writes \"v\" where !sun_up, and the port is not optional beside \"lamp\"");
 }
 
-TEST_F(Check, APortThatItsNodesParametersRuleOutNeedsNoResource) {
-    const std::string nodes =
-        R"("g": {"type": "guides"}, "c": {"type": "classify", "params": {"mode": "%"}})";
-    const auto with = [&](const std::string& mode, const std::string& more) {
-        std::string text = nodes + more;
-        text.replace(text.find('%'), 1, mode);
-        return pipeline(R"("depth": {}, "normal": {}, "sun": {}, "cascade_maps": {})", R"("hits")", text);
-    };
-    expect_valid(with("normals", ""));
-    EXPECT_EQ(error(with("cascades", "")),
-              "nodes.c.in.bounds: no resource named \"bounds\" (the port's own name)");
-    expect_valid(with("cascades", R"(, "p": {"type": "pyramid"})"));
-}
-
-TEST_F(Check, APortThatAFactRulesOutNeedsNoWriterThen) {
-    const auto with = [](const std::string& condition) {
-        return pipeline(R"("lit": {})", R"("tinted")",
-                        R"("t": {"type": "tint"}, "f": {"type": "fill", "out": {"value": "mask"}, "if": ")" +
-                            condition + "\"}");
-    };
-    expect_valid(with("alpha"));
-    EXPECT_EQ(error(with("alpha & hdr")),
-              "nodes.t.in.mask: nobody writes \"mask\" where alpha & !hdr, and the port is not optional");
-    expect_valid(pipeline(R"("lit": {})", R"("tinted")",
-                          R"("t": {"type": "tint", "if": "!alpha"}, "l": {"type": "tint", "if": "alpha",
-        "in": {"mask": "m"}}, "m": {"type": "fill", "out": {"value": "m"}})"));
-}
-
 TEST_F(Check, AHostInputOfAnyExtentKeepsThat) {
     const auto checked =
         run(pipeline(R"("albedo": {"extent": "any"})", R"("lit")", R"("s": {"type": "shade"})"));
@@ -365,87 +207,5 @@ TEST_F(Check, AHostInputOfAnyExtentKeepsThat) {
     EXPECT_EQ(checked->inputs[0].extent, HostInput::Extent::any);
 }
 
-// A filter behind two fills, one of which runs by the filter's step.
-std::string chosen_by(const std::string& first, const std::string& second, const std::string& params = "") {
-    return pipeline("", R"("filtered")",
-                    R"("a": {"type": "fill", "out": {"value": "v"}, "if": ")" + first +
-                        R"("}, "b": {"type": "fill", "out": {"value": "v"}, "if": ")" + second +
-                        R"("}, "f": {"type": "filter", "in": {"signal": "v"})" + params + "}");
-}
-
-TEST_F(Check, AComparisonAsksForTheValueThatThePipelineEndsUpWith) {
-    const auto runs = [&](const std::string& text, const std::vector<std::string>& settings) {
-        const auto checked = run(text, settings);
-        EXPECT_TRUE(checked) << diagnostics_.text();
-        std::string ids;
-        for (const BoundNode& node : checked ? checked->nodes : std::vector<BoundNode>()) {
-            EXPECT_TRUE(node.cases.all() || node.cases.none()) << node.id;
-            if (node.cases.all()) ids += node.id;
-        }
-        return ids;
-    };
-    const std::string two = chosen_by("f.step<4", "f.step>=4");  // f stands further down
-    EXPECT_EQ(runs(two, {}), "af") << "the default, 1";
-    EXPECT_EQ(runs(two, {"nodes.f.params.step=4"}), "bf");
-    EXPECT_EQ(runs(chosen_by("f.step<4", "f.step>=4", R"(, "params": {"step": 8})"), {}), "bf");
-    EXPECT_EQ(
-        runs(chosen_by("f.step<4", "f.step>=4", R"(, "params": {"step": 8})"), {"nodes.f.params.step=3"}),
-        "af");
-    EXPECT_EQ(runs(two, {"nodes.f.if=!f.step=1 | f.step=1"}), "af");
-    EXPECT_EQ(error(chosen_by("f.step<4", "f.step>4"), {"nodes.f.params.step=4"}),
-              "nodes.f.in.signal: nobody writes \"v\" with these parameters, and the port is not optional");
-    EXPECT_EQ(error(chosen_by("f.step<=4", "f.step>=4"), {"nodes.f.params.step=4"}),
-              "nodes.b.out.value: \"v\" is also written by nodes.a.out.value; two writers of one name need "
-              "conditions "
-              "(\"if\") that exclude each other");
-}
-
-TEST_F(Check, ComparisonsAndFactsMix) {
-    // In how many 512ths of all cases of facts the node runs: each fact that decides halves them.
-    const auto cases = [&](const std::string& condition) {
-        const std::string nodes =
-            R"("n": {"type": "fill", "out": {"value": "maybe"}, "if": ")" + condition + R"("},
-            "f": {"type": "fill", "params": {"weight": 0.1, "flat": true}},
-            "s": {"type": "filter", "in": {"signal": "value"}, "params": {"step": 4}},
-            "g": {"type": "guides"}, "c": {"type": "classify"})";
-        const auto checked = run(pipeline(R"("sun": {}, "depth": {}, "normal": {})", R"("filtered")", nodes));
-        const FactCases runs = checked ? checked->nodes[0].cases : FactCases();
-        return checked ? static_cast<int>(runs.count() * 512 / runs.size()) : -1;
-    };
-    EXPECT_EQ(cases("s.step=4"), 512);
-    EXPECT_EQ(cases(" s.step >= 4 & sun_up "), 256);
-    EXPECT_EQ(cases("s.step>4 & sun_up"), 0);
-    EXPECT_EQ(cases("s.step>4 | sun_up"), 256);
-    EXPECT_EQ(cases("s.step<=4 | sun_up"), 512);
-    EXPECT_EQ(cases("sun_up & !alpha | s.step!=4 & hdr | !sun_up"), 384) << "& binds before |";
-    EXPECT_EQ(cases("sun_up | !sun_up"), 512);
-    EXPECT_EQ(cases("! s.step<4 & !s.step=3 & s.step < 16"), 512);
-    EXPECT_EQ(cases("f.flat & !s.step!=4"), 512);
-    EXPECT_EQ(cases("!f.flat"), 0);
-    EXPECT_EQ(cases("f.flat=true & f.flat!=false"), 512);
-    EXPECT_EQ(cases("n.flat"), 0) << "a node may ask for its own";
-    EXPECT_EQ(cases("f.weight=0.1 & f.weight>=0.1 & f.weight<=1e-1"), 512)
-        << "0.1 is the same float on both sides";
-    EXPECT_EQ(cases("f.weight<0.1 | f.weight>0.1"), 0);
-    EXPECT_EQ(cases("c.mode=normals & !c.mode=cascades & c.mode!=cascades"), 512);
-}
-
-TEST_F(Check, WhatRunsUnderNoFactsIsCheckedAndInNobodysWay) {
-    const auto with = [](const std::string& wire, const std::string& more = "") {
-        return pipeline(
-            "", R"("s2")",
-            std::string(sum_nodes) + R"(, "r": {"type": "accumulate", "if": "f.flat", )" + wire + "}" + more);
-    };
-    expect_valid(with(R"("in": {"sum": "s0"}, "out": {"total": "s1"})"));  // s1 has two writers, s0 two
-                                                                           // updaters, once it runs
-    EXPECT_FALSE(run(with(R"("in": {"sum": "s0"}, "out": {"total": "s1"})"), {"nodes.f.params.flat=true"}));
-    expect_valid(
-        with(R"("in": {"sum": "s2"}, "out": {"total": "s3"})"));  // s2 would not last to the end of the frame
-    EXPECT_FALSE(run(with(R"("in": {"sum": "s2"}, "out": {"total": "s3"})"), {"nodes.f.params.flat=true"}));
-    EXPECT_EQ(error(with(R"("in": {"sum": "s9"}, "out": {"total": "s3"})")),
-              "nodes.r.in.sum: no resource named \"s9\"; did you mean \"s0\"?");
-    EXPECT_NE(error(with(R"("in": {"sun": "s0"}, "out": {"total": "s3"})")), "");
-}
-
 }  // namespace
-}  // namespace penumbra
+}  // namespace penumbra::test

@@ -109,6 +109,7 @@ TEST_F(CliRobustness, WhatIsNoFileOfTextIsRefused) {
     }
     expect(run("explain --out c.svg --costs " + folder_.string()), 2, "is a folder");
     expect(run("gates raw --edge-deg nan"), 2, "is no number");
+    expect(run("gates raw --widths 8,nan"), 2, "is no number");
 }
 
 // operator new fails at the call of one number (tests/failing_new.cpp): whatever was under way ends with a

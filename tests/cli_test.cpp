@@ -146,9 +146,9 @@ TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
     ASSERT_EQ(result.code, 0) << result.err;
     const Json report = Json::parse(read_file(out / "report.json"));
     for (const char* key :
-         {"penumbra", "version",  "pipeline", "shot",     "seed",     "size",     "frames",
-          "settings", "captures", "device",   "facts",    "frame_ms", "cpu_ms",   "passes",
-          "culled",   "memory",   "counts",   "by_frame", "validate", "warnings", "outputs"})
+         {"penumbra", "version",  "pipeline", "shot",     "seed",    "size",   "frames", "settings",
+          "captures", "device",   "facts",    "frame_ms", "cpu_ms",  "passes", "culled", "memory",
+          "counts",   "by_frame", "validate", "warnings", "outputs", "light"})
         EXPECT_TRUE(report.contains(key)) << key;
     EXPECT_EQ(report["frames"], (Json{1, 3}));
     EXPECT_EQ(report["size"], (Json{48, 32}));
@@ -298,6 +298,10 @@ TEST_F(CliRender, WishesThatCannotBeMetAreExplained) {
     expect(run(render("--capture visibilty --size 16x16 --frames 0" + out)), 2,
            "did you mean \"visibility\"?");
     expect(run(render("--size 1000000x8 --frames 0" + out)), 2, "exceeds the device's largest image");
+    expect(run("check scenes/lamp.shot.json"), 2, "penumbra_shot: this is a shot, not a pipeline");
+    expect(run("render raw --shot pipelines/raw.json" + out), 2, "penumbra: this is a pipeline, not a shot");
+    const std::string shot = file("plain.json", read_file(PENUMBRA_SOURCE_DIR "/scenes/lamp.shot.json"));
+    expect(run("render " + shot + out), 2, "this is a shot, not a pipeline");
     EXPECT_FALSE(fs::exists(folder_ / "o"));
 }
 

@@ -138,6 +138,34 @@ TEST_F(Compare, NumbersBeyond32BitsAreNotTaken) {
     EXPECT_EQ(visibility_frames(root_ / "a", diagnostics), (std::vector<uint32_t>{3, 4}));
 }
 
+// A light's mask may be there twice, as an image of its own and as a layer.
+TEST_F(Compare, AFrameIsListedOnce) {
+    for (const char* file : {"visibility_bulb.0003.exr", "masks.bulb.0003.exr", "masks.bulb.0001.exr"})
+        std::ofstream(root_ / "a" / file);
+    Diagnostics diagnostics;
+    EXPECT_EQ(visibility_frames(root_ / "a", diagnostics, "bulb"), (std::vector<uint32_t>{1, 3}));
+}
+
+TEST_F(Compare, OptionsThatSayNothingHereAreErrors) {
+    CompareArguments a = arguments();
+    const auto fails = [&](const char* because) {
+        const Result result = run(a);
+        EXPECT_EQ(result.code, exit_wrong);
+        EXPECT_NE(result.err.find(because), std::string::npos) << result.err;
+    };
+    for (const char* signal : {"visibility", "transmittance", "specular"}) {
+        a.signal = signal;
+        a.picture = folder("picture.png");
+        fails("--picture: is of pictures");
+    }
+    a.picture.clear();
+    a.signal = "transmittance";
+    a.light = "bulb";
+    fails("shares no frame");
+    for (const char* name : {"truth", "a"}) std::ofstream(root_ / name / "transmittance.0003.exr");
+    fails("has transmittance of one: leave it out");
+}
+
 TEST_F(Compare, MissingPartsAreErrorsWithNames) {
     CompareArguments a = arguments();
     const auto fails = [&](const char* because) {

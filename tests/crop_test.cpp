@@ -9,22 +9,15 @@
 #include <glm/gtc/packing.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/bvh/bvh.h"
-#include "host/standalone.h"
-#include "tests/gpu_test.h"
+#include "tests/host_inputs.h"
 #include "tests/shipped.h"
 #include "tests/test_scene.h"
-#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
 
 constexpr uint32_t large = 512, small = 256, first = 0;  // pixels; the noise repeats nowhere else
 constexpr double scale = double(large) / small;
-
-std::vector<std::byte> read(const GpuImage& image) {
-    return read_image(gpu(), image.get(), image.format, image.extent, GBuffer::final_layout);
-}
 
 std::vector<std::byte> cropped(const std::vector<std::byte>& texels) {
     const size_t bytes = texels.size() / (large * large);
@@ -68,11 +61,6 @@ FrameDescription crop_of(FrameDescription frame) {
     return frame;
 }
 
-template <class T>
-std::span<const std::byte> bytes_of(const T& value) {
-    return std::as_bytes(std::span(&value, 1));
-}
-
 class Crop : public GpuTest {};
 
 TEST_F(Crop, OfALargerRenderEqualsTheSmallRender) {
@@ -85,35 +73,18 @@ TEST_F(Crop, OfALargerRenderEqualsTheSmallRender) {
     StandaloneHost host(gpu(), shot, std::move(*scene), {{large, large}, 1, true});
     ViewRunOptions options;
     options.facts = host.facts();
-    options.formats = {{"depth", Format::r32f},
-                       {"normal", Format::rgba32f},
-                       {"motion", Format::rgba16f},
-                       {"albedo", Format::rgba8}};
+    options.formats = host_image_formats;
     const CheckedPipeline pipeline = shipped_pipeline("one_ray");
     ViewRun whole(pipeline, {large, large}, options), part(pipeline, {small, small}, options);
 
     for (uint32_t index = 0; index < 4; ++index) {
         SCOPED_TRACE(index);
         const StandaloneFrame frame = host.frame(index, index == 0);
-        gpu().run([&](VkCommandBuffer commands) { host.record(commands, frame); });
-        const GBufferImages& images = host.images();
-        const std::pair<const char*, const GpuImage*> inputs[] = {{"depth", &images.depth},
-                                                                  {"normal", &images.normal},
-                                                                  {"motion", &images.motion},
-                                                                  {"albedo", &images.albedo}};
-        for (const auto& [name, image] : inputs) {
-            const std::vector<std::byte> texels = read(*image);
+        for (const auto& [name, texels] : draw(host, frame)) {
             whole.set(name, texels);
-            part.set(name, name == std::string("motion") ? scaled_motion(cropped(texels)) : cropped(texels));
+            part.set(name, name == "motion" ? scaled_motion(cropped(texels)) : cropped(texels));
         }
-        const Bvh bvh = build_bvh(host.scene().triangles(index), host.scene().triangle_objects());
-        for (ViewRun* run : {&whole, &part}) {
-            run->set("scene.nodes", std::as_bytes(std::span(bvh.nodes)));
-            run->set("scene.leaves", std::as_bytes(std::span(bvh.leaves)));
-            run->set("scene", bytes_of(frame.scene));
-            run->set("sun", bytes_of(frame.sun));
-            run->set("sun_prev", bytes_of(frame.sun_prev));
-        }
+        for (ViewRun* run : {&whole, &part}) set_scene(*run, host, frame);
         whole.frame(frame.description);
         part.frame(crop_of(frame.description));
 

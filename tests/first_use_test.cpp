@@ -51,6 +51,14 @@ TEST_F(FirstUse, ReferenceLikeAFolderTakesItsFrames) {
     expect(run("reference --like " + in("a") + " --shot colonnade --out " + in("u")), 2, "--like");
     expect(run("reference --like " + folder_.string() + " --out " + in("u")), 2, "report.json");
     expect(run("reference --like " + in("a") + " --frames 2 --out " + in("u")), 2, "--frames");
+    for (const char* frame : {"1", "3", "5"})
+        fs::rename(in("a") + "/visibility.000" + frame + ".exr", in("a") + "/specular.000" + frame + ".exr");
+    expect(run("reference --like " + in("a") + " --out " + in("u")), 2,
+           "--signal: no visibility.NNNN.exr in here, but lit, specular: the truth of what?");
+    EXPECT_FALSE(fs::exists(in("u")));
+    expect(run("reference --like " + in("a") + " --signal specular --rays 16 --out " + in("u")), 0, "");
+    EXPECT_TRUE(fs::exists(folder_ / "u/specular.0005.exr"));
+    EXPECT_FALSE(fs::exists(folder_ / "u/specular.0004.exr"));
 }
 
 TEST_F(FirstUse, NamesOfShippedFilesAreLookedUp) {

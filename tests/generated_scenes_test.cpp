@@ -174,5 +174,17 @@ TEST(SceneFacts, ACastersWidthIsItsNarrowSideSeenFromTheSun) {
     EXPECT_NEAR(caster_widths(triangles, one, {0, 0, 1}).width_m[0], 0.1, 1e-6);
 }
 
+TEST(SceneFacts, WhatLetsLightThroughIsNoCaster) {
+    Model model;
+    Material glass;
+    glass.transmission = 1;
+    model.materials = {{}, glass};
+    const Shape solid = box({0, 0, 0}, {1, 1, 1}), pane = box({3, 0, 0}, {4, 1, 1});
+    model.meshes.push_back({{to_part(solid, 0), to_part(pane, 1)}});
+    model.nodes = {Node{.name = "both", .mesh = 0}};
+    const Scene scene(std::move(model), Shot{});
+    EXPECT_EQ(caster_widths(scene.triangles(0), scene.triangle_objects(), {0, 1, 0}).width_m.size(), 1u);
+}
+
 }  // namespace
 }  // namespace penumbra

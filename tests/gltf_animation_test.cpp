@@ -70,6 +70,33 @@ TEST(GltfFeatures, BrokenAnimationsAreErrorsByName) {
     }
 }
 
+// As nodes and keys have to be.
+TEST(GltfFeatures, InstancesSkinsAndMorphsHaveFiniteNumbers) {
+    Glb instances = square_file(), skin = square_of_one_joint(), morph = square_file();
+    const int scales = instances.floats({1, 1, 1, 1, NAN, 1}, "VEC3", 3);
+    instances.json["nodes"][0]["name"] = "row";
+    instances.json["nodes"][0]["extensions"] = {
+        {"EXT_mesh_gpu_instancing", {{"attributes", {{"SCALE", scales}}}}}};
+    std::vector<float> bind(16, 0);
+    for (size_t k = 0; k < 4; ++k) bind[5 * k] = 1;
+    bind[12] = INFINITY;
+    skin.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "root"}}};
+    skin.json["scenes"] = {{{"nodes", {0, 1}}}};
+    skin.json["skins"] = {
+        {{"name", "bones"}, {"joints", {1}}, {"inverseBindMatrices", skin.floats(bind, "MAT4", 16)}}};
+    primitive(morph)["targets"] = {
+        {{"POSITION", morph.floats({0, 0, 3, 0, 0, NAN, 0, 0, 3, 0, 0, 3}, "VEC3", 3)}}};
+    for (const auto& [file, text] :
+         {std::pair<Glb*, const char*>{&instances,
+                                       "EXT_mesh_gpu_instancing: SCALE of node \"row\" is not finite"},
+          {&skin, "skin \"bones\" has inverse bind matrices that are not finite"},
+          {&morph, "primitive 0: a morph target is not finite"}}) {
+        Diagnostics diagnostics;
+        EXPECT_FALSE(load_gltf(file->save("not_finite.glb"), diagnostics)) << text;
+        EXPECT_NE(diagnostics.text().find(text), std::string::npos) << diagnostics.text();
+    }
+}
+
 // Two bones: the square's upper edge follows the second, which moves; the mesh's own node does not matter.
 TEST(GltfFeatures, SkinsFollowTheirJoints) {
     Glb glb = square_file();

@@ -144,6 +144,25 @@ TEST(GltfFeatures, TextureCoordinatesAreTransformedAndColoursRead) {
     EXPECT_EQ(part.colors[2], (std::array<uint8_t, 4>{0, 128, 255, 255}));
 }
 
+// They are those of the first texture that the material has, which may be that of its transmission.
+TEST(GltfFeatures, TextureCoordinatesMayBeThoseOfTransmission) {
+    Glb glb = square_file();
+    primitive(glb)["attributes"]["TEXCOORD_1"] = glb.floats({0, 0, 1, 0, 1, 1, 0, 1}, "VEC2", 2);
+    primitive(glb)["material"] = 0;
+    glb.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
+    glb.json["textures"] = {{{"source", 0}}};
+    glb.json["materials"] = {
+        {{"extensions",
+          {{"KHR_materials_transmission", {{"transmissionTexture", {{"index", 0}, {"texCoord", 1}}}}}}}}};
+    const Model model = loaded(glb, "transmission.glb");
+    ASSERT_EQ(model.triangle_count(), 2u);
+    const Part& part = model.meshes[0].parts[0];
+    ASSERT_EQ(part.uv.size(), 4u);
+    EXPECT_EQ(part.uv[1], glm::vec2(1, 0));
+    ASSERT_EQ(model.warnings.size(), 1u);
+    EXPECT_TRUE(model.warnings[0].starts_with("image 0 cannot be read")) << model.warnings[0];
+}
+
 // Section 3.9.6; a primitive without a material has the default one, which is single-sided.
 TEST(GltfFeatures, SidesAreTheMaterials) {
     for (const int material : {-1, 0, 1}) {

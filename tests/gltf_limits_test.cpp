@@ -4,16 +4,19 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <random>
 
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/scene/scene_file.h"
 #include "tests/gltf_files.h"
+#include "tests/gltf_glb.h"
 
 namespace penumbra {
 namespace {
@@ -60,6 +63,76 @@ TEST_F(Gltf, AFileMayNotStandForAThousandTimesItself) {
     ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "1", 1);
     expect_error(zeros("40000", 2),
                  "more than 1 MiB, the limit for one file (PENUMBRA_INPUT_LIMIT_MIB raises it)");
+    ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
+}
+
+// What many nodes or channels share is in the file once, and in memory once for each of them.
+TEST_F(Gltf, WhatIsSharedCountsForEachThatHasIt) {
+    const auto zeros = [](Glb& glb, size_t count) {  // of a few bytes
+        const uint16_t where = 0;
+        const std::array<float, 3> value{};
+        const int indices = glb.view(&where, 2), values = glb.view(value.data(), 12),
+                  accessor = glb.accessor(-1, 5126, count, "VEC3");
+        glb.json["accessors"][static_cast<size_t>(accessor)]["sparse"] = {
+            {"count", 1},
+            {"indices", {{"bufferView", indices}, {"byteOffset", 0}, {"componentType", 5123}}},
+            {"values", {{"bufferView", values}, {"byteOffset", 0}}}};
+        return accessor;
+    };
+    const auto show = [](Glb& glb, size_t nodes) {
+        glb.json["nodes"] = Json(nodes, Json(glb.json["nodes"][0]));
+        std::vector<size_t> roots(nodes);
+        std::iota(roots.begin(), roots.end(), size_t{0});
+        glb.json["scenes"][0]["nodes"] = roots;
+    };
+    const auto instances = [&](size_t nodes) {
+        Glb glb = square_file();
+        glb.json["nodes"][0]["extensions"] = {
+            {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", zeros(glb, 2000)}}}}}};
+        show(glb, nodes);
+        return glb;
+    };
+    const auto weights = [&](size_t nodes) {
+        Glb glb = square_file();
+        glb.json["meshes"][0]["weights"] = std::vector<int>(20'000);
+        show(glb, nodes);
+        return glb;
+    };
+    const auto channels = [&](size_t count) {
+        Glb glb = square_file();
+        std::vector<uint16_t> times(20'000);
+        std::iota(times.begin(), times.end(), uint16_t{0});
+        const int input = glb.accessor(glb.view(times.data(), 40'000), 5123, 20'000, "SCALAR");
+        const Json channel = {{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}};
+        glb.json["animations"] = {{{"samplers", {{{"input", input}, {"output", zeros(glb, 20'000)}}}},
+                                   {"channels", Json(count, channel)}}};
+        return glb;
+    };
+    const auto text = [&](Glb glb) {
+        const fs::path file = glb.save("shared.glb");
+        Diagnostics diagnostics;
+        const auto model = load_gltf(file, diagnostics);
+        fs::remove(file);
+        EXPECT_EQ(model.has_value(), diagnostics.empty());
+        return diagnostics.text();
+    };
+    EXPECT_EQ(text(instances(1)), "");
+    EXPECT_EQ(text(weights(1)), "");
+    EXPECT_EQ(text(channels(1)), "");
+    for (const Glb& many : {instances(20), weights(600), channels(300)})
+        EXPECT_NE(text(many).find("a thousand times what"), std::string::npos);
+}
+
+// A wide texture and a high one of few texels make a map of many.
+TEST_F(Gltf, AMapOfWhatIsLetThroughIsNoLargerThanAFile) {
+    write_png_color(folder_ / "wide.png", 600, 1, std::vector<float>(1800, 1));
+    write_png_color(folder_ / "high.png", 1, 600, std::vector<float>(1800, 1));
+    const std::string pane = positions_file(
+        5,
+        R"(,"images":[{"uri":"wide.png"},{"uri":"high.png"}],"textures":[{"source":0},{"source":1}],"materials":[{"name":"pane","pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0}},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1,"transmissionTexture":{"index":1}}}}])");
+    EXPECT_TRUE(load(pane)) << diagnostics_.text();
+    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "1", 1);
+    expect_error(pane, "material \"pane\": what its textures let through takes more than 1 MiB");
     ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");
 }
 

@@ -2,6 +2,8 @@
 // Exact coverage of lights that are near: what a plate hides of each kind of light against closed forms, and
 // what only a light that ends somewhere can get wrong: blockers beyond it, through its plane, and its
 // housing.
+#include <set>
+
 #include "tests/light_plate.h"
 
 namespace penumbra::test {
@@ -141,6 +143,34 @@ TEST_P(NearLightsAwkward, AreTheTruth) {
         EXPECT_LT(wrong, receivers / 1000);
         EXPECT_LT(worst, 0.01);
     }
+}
+
+class FlushPanel : public GpuTest {};
+
+// By rounding alone some of the floor's points lie before the panel and others behind it.
+TEST_F(FlushPanel, LightsNoneOfTheFloorAroundIt) {
+    Shot shot = shot_with(LightKind::rectangle, {96, 54});
+    shot.lights.at("lamp").keys = {{0, {0.9, 0, 0.1}, {0, 1, 0}, {1, 0, 0}, 1, 1}};
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto truth_session = open_light_truth(gpu(), shot, "lamp", diagnostics, warnings, false);
+    const auto session = open(shot, "light", {}, diagnostics);
+    ASSERT_TRUE(truth_session && session) << diagnostics.text();
+    const Truth truth = counted_light_truth(*truth_session, 0, 16);
+    session->run_frame(0, true);
+    const std::vector<float> v = captured_planes(session->view(), "visibility")[0];
+    const auto points = floor_points(shot);
+    std::set<float> said;
+    size_t floor = 0, receivers = 0;
+    for (size_t i = 0; i < v.size(); ++i) {
+        if (!points[i]) continue;
+        ++floor;
+        receivers += truth.receiver[i] > 0;
+        said.insert(v[i]);
+    }
+    EXPECT_GT(floor, 1000u);
+    EXPECT_EQ(receivers, 0u);
+    EXPECT_EQ(said.size(), 1u) << "the floor is not of one kind";
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, NearLightsAwkward, ::testing::ValuesIn(awkward()),

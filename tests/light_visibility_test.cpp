@@ -113,6 +113,12 @@ TEST(LightVisibility, ReachesWhatIsInRangeBeforeItAndInItsCone) {
     const NearLight panel(light_block(light_of(LightKind::rectangle), 0, glm::dvec3(0)));
     EXPECT_TRUE(panel.reaches(below));
     EXPECT_FALSE(panel.reaches({0.2, 6, -0.1}));
+    ShotLight flush = light_of(LightKind::rectangle);
+    flush.keys[0] = {0, {0, 2, 0}, {0, -1, 0}, {1, 0, 0}, 1, 1};
+    const NearLight in_the_ceiling(light_block(flush, 0, glm::dvec3(0)));
+    for (const double above : {-1e-6, 0., 1e-6})
+        EXPECT_FALSE(in_the_ceiling.reaches({3, 2 + above, 1})) << "the ceiling itself";
+    EXPECT_TRUE(in_the_ceiling.reaches({3, 1.999, 1}));
 }
 
 std::string errors_of(const std::string& lights) {

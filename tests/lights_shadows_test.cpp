@@ -97,9 +97,28 @@ TEST_F(LightsShadows, ATruthIsLikeTheMaskOfItsLight) {
     const std::string like = "reference --like '" + (folder_ / "all").string() + "' --rays 16 --out '" +
                              (folder_ / "truth").string() + "' --light ";
     expect(run(like + "bulbe"), 2, "no masks.bulbe.NNNN.exr in here");
+    expect(run("reference --like '" + (folder_ / "all").string() + "' --out '" +
+               (folder_ / "truth").string() + "'"),
+           2, "--light: there is a mask of each of ");
     EXPECT_FALSE(fs::exists(folder_ / "truth"));
     expect(run(like + "bulb"), 0, "");
     EXPECT_TRUE(fs::exists(folder_ / "truth/visibility.0002.exr"));
+}
+
+// A folder says whose mask it has, so that nobody has to say it twice or can say something else.
+TEST_F(LightsShadows, ATruthIsOfTheLightThatWasRendered) {
+    render("light_shadows --no-jitter --light panel", "panel");
+    const auto truth = [&](const std::string& folder, const std::string& light) {
+        return run("reference --like '" + (folder_ / "panel").string() + "' --rays 16 --out '" +
+                   (folder_ / folder).string() + "'" + light);
+    };
+    expect(truth("known", ""), 0, "");
+    expect(truth("told", " --light panel"), 0, "");
+    const std::string known = read_file(folder_ / "known/visibility.0002.exr");
+    EXPECT_GT(known.size(), 500u);
+    EXPECT_EQ(known, read_file(folder_ / "told/visibility.0002.exr"));
+    expect(truth("other", " --light bulb"), 2, "--light: visibility in here is of \"panel\"");
+    EXPECT_FALSE(fs::exists(folder_ / "other"));
 }
 
 TEST_F(LightsShadows, AShotMustHaveLightsThatNodesCanBeNamedAfter) {

@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "app/session.h"
+#include "host/models/glb_writer.h"
 #include "tests/gpu_test.h"
+#include "tests/scene_file.h"
 #include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -59,6 +61,31 @@ TEST_F(LimitsGpu, APixelMoreIsRefused) {
         EXPECT_FALSE(open("shadows", size, refusal));
         EXPECT_NE(refusal.find("exceeds the device's largest image"), std::string::npos) << refusal;
     }
+}
+
+TEST_F(LimitsGpu, ATextureThatIsTooLargeIsAWarning) {
+    const uint32_t most = gpu().limits().maxImageDimension2D;
+    Model model;
+    for (const uint32_t width : {most, most + 1})
+        model.textures.push_back({width, 1, std::vector<uint8_t>(size_t{width} * 4, 99)});
+    model.materials = {{.texture = 0}, {.texture = 1}};
+    add(model, "floor", ground(4, 4, 2, 2), 0);
+    add(model, "block", box({0, 1, 0}, {1, 2, 1}), 1);
+    const SceneFile file("large_texture.glb", to_glb(model));
+    SessionOptions options;
+    options.size = {64, 48};
+    options.optimum = options.pass_costs = false;
+    Shot shot = plaza_shot(options.size, 2);
+    shot.model = file.path();
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    ASSERT_TRUE(
+        Session::open(gpu(), test_nodes(), shipped_pipeline("raw"), shot, options, diagnostics, warnings))
+        << diagnostics.text();
+    EXPECT_EQ(warnings,
+              std::vector<std::string>{fmt::format("a texture of {}x1 exceeds the device's largest image, {} "
+                                                   "per axis: it is drawn white",
+                                                   most + 1, most)});
 }
 
 }  // namespace

@@ -203,5 +203,24 @@ TEST(Metrics, TheTruthsOwnNoiseIsTakenOut) {
     }
 }
 
+// Of a truth that is nearly dark, few rays know little: that is no noise of the penumbra's.
+TEST(Metrics, NoiseBesideThePenumbraIsNotTakenOutOfIt) {
+    constexpr size_t pixels = 100;
+    std::vector<float> truth(pixels, 0.003f), image = truth;
+    truth[0] = 0.5f;
+    image[0] = 0.6f;
+    const std::vector<uint8_t> counted(pixels, 1);
+    std::vector<float> rays(pixels, 4.0f);
+    rays[0] = 1024.0f;
+    ComparedFrame frame{pixels, 1, truth, counted, {image}};
+    frame.reference_rays = rays;
+    MetricSums sums = measure(frame);
+    sums.add(measure(frame));
+    const MaskMetrics m = metrics_of(sums);
+    EXPECT_FALSE(m.n_eff) << "all of the errors could be the truth's";
+    ASSERT_TRUE(m.n_eff_penumbra);
+    EXPECT_NEAR(*m.n_eff_penumbra, 0.25 / (0.01 - reference_variance(0.5, 1024)), 1e-3);
+}
+
 }  // namespace
 }  // namespace penumbra

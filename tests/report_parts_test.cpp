@@ -10,12 +10,14 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "app/bench/bench.h"
 #include "app/mask_passes.h"
 #include "app/progress.h"
 #include "app/report/html.h"
 #include "app/report/images.h"
 #include "app/report/layered_layout.h"
 #include "app/report/parts.h"
+#include "app/report/shots.h"
 #include "app/report/statistics.h"
 #include "app/report/svg.h"
 #include "tests/report_results.h"
@@ -24,6 +26,31 @@ namespace penumbra::report {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Whatever a shot has that moves: in a report's file of it as in what `bench --still` runs.
+TEST(ReportShots, StandingStillNothingMoves) {
+    const fs::path folder = fs::path(::testing::TempDir()) / ("penumbra_still_" + std::to_string(getpid()));
+    fs::create_directories(folder);
+    const fs::path file = folder / "moving.shot.json";
+    std::ofstream(file) << R"({ "penumbra_shot": 1, "scene": "none.gltf", "animation": "walk", "frames": 9,
+  "camera": { "keys": [{ "frame": 0, "position": [0, 1, 5], "target": [0, 0, 0] },
+                       { "frame": 8, "position": [2, 1, 5], "target": [0, 0, 0] }] },
+  "objects": { "box": { "keys": [{ "frame": 0 }, { "frame": 8, "translation": [1, 0, 0] }] } },
+  "sun": { "keys": [{ "frame": 0, "to_sun": [0, 1, 0] }, { "frame": 8, "to_sun": [1, 1, 0] }] },
+  "lights": { "bulb": { "kind": "sphere", "radius": 0.1, "luminance": 60000,
+                        "keys": [{ "frame": 0, "position": [0, 3, 0] }, { "frame": 8, "position": [1, 3, 0] }] } } })";
+    Diagnostics diagnostics;
+    const auto shot = open_report_shot(file, folder, 4, diagnostics);
+    ASSERT_TRUE(shot && shot->still) << diagnostics.text();
+    for (const Shot& still : {*shot->still, bench::standing_still(shot->moving)}) {
+        EXPECT_EQ(still.camera.size(), 1u);
+        EXPECT_EQ(still.sun.size(), 1u);
+        EXPECT_EQ(still.objects.at("box").keys.size(), 1u);
+        EXPECT_EQ(still.lights.at("bulb").keys.size(), 1u);
+        EXPECT_EQ(still.animation, "");
+    }
+    fs::remove_all(folder);
+}
 
 TEST(ReportMedian, IsTheMiddleAndHasNoIntervalBelowSixSamples) {
     EXPECT_FALSE(median_of({}));
@@ -171,8 +198,11 @@ class ReportPart : public ::testing::Test {
         results_.shots[0].motion_image = "images/hall.motion.webp";
         write("images/hall.motion.webp", "a picture that moves");
         shot_.file = write("hall.shot.json", "{}");
-        shot_.model = write("hall.gltf", R"({"buffers": [{"uri": "hall.bin"}]})");
+        shot_.model =
+            write("hall.gltf", R"({"buffers": [{"uri": "hall.bin"}], "images": [{"uri": "a%20wall.png"}]})");
         write("hall.bin", "triangles");
+        write("a wall.png", "a picture of it");
+        shot_.environment = EnvironmentFile{write("sky.exr", "a sky")};
     }
     void TearDown() override { fs::remove_all(folder_); }
 
@@ -206,7 +236,8 @@ TEST_F(ReportPart, IsUsedAgainWhereAllThatItDependsOnIsTheSame) {
         back();
         EXPECT_TRUE(found()) << what;
     };
-    for (const char* file : {"derived.json", "base.json", "hall.shot.json", "hall.gltf", "hall.bin"}) {
+    for (const char* file :
+         {"derived.json", "base.json", "hall.shot.json", "hall.gltf", "hall.bin", "a wall.png", "sky.exr"}) {
         std::ifstream stream(folder_ / file);
         const std::string before((std::istreambuf_iterator<char>(stream)), {});
         changed(
@@ -225,6 +256,20 @@ TEST_F(ReportPart, IsUsedAgainWhereAllThatItDependsOnIsTheSame) {
     fs::create_directories(folder_ / "nodes");
     write("nodes/mine.json", "{}");
     EXPECT_FALSE(found({(folder_ / "nodes").string()}));
+}
+
+TEST_F(ReportPart, DependsOnTheFilesOfAModelWhateverItsNameIs) {
+    const std::string document = R"({"buffers": [{"uri": "hall.bin"}]})";
+    const std::string binary = std::string("glTF\2\0\0\0\0\0\0\0", 12) +
+                               std::string{static_cast<char>(document.size()), 0, 0, 0} + "JSON" + document;
+    for (const auto& [file, text] : {std::pair{"HALL.GLTF", document}, std::pair{"hall.glb", binary}}) {
+        shot_.model = write(file, text);
+        write("hall.bin", "triangles");
+        parts().keep(name(parts()), to_json(results_));
+        ASSERT_TRUE(found()) << file;
+        write("hall.bin", "other triangles");
+        EXPECT_FALSE(found()) << file;
+    }
 }
 
 TEST_F(ReportPart, IsGoneWithItsImagesOrWhereItIsNotWhole) {

@@ -197,6 +197,33 @@ TEST_F(SeveralViewsGpu, CommandsThatAreThrownAwayTakeNothingWithThem) {
     }
 }
 
+// Their queries are never read: those were not reset, or are an older frame's.
+TEST_F(SeveralViewsGpu, OfCommandsThatAreThrownAwayNothingIsSaid) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    const auto program = std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline)));
+    constexpr bool runs[] = {false, true, true, true, false, false, true, true, true};
+    Recorder never_run;
+    for (const uint32_t n : {1u, 2u}) {
+        View view(program, {.frames_in_flight = n});
+        std::optional<uint64_t> expected;
+        for (uint32_t f = 0; f < std::size(runs); ++f) {
+            FrameDescription frame = description(f);
+            if (f > 0 && !runs[f - 1]) frame.flags |= frame_reset;
+            const auto record = [&](VkCommandBuffer cmd) { view.record(cmd, frame, {}); };
+            if (runs[f])
+                gpu().run(record);
+            else
+                never_run.record(record);
+            if (f >= n && runs[f - n]) expected = f - n;
+            const FrameStatistics* completed = view.completed();
+            ASSERT_EQ(completed != nullptr, expected.has_value()) << f << ", " << n << " in flight";
+            if (!completed) continue;
+            EXPECT_EQ(completed->frame, *expected) << f << ", " << n << " in flight";
+            EXPECT_EQ(completed->passes[0].ms.has_value(), gpu().caps().timestamps) << f;
+        }
+    }
+}
+
 TEST_F(SeveralViewsGpu, TablesMayBeUploadedAheadOfAllViews) {
     const CheckedPipeline pipeline =
         checked(R"("outputs": ["value"], "nodes": { "table": { "type": "toy_table" } })", set_with_table());

@@ -414,14 +414,44 @@ TEST_F(ViewLive, WhatChangesThePlanKeepsTheModelAndItsTree) {
     EXPECT_EQ(fresh.picture().rgba, seen);
 }
 
-// Of a light that is near, too, the truth converges, and plain rays are those to it.
-TEST_F(ViewLive, ALampHasATruthAndPlainRays) {
+ShotLight lamp() {
     ShotLight lamp;
     lamp.kind = LightKind::sphere;
     lamp.radius = 0.4;
     lamp.range = 60;
     lamp.keys = {{0, {2, 6, 1}, {0, -1, 0}, {1, 0, 0}, 1, 1}};
-    shot_.lights["lamp"] = lamp;
+    return lamp;
+}
+
+// What is beside a mask is of the same light, also after another pipeline has brought another light.
+TEST_F(ViewLive, WhatIsBesideItIsOfTheSameLight) {
+    shot_.lights["lamp"] = lamp();
+    Live l = live("light_raw");
+    ASSERT_TRUE(l.open()) << l.error();
+    l.flight().play(false);
+    run(l, 1);
+    const auto halves_agree = [&] {
+        l.split_share = 1;
+        const auto left = l.picture().rgba;
+        l.split_share = 0;
+        return l.picture().rgba == left;
+    };
+    l.compare(Beside::published);
+    ASSERT_EQ(l.beside(), Beside::published) << l.error();
+    run(l, 1);
+    EXPECT_FALSE(halves_agree()) << "rays and a denoiser";
+    l.compare(Beside::raw);
+    run(l, 1);
+    EXPECT_TRUE(halves_agree()) << "the same rays";
+    l.choose_pipeline((fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/raw.json").string());
+    ASSERT_EQ(l.beside(), Beside::raw) << l.error();
+    run(l, 1);
+    EXPECT_TRUE(halves_agree()) << "one half is of the lamp still";
+}
+
+// Of a light that is near, too, the truth converges, and plain rays are those to it.
+TEST_F(ViewLive, ALampHasATruthAndPlainRays) {
+    shot_.lights["lamp"] = lamp();
     StageWish wish;
     wish.pipeline = (fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/light_raw.json").string();
     wish.size = size;

@@ -205,6 +205,8 @@ Shot standing_still(Shot shot) {
     shot = with_still_camera(std::move(shot));
     keep_first(shot.sun);
     for (auto& [name, motion] : shot.objects) keep_first(motion.keys);
+    for (auto& [name, light] : shot.lights) keep_first(light.keys);
+    shot.animation.clear();
     if (shot.analytic) shot.analytic->speed_px = shot.analytic->offset_px = 0;
     return shot;
 }
@@ -221,7 +223,6 @@ std::optional<Scene> measure(Device& device, const NodeSet& nodes, const Subject
                              std::vector<std::string>& warnings) {
     SessionOptions session_options;
     session_options.size = size;
-    session_options.seed = options.seed;
     session_options.hold = options.still;
     const auto open = [&](const CheckedPipeline& pipeline, const Shot& shot) {
         return Session::open(device, nodes, pipeline, shot, session_options, diagnostics, warnings);

@@ -33,7 +33,6 @@ struct Options {
     // Of the frames from 0 on, which are all run; those from the first of these to the last are timed.
     std::array<uint32_t, 2> frames{8, 15};
     uint32_t rounds = 5;
-    std::optional<uint32_t> seed;  // instead of the shots'
     bool still = false;  // the shots are standing_still(): a pipeline that has settled is not run again
     bool still_camera = false;  // the shots are with_still_camera()
 };
@@ -87,7 +86,7 @@ struct Scene {
     std::vector<Figures> contenders;
 };
 
-// A shot cut to the first of all its keys: nothing moves but the sub-pixel jitter.
+// A shot cut to the first of all its keys, without its animation: nothing moves but the sub-pixel jitter.
 Shot standing_still(Shot shot);
 // A shot whose camera stays at its first key; what else moves does.
 Shot with_still_camera(Shot shot);

@@ -97,6 +97,7 @@ int run_radiance_gates(const GatesArguments& arguments) {
     for (const std::string& part : given)
         if (!all.contains(part)) diagnostics.add({}, "--parts", part + " is of visibility, not of radiance");
     if (arguments.edge_deg) diagnostics.add({}, "--edge-deg", "is of visibility, not of radiance");
+    if (!arguments.widths_px.empty()) diagnostics.add({}, "--widths", "is of visibility, not of radiance");
     RadianceStudy study;
     study.seeds = arguments.seeds.value_or(study.seeds);
     std::vector<CheckedPipeline> pipelines;

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <variant>
 
 #include "app/text_file.h"
 #include "host/images/image_file.h"
@@ -41,14 +43,38 @@ std::string pipeline_digest(const fs::path& file) {
     return out;
 }
 
-// Other files that a .gltf is made of.
+// As tinygltf decodes it.
+std::string decoded_uri(const std::string& uri) {
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        uint8_t byte = 0;
+        const char* const first = uri.data() + i + 1;
+        const bool coded = uri[i] == '%' && i + 2 < uri.size() &&
+                           std::from_chars(first, first + 2, byte, 16).ptr == first + 2;
+        out += coded ? static_cast<char>(byte) : uri[i] == '+' ? ' ' : uri[i];
+        if (coded) i += 2;
+    }
+    return out;
+}
+
+// Of a binary glTF its JSON chunk.
+std::string_view document_of(std::string_view model) {
+    constexpr size_t chunk = 20;
+    if (!model.starts_with("glTF") || model.size() < chunk) return model;
+    uint32_t length = 0;
+    for (size_t i = 0; i < 4; ++i) length |= uint32_t{static_cast<uint8_t>(model[12 + i])} << 8 * i;
+    return model.substr(chunk, length);
+}
+
+// Other files that a glTF is made of.
 void add_uris(const Json& json, const fs::path& folder, std::string& out) {
     if (!json.is_structured()) return;
     for (auto item = json.begin(); item != json.end(); ++item) {
         const bool outside = json.is_object() && item.key() == "uri" && item->is_string() &&
                              !item->get<std::string>().starts_with("data:");
         if (outside)
-            if (const fs::path file = folder / item->get<std::string>(); fs::is_regular_file(file))
+            if (const fs::path file = folder / decoded_uri(item->get<std::string>());
+                fs::is_regular_file(file))
                 out += digest(text_of(file));
         add_uris(*item, folder, out);
     }
@@ -56,6 +82,7 @@ void add_uris(const Json& json, const fs::path& folder, std::string& out) {
 
 std::string shot_digest(const Shot& shot) {
     std::string out = digest(text_of(shot.file));
+    if (const auto* map = std::get_if<EnvironmentFile>(&shot.environment)) out += digest(text_of(map->path));
     if (shot.analytic) return out;
     std::vector<fs::path> files{shot.model};
     if (!shot.models.empty()) files.clear();
@@ -63,8 +90,7 @@ std::string shot_digest(const Shot& shot) {
     for (const fs::path& file : files) {
         const std::string model = text_of(file);
         out += digest(model);
-        if (file.extension() == ".gltf")
-            add_uris(Json::parse(model, nullptr, false), file.parent_path(), out);
+        add_uris(Json::parse(document_of(model), nullptr, false), file.parent_path(), out);
     }
     return out;
 }

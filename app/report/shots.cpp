@@ -34,6 +34,7 @@ OrderedJson standing_still(const std::string& text, const fs::path& file, const 
     };
     json.erase("$schema");  // relative to the original
     json.erase("cuts");
+    json.erase("animation");
     cut_to_first_key(json);
     OrderedJson& scene = json["scene"];
     if (scene.is_string())
@@ -82,7 +83,7 @@ bool keep_light_alone(const std::string& light, ReportShot& shot, Diagnostics& d
 EdgeShot make_edge_shot(double width_px, double speed_px, uint32_t frame, const fs::path& folder,
                         Diagnostics& diagnostics) {
     const fs::path file = folder / fmt::format("edge_{:g}px_{:+g}.shot.json", width_px, speed_px);
-    // The edge's angle and the sun are those of scripts/accuracy.sh.
+    // The edge's angle and the sun are those of `penumbra gates`.
     write_json(file, {{"penumbra_shot", 1},
                       {"scene",
                        {{"analytic", "half_plane"},

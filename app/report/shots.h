@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The shots that a report looks at, as files beside it, so that each figure can be repeated by hand: a shot
-// as it is, the same standing still (every list of keys cut to its first), and straight edges that move.
+// as it is, the same standing still (every list of keys cut to its first, no animation), and straight edges
+// that move.
 #pragma once
 
 #include <filesystem>

@@ -16,9 +16,9 @@ namespace {
 constexpr uint32_t truth_side = 2;  // rays of a round: its square
 constexpr const char* mask_name = "visibility";
 
-// What stands for plain rays and for the published denoiser, which knows the sun alone.
+// What stands for plain rays and for a published denoiser.
 const char* pipeline_beside(Beside beside, bool near_light) {
-    if (beside == Beside::published) return "fidelityfx";
+    if (beside == Beside::published) return near_light ? "light_sigma" : "fidelityfx";
     return near_light ? "light_raw" : "raw";
 }
 
@@ -55,6 +55,7 @@ std::unique_ptr<Stage> Live::make(const StageWish& wish) {
 bool Live::restage(const StageWish& wish) {
     auto stage = make(wish);
     if (!stage) return false;
+    const std::string light_before = main_ ? main_->session->host().light_name() : "";
     main_ = std::move(stage);
     wish_ = wish;
     costs_ = {};
@@ -74,7 +75,16 @@ bool Live::restage(const StageWish& wish) {
         error_ += fmt::format("{} puts out no \"{}\" to be compared\n", main_->pipeline.name, mask_name);
         compare(Beside::nothing);
     }
+    if (beside_ != Beside::nothing && main_->session->host().light_name() != light_before) remake_beside();
     return true;
+}
+
+// After whatever it was made of: errors that there were already stay.
+void Live::remake_beside() {
+    const std::string error = error_;
+    if (!make_beside()) beside_ = Beside::nothing;
+    error_ = error.empty() ? error_ : error;
+    choose_jitter();
 }
 
 // The truth is of pixels' centres, and so are the frames that it judges.
@@ -169,10 +179,7 @@ void Live::reduce(uint32_t divisor) {
         divisor_ = before;
         return;
     }
-    const std::string error = error_;
-    if (!make_beside()) beside_ = Beside::nothing;
-    if (error_.empty()) error_ = error;
-    choose_jitter();
+    remake_beside();
 }
 
 void Live::turn_control(size_t index, const ParamValue& value) {

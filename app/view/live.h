@@ -84,6 +84,7 @@ class Live {
     std::unique_ptr<Stage> make(const StageWish& wish);
     bool restage(const StageWish& wish);
     bool make_beside();
+    void remake_beside();
     void watch();
     void count_costs(const FrameCost& cost);
     void work_on_truth(double milliseconds);

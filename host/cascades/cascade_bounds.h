@@ -14,7 +14,7 @@ class CascadeBounds {
   public:
     static constexpr VkFormat format = VK_FORMAT_R32G32B32A32_SFLOAT;
 
-    // `slopes`: an array of rg16f images, a layer per cascade, which outlives the bounds.
+    // `slopes`: an array of rg32f images, a layer per cascade, which outlives the bounds.
     CascadeBounds(Device& device, const GpuImage& slopes);
 
     // Nothing on the device may be reading what was there before.

@@ -85,7 +85,6 @@ std::string missing_parts(VkPhysicalDevice physical, uint32_t api_version,
     need(f.v13.synchronization2, "synchronization2");
     need(f.v13.maintenance4, "maintenance4");
     need(f.v13.dynamicRendering, "dynamicRendering");
-    need(f.v12.hostQueryReset, "hostQueryReset");
     need(find_queue_family(physical).has_value(), "a queue with graphics and compute");
     return missing;
 }
@@ -283,22 +282,32 @@ void Device::create_device(const DeviceOptions& options) {
                           has.ray_query.rayQuery && has.v12.bufferDeviceAddress,
              .storage8 = has.v12.storageBuffer8BitAccess && has.v12.shaderInt8,
              .depth_clamp = has.core.features.depthClamp == VK_TRUE,
-             .timestamps = timestamps,
-             .timestamp_period_ns = limits_.timestampPeriod};
+             .timestamps = timestamps};
 
     Features use(caps_.ray_query);
     use.core.features.shaderStorageImageExtendedFormats = VK_TRUE;
     use.core.features.depthClamp = has.core.features.depthClamp;
-    use.core.features.shaderInt64 = has.core.features.shaderInt64;
-    use.v12.hostQueryReset = VK_TRUE;
-    use.v12.storageBuffer8BitAccess = has.v12.storageBuffer8BitAccess;
-    use.v12.shaderInt8 = has.v12.shaderInt8;
+    // What a user's shaders may declare (graph/requirements.cpp).
+    for (const auto feature :
+         {&VkPhysicalDeviceFeatures::shaderFloat64, &VkPhysicalDeviceFeatures::shaderInt64,
+          &VkPhysicalDeviceFeatures::shaderInt16, &VkPhysicalDeviceFeatures::shaderImageGatherExtended,
+          &VkPhysicalDeviceFeatures::shaderStorageImageReadWithoutFormat,
+          &VkPhysicalDeviceFeatures::shaderStorageImageWriteWithoutFormat})
+        use.core.features.*feature = has.core.features.*feature;
+    for (const auto feature : {&VkPhysicalDeviceVulkan11Features::storageBuffer16BitAccess,
+                               &VkPhysicalDeviceVulkan11Features::uniformAndStorageBuffer16BitAccess})
+        use.v11.*feature = has.v11.*feature;
+    for (const auto feature :
+         {&VkPhysicalDeviceVulkan12Features::storageBuffer8BitAccess,
+          &VkPhysicalDeviceVulkan12Features::uniformAndStorageBuffer8BitAccess,
+          &VkPhysicalDeviceVulkan12Features::shaderInt8, &VkPhysicalDeviceVulkan12Features::shaderFloat16,
+          &VkPhysicalDeviceVulkan12Features::shaderBufferInt64Atomics})
+        use.v12.*feature = has.v12.*feature;
+    use.v13.shaderIntegerDotProduct = has.v13.shaderIntegerDotProduct;
     use.v12.bufferDeviceAddress = caps_.ray_query;
     use.v13.synchronization2 = VK_TRUE;
     use.v13.maintenance4 = VK_TRUE;
     use.v13.dynamicRendering = VK_TRUE;
-    use.v13.subgroupSizeControl = has.v13.subgroupSizeControl;
-    use.v13.computeFullSubgroups = has.v13.computeFullSubgroups;
     use.acceleration.accelerationStructure = caps_.ray_query;
     use.ray_query.rayQuery = caps_.ray_query;
     if (caps_.ray_query) extensions_.assign(std::begin(ray_query_extensions), std::end(ray_query_extensions));

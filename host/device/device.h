@@ -52,7 +52,6 @@ struct DeviceCaps {
     bool storage8 = false;
     bool depth_clamp = false;
     bool timestamps = false;
-    float timestamp_period_ns = 0;
 };
 
 // All devices of the machine, usable or not, in the loader's order.

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
-#include <stdexcept>
 
 namespace penumbra {
 
@@ -215,9 +214,9 @@ void GBuffer::create_pipelines() {
     }
 }
 
-void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
-                                 std::span<const glm::dmat4> prev_world, const glm::dvec3& origin,
-                                 size_t slot) {
+void GBuffer::write_draw_records(const FrameDescription& frame, double moment, double previous,
+                                 const glm::dvec3& origin, size_t slot) {
+    const std::vector<glm::dmat4> world = scene_.transforms(moment), prev_world = scene_.transforms(previous);
     const glm::dmat4 clip = clip_from_rel(frame.camera), prev_clip = clip_from_rel(frame.previous);
     auto* records = static_cast<DrawRecord*>(records_[slot].mapped);
     for (size_t i = 0; i < items_.size(); ++i) {
@@ -251,30 +250,24 @@ void GBuffer::write_draw_records(const FrameDescription& frame, std::span<const 
 }
 
 // Motion vectors need where every vertex was, with the triangles of now.
-void GBuffer::write_deformed(const FrameDescription& frame, size_t slot) {
-    const uint32_t previous = (frame.flags & frame_reset) ? frame.index : frame.index - 1;
+void GBuffer::write_deformed(double moment, double previous, size_t slot) {
     for (DrawItem& item : items_) {
         if (item.vertices.empty()) continue;
-        const auto write = [&](GpuBuffer& buffer, uint32_t index) {
+        const auto write = [&](GpuBuffer& buffer, double frame) {
             const std::vector<RasterVertex> vertices =
-                moved_vertices(geometry_, item.range, scene_.positions(item.instance, *item.part, index));
+                moved_vertices(geometry_, item.range, scene_.positions(item.instance, *item.part, frame));
             std::memcpy(buffer.mapped, vertices.data(), vertices.size() * sizeof(RasterVertex));
         };
-        write(item.vertices[slot], frame.index);
+        write(item.vertices[slot], moment);
         write(item.prev_vertices[slot], previous);
     }
 }
 
-void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame,
-                     std::span<const glm::dmat4> world, std::span<const glm::dmat4> prev_world,
+void GBuffer::record(VkCommandBuffer commands, const FrameDescription& frame, double moment, double previous,
                      const glm::dvec3& origin) {
-    const size_t nodes = scene_.model().nodes.size();
-    if (world.size() != nodes || prev_world.size() != nodes) {
-        throw std::invalid_argument("GBuffer::record: one transform per node is needed");
-    }
     const size_t slot = frame.index % records_.size();
-    write_draw_records(frame, world, prev_world, origin, slot);
-    write_deformed(frame, slot);
+    write_draw_records(frame, moment, previous, origin, slot);
+    write_deformed(moment, previous, slot);
 
     const std::vector<const GpuImage*> images = color_images();
     std::vector<VkRenderingAttachmentInfo> colors;

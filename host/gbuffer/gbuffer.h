@@ -41,11 +41,11 @@ class GBuffer {
     GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t frames_in_flight,
             bool materials = false);
 
-    // Records the frame into slot frame.index % frames_in_flight. `world` and `prev_world` are
-    // Scene::transforms() of this frame and the previous one; `origin` is the shot's. Afterwards the images
-    // are in SHADER_READ_ONLY_OPTIMAL, visible to shaders and copies that follow in the queue.
-    void record(VkCommandBuffer commands, const FrameDescription& frame, std::span<const glm::dmat4> world,
-                std::span<const glm::dmat4> prev_world, const glm::dvec3& origin);
+    // Records the frame into slot frame.index % frames_in_flight: the scene at `moment`, and where it was at
+    // `previous`, both in frames of its shot, whose origin `origin` is. Afterwards the images are in
+    // SHADER_READ_ONLY_OPTIMAL, visible to shaders and copies that follow in the queue.
+    void record(VkCommandBuffer commands, const FrameDescription& frame, double moment, double previous,
+                const glm::dvec3& origin);
 
     const GBufferImages& images() const { return images_; }
     static constexpr VkImageLayout final_layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
@@ -55,8 +55,8 @@ class GBuffer {
     std::vector<const GpuImage*> color_images() const;
     void create_draw_records(uint32_t frames_in_flight);
     void create_pipelines();
-    void write_draw_records(const FrameDescription& frame, std::span<const glm::dmat4> world,
-                            std::span<const glm::dmat4> prev_world, const glm::dvec3& origin, size_t slot);
+    void write_draw_records(const FrameDescription& frame, double moment, double previous,
+                            const glm::dvec3& origin, size_t slot);
     void draw(VkCommandBuffer commands, const FrameDescription& frame, size_t slot) const;
 
     // One part of one instance.
@@ -69,7 +69,7 @@ class GBuffer {
         // Of what deforms, per frame in flight: its vertices in this frame and in the one before.
         std::vector<GpuBuffer> vertices, prev_vertices;
     };
-    void write_deformed(const FrameDescription& frame, size_t slot);
+    void write_deformed(double moment, double previous, size_t slot);
 
     Device& device_;
     const Scene& scene_;

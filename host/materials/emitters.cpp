@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 namespace penumbra {
@@ -29,7 +30,8 @@ std::vector<uint32_t> bodies_of(const Part& part) {
         return i;
     };
     std::map<std::tuple<float, float, float>, uint32_t> places;
-    for (uint32_t i = 0; i < part.positions.size(); ++i) {
+    // Corners alone: what no triangle uses may be no number, which cannot be ordered.
+    for (const uint32_t i : std::set<uint32_t>(part.indices.begin(), part.indices.end())) {
         const glm::vec3& p = part.positions[i];
         parent[i] = places.try_emplace({p.x, p.y, p.z}, i).first->second;
     }

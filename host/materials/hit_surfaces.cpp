@@ -115,12 +115,15 @@ SurfaceTexels make_surface_texels(const Scene& scene, double frame, double previ
 std::vector<uint32_t> move_surface_texels(const Scene& scene, double frame, double previous,
                                           std::span<Texel> surfaces) {
     const std::vector<Triangle> triangles = scene.triangles(frame);
-    const std::vector<uint32_t> objects = scene.triangle_objects();
     const std::vector<glm::dmat4> here = scene.transforms(frame), before = scene.transforms(previous);
+    const bool moved = scene.moved(previous, frame);
     std::vector<bool> moves;
-    for (const Instance& instance : scene.instances())
-        moves.push_back(here[static_cast<size_t>(instance.node)] !=
-                        before[static_cast<size_t>(instance.node)]);
+    for (const Instance& instance : scene.instances()) {
+        const auto node = static_cast<size_t>(instance.node);
+        for (const Part& part : scene.model().meshes[static_cast<size_t>(instance.mesh)].parts)
+            moves.insert(moves.end(), part.indices.size() / 3,
+                         here[node] != before[node] || (moved && scene.deforms(instance, part)));
+    }
 
     std::vector<uint32_t> written;
     for (size_t t = 0; t < triangles.size(); ++t) {
@@ -128,7 +131,7 @@ std::vector<uint32_t> move_surface_texels(const Scene& scene, double frame, doub
         std::array<Texel, 4> now;
         std::copy_n(&surfaces[first], 4, now.begin());
         for (size_t i = 0; i < 9; ++i) now[i / 4][i % 4] = bits(triangles[t].v[i / 3][i % 3]);
-        now[3][3] = (now[3][3] & ~moves_bit) | (moves[objects[t]] ? moves_bit : 0);
+        now[3][3] = (now[3][3] & ~moves_bit) | (moves[t] ? moves_bit : 0);
         for (size_t k = 0; k < 4; ++k) {
             if (surfaces[first + k] == now[k]) continue;
             surfaces[first + k] = now[k];

@@ -34,10 +34,10 @@ struct SurfaceTexels {
     std::vector<uint32_t> texels;
 };
 
-// At `frame`; triangles that stand elsewhere at frame `previous` carry the bit. `bvh` or `first_triangles`
-// (one per instance of an acceleration structure) may be left out, and then nothing can be found by leaf or
-// by instance. Throws std::runtime_error where a texture has more than 65536 texels per axis or all have more
-// than 2^31.
+// At `frame`; triangles that stand elsewhere at frame `previous` carry the bit, and those of parts that
+// deform whenever anything has moved. `bvh` or `first_triangles` (one per instance of an acceleration
+// structure) may be left out, and then nothing can be found by leaf or by instance. Throws std::runtime_error
+// where a texture has more than 65536 texels per axis or all have more than 2^31.
 SurfaceTexels make_surface_texels(const Scene& scene, double frame, double previous, const Bvh* bvh,
                                   std::span<const uint32_t> first_triangles);
 

@@ -87,6 +87,7 @@ void MetricSums::add(const MetricSums& other) {
     variance += other.variance;
     mean_errors += other.mean_errors;
     reference += other.reference;
+    reference_penumbra += other.reference_penumbra;
     max_abs = std::max(max_abs, other.max_abs);
     leaks += other.leaks;
     acne += other.acne;
@@ -148,6 +149,7 @@ MetricSums measure(const ComparedFrame& frame) {
                 ? 0
                 : reference_variance(truth, static_cast<double>(frame.reference_rays[pixel]));
         sums.reference += reference;
+        if (!lit && !umbra) sums.reference_penumbra += reference;
         const size_t y = pixel / frame.width, x = pixel % frame.width;
         MetricSums::Block& block = sums.blocks[y / metric_block_px * across + x / metric_block_px];
         block.signal += signal;
@@ -173,7 +175,7 @@ MaskMetrics metrics_of(const MetricSums& sums) {
     if (out.rmse_all && *out.rmse_all > 0) out.psnr_db = -20 * std::log10(*out.rmse_all);
     if (all.pixels > 0) out.max_abs = sums.max_abs;
     out.n_eff = ratio(sums.signal, all.squares - sums.reference);
-    out.n_eff_penumbra = ratio(sums.signal, sums.penumbra.squares - sums.reference);
+    out.n_eff_penumbra = ratio(sums.signal, sums.penumbra.squares - sums.reference_penumbra);
     out.n_eff_ci95 = confidence(sums.blocks);
     const auto seeds = static_cast<double>(sums.seeds);
     if (sums.seeds > 1) {

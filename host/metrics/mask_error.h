@@ -24,10 +24,11 @@ struct ErrorSum {
 
 struct MetricSums {
     ErrorSum penumbra, lit, umbra;
-    double signal = 0;       // v(1 - v) over the penumbra
-    double variance = 0;     // unbiased, between seeds; meaningful from two on
-    double mean_errors = 0;  // squares of the mean image's errors
-    double reference = 0;    // the part of either that is the truth's own noise
+    double signal = 0;              // v(1 - v) over the penumbra
+    double variance = 0;            // unbiased, between seeds; meaningful from two on
+    double mean_errors = 0;         // squares of the mean image's errors
+    double reference = 0;           // the part of either that is the truth's own noise
+    double reference_penumbra = 0;  // of that, what is in the penumbra
     double max_abs = 0;
     uint64_t leaks = 0, acne = 0;  // pixel and seed pairs
     uint64_t nonfinite = 0;        // texels of the whole images

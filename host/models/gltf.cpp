@@ -11,6 +11,7 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <map>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "host/images/image_decode.h"
@@ -22,6 +23,7 @@
 #include "host/models/gltf_meshopt.h"
 #include "host/models/gltf_motion.h"
 #include "host/models/gltf_primitive.h"
+#include "host/models/translucency.h"
 
 namespace penumbra {
 
@@ -50,6 +52,8 @@ constexpr std::pair<const char*, const char*> undrawn[] = {
     {"MSFT_texture_dds", "is not read: the colour factor is used"},
     {"KHR_animation_pointer", "is not played"}};
 
+constexpr const char* transmission = "KHR_materials_transmission";
+
 class Loader {
   public:
     Loader(const GltfFiles& files, Model& model)
@@ -70,7 +74,12 @@ class Loader {
             if (std::ranges::find(file_.extensionsUsed, extension) != file_.extensionsUsed.end())
                 warn(fmt::format("what needs {} {}", extension, what));
         for (size_t image = 0; image < file_.images.size(); ++image) add_texture(image);
-        for (const tinygltf::Material& material : file_.materials) add_material(material);
+        for (const tinygltf::Material& material : file_.materials) {
+            add_material(material);
+            if (transmittance_bytes(model_, model_.materials.back()) > input_limit())
+                throw GltfError(fmt::format("material \"{}\": what its textures let through takes {}",
+                                            material.name, over_input_limit()));
+        }
         for (const tinygltf::Mesh& mesh : file_.meshes) add_mesh(mesh);
         model_node_.assign(file_.nodes.size(), -1);
         add_scene();
@@ -79,7 +88,7 @@ class Loader {
         for (Node& node : model_.nodes)
             if (node.skin >= 0 && model_.skins[static_cast<size_t>(node.skin)].joints.empty()) node.skin = -1;
         check_joints(model_);
-        read_animations(file_, accessors_, model_node_, model_, tell_);
+        read_animations(file_, accessors_, budget_, model_node_, model_, tell_);
         if (file_.scenes.size() > 1)
             warn(fmt::format("the file has {} scenes; {} is shown", file_.scenes.size(),
                              file_.defaultScene < 0 ? "the first" : "its default one"));
@@ -159,33 +168,30 @@ class Loader {
         };
         out.metallic = named("metallicFactor", pbr.metallicFactor, 1);
         out.roughness = named("roughnessFactor", pbr.roughnessFactor, 1);
-        double strength = 1;
-        if (const auto found = material.extensions.find("KHR_materials_emissive_strength");
-            found != material.extensions.end() && found->second.Has("emissiveStrength"))
-            strength =
-                named("emissiveStrength", found->second.Get("emissiveStrength").GetNumberAsDouble(), 1e6);
+        const auto extended = [&](const char* extension, const char* what, double otherwise, double most) {
+            const auto found = material.extensions.find(extension);
+            if (found == material.extensions.end()) return static_cast<float>(otherwise);
+            const std::string of = fmt::format("material \"{}\": {}", material.name, extension);
+            return named(what, extension_number(found->second, what, of, otherwise), most);
+        };
+        const float strength = extended("KHR_materials_emissive_strength", "emissiveStrength", 1, 1e6);
         for (size_t i = 0; i < std::min<size_t>(3, material.emissiveFactor.size()); ++i)
-            out.emissive[i] =
-                named("emissiveFactor", material.emissiveFactor[i], 1) * static_cast<float>(strength);
+            out.emissive[i] = named("emissiveFactor", material.emissiveFactor[i], 1) * strength;
         out.metallic_roughness_texture =
             surface_image("metallic-roughness", pbr.metallicRoughnessTexture, use);
         out.emissive_texture = surface_image("emissive", material.emissiveTexture, use);
-        const auto transmission = material.extensions.find("KHR_materials_transmission");
-        if (transmission == material.extensions.end()) return;
-        if (transmission->second.Has("transmissionFactor"))
-            out.transmission = named("transmissionFactor",
-                                     transmission->second.Get("transmissionFactor").GetNumberAsDouble(), 1);
-        if (transmission->second.Has("transmissionTexture"))
-            out.transmission_texture = surface_image(
-                "transmission", texture_info(transmission->second.Get("transmissionTexture")), use);
+        out.transmission = extended(transmission, "transmissionFactor", 0, 1);
+        out.transmission_texture = surface_image("transmission", transmission_info(material), use);
     }
 
     // As tinygltf reads those of the core.
-    static tinygltf::TextureInfo texture_info(const tinygltf::Value& value) {
+    static tinygltf::TextureInfo transmission_info(const tinygltf::Material& material) {
         tinygltf::TextureInfo info;
-        info.index = extension_integer(value, "index", "KHR_materials_transmission");
-        if (value.Has("texCoord"))
-            info.texCoord = extension_integer(value, "texCoord", "KHR_materials_transmission");
+        const auto found = material.extensions.find(transmission);
+        if (found == material.extensions.end() || !found->second.Has("transmissionTexture")) return info;
+        const tinygltf::Value& value = found->second.Get("transmissionTexture");
+        info.index = extension_integer(value, "index", transmission);
+        if (value.Has("texCoord")) info.texCoord = extension_integer(value, "texCoord", transmission);
         if (value.Has("extensions"))
             for (const std::string& name : value.Get("extensions").Keys())
                 info.extensions[name] = value.Get("extensions").Get(name);
@@ -195,9 +201,10 @@ class Loader {
     // A vertex has one pair of coordinates here: those of the first texture that the material has.
     static TextureUse use_of(const tinygltf::Material& material) {
         const auto& pbr = material.pbrMetallicRoughness;
-        for (const tinygltf::TextureInfo* info :
-             {&pbr.baseColorTexture, &pbr.metallicRoughnessTexture, &material.emissiveTexture})
-            if (info->index >= 0) return texture_use(*info);
+        const tinygltf::TextureInfo& emissive = material.emissiveTexture;
+        for (const tinygltf::TextureInfo& info :
+             {pbr.baseColorTexture, pbr.metallicRoughnessTexture, emissive, transmission_info(material)})
+            if (info.index >= 0) return texture_use(info);
         return {};
     }
 
@@ -290,8 +297,11 @@ class Loader {
             read_transform(node, out);
             const int self = static_cast<int>(model_.nodes.size()) - 1;
             model_node_[static_cast<size_t>(index)] = self;
-            if (node.mesh >= 0) out.weights = file_.meshes[static_cast<size_t>(node.mesh)].weights;
-            if (!node.weights.empty()) out.weights = node.weights;
+            const std::vector<double>& weights = node.mesh >= 0 && node.weights.empty()
+                                                     ? file_.meshes[static_cast<size_t>(node.mesh)].weights
+                                                     : node.weights;
+            budget_.spend(weights.size() * sizeof(double));
+            out.weights = weights;
             add_camera(node, self);
             read_light(file_, node, self, model_, tell_);
             add_instances(node, self);
@@ -324,16 +334,23 @@ class Loader {
         if (found == node.extensions.end() || node.mesh < 0) return;
         const tinygltf::Value attributes =
             found->second.IsObject() ? found->second.Get("attributes") : tinygltf::Value();
-        const auto read = [&](const char* key, int width) {
-            return attributes.IsObject() && attributes.Has(key)
-                       ? accessors_.floats(extension_integer(attributes, key, name), width)
-                       : std::vector<float>{};
+        const auto read = [&](const char* key, int width) -> std::span<const float> {
+            if (!attributes.IsObject() || !attributes.Has(key)) return {};
+            const std::vector<float>& numbers =
+                accessors_.floats(extension_integer(attributes, key, name), width);
+            if (!are_finite(numbers))
+                throw GltfError(fmt::format("{}: {} of node \"{}\" is not finite", name, key, node.name));
+            return numbers;
         };
-        const std::vector<float> t = read("TRANSLATION", 3), r = read("ROTATION", 4), s = read("SCALE", 3);
+        const std::span<const float> t = read("TRANSLATION", 3), r = read("ROTATION", 4),
+                                     s = read("SCALE", 3);
         const size_t count = std::max({t.size() / 3, r.size() / 4, s.size() / 3});
         for (const auto& [size, width] : {std::pair(t.size(), size_t{3}), {r.size(), 4}, {s.size(), 3}})
             if (size != 0 && size != count * width)
                 throw GltfError(fmt::format("{}: attributes differ in count", name));
+        // Many nodes may share their accessors. Where a frame is posed, each instance has the weights, too.
+        const size_t weights = model_.nodes[static_cast<size_t>(self)].weights.size();
+        budget_.spend(count * (sizeof(Node) + weights * sizeof(double)));
         model_.nodes[static_cast<size_t>(self)].mesh = -1;
         if (std::exchange(model_.nodes[static_cast<size_t>(self)].skin, -1) >= 0)
             warn("instances with a skin are in their rest pose");

@@ -13,11 +13,12 @@ namespace penumbra {
 
 // Reads the default scene's nodes: triangles, strips and fans, indexed or not, with sparse accessors and
 // normalised integers; skins, morph targets, animations; base colours with their textures, transforms and
-// vertex colours; alphaMode MASK; perspective cameras, lights; KHR_mesh_quantization,
-// KHR_texture_transform, KHR_lights_punctual, KHR_draco_mesh_compression, EXT_meshopt_compression,
-// EXT_mesh_gpu_instancing. What a file has besides is a warning by name, and the rest is read; alphaMode
-// BLEND is read as OPAQUE. An error: files that break the format, and required extensions that nothing is
-// known of.
+// vertex colours; alphaMode MASK and BLEND; metalness, roughness, emission, transmission; perspective
+// cameras, lights; KHR_mesh_quantization, KHR_texture_transform, KHR_lights_punctual,
+// KHR_materials_emissive_strength, KHR_materials_transmission, KHR_draco_mesh_compression,
+// EXT_meshopt_compression, EXT_mesh_gpu_instancing. What is shown otherwise than the file says is a warning,
+// and the rest is read. An error: files that break the format or take more than input_limit(), and required
+// extensions that nothing is known of.
 std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& diagnostics);
 
 }  // namespace penumbra

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -127,6 +128,10 @@ void ReadBudget::spend(uint64_t bytes) {
                             ? fmt::format("a thousand times what {} bytes of files can hold", file_bytes_)
                             : over_input_limit());
     left_ -= bytes;
+}
+
+bool are_finite(std::span<const float> numbers) {
+    return std::ranges::all_of(numbers, [](float v) { return std::isfinite(v); });
 }
 
 const std::vector<float>& AccessorReader::floats(int accessor, int width) {

@@ -38,6 +38,8 @@ class ReadBudget {
     bool by_file_;  // the file's size is the narrower bound
 };
 
+bool are_finite(std::span<const float> numbers);
+
 // Reads each accessor once, however many primitives share it.
 class AccessorReader {
   public:

@@ -6,6 +6,17 @@
 #include <algorithm>
 
 namespace penumbra {
+namespace {
+
+const char* kind_of(const tinygltf::Value& value) {
+    return value.IsString()   ? "a string"
+           : value.IsBool()   ? "a boolean"
+           : value.IsArray()  ? "an array"
+           : value.IsObject() ? "an object"
+                              : "null";
+}
+
+}  // namespace
 
 double factor(const std::string& what, double value, double most, const GltfTell& tell) {
     if (!(value >= 0)) throw GltfError(fmt::format("{} {} is not a number from 0 on", what, value));
@@ -18,6 +29,14 @@ int extension_integer(const tinygltf::Value& object, const char* key, const char
     if (object.IsObject() && object.Has(key) && object.Get(key).IsNumber())
         return object.Get(key).GetNumberAsInt();
     throw GltfError(fmt::format("{}: \"{}\" is not a number", extension, key));
+}
+
+double extension_number(const tinygltf::Value& object, const char* key, const std::string& extension,
+                        double otherwise) {
+    if (!object.IsObject() || !object.Has(key)) return otherwise;
+    const tinygltf::Value& number = object.Get(key);
+    if (number.IsNumber()) return number.GetNumberAsDouble();
+    throw GltfError(fmt::format("{}: \"{}\": expected a number, not {}", extension, key, kind_of(number)));
 }
 
 void extension_numbers(const tinygltf::Value& object, const char* key, const char* extension,

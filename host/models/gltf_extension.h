@@ -21,6 +21,9 @@ double factor(const std::string& what, double value, double most, const GltfTell
 
 // A whole number of an extension's object; GltfError, with the extension's name, where there is none.
 int extension_integer(const tinygltf::Value& object, const char* key, const char* extension);
+// `otherwise` where there is none; GltfError, with the extension's name, where it is something else.
+double extension_number(const tinygltf::Value& object, const char* key, const std::string& extension,
+                        double otherwise);
 // Numbers of a list; those that the object does not have stay as `out` has them.
 void extension_numbers(const tinygltf::Value& object, const char* key, const char* extension,
                        std::span<double> out);

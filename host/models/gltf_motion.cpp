@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
 namespace penumbra {
@@ -28,23 +27,25 @@ Interpolation interpolation_of(const std::string& name) {
     throw GltfError(fmt::format("there is no interpolation \"{}\"", name));
 }
 
-AnimationChannel read_channel(AccessorReader& accessors, const tinygltf::AnimationSampler& sampler, Path path,
-                              int node, size_t targets) {
+AnimationChannel read_channel(AccessorReader& accessors, ReadBudget& budget,
+                              const tinygltf::AnimationSampler& sampler, Path path, int node,
+                              size_t targets) {
     AnimationChannel out;
     out.node = node;
     out.path = path;
     out.interpolation = interpolation_of(sampler.interpolation);
-    out.times = accessors.floats(sampler.input, 1);
     const int width = path == Path::weights ? 1 : path == Path::rotation ? 4 : 3;
-    out.values = accessors.floats(sampler.output, width);
+    const std::vector<float>&times = accessors.floats(sampler.input, 1),
+          &values = accessors.floats(sampler.output, width);
+    budget.spend((times.size() + values.size()) * sizeof(float));  // many channels may share one sampler
+    out.times = times;
+    out.values = values;
     const size_t per_key = (path == Path::weights ? targets : static_cast<size_t>(width)) *
                            (out.interpolation == Interpolation::cubic ? 3 : 1);
     if (out.times.empty() || out.values.size() != out.times.size() * per_key)
         throw GltfError(fmt::format("{} keys have {} numbers, not {} each", out.times.size(),
                                     out.values.size(), per_key));
-    const auto finite = [](float v) { return std::isfinite(v); };
-    if (!std::ranges::all_of(out.times, finite) || !std::ranges::all_of(out.values, finite))
-        throw GltfError("keys are not finite");
+    if (!are_finite(out.times) || !are_finite(out.values)) throw GltfError("keys are not finite");
     if (out.times.front() < 0 ||
         std::ranges::adjacent_find(out.times, std::greater_equal<>()) != out.times.end())
         throw GltfError("times of keys do not rise");
@@ -62,7 +63,7 @@ size_t targets_of(const Model& model, int mesh) {
 
 }  // namespace
 
-void read_animations(const tinygltf::Model& file, AccessorReader& accessors,
+void read_animations(const tinygltf::Model& file, AccessorReader& accessors, ReadBudget& budget,
                      const std::vector<int>& model_node, Model& model, const GltfTell& tell) {
     for (const tinygltf::Animation& animation : file.animations) {
         Animation& out = model.animations.emplace_back();
@@ -86,8 +87,9 @@ void read_animations(const tinygltf::Model& file, AccessorReader& accessors,
             }
             try {
                 const size_t count = *path == Path::weights ? targets_of(model, mesh) : 0;
-                out.channels.push_back(read_channel(
-                    accessors, element(animation.samplers, channel.sampler, "sampler"), *path, node, count));
+                out.channels.push_back(read_channel(accessors, budget,
+                                                    element(animation.samplers, channel.sampler, "sampler"),
+                                                    *path, node, count));
             } catch (const GltfError& error) {
                 throw GltfError(fmt::format("animation \"{}\": {}", animation.name, error.what()));
             }
@@ -116,6 +118,9 @@ void read_skins(const tinygltf::Model& file, AccessorReader& accessors, const st
         if (numbers.size() < out.joints.size() * 16)
             throw GltfError(
                 fmt::format("skin \"{}\" has fewer inverse bind matrices than joints", skin.name));
+        if (!are_finite(std::span(numbers).first(out.joints.size() * 16)))
+            throw GltfError(
+                fmt::format("skin \"{}\" has inverse bind matrices that are not finite", skin.name));
         for (size_t i = 0; i < out.joints.size(); ++i)
             out.inverse_bind[i] = glm::dmat4(glm::make_mat4(&numbers[16 * i]));
     }

@@ -13,7 +13,7 @@ namespace penumbra {
 
 // `model_node`: the model's node for each of the file's, -1 where it is not shown. What cannot be played is
 // told. GltfError.
-void read_animations(const tinygltf::Model& file, AccessorReader& accessors,
+void read_animations(const tinygltf::Model& file, AccessorReader& accessors, ReadBudget& budget,
                      const std::vector<int>& model_node, Model& model, const GltfTell& tell);
 
 // Skins of the file, in its order; one with joints that are not shown has none, and is told of. GltfError.

@@ -182,14 +182,10 @@ TextureUse texture_use(const tinygltf::TextureInfo& info) {
     constexpr const char* name = "KHR_texture_transform";
     const auto found = info.extensions.find(name);
     if (found != info.extensions.end()) {
-        double offset[2] = {0, 0}, scale[2] = {1, 1}, rotation = 0;
+        double offset[2] = {0, 0}, scale[2] = {1, 1};
         extension_numbers(found->second, "offset", name, offset);
         extension_numbers(found->second, "scale", name, scale);
-        if (found->second.Has("rotation")) {
-            if (!found->second.Get("rotation").IsNumber())
-                throw GltfError("KHR_texture_transform: \"rotation\" is not a number");
-            rotation = found->second.Get("rotation").GetNumberAsDouble();
-        }
+        const double rotation = extension_number(found->second, "rotation", name, 0);
         if (found->second.Has("texCoord"))
             use.coordinates = extension_integer(found->second, "texCoord", name);
         const double c = std::cos(rotation), s = std::sin(rotation);
@@ -263,6 +259,8 @@ std::optional<Part> read_primitive(const tinygltf::Model& file, AccessorReader& 
         const std::vector<float>& values = accessors.floats(position->second, 3);
         check_count(values.size(), 3, vertices, "a morph target");
         offsets = vectors<glm::vec3>(values, used);
+        for (const glm::vec3& offset : offsets)
+            if (!are_finite({&offset.x, 3})) throw GltfError("a morph target is not finite");
     }
     part.indices = to_triangles(corners, mode);
     return part;

@@ -45,16 +45,28 @@ bool may_transmit(const Material& material) {
            (material.transmission > 0 && material.metallic_roughness_texture >= 0);
 }
 
+std::array<uint32_t, 2> map_size(const Model& model, const Material& material) {
+    std::array<uint32_t, 2> size{1, 1};
+    for (const int texture :
+         {material.texture, material.transmission_texture, material.metallic_roughness_texture}) {
+        const Sampled sampled(model, texture);
+        size = {std::max(size[0], sampled.width()), std::max(size[1], sampled.height())};
+    }
+    return size;
+}
+
 }  // namespace
+
+uint64_t transmittance_bytes(const Model& model, const Material& material) {
+    const auto [width, height] = map_size(model, material);
+    return may_transmit(material) ? uint64_t{width} * height * sizeof(uint32_t) : 0;
+}
 
 TransmittanceMap transmittance_map(const Model& model, const Material& material) {
     const Sampled base(model, material.texture), transmission(model, material.transmission_texture),
         metal(model, material.metallic_roughness_texture);
-    TransmittanceMap map;
-    for (const Sampled* texture : {&base, &transmission, &metal}) {
-        map.width = std::max(map.width, texture->width());
-        map.height = std::max(map.height, texture->height());
-    }
+    const auto [width, height] = map_size(model, material);
+    TransmittanceMap map{width, height, {}};
     std::array<double, 256> linear{};
     for (size_t i = 0; i < 256; ++i) linear[i] = linear_of_srgb(static_cast<uint8_t>(i));
     const uint32_t least = least_opaque_alpha(material);

@@ -22,7 +22,10 @@ struct TransmittanceMap {
     std::vector<uint32_t> texels;  // red, green, blue of 10 bits each, red lowest; rows from the top
 };
 
-// The largest of the textures' sizes; the others' nearest texels.
+// Of the map of a material that may let something through, else 0. Of a wide texture and a high one it is far
+// larger than both together.
+uint64_t transmittance_bytes(const Model& model, const Material& material);
+// The largest of the textures' sizes along each axis; the others' nearest texels.
 TransmittanceMap transmittance_map(const Model& model, const Material& material);
 glm::dvec3 unpack_transmittance(uint32_t texel);
 

@@ -78,11 +78,12 @@ glm::dmat4 with_thickness(const glm::dmat4& world) {
     return {glm::dvec4(thick[0], 0), glm::dvec4(thick[1], 0), glm::dvec4(thick[2], 0), world[3]};
 }
 
-// Where fp32 is finest. Of what is so large that two millimetres are lost at its ends (67 km), the place in
-// it where the shot's camera is: one stray object far away may not spoil what is looked at.
+// Where fp32 is finest. Of what is larger than half a kilometre, whose ends are off by more than a hundredth
+// of a millimetre, the place in it where the shot's camera is: one stray object far away may not spoil what
+// is looked at.
 glm::dvec3 origin_in(const glm::dvec3& low, const glm::dvec3& high, const Shot& shot) {
     const glm::dvec3 middle = 0.5 * (low + high), half = high - middle;
-    if (shot.camera.empty() || std::max({half.x, half.y, half.z}) * 0x1p-24 <= 2e-3) return middle;
+    if (shot.camera.empty() || std::max({half.x, half.y, half.z}) <= 250) return middle;
     glm::dvec3 first = shot.camera[0].position, last = first;
     for (const CameraKey& key : shot.camera) {
         first = glm::min(first, key.position);

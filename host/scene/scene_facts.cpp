@@ -177,19 +177,21 @@ CasterWidths caster_widths(const std::vector<Triangle>& triangles, const std::ve
                            const glm::dvec3& to_sun) {
     std::vector<uint32_t> parent(triangles.size());
     std::iota(parent.begin(), parent.end(), 0u);
+    std::vector<uint32_t> casting = parent;
+    std::erase_if(casting, [&](uint32_t t) { return !usable(triangles[t]); });
     const auto root = [&](uint32_t i) {
         while (parent[i] != i) i = parent[i] = parent[parent[i]];
         return i;
     };
     std::map<std::array<float, 4>, uint32_t> first_at;  // object and position -> a triangle there
-    for (uint32_t t = 0; t < triangles.size(); ++t)
+    for (const uint32_t t : casting)
         for (const auto& v : triangles[t].v) {
             const auto [found, fresh] = first_at.try_emplace({float(objects[t]), v[0], v[1], v[2]}, t);
             if (!fresh) parent[root(t)] = root(found->second);
         }
     const Basis basis = across(to_sun);
     std::map<uint32_t, std::vector<glm::dvec2>> pieces;
-    for (uint32_t t = 0; t < triangles.size(); ++t)
+    for (const uint32_t t : casting)
         for (const auto& v : triangles[t].v) {
             const glm::dvec3 p(v[0], v[1], v[2]);
             pieces[root(t)].emplace_back(glm::dot(p, basis.x), glm::dot(p, basis.y));
@@ -205,7 +207,7 @@ SceneFacts scene_facts(Device& device, StandaloneHost& host) {
     const CasterWidths casters =
         caster_widths(triangles, host.scene().triangle_objects(), sun_at(host.shot(), 0).to_sun);
     const auto& bounds = host.scene().bounds();
-    facts.triangles = triangles.size();
+    facts.triangles = triangles.size() - host.scene().translucent_triangles(0).size();
     facts.texel_m = glm::distance(bounds[0], bounds[1]) / 2048;
     facts.casters = casters.width_m.size();
     facts.sub_texel = static_cast<size_t>(

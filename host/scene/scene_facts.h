@@ -14,7 +14,8 @@
 
 namespace penumbra {
 
-// A caster is a connected piece of the mesh of one object: triangles that share corner positions.
+// A caster is a connected piece of the mesh of one object: triangles that share corner positions. Those that
+// no ray can meet, as translucent ones in Scene::triangles(), belong to none.
 struct CasterWidths {
     std::vector<double> width_m;  // per caster: its narrow extent, seen from the sun
 };
@@ -22,7 +23,8 @@ CasterWidths caster_widths(const std::vector<Triangle>& triangles, const std::ve
                            const glm::dvec3& to_sun);
 
 struct SceneFacts {
-    size_t triangles = 0, casters = 0, sub_texel = 0;
+    size_t triangles = 0;  // without translucent ones
+    size_t casters = 0, sub_texel = 0;
     double texel_m = 0;      // of one map of 2048 x 2048 texels over the scene's box: its diagonal / 2048
     double penumbra = 0;     // of the receivers: some, but not all, of `rays` are blocked
     double receivers = 0;    // of the pixels

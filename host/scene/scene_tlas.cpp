@@ -178,9 +178,11 @@ VkAccelerationStructureGeometryKHR SceneTlas::triangle_geometry(const Object& ob
     auto& triangles = geometry.geometry.triangles;
     triangles = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_TRIANGLES_DATA_KHR};
     triangles.vertexFormat = VK_FORMAT_R32G32B32_SFLOAT;
-    triangles.vertexData.deviceAddress = address_of(device_.get(), vertices_.get());
+    // Not by a build's primitiveOffset, whose 32 bits end at 4 GiB.
+    triangles.vertexData.deviceAddress =
+        address_of(device_.get(), vertices_.get()) + object.first * sizeof(Triangle);
     triangles.vertexStride = sizeof(Triangle) / 3;
-    triangles.maxVertex = static_cast<uint32_t>(vertices_.bytes / triangles.vertexStride) - 1;
+    triangles.maxVertex = 3 * object.count - 1;
     triangles.indexType = VK_INDEX_TYPE_NONE_KHR;
     return geometry;
 }
@@ -224,8 +226,7 @@ void SceneTlas::build(const std::vector<size_t>& objects) {
         info.dstAccelerationStructure = object.blas.handle.get();
         info.scratchData.deviceAddress = scratch;
         scratch += round_up(object.blas.scratch_bytes, scratch_alignment_);
-        // primitiveOffset is in bytes of the vertex data.
-        ranges.push_back({object.count, static_cast<uint32_t>(object.first * sizeof(Triangle)), 0, 0});
+        ranges.push_back({object.count, 0, 0, 0});
     }
     auto top = build_info(VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, instances);
     top.dstAccelerationStructure = tlas_.handle.get();

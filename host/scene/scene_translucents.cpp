@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Built anew whenever something moves: the tree is small.
+// The tree is built anew whenever a translucent triangle has moved, and never refitted: such triangles are
+// few.
 #include "host/scene/scene_translucents.h"
 
 #include <algorithm>

@@ -9,8 +9,7 @@
 //   texels 1 ..          nodes of the tree (host/bvh/bvh.h)
 //   from x on            its leaves
 //   from y on            per leaf two words, two leaves to a texel: record + 1 << 4 | i1 << 2 | i0, as
-//   scene_alpha.h has
-//                        them; 0: no triangle
+//                        scene_alpha.h has them; 0: no triangle
 //   from z on            records of two texels, as those of scene_alpha.h
 // translucent_texels: transmittance maps (host/models/translucency.h), each from its records' first word on.
 #pragma once

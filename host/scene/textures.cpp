@@ -2,9 +2,12 @@
 // Mip levels are averaged in linear light on the CPU: once per texture, and the same on every device.
 #include "host/scene/textures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 namespace penumbra {
 
@@ -48,7 +51,8 @@ Encoding linear_encoding() {
         VK_FORMAT_R8G8B8A8_UNORM, [](uint8_t byte) { return static_cast<float>(byte) / 255; }, to_unorm);
 }
 
-// Appends half the size of the level that starts at `from`; odd sizes repeat their last row or column.
+// Appends half the size of the level that starts at `from`; of odd sizes but 1 the last row or column is left
+// out.
 void append_half(std::vector<uint8_t>& texels, size_t from, uint32_t width, uint32_t height,
                  const Encoding& encoding) {
     for (uint32_t y = 0; y < std::max(height / 2, 1u); ++y) {
@@ -64,6 +68,10 @@ void append_half(std::vector<uint8_t>& texels, size_t from, uint32_t width, uint
             }
         }
     }
+}
+
+bool is_too_large(const Texture& texture, uint32_t most_texels) {
+    return std::max(texture.width, texture.height) > most_texels;
 }
 
 GpuImage upload(Device& device, const Texture& texture, const Encoding& encoding) {
@@ -86,6 +94,26 @@ GpuImage upload(Device& device, const Texture& texture, const Encoding& encoding
 
 }  // namespace
 
+std::vector<std::string> texture_warnings(std::span<const Material> materials,
+                                          std::span<const Texture> textures, bool surfaces,
+                                          uint32_t most_texels) {
+    std::set<int> used;
+    for (const Material& material : materials) {
+        used.insert(material.texture);
+        if (surfaces) used.insert({material.metallic_roughness_texture, material.emissive_texture});
+    }
+    used.erase(-1);
+    std::vector<std::string> warnings;
+    for (const int texture : used) {
+        const Texture& large = textures[static_cast<size_t>(texture)];
+        if (is_too_large(large, most_texels))
+            warnings.push_back(fmt::format(
+                "a texture of {}x{} exceeds the device's largest image, {} per axis: it is drawn white",
+                large.width, large.height, most_texels));
+    }
+    return warnings;
+}
+
 MaterialTextures::MaterialTextures(Device& device, std::span<const Material> materials,
                                    std::span<const Texture> textures, bool surfaces) {
     const Texture white{1, 1, {255, 255, 255, 255}};
@@ -93,7 +121,7 @@ MaterialTextures::MaterialTextures(Device& device, std::span<const Material> mat
     const auto image = [&](int texture, bool srgb) -> const GpuImage& {
         const uint32_t limit = device.limits().maxImageDimension2D;
         const Texture* wanted = texture < 0 ? &white : &textures[static_cast<size_t>(texture)];
-        if (wanted->width == 0 || std::max(wanted->width, wanted->height) > limit) wanted = &white;
+        if (wanted->width == 0 || is_too_large(*wanted, limit)) wanted = &white;
         GpuImage& held = images_[{wanted == &white ? -1 : texture, srgb}];
         if (held.format == VK_FORMAT_UNDEFINED)
             held = upload(device, *wanted, srgb ? srgb_encoding() : linear_encoding());

@@ -5,6 +5,7 @@
 
 #include <map>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,12 @@
 #include "host/models/model.h"
 
 namespace penumbra {
+
+// Of textures that MaterialTextures draws white, since the device's images have at most `most_texels` along
+// an axis.
+std::vector<std::string> texture_warnings(std::span<const Material> materials,
+                                          std::span<const Texture> textures, bool surfaces,
+                                          uint32_t most_texels);
 
 class MaterialTextures {
   public:

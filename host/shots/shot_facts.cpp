@@ -13,12 +13,12 @@ namespace penumbra {
 namespace {
 
 // Between two keys below the horizon the sun's path, the shorter arc of a great circle, runs lower still:
-// keys suffice.
+// keys suffice. A sun that is a point on the horizon shines on walls.
 bool sun_up(const Shot& shot) {
     const int up = shot.analytic ? 2 : 1;  // the axis; analytic receivers face +z
     const double lowest = -std::sin(glm::radians(shot.sun_angular_radius_deg));
     return std::ranges::any_of(shot.sun,
-                               [&](const SunKey& key) { return glm::normalize(key.to_sun)[up] > lowest; });
+                               [&](const SunKey& key) { return glm::normalize(key.to_sun)[up] >= lowest; });
 }
 
 bool sun_moves(const Shot& shot) {

@@ -176,7 +176,7 @@ class View {
     // Per pass, after the most recently recorded frame has completed; empty before the first.
     std::vector<PassStatistics> statistics() const;
     // Of the last frame that is known to have completed, which is frames_in_flight before the last one
-    // recorded: costs no waiting. Null: there is none yet.
+    // recorded: costs no waiting. Null: there is none yet. A frame whose commands were thrown away is none.
     const FrameStatistics* completed() const;
 
     // Of the most recently recorded frame.

@@ -18,5 +18,3 @@ CascadeNode cascade_node(vec4 texel) {
         return CascadeNode(NOTHING_KNOWN, NOTHING_KNOWN, vec2(0.0));
     return CascadeNode(texel.x, texel.y, texel.zw);
 }
-
-bool is_empty(CascadeNode node) { return node.least >= NO_SURFACE; }

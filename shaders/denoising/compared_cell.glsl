@@ -49,7 +49,7 @@ void compare_cell(uint at, ivec2 cell) {
             const ViewRays rays = rays_of(p);
             const Receiver r = receiver_at(p, offset, z, n_light, rays);
             const Footprint foot = r.foot;
-            const bool asked = (asking >> uint(i) & 1u) != 0u;
+            const bool cut = is_cut(r, penumbra), asked = (asking >> uint(i) & 1u) != 0u;
             Estimate now;
             if (asked) {
                 const uint word = estimates[PIXELS * at + uint(i)];
@@ -58,7 +58,7 @@ void compare_cell(uint at, ivec2 cell) {
                 else
                     now = unpack_estimate(word);
             } else {
-                now = agreement(r, reach_of(foot.s, penumbra).box);
+                now = agreement(r, reach_of(foot.s, penumbra).box, cut);
             }
             Past past;
             if (HAS_MOTION)
@@ -106,7 +106,8 @@ void compare_cell(uint at, ivec2 cell) {
             if (past.count > 0.0 && worth > 0.0) {
                 const float d = g.now - g.past;
                 g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
-                const float variance = null_variance(now, past, rho / max(foot.s.s2, 1e-9), worth);
+                const float narrow_px = cut ? 1.0 : rho / max(foot.s.s2, 1e-9);  // whatever blocks: the pixel is in penumbra
+                const float variance = null_variance(now, past, narrow_px, worth);
                 ++pasts;
                 radii += rho / max(foot.s.s2, 1e-9);
                 by_counts += 1.0 / past.count;

@@ -90,8 +90,14 @@ ivec2 row_of_reach(ReachRows rows, Reach reach, int dy) {
     return clamp(ivec2(rounded(first + float(R + 1)), rounded(last + float(R + 1))) - (R + 1), -R - 1, R + 1);  // a NaN is no end of a loop
 }
 
-// All rays of the box agree, and so may those beyond: worth as many rays, if they are of this surface.
-Estimate agreement(Receiver r, ivec2 box) {
+// Whether nothing blocks but the receiver's own plane, which hides a part of the light: rays that go below it are dark, here and there.
+bool is_cut(Receiver r, Penumbra penumbra) {
+    if (!HAS_RAY_POINTS || penumbra.distance_m > 0.0) return false;
+    return (HAS_LIGHT ? horizon_of(r.lamp.horizon, 1.0) : horizon_of(r.n, tan(sun.angular_radius))).above < 1.0;
+}
+
+// All rays of the box agree, and so may those beyond: worth as many rays, if they are of this surface and do not agree by chance (is_cut()).
+Estimate agreement(Receiver r, ivec2 box, bool by_chance) {
     const uint columns = ((2u << uint(2 * box.x)) - 1u) << uint(r.in_rows.x - box.x + 16);
     int tests = 0;
     uint lit = 0u;
@@ -105,7 +111,7 @@ Estimate agreement(Receiver r, ivec2 box) {
         const ivec2 q = clamp(r.p + box * diagonal(i), ivec2(0), last);
         flat_box = flat_box && shows(r.surface, vec2(q - r.p), imageLoad(view_depth, q).x);
     }
-    const bool sure = flat_box && !(HAS_RAY_BITS && further_disagree(further_at(r.p), lit != 0u));
+    const bool sure = flat_box && !by_chance && !(HAS_RAY_BITS && further_disagree(further_at(r.p), lit != 0u));
     const float n = sure ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
     const bool told = has_ray(r.p) || flat_box && tests != 0;
     return Estimate(lit != 0u ? 1.0 : 0.0, told ? n : 0.0, max(0.4, min(1.0, 3.0 / n)), 1.0);
@@ -237,7 +243,7 @@ Estimate this_frame(Receiver r, Penumbra penumbra) {
     const bool mixed = has_both(said);
     Estimate e = Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, 1.0, 1.0, 1.0);
     if (HAS_RAY_WORDS && !has_ray(r.p)) e = next_to(r);
-    if (!mixed) e = agreement(r, reach.box);
+    if (!mixed) e = agreement(r, reach.box, is_cut(r, penumbra));
     // Own ray only: a penumbra so narrow that no neighbour's can help.
     const bool asks = mixed && min(reach.b1, reach.b2) > 0.0 && max(reach.b1, reach.b2) >= OWN_RAY_PX;
     if (asks) e = asked_around(r, reach, penumbra, e);

@@ -29,7 +29,7 @@ vec3 lux_of_lamps(vec3 point, vec3 normal, vec3 u) {
         sum += weight;
         const float chance = weight / sum;
         const bool taken = lot < chance;
-        lot = taken ? lot / chance : (lot - chance) / (1.0 - chance);
+        lot = taken ? lot / chance : (lot - chance) / max(1.0 - chance, 1e-7);
         if (taken) {
             lux = unshadowed;
             own = weight;

@@ -71,7 +71,8 @@ SeenLight seen_plane(vec3 start, vec3 to_centre, vec2 noise) {
         u = cos(angle) * u0 + sin(angle) * v0;
         v = cos(angle) * v0 - sin(angle) * u0;
     }
-    vec3 away = normalize(cross(u, v));
+    vec3 away = cross(u, v);  // none of a tube that is seen along its axis
+    away *= inversesqrt(max(dot(away, away), 1e-37));
     float height_m = dot(to_centre, away);
     // A start may lie in the light's plane, where nothing is to be seen of it.
     seen.receiver.mirrored = height_m < 0.0;

@@ -68,6 +68,15 @@ TEST(Emitters, LeaveOutWhatNobodyCanAimAt) {
     EXPECT_EQ(bodies(cube({}, 0.1), lamp, 40), 32u);
 }
 
+// A vertex that no triangle uses may be no number, which equals every place or none.
+TEST(Emitters, AreOfCornersAlone) {
+    Shape shape;
+    shape.positions = {glm::vec3(NAN)};
+    shape.append(cube({1, 2, 3}, 0.1));
+    shape.append(cube({-1, 2, 3}, 0.2));
+    EXPECT_EQ(bodies(shape, shining({10, 10, 10})), 2u);
+}
+
 class AimRays : public GpuTest {};
 
 struct Plate {

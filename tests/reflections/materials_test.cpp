@@ -102,6 +102,13 @@ TEST_F(Materials, AreChecked) {
     EXPECT_FALSE(
         read(R"({ "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": -3 } } })"));
     expect_error("emissiveStrength -3");
+    EXPECT_FALSE(read(
+        R"({ "name": "m", "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": "3" } } })"));
+    expect_error(
+        R"(material "m": KHR_materials_emissive_strength: "emissiveStrength": expected a number, not a string)");
+    EXPECT_FALSE(
+        read(R"({ "extensions": { "KHR_materials_transmission": { "transmissionFactor": [1] } } })"));
+    expect_error(R"("transmissionFactor": expected a number, not an array)");
     EXPECT_FALSE(read(R"({ "emissiveTexture": { "index": 4 } })"));
     expect_error("texture 4 does not exist");
 }
@@ -169,6 +176,30 @@ TEST_F(Materials, AHitFindsItsTriangle) {
     EXPECT_EQ(written, unlike);
     ASSERT_FALSE(written.empty());
     EXPECT_GE(written.front(), 1u + 4 * 12);
+}
+
+// Where the vertices of a part move its node may stand still.
+TEST_F(Materials, WhatDeformsMoves) {
+    Part still{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}}, morphs = still;
+    morphs.targets = {{{0, 0, 1}, {0, 0, 1}, {0, 0, 1}}};
+    Model model;
+    model.meshes.push_back({{still, morphs}});
+    model.nodes = {Node{.name = "body", .mesh = 0}};
+    AnimationChannel channel;
+    channel.node = 0;
+    channel.path = AnimationChannel::Path::weights;
+    channel.times = channel.values = {0, 1};
+    model.animations.push_back({"rises", 1, {channel}});
+    Shot shot;
+    shot.fps = 10;
+    shot.animation = "rises";
+    const Scene scene(std::move(model), shot);
+    const auto moves = [&](double frame, double previous) {
+        const auto surfaces = make_surface_texels(scene, frame, previous, nullptr, {}).surfaces;
+        return std::array{surfaces[1 + 3][3] >> 31, surfaces[1 + 4 + 3][3] >> 31};  // of either triangle
+    };
+    EXPECT_EQ(moves(1, 0), (std::array{0u, 1u}));
+    EXPECT_EQ(moves(1, 1), (std::array{0u, 0u}));
 }
 
 TEST_F(Materials, EnvironmentsAreRead) {
