@@ -178,9 +178,12 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
     vk.vkGetPhysicalDeviceFeatures2(handles.physical, &asked);
     features.core = asked.features;
     uint32_t count = 0;
-    vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, nullptr);
+    constexpr const char* call = "vkEnumerateDeviceExtensionProperties";
+    require(vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, nullptr), call,
+            "count");
     std::vector<VkExtensionProperties> extensions(count);
-    vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, extensions.data());
+    require(vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, extensions.data()),
+            call, "list");
     const auto limits = limits_of(handles.physical, vk);
 
     const auto met = [&](const Requirement& r) {

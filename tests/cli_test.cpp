@@ -276,6 +276,33 @@ void main() {
     EXPECT_EQ(run(command).code, 0) << "without --validate nobody looks";
 }
 
+// What a shader declares is enabled where a device has it, and told where penumbra knows of no feature for
+// it.
+TEST_F(CliRender, ANodesShaderMayNeedWhatTheDeviceHas) {
+    fs::create_directories(folder_ / "nodes");
+    file("nodes/mine.json", R"({ "node": "mine", "doc": "A test.", "shader": "mine.comp",
+        "outputs": { "mark": { "kind": "image", "format": "r16f" } },
+        "dispatch": { "over": "frame", "group": [8, 8] } })");
+    const std::string pipeline = file("mine.json", R"({ "penumbra": 1, "name": "mine", "outputs": ["mark"],
+        "nodes": { "mine": { "type": "mine" } } })");
+    const auto rendered = [&](const std::string& extension, const std::string& value) {
+        file("nodes/mine.comp", "#include \"node.glsl\"\n#extension " + extension +
+                                    " : require\nvoid main() { imageStore(mark, "
+                                    "ivec2(gl_GlobalInvocationID.xy), vec4(" +
+                                    value + ")); }\n");
+        return run("render " + pipeline + " --nodes " + (folder_ / "nodes").string() +
+                   " --shot scenes/lamp.shot.json --size 16x16 --frames 0 --validate --out " +
+                   (folder_ / "o").string());
+    };
+    const Result doubles = rendered("GL_EXT_shader_explicit_arithmetic_types_float64",
+                                    "float(double(gl_GlobalInvocationID.x) / 3.0)");
+    EXPECT_EQ(doubles.code, 0) << doubles.err;
+    fs::remove_all(folder_ / "o");
+    expect(rendered("GL_ARB_shader_clock", "float(clockARB() & 1)"), 2,
+           "lacks what this needs: feature SPIR-V capability 5055");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
 TEST_F(CliRender, AFolderThatCannotBeWrittenIsFailedWork) {
     const std::string plain = file("plain", "a file where the folder should be");
     expect(run(render("--size 16x16 --frames 0 --out " + plain + "/inside")), 1, plain);

@@ -381,6 +381,19 @@ TEST(Scene, AStrayFarAwayLeavesTheTreeFineAtTheCamera) {
     }
 }
 
+// A triangle that reaches far is off at the camera by what its corners are.
+TEST(Scene, ALargeTriangleKeepsTheTreeAboutItsMiddle) {
+    for (const double scale : {100., 1000., 1e5}) {
+        Model model = small_model();
+        model.nodes[1].scale = glm::dvec3(scale);
+        Shot shot;
+        shot.camera = {{.frame = 0, .position = {1, 50, 3}}};
+        const Scene scene(std::move(model), shot);
+        const glm::dvec3 middle = 0.5 * (scene.bounds()[0] + scene.bounds()[1]);
+        EXPECT_EQ(scene.bvh_origin() == middle, scale < 1e5) << scale;
+    }
+}
+
 TEST(Colonnade, IsTheSameEachTimeAndHasItsGate) {
     const Model model = make_colonnade();
     EXPECT_EQ(to_glb(model), to_glb(make_colonnade()));

@@ -64,7 +64,7 @@ target_link_options(fuzz PRIVATE -fsanitize=fuzzer)
 # Each target's corpus, then a minute, on inputs that follow from a seed, so that what breaks one run breaks the next; scripts/fuzz.sh
 # has longer ones, on others each time.
 foreach(TARGET pipeline declaration shot gltf exr image c_api mutant)
-  add_test(NAME fuzz_${TARGET} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz.sh 60 ${TARGET})
+  add_test(NAME fuzz_${TARGET} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz.sh 20 ${TARGET})
   set_tests_properties(fuzz_${TARGET} PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT
     "PENUMBRA_FUZZ_SEED=1;PENUMBRA_FUZZER=$<TARGET_FILE:fuzz>;PENUMBRA_FUZZ_OUT=${CMAKE_CURRENT_BINARY_DIR}/fuzzed")
 endforeach()

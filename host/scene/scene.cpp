@@ -80,10 +80,15 @@ glm::dmat4 with_thickness(const glm::dmat4& world) {
 
 // Where fp32 is finest. Of what is larger than half a kilometre, whose ends are off by more than a hundredth
 // of a millimetre, the place in it where the shot's camera is: one stray object far away may not spoil what
-// is looked at.
-glm::dvec3 origin_in(const glm::dvec3& low, const glm::dvec3& high, const Shot& shot) {
+// is looked at. Unless a triangle, of so many metres, is as large itself: before the camera it would be off
+// by what its corners are, and rays start by no more above it than is lost where they start. Not until two
+// millimetres are lost at the ends (67 km) is that the lesser evil.
+glm::dvec3 origin_in(const glm::dvec3& low, const glm::dvec3& high, double largest_triangle,
+                     const Shot& shot) {
     const glm::dvec3 middle = 0.5 * (low + high), half = high - middle;
-    if (shot.camera.empty() || std::max({half.x, half.y, half.z}) <= 250) return middle;
+    const double most = std::max({half.x, half.y, half.z});
+    if (shot.camera.empty() || most <= 250 || (largest_triangle > 500 && most * 0x1p-24 <= 2e-3))
+        return middle;
     glm::dvec3 first = shot.camera[0].position, last = first;
     for (const CameraKey& key : shot.camera) {
         first = glm::min(first, key.position);
@@ -124,6 +129,7 @@ Scene::Scene(Model model, const Shot& shot)
     const std::vector<bool> moving = moving_nodes();
     const Pose first = pose(0);
     glm::dvec3 low(INFINITY), high(-INFINITY);
+    double largest_triangle = 0;  // metres along an axis
     for (size_t i = 0; i < model_.nodes.size(); ++i) {
         const int mesh = model_.nodes[i].mesh;
         if (mesh < 0 || model_.meshes[static_cast<size_t>(mesh)].parts.empty()) continue;
@@ -135,16 +141,24 @@ Scene::Scene(Model model, const Shot& shot)
         const Instance& instance = instances_.back();
         for (const Part& part : parts(instance)) {
             const std::vector<glm::vec3> at = positions(instance, part, first);
-            for (const uint32_t index : part.indices) {
-                const glm::dvec3 p(world[i] * glm::dvec4(part.origin + glm::dvec3(at[index]), 1));
-                low = glm::min(low, p);
-                high = glm::max(high, p);
+            for (size_t t = 0; t + 2 < part.indices.size(); t += 3) {
+                glm::dvec3 least(INFINITY), most(-INFINITY);
+                for (size_t k = t; k < t + 3; ++k) {
+                    const glm::dvec3 local = part.origin + glm::dvec3(at[part.indices[k]]),
+                                     p(world[i] * glm::dvec4(local, 1));
+                    least = glm::min(least, p);
+                    most = glm::max(most, p);
+                }
+                low = glm::min(low, least);
+                high = glm::max(high, most);
+                const glm::dvec3 size = most - least;
+                largest_triangle = std::max({largest_triangle, size.x, size.y, size.z});
             }
         }
     }
     if (instances_.empty()) return;
     bounds_ = {low, high};
-    bvh_origin_ = origin_in(low, high, shot);
+    bvh_origin_ = origin_in(low, high, largest_triangle, shot);
 }
 
 std::vector<bool> Scene::moving_nodes() const {

@@ -48,7 +48,8 @@ class Scene {
     bool moved(double a, double b) const;
 
     // The BVH's frame: world axes about this point, without the shot's origin. It is the centre of the first
-    // frame's box; of one of more than half a kilometre the place in it where the shot's camera is.
+    // frame's box; of one of more than half a kilometre in smaller triangles (67 km in any) the place in it
+    // where the shot's camera is.
     const glm::dvec3& bvh_origin() const { return bvh_origin_; }
     // All triangles relative to bvh_origin(), instance by instance; the count and the order never change. Of
     // translucent ones, which block no ray, all corners are at the first, so that no tree holds them.

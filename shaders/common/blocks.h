@@ -21,8 +21,8 @@ const uint LIGHT_DISC = 1u;       // lights what it faces
 const uint LIGHT_RECTANGLE = 2u;  // lights what it faces
 const uint LIGHT_TUBE = 3u;       // turns its broad side to whoever looks
 
-// Height over distance from its middle at which what faces one way is edge-on and lights nothing: by rounding alone, the
-// points of a wall that a panel lies flush with would be now before it and now behind it.
+// What faces one way is edge-on, and lights nothing, from a height of this share of the distance to its middle and of half its length: by
+// rounding alone, points of a wall that a panel is flush with would be now before it and now behind it.
 const float LIGHT_EDGE_ON = 1e-4f;
 
 // A light that is near. Discs, rectangles and tubes have a luminance in candelas per square metre, spheres an intensity in candelas.

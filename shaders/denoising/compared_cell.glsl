@@ -49,7 +49,7 @@ void compare_cell(uint at, ivec2 cell) {
             const ViewRays rays = rays_of(p);
             const Receiver r = receiver_at(p, offset, z, n_light, rays);
             const Footprint foot = r.foot;
-            const bool cut = is_cut(r, penumbra), asked = (asking >> uint(i) & 1u) != 0u;
+            const bool asked = (asking >> uint(i) & 1u) != 0u;
             Estimate now;
             if (asked) {
                 const uint word = estimates[PIXELS * at + uint(i)];
@@ -58,7 +58,7 @@ void compare_cell(uint at, ivec2 cell) {
                 else
                     now = unpack_estimate(word);
             } else {
-                now = agreement(r, reach_of(foot.s, penumbra).box, cut);
+                now = agreement(r, reach_of(foot.s, penumbra).box, is_cut(r, penumbra));
             }
             Past past;
             if (HAS_MOTION)
@@ -106,10 +106,10 @@ void compare_cell(uint at, ivec2 cell) {
             if (past.count > 0.0 && worth > 0.0) {
                 const float d = g.now - g.past;
                 g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
-                const float narrow_px = cut ? 1.0 : rho / max(foot.s.s2, 1e-9);  // whatever blocks: the pixel is in penumbra
-                const float variance = null_variance(now, past, narrow_px, worth);
+                const float across_px = rho / max(foot.s.s2, 1e-9);
+                const float variance = null_variance(now, past, is_cut(r, penumbra) ? 1.0 : across_px, worth);  // as in a penumbra
                 ++pasts;
-                radii += rho / max(foot.s.s2, 1e-9);
+                radii += across_px;
                 by_counts += 1.0 / past.count;
                 sums.d += d;
                 sums.e += g.residual;
