@@ -58,7 +58,7 @@ void compare_cell(uint at, ivec2 cell) {
                 else
                     now = unpack_estimate(word);
             } else {
-                now = agreement(r, reach_of(foot.s, penumbra).box, is_cut(r, penumbra));
+                now = agreement(r, reach_of(foot.s, penumbra).box, is_cut(penumbra));
             }
             Past past;
             if (HAS_MOTION)
@@ -107,7 +107,7 @@ void compare_cell(uint at, ivec2 cell) {
                 const float d = g.now - g.past;
                 g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
                 const float across_px = rho / max(foot.s.s2, 1e-9);
-                const float variance = null_variance(now, past, is_cut(r, penumbra) ? 1.0 : across_px, worth);  // as in a penumbra
+                const float variance = null_variance(now, past, is_cut(penumbra) ? 1.0 : across_px, worth);  // as in a penumbra
                 ++pasts;
                 radii += across_px;
                 by_counts += 1.0 / past.count;

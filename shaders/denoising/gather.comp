@@ -63,17 +63,26 @@ void recall_rows(uint at) {
     [[unroll]] for (int i = 0; i < ROWS; ++i) rows[i] = cell_rows[at * uint(ROWS) + uint(i)];
 }
 
-// Of one pixel of a cell.
-Footprint footprint_of_cell(ivec2 cell) {
+// Of a cell, by one of its pixels.
+Penumbra penumbra_of_cell(ivec2 cell, out Footprint foot) {
     const ivec2 p = min(cell * CELL + CELL / 2, ivec2(frame.size) - 1);
-    return footprint_of(rays_of(p), imageLoad(view_depth, p).x, towards_light * normal_at(p));
+    const ViewRays rays = rays_of(p);
+    const float z = imageLoad(view_depth, p).x;
+    const vec3 n = towards_light * normal_at(p);
+    const LampSpace lamp = lamp_space_at(rays.o + z * rays.r, n);
+    foot = footprint_of(lamp, tangents(rays, z, n));
+    Penumbra penumbra = penumbra_at(cell, foot);
+    if (HAS_RAY_POINTS && penumbra.distance_m <= 0.0 &&
+        (HAS_LIGHT ? horizon_of(lamp.horizon, 1.0) : horizon_of(n, tan(sun.angular_radius))).above < 1.0)
+        penumbra.spread = CUT;
+    return penumbra;
 }
 
 void look_around(uint at, ivec2 cell) {
     load_rows(cell);
     [[unroll]] for (int i = 0; i < ROWS; ++i) cell_rows[at * uint(ROWS) + uint(i)] = rows[i];
-    const Footprint foot = footprint_of_cell(cell);
-    const Penumbra penumbra = penumbra_at(cell, foot);
+    Footprint foot;
+    const Penumbra penumbra = penumbra_of_cell(cell, foot);
     cell_penumbrae[at] = vec3(penumbra.distance_m, penumbra.tangent, penumbra.spread);
     uint asking = pixels_with_both() & pixels_of_cell(sunward_words[tile_index(cell * CELL / TILE)], cell);
     cell_asking[at] = asking;

@@ -20,7 +20,7 @@ const float PULL_OF_ONE = 2.0, PULL_OF_MANY = 3.0;
 struct Penumbra {
     float distance_m;  // of the blockers, 0: none
     float tangent;     // of the sun's angular radius
-    float spread;      // relative deviation of the distance
+    float spread;      // relative deviation of the distance; of none, what is_cut() says
 };
 
 struct Estimate {

@@ -31,10 +31,6 @@ LampSpace lamp_space_at(vec3 here, vec3 n) {
     return lamp;
 }
 
-Footprint footprint_of(ViewRays rays, float z, vec3 n) {
-    return footprint_of(lamp_space_at(rays.o + z * rays.r, n), tangents(rays, z, n));
-}
-
 // A receiver, with what it takes to ask its neighbours.
 struct Receiver {
     ivec2 p, in_rows;
@@ -90,11 +86,9 @@ ivec2 row_of_reach(ReachRows rows, Reach reach, int dy) {
     return clamp(ivec2(rounded(first + float(R + 1)), rounded(last + float(R + 1))) - (R + 1), -R - 1, R + 1);  // a NaN is no end of a loop
 }
 
-// Whether nothing blocks but the receiver's own plane, which hides a part of the light: rays that go below it are dark, here and there.
-bool is_cut(Receiver r, Penumbra penumbra) {
-    if (!HAS_RAY_POINTS || penumbra.distance_m > 0.0) return false;
-    return (HAS_LIGHT ? horizon_of(r.lamp.horizon, 1.0) : horizon_of(r.n, tan(sun.angular_radius))).above < 1.0;
-}
+// Nothing blocks but the receivers' own plane, which hides a part of the light: rays that go below it are dark, here and there.
+const float CUT = -1.0;  // a penumbra's spread
+bool is_cut(Penumbra penumbra) { return penumbra.spread == CUT; }
 
 // All rays of the box agree, and so may those beyond: worth as many rays, if they are of this surface and do not agree by chance (is_cut()).
 Estimate agreement(Receiver r, ivec2 box, bool by_chance) {
@@ -243,7 +237,7 @@ Estimate this_frame(Receiver r, Penumbra penumbra) {
     const bool mixed = has_both(said);
     Estimate e = Estimate(is_lit(r.in_rows) ? 1.0 : 0.0, 1.0, 1.0, 1.0);
     if (HAS_RAY_WORDS && !has_ray(r.p)) e = next_to(r);
-    if (!mixed) e = agreement(r, reach.box, is_cut(r, penumbra));
+    if (!mixed) e = agreement(r, reach.box, is_cut(penumbra));
     // Own ray only: a penumbra so narrow that no neighbour's can help.
     const bool asks = mixed && min(reach.b1, reach.b2) > 0.0 && max(reach.b1, reach.b2) >= OWN_RAY_PX;
     if (asks) e = asked_around(r, reach, penumbra, e);
