@@ -218,7 +218,7 @@ void add_gates(CLI::App& app, GatesArguments& a) {
         ->check(CLI::Range(1u, 1024u));
     // What is none lies in no range, and outside of none.
     const auto is_number = [](const std::string& text) {
-        return text.find("nan") == text.npos && text.find("NaN") == text.npos ? "" : text + " is no number";
+        return std::isnan(std::strtod(text.c_str(), nullptr)) ? text + " is no number" : "";
     };
     c->add_option("--edge-deg", a.edge_deg, "direction of the edge of still, moving and jump (default: 20)")
         ->check(CLI::Range(-360.0, 360.0))

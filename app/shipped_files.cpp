@@ -77,8 +77,10 @@ bool is_of_another_kind(const fs::path& file, const ShippedKind& kind, Diagnosti
     Diagnostics unheard;
     const auto json = read_json(file, unheard);
     if (!json || json->find(kind.version)) return false;
+    // Reports have the version of a pipeline, too.
+    const bool is_either = json->find("nodes") || json->find("extends") || json->find("scene");
     for (const ShippedKind& other : {shipped_pipelines, shipped_shots})
-        if (const Json* version = json->find(other.version)) {
+        if (const Json* version = json->find(other.version); version && is_either) {
             diagnostics.add(version->place, other.version,
                             fmt::format("this is a {}, not a {}", other.what, kind.what));
             return true;

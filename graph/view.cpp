@@ -273,8 +273,9 @@ bool ViewState::has_run(const Slot& slot) const {
 
 void ViewState::read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
                                 std::vector<uint64_t>& ticks) const {
+    const bool ran = has_run(slot);
     bool timed = false;
-    if (slot.timestamps && has_run(slot)) {
+    if (slot.timestamps && ran) {
         const VkResult result = vk().vkGetQueryPoolResults(
             device_.get(), slot.timestamps.get(), 0, static_cast<uint32_t>(ticks.size()),
             ticks.size() * sizeof(uint64_t), ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT);
@@ -287,7 +288,8 @@ void ViewState::read_statistics(const Slot& slot, std::vector<PassStatistics>& p
             passes[p].ms = static_cast<double>((ticks[2 * p + 1] - ticks[2 * p]) & tick_mask_) * ms_per_tick_;
         const std::byte* first = slot.counters.data() + plan().passes[p].counter_base * sizeof(uint32_t);
         for (uint32_t& counter : passes[p].counters) {
-            std::memcpy(&counter, first, sizeof counter);
+            counter = 0;
+            if (ran) std::memcpy(&counter, first, sizeof counter);
             first += sizeof counter;
         }
     }

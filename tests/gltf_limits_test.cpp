@@ -92,6 +92,13 @@ TEST_F(Gltf, WhatIsSharedCountsForEachThatHasIt) {
         show(glb, nodes);
         return glb;
     };
+    const auto posed = [&](size_t count) {  // an animation would give each a weight for every target
+        Glb glb = square_file();
+        primitive(glb)["targets"] = Json(2000, Json{{"POSITION", zeros(glb, 4)}});
+        glb.json["nodes"][0]["extensions"] = {
+            {"EXT_mesh_gpu_instancing", {{"attributes", {{"TRANSLATION", zeros(glb, count)}}}}}};
+        return glb;
+    };
     const auto weights = [&](size_t nodes) {
         Glb glb = square_file();
         glb.json["meshes"][0]["weights"] = std::vector<int>(20'000);
@@ -117,9 +124,10 @@ TEST_F(Gltf, WhatIsSharedCountsForEachThatHasIt) {
         return diagnostics.text();
     };
     EXPECT_EQ(text(instances(1)), "");
+    EXPECT_EQ(text(posed(1)), "");
     EXPECT_EQ(text(weights(1)), "");
     EXPECT_EQ(text(channels(1)), "");
-    for (const Glb& many : {instances(20), weights(600), channels(300)})
+    for (const Glb& many : {instances(20), posed(10'000), weights(600), channels(300)})
         EXPECT_NE(text(many).find("a thousand times what"), std::string::npos);
 }
 
@@ -131,6 +139,13 @@ TEST_F(Gltf, AMapOfWhatIsLetThroughIsNoLargerThanAFile) {
         5,
         R"(,"images":[{"uri":"wide.png"},{"uri":"high.png"}],"textures":[{"source":0},{"source":1}],"materials":[{"name":"pane","pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0}},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1,"transmissionTexture":{"index":1}}}}])");
     EXPECT_TRUE(load(pane)) << diagnostics_.text();
+    ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "2", 1);  // each of two, but not both
+    EXPECT_TRUE(load(pane)) << diagnostics_.text();
+    std::string panes = pane;
+    const std::string turned =
+        R"({"name":"turned","pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":1}},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1,"transmissionTexture":{"index":0}}}},)";
+    panes.insert(panes.find(R"({"name":"pane")"), turned);
+    expect_error(panes, "material \"pane\": what its textures let through takes more than 2 MiB");
     ::setenv("PENUMBRA_INPUT_LIMIT_MIB", "1", 1);
     expect_error(pane, "material \"pane\": what its textures let through takes more than 1 MiB");
     ::unsetenv("PENUMBRA_INPUT_LIMIT_MIB");

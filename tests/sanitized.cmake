@@ -61,7 +61,7 @@ set_tests_properties(sanitized PROPERTIES LABELS unit TIMEOUT 900 ENVIRONMENT "T
 add_executable(fuzz fuzz/fuzz_main.cpp $<TARGET_OBJECTS:sanitized> $<TARGET_OBJECTS:penumbra_nodes>)
 penumbra_sanitized(fuzz -O1 -fsanitize=fuzzer-no-link)
 target_link_options(fuzz PRIVATE -fsanitize=fuzzer)
-# Each target's corpus, then a minute, on inputs that follow from a seed, so that what breaks one run breaks the next; scripts/fuzz.sh
+# Each target's corpus, then twenty seconds, on inputs that follow from a seed, so that what breaks one run breaks the next; scripts/fuzz.sh
 # has longer ones, on others each time.
 foreach(TARGET pipeline declaration shot gltf exr image c_api mutant)
   add_test(NAME fuzz_${TARGET} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz.sh 20 ${TARGET})

@@ -214,6 +214,11 @@ TEST_F(SeveralViewsGpu, OfCommandsThatAreThrownAwayNothingIsSaid) {
                 gpu().run(record);
             else
                 never_run.record(record);
+            for (const PassStatistics& pass : view.statistics()) {
+                EXPECT_EQ(pass.ms.has_value(), runs[f] && gpu().caps().timestamps) << f;
+                for (const uint32_t counter : pass.counters)
+                    EXPECT_EQ(counter > 0, runs[f]) << f << ", " << n << " in flight";
+            }
             if (f >= n && runs[f - n]) expected = f - n;
             const FrameStatistics* completed = view.completed();
             ASSERT_EQ(completed != nullptr, expected.has_value()) << f << ", " << n << " in flight";

@@ -81,9 +81,9 @@ bool Live::restage(const StageWish& wish) {
 
 // After whatever it was made of: errors that there were already stay.
 void Live::remake_beside() {
-    const std::string error = error_;
+    std::string before = std::exchange(error_, "");
     if (!make_beside()) beside_ = Beside::nothing;
-    error_ = error.empty() ? error_ : error;
+    error_ = before + error_;
     choose_jitter();
 }
 

@@ -301,7 +301,9 @@ void Device::create_device(const DeviceOptions& options) {
          {&VkPhysicalDeviceVulkan12Features::storageBuffer8BitAccess,
           &VkPhysicalDeviceVulkan12Features::uniformAndStorageBuffer8BitAccess,
           &VkPhysicalDeviceVulkan12Features::shaderInt8, &VkPhysicalDeviceVulkan12Features::shaderFloat16,
-          &VkPhysicalDeviceVulkan12Features::shaderBufferInt64Atomics})
+          &VkPhysicalDeviceVulkan12Features::shaderBufferInt64Atomics,
+          &VkPhysicalDeviceVulkan12Features::vulkanMemoryModel,
+          &VkPhysicalDeviceVulkan12Features::vulkanMemoryModelDeviceScope})
         use.v12.*feature = has.v12.*feature;
     use.v13.shaderIntegerDotProduct = has.v13.shaderIntegerDotProduct;
     use.v12.bufferDeviceAddress = caps_.ray_query;

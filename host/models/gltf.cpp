@@ -76,9 +76,7 @@ class Loader {
         for (size_t image = 0; image < file_.images.size(); ++image) add_texture(image);
         for (const tinygltf::Material& material : file_.materials) {
             add_material(material);
-            if (transmittance_bytes(model_, model_.materials.back()) > input_limit())
-                throw GltfError(fmt::format("material \"{}\": what its textures let through takes {}",
-                                            material.name, over_input_limit()));
+            count_transmittance(material.name, model_.materials.back());
         }
         for (const tinygltf::Mesh& mesh : file_.meshes) add_mesh(mesh);
         model_node_.assign(file_.nodes.size(), -1);
@@ -127,6 +125,20 @@ class Loader {
     std::string unread(int image, const char* kind) const {
         return fmt::format("image {} cannot be read ({}): the {} factor is used", image,
                            image_problems_[static_cast<size_t>(image)], kind);
+    }
+
+    // Of two textures, a wide and a high one, what they let through is far larger than both.
+    void count_transmittance(const std::string& name, const Material& material) {
+        const uint64_t bytes = transmittance_bytes(model_, material);
+        if (bytes == 0 || !mapped_
+                               .insert({material.texture, material.transmission_texture,
+                                        material.metallic_roughness_texture})
+                               .second)
+            return;
+        if (bytes > map_bytes_left_)
+            throw GltfError(fmt::format("material \"{}\": what its textures let through takes {}", name,
+                                        over_input_limit()));
+        map_bytes_left_ -= bytes;
     }
 
     void add_material(const tinygltf::Material& material) {
@@ -348,8 +360,10 @@ class Loader {
         for (const auto& [size, width] : {std::pair(t.size(), size_t{3}), {r.size(), 4}, {s.size(), 3}})
             if (size != 0 && size != count * width)
                 throw GltfError(fmt::format("{}: attributes differ in count", name));
-        // Many nodes may share their accessors. Where a frame is posed, each instance has the weights, too.
-        const size_t weights = model_.nodes[static_cast<size_t>(self)].weights.size();
+        // Many nodes may share their accessors. Where a frame is posed, each instance has the weights, too:
+        // the node's, or as many as there are targets by an animation.
+        const size_t weights =
+            std::max(model_.nodes[static_cast<size_t>(self)].weights.size(), targets_of(model_, node.mesh));
         budget_.spend(count * (sizeof(Node) + weights * sizeof(double)));
         model_.nodes[static_cast<size_t>(self)].mesh = -1;
         if (std::exchange(model_.nodes[static_cast<size_t>(self)].skin, -1) >= 0)
@@ -391,7 +405,8 @@ class Loader {
     const tinygltf::Model& file_;
     ReadBudget budget_;
     AccessorReader accessors_;
-    uint64_t image_bytes_left_ = input_limit();
+    uint64_t image_bytes_left_ = input_limit(), map_bytes_left_ = input_limit();
+    std::set<std::array<int, 3>> mapped_;  // textures of maps that are counted
     Model& model_;
     std::set<std::string> warned_;
     std::set<int> visited_;

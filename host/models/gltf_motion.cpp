@@ -52,7 +52,8 @@ AnimationChannel read_channel(AccessorReader& accessors, ReadBudget& budget,
     return out;
 }
 
-// `mesh` is the file's, and so the model's: of a node with instances the model's node has none.
+}  // namespace
+
 size_t targets_of(const Model& model, int mesh) {
     size_t count = 0;
     if (mesh >= 0)
@@ -60,8 +61,6 @@ size_t targets_of(const Model& model, int mesh) {
             count = std::max(count, part.targets.size());
     return count;
 }
-
-}  // namespace
 
 void read_animations(const tinygltf::Model& file, AccessorReader& accessors, ReadBudget& budget,
                      const std::vector<int>& model_node, Model& model, const GltfTell& tell) {

@@ -11,6 +11,10 @@
 
 namespace penumbra {
 
+// Morph targets of a mesh, which is the file's, and so the model's: of a node with instances the model's node
+// has none.
+size_t targets_of(const Model& model, int mesh);
+
 // `model_node`: the model's node for each of the file's, -1 where it is not shown. What cannot be played is
 // told. GltfError.
 void read_animations(const tinygltf::Model& file, AccessorReader& accessors, ReadBudget& budget,

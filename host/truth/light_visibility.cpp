@@ -86,7 +86,7 @@ bool NearLight::reaches(const glm::dvec3& receiver) const {
     const double distance = glm::length(d), height = glm::dot(d, facing_);
     if (!on_ || !(distance < range_)) return false;
     if (kind_ == blocks::LIGHT_DISC || kind_ == blocks::LIGHT_RECTANGLE)
-        return height > blocks::LIGHT_EDGE_ON * (distance + glm::length(u_));
+        return height > blocks::LIGHT_EDGE_ON * (distance + std::max(glm::length(u_), glm::length(v_)));
     return kind_ != blocks::LIGHT_SPHERE || (distance > u_.x && height > cos_outer_ * distance);
 }
 

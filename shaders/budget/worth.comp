@@ -108,8 +108,9 @@ void main() {
     [[unroll]] for (uint c = 0u; c < CLASSES; ++c) {
         masks[c] = class_masks[CLASSES * lane + c];
         const uint pixels = uint(bitCount(masks[c]));
-        for (uint level = 0u; level < (pixels != 0u ? LEVELS - 1u : 0u); ++level)
-            atomicAdd(gains[gain_bin(EXPECTED[c], level, steps_less)], pixels * (RAYS_AT[level + 1u] - RAYS_AT[level]));
+        if (pixels != 0u)
+            for (uint level = 0u; level + 1u < LEVELS; ++level)
+                atomicAdd(gains[gain_bin(EXPECTED[c], level, steps_less)], pixels * (RAYS_AT[level + 1u] - RAYS_AT[level]));
     }
     if (in_grid) classes[tile_index(tile)] = masks;
 }

@@ -21,7 +21,7 @@ const uint LIGHT_DISC = 1u;       // lights what it faces
 const uint LIGHT_RECTANGLE = 2u;  // lights what it faces
 const uint LIGHT_TUBE = 3u;       // turns its broad side to whoever looks
 
-// What faces one way is edge-on, and lights nothing, from a height of this share of the distance to its middle and of half its length: by
+// What faces one way is edge-on, and lights nothing, up to a height of this share of the distance to its middle and of its larger half axis: by
 // rounding alone, points of a wall that a panel is flush with would be now before it and now behind it.
 const float LIGHT_EDGE_ON = 1e-4f;
 

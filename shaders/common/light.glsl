@@ -27,7 +27,7 @@ float light_radius_m() { return light.kind == LIGHT_SPHERE ? light.u.x : sqrt(le
 bool light_reaches(vec3 from_centre) {
     const float distance_m = length(from_centre), height_m = dot(from_centre, light.facing);
     if (light.on == 0u || !(distance_m < light.range)) return false;
-    if (light_is_flat()) return height_m > LIGHT_EDGE_ON * (distance_m + length(light.u));
+    if (light_is_flat()) return height_m > LIGHT_EDGE_ON * (distance_m + max(length(light.u), length(light.v)));
     return light.kind != LIGHT_SPHERE || (distance_m > light.u.x && height_m > light.cos_outer * distance_m);
 }
 

@@ -72,9 +72,10 @@ Penumbra penumbra_of_cell(ivec2 cell, out Footprint foot) {
     const LampSpace lamp = lamp_space_at(rays.o + z * rays.r, n);
     foot = footprint_of(lamp, tangents(rays, z, n));
     Penumbra penumbra = penumbra_at(cell, foot);
-    if (HAS_RAY_POINTS && penumbra.distance_m <= 0.0 &&
-        (HAS_LIGHT ? horizon_of(lamp.horizon, 1.0) : horizon_of(n, tan(sun.angular_radius))).above < 1.0)
-        penumbra.spread = CUT;
+    if (HAS_RAY_POINTS && penumbra.distance_m <= 0.0 && (sunward_words[tile_index(p / TILE)] & pixel_bit(p)) != 0u) {
+        const float above = (HAS_LIGHT ? horizon_of(lamp.horizon, 1.0) : horizon_of(n, tan(sun.angular_radius))).above;
+        if (above > 0.0 && above < 1.0) penumbra.spread = CUT;
+    }
     return penumbra;
 }
 
