@@ -1,65 +1,15 @@
 // SPDX-License-Identifier: MIT
 // What `penumbra view` shows, without its window: pictures, splits, the truth as it converges, and files that
 // change while it runs.
-#include <unistd.h>
+#include "tests/view_live.h"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include "app/outputs.h"
-#include "app/view/live.h"
-#include "tests/gpu_test.h"
-#include "tests/test_scene.h"
 
 namespace penumbra::viewer {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr std::array<uint32_t, 2> size{96, 64};
-
-class ViewLive : public test::GpuTest {
-  protected:
-    void SetUp() override {
-        GpuTest::SetUp();
-        folder_ = fs::temp_directory_path() / ("penumbra_live_" + std::to_string(getpid()));
-        fs::remove_all(folder_);
-        fs::create_directories(folder_ / "nodes");
-        shot_ = test::plaza_shot(size, 32);
-    }
-    void TearDown() override {
-        fs::remove_all(folder_);
-        GpuTest::TearDown();
-    }
-    Live live(const std::string& pipeline) {
-        const fs::path shipped = fs::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (pipeline + ".json");
-        StageWish wish;
-        wish.pipeline = fs::exists(shipped) ? shipped.string() : pipeline;
-        wish.size = size;
-        if (!fs::is_empty(folder_ / "nodes")) wish.node_folders = {(folder_ / "nodes").string()};
-        return Live(test::gpu(), shot_, wish);
-    }
-    std::string write(const std::string& name, const std::string& text) const {
-        std::ofstream(folder_ / name) << text;
-        static int tick = 0;
-        fs::last_write_time(folder_ / name, fs::file_time_type::clock::now() + std::chrono::seconds(++tick));
-        return (folder_ / name).string();
-    }
-    static void run(Live& live, int frames) {
-        for (int i = 0; i < frames; ++i) live.frame({}, 0);
-    }
-
-    fs::path folder_;
-    Shot shot_;
-};
-
-std::vector<uint8_t> rgba(Live& live, const char* resource) {
-    live.show(resource);
-    EXPECT_EQ(live.shown(), resource);
-    return live.picture().rgba;
-}
 
 // Nobody has touched anything: the shot plays as `render` renders it.
 TEST_F(ViewLive, UntouchedItIsTheShot) {
@@ -412,63 +362,6 @@ TEST_F(ViewLive, WhatChangesThePlanKeepsTheModelAndItsTree) {
     fresh.flight().play(true);
     run(fresh, 6);
     EXPECT_EQ(fresh.picture().rgba, seen);
-}
-
-ShotLight lamp() {
-    ShotLight lamp;
-    lamp.kind = LightKind::sphere;
-    lamp.radius = 0.4;
-    lamp.range = 60;
-    lamp.keys = {{0, {2, 6, 1}, {0, -1, 0}, {1, 0, 0}, 1, 1}};
-    return lamp;
-}
-
-// What is beside a mask is of the same light, also after another pipeline has brought another light.
-TEST_F(ViewLive, WhatIsBesideItIsOfTheSameLight) {
-    shot_.lights["lamp"] = lamp();
-    Live l = live("light_raw");
-    ASSERT_TRUE(l.open()) << l.error();
-    l.flight().play(false);
-    run(l, 1);
-    const auto halves_agree = [&] {
-        l.split_share = 1;
-        const auto left = l.picture().rgba;
-        l.split_share = 0;
-        return l.picture().rgba == left;
-    };
-    l.compare(Beside::published);
-    ASSERT_EQ(l.beside(), Beside::published) << l.error();
-    run(l, 1);
-    EXPECT_FALSE(halves_agree()) << "rays and a denoiser";
-    l.compare(Beside::raw);
-    run(l, 1);
-    EXPECT_TRUE(halves_agree()) << "the same rays";
-    l.choose_pipeline((fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/raw.json").string());
-    ASSERT_EQ(l.beside(), Beside::raw) << l.error();
-    run(l, 1);
-    EXPECT_TRUE(halves_agree()) << "one half is of the lamp still";
-}
-
-// Of a light that is near, too, the truth converges, and plain rays are those to it.
-TEST_F(ViewLive, ALampHasATruthAndPlainRays) {
-    shot_.lights["lamp"] = lamp();
-    StageWish wish;
-    wish.pipeline = (fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/light_raw.json").string();
-    wish.size = size;
-    wish.light = "lamp";
-    Live l(test::gpu(), shot_, wish);
-    ASSERT_TRUE(l.open()) << l.error();
-    l.flight().play(false);
-    run(l, 2);
-    l.compare(Beside::raw);
-    EXPECT_EQ(l.beside(), Beside::raw) << l.error();
-    run(l, 1);
-    l.compare(Beside::error);
-    ASSERT_EQ(l.error(), "");
-    for (int i = 0; i < 40 && (!l.judgement() || l.judgement()->rays < 64); ++i) l.frame({}, 1e9);
-    ASSERT_TRUE(l.judgement());
-    ASSERT_TRUE(l.judgement()->n_eff);
-    EXPECT_NEAR(*l.judgement()->n_eff, 1, 0.35) << "one ray per pixel";
 }
 
 }  // namespace
