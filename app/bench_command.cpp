@@ -16,6 +16,7 @@
 #include "app/progress.h"
 #include "app/report/contenders.h"
 #include "app/view_source.h"
+#include "host/json_dump.h"
 
 namespace penumbra {
 namespace {
@@ -136,7 +137,7 @@ int run_bench(const BenchArguments& arguments) {
         return exit_wrong;
     }
     if (arguments.format == "json")
-        fmt::print("{}\n", bench::to_json(job->bench).dump(2));
+        fmt::print("{}\n", json_dump(bench::to_json(job->bench), 2));
     else
         fmt::print("{}", bench::tables(job->bench));
     return exit_good;

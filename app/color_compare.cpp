@@ -10,6 +10,7 @@
 
 #include "app/progress.h"
 #include "app/signal_files.h"
+#include "host/json_dump.h"
 
 namespace penumbra {
 namespace {
@@ -89,7 +90,7 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                                    {"all", described(sums.all)}, {"coloured", described(sums.coloured)},
                                    {"nonfinite", sums.nonfinite}};
     if (arguments.json) {
-        std::cout << json.dump(2) << "\n";
+        std::cout << json_dump(json, 2) << "\n";
         return;
     }
     fmt::print("{} against {}: {}, {} frames\n", arguments.image, arguments.reference, arguments.signal,
@@ -119,11 +120,13 @@ int compare_colors(const CompareArguments& arguments) {
     folders.insert(folders.end(), arguments.also.begin(), arguments.also.end());
     if (frames) {
         Progress progress("compare", frames->size() * folders.size());
-        for (const uint32_t frame : *frames)
+        for (const uint32_t frame : *frames) {
             for (const fs::path& folder : folders) {
                 add_colors(folder, arguments, frame, errors, diagnostics);
                 progress.step();
             }
+            if (!diagnostics.empty()) break;
+        }
     }
     if (!diagnostics.empty()) {
         std::cerr << diagnostics.text();

@@ -10,6 +10,7 @@
 #include "app/comparison.h"
 #include "app/or_null.h"
 #include "app/radiance_compare.h"
+#include "host/json_dump.h"
 
 namespace penumbra {
 namespace {
@@ -118,7 +119,7 @@ int run_compare(const CompareArguments& arguments) {
         return exit_wrong;
     }
     if (arguments.json)
-        std::cout << to_json(arguments, *comparison).dump(2) << "\n";
+        std::cout << json_dump(to_json(arguments, *comparison), 2) << "\n";
     else
         print_text(arguments, *comparison);
     return exit_good;

@@ -9,7 +9,9 @@
 #include <cmath>
 
 #include "app/frame_range.h"
+#include "app/is_there.h"
 #include "app/progress.h"
+#include "host/images/triples.h"
 
 namespace penumbra {
 namespace {
@@ -69,7 +71,7 @@ void check_size(const PlanarImage& image, const PlanarImage& reference, const fs
 // and at a silhouette that is an error as large as any. Folders without a report say nothing of it.
 void check_jitter(const fs::path& folder, const fs::path& reference, const ReferenceInfo& info,
                   const std::vector<uint32_t>& frames, Diagnostics& diagnostics) {
-    if (!fs::exists(folder / "report.json")) return;
+    if (!is_there(folder / "report.json", diagnostics)) return;
     const auto rendered = read_rendered_frames(folder, diagnostics);
     if (!rendered) return;
     for (const uint32_t frame : frames) {
@@ -168,7 +170,7 @@ class Loader {
                                             std::initializer_list<const char*> channels) const {
         const fs::path file =
             fs::path(arguments_.reference) / fmt::format("{}.{:04}.exr", name, frame.number);
-        if (!fs::exists(file)) return std::nullopt;
+        if (!is_there(file, diagnostics_)) return std::nullopt;
         auto image = read_exr(file, diagnostics_);
         for (const char* channel : channels)
             if (!plane_of(image, file, channel, diagnostics_)) return std::nullopt;
@@ -195,7 +197,7 @@ class Loader {
     std::optional<PlanarImage> words(const fs::path& folder, const char* name,
                                      const LoadedFrame& frame) const {
         const fs::path file = folder / fmt::format("{}.{:04}.exr", name, frame.number);
-        if (!fs::exists(file)) return std::nullopt;
+        if (!is_there(file, diagnostics_)) return std::nullopt;
         auto image = read_exr(file, diagnostics_);
         if (!plane_of(image, file, "W", diagnostics_, true)) return std::nullopt;
         const uint32_t across = (frame.truth.width + tile_width - 1) / tile_width,
@@ -209,7 +211,7 @@ class Loader {
 
     // The truth of the frame before, whether it is among those compared or not.
     std::optional<LoadedFrame> truth_before(uint32_t number) const {
-        if (number == 0 || !fs::exists(visibility_file(arguments_.reference, number - 1)))
+        if (number == 0 || !is_there(visibility_file(arguments_.reference, number - 1), diagnostics_))
             return std::nullopt;
         return truth(number - 1);
     }
@@ -220,14 +222,6 @@ class Loader {
     std::vector<fs::path> folders_;
     std::optional<PlanarImage> mask_;
 };
-
-std::vector<glm::vec3> triples(const PlanarImage& image, std::array<const char*, 3> channels) {
-    std::array<std::span<const float>, 3> planes;
-    for (size_t c = 0; c < 3; ++c) planes[c] = image.find(channels[c])->values;
-    std::vector<glm::vec3> out;
-    for (size_t p = 0; p < planes[0].size(); ++p) out.emplace_back(planes[0][p], planes[1][p], planes[2][p]);
-    return out;
-}
 
 // Sums over frames, until all of them have been seen.
 struct Sums {
@@ -319,10 +313,13 @@ std::optional<StepFinder::Step> find_step(const Loader& loader, const std::vecto
     StepFinder finder;
     const auto add = [&](const std::optional<LoadedFrame>& loaded) {
         if (loaded) finder.add(loaded->number, loaded->truth.find("Y")->values, loaded->counted);
+        return loaded.has_value();
     };
     add(loader.truth_before(frames.front()));
-    for (const uint32_t frame : frames) add(loader.truth(frame));
-    return finder.step();
+    // The first that is missing is an error, and enough of them.
+    return std::ranges::all_of(frames, [&](uint32_t frame) { return add(loader.truth(frame)); })
+               ? finder.step()
+               : std::nullopt;
 }
 
 Comparison conclude(const Sums& sums) {

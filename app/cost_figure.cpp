@@ -107,7 +107,7 @@ std::optional<PipelineCosts> read_costs(const std::string& file, Diagnostics& di
     };
     std::ifstream stream(file);
     if (!stream) return wrong("no such file");
-    if (std::filesystem::is_directory(file)) return wrong("is a folder");
+    if (std::error_code none; std::filesystem::is_directory(file, none)) return wrong("is a folder");
     const Json report = Json::parse(stream, nullptr, false);
     if (report.is_discarded()) return wrong("is no JSON");
     try {

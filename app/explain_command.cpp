@@ -18,6 +18,7 @@
 #include "app/cost_figure.h"
 #include "app/coverage_figure.h"
 #include "app/gather_figure.h"
+#include "app/input_files.h"
 #include "app/outputs.h"
 #include "app/pipeline_file.h"
 #include "app/progress.h"
@@ -113,6 +114,12 @@ std::optional<Job> prepare(const ExplainArguments& arguments, const NodeSet& nod
         settings = {fmt::format("nodes.cover.params.samples={}", arguments.samples)};
     auto pipeline = open_pipeline(file->string(), settings, nodes);
     if (!pipeline) return std::nullopt;
+    if (!spares({arguments.out},
+                {files_of_shot(*shot, !view->made_up.empty()), files_of_pipelines({file->string()})},
+                diagnostics)) {
+        std::cerr << diagnostics.text();
+        return std::nullopt;
+    }
     return Job{std::move(*pipeline), std::move(*shot), *size, pixel};
 }
 
@@ -349,6 +356,7 @@ int explain_costs(const ExplainArguments& arguments) {
     std::vector<PipelineCosts> costs;
     for (const std::string& file : arguments.costs)
         if (auto read = read_costs(file, diagnostics)) costs.push_back(std::move(*read));
+    spares({arguments.out}, {FileList(arguments.costs.begin(), arguments.costs.end())}, diagnostics);
     if (!diagnostics.empty()) {
         std::cerr << diagnostics.text();
         return exit_wrong;

@@ -132,11 +132,14 @@ void HostBlocks::write(const StandaloneFrame& frame) {
     if (emitters.buffer.mapped)
         std::memcpy(emitters.buffer.mapped, frame.emitters.data(), frame.emitters.size() * sizeof(Texel));
     put(scene, frame.scene);
-    put(cascades, frame.cascades);
 }
 
 void HostBlocks::write_moved(const blocks::MovedBoxes& boxes) {
     put(moved_boxes, boxes);
+}
+
+void HostBlocks::write_cascades(const blocks::Cascades& block) {
+    put(cascades, block);
 }
 
 std::string slot_of_light(const std::string& light) {

@@ -30,6 +30,7 @@ struct HostBlocks {
     HostBlocks(Device& device, const std::vector<std::string>& own_lights, size_t lights, size_t emitters);
     void write(const StandaloneFrame& frame);
     void write_moved(const blocks::MovedBoxes& boxes);
+    void write_cascades(const blocks::Cascades& block);
 
     GpuBuffer sun, sun_prev, light, light_prev, scene, cascades, moved_boxes;
     std::vector<OwnLight> own_lights;  // as the host's light_names()

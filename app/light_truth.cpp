@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <glm/gtc/type_ptr.hpp>
 #include <numeric>
@@ -11,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "app/captured_values.h"
 #include "app/reference_pipeline.h"
 #include "host/generated/noise.h"
 #include "host/scene/scene_alpha.h"
@@ -26,13 +26,6 @@ namespace {
 constexpr uint32_t probe_side = 8;  // 64 rays decide whether a pixel wants more
 constexpr int probe_reach = 2;      // pixels around it that have to agree
 constexpr double housing = 1e-4;    // LIGHT_HOUSING of light.glsl
-
-std::vector<float> floats(const Session& session, const char* name) {
-    const std::span<const std::byte> bytes = session.view().captured(name);
-    std::vector<float> out(bytes.size() / sizeof(float));
-    std::memcpy(out.data(), bytes.data(), bytes.size());
-    return out;
-}
 
 // A receiver's point, whose rays start a little off its surface.
 struct Receiver {
@@ -169,8 +162,8 @@ class LightPixels : public PixelTruth {
     LightPixels(const Session& session, uint32_t index)
         : width_(session.plan().extent.width),
           frame_(session, index),
-          depth_(floats(session, "view_depth")),
-          normal_(floats(session, "receiver_normal")),
+          depth_(captured_values<float>(session, "view_depth")),
+          normal_(captured_values<float>(session, "receiver_normal")),
           receivers_(depth_.size()) {}
 
     Sight look(uint32_t x, uint32_t y) override {
@@ -223,8 +216,8 @@ Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays,
     session.run_frame(index, true);
     const uint32_t width = session.plan().extent.width, height = session.plan().extent.height;
     const size_t pixels = size_t{width} * height;
-    const std::vector<float> depth = floats(session, "view_depth"),
-                             normal = floats(session, "receiver_normal");
+    const std::vector<float> depth = captured_values<float>(session, "view_depth"),
+                             normal = captured_values<float>(session, "receiver_normal");
     const Frame frame(session, index);
     const uint32_t seed = pcg(session.seed());
 

@@ -5,7 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "host/images/image_file.h"
+#include "host/images/triples.h"
 
 namespace penumbra {
 namespace {
@@ -25,17 +25,13 @@ std::vector<glm::vec3> displayed(const std::vector<glm::vec3>& rgb) {
 std::optional<Picture> read_picture(const std::filesystem::path& file, Diagnostics& diagnostics) {
     const auto image = read_exr(file, diagnostics);
     if (!image) return std::nullopt;
-    Picture out{image->width, image->height, std::vector<glm::vec3>(size_t{image->width} * image->height)};
-    const char* names[] = {"R", "G", "B"};
-    for (int c = 0; c < 3; ++c) {
-        const Plane* plane = image->find(names[c]);
-        if (!plane || plane->type == PlaneType::uint) {
-            diagnostics.add({file.string(), 0, 0}, names[c], "there is no such channel of radiance");
-            return std::nullopt;
-        }
-        for (size_t i = 0; i < out.rgb.size(); ++i) out.rgb[i][c] = plane->values[i];
+    for (const char* name : {"R", "G", "B"}) {
+        const Plane* plane = image->find(name);
+        if (plane && plane->type != PlaneType::uint) continue;
+        diagnostics.add({file.string(), 0, 0}, name, "there is no such channel of radiance");
+        return std::nullopt;
     }
-    return out;
+    return Picture{image->width, image->height, triples(*image, {"R", "G", "B"})};
 }
 
 PictureError picture_error(const Picture& image, const Picture& truth) {

@@ -10,7 +10,9 @@
 #include <string_view>
 #include <utility>
 
+#include "app/or_null.h"
 #include "app/text_file.h"
+#include "host/json_dump.h"
 #include "penumbra/json_text.h"
 
 namespace penumbra {
@@ -78,8 +80,8 @@ bool read_info(const Json& json, ReferenceInfo& info) {
 
 void write_reference_info(const fs::path& folder, const ReferenceInfo& info) {
     OrderedJson json = {
-        {"penumbra", 1}, {"shot", info.shot}, {"size", info.size}, {"exact", info.exact}, {"rays", nullptr}};
-    if (info.rays) json["rays"] = *info.rays;
+        {"penumbra", 1},     {"shot", info.shot},   {"made_up_shot", or_null(info.made_up_shot)},
+        {"size", info.size}, {"exact", info.exact}, {"rays", or_null(info.rays)}};
     json["frames"] = OrderedJson::array();
     for (const auto& [number, frame] : info.frames) {
         OrderedJson& out = json["frames"].emplace_back();
@@ -91,7 +93,7 @@ void write_reference_info(const fs::path& folder, const ReferenceInfo& info) {
             out["contact"] = {
                 {"from", frame.contact->from}, {"to", frame.contact->to}, {"away", frame.contact->away}};
     }
-    write_text(folder / "reference.json", json.dump(2) + "\n");
+    write_text(folder / "reference.json", json_dump(json, 2) + "\n");
 }
 
 std::optional<ReferenceInfo> read_reference_info(const fs::path& folder, Diagnostics& diagnostics) {
@@ -140,7 +142,7 @@ fs::path visibility_file(const fs::path& folder, uint32_t frame, const std::stri
     fs::path file;
     for (const std::string& mask : names_of_mask(light)) {
         file = folder / fmt::format("{}.{:04}.exr", mask, frame);
-        if (fs::exists(file)) break;
+        if (std::error_code none; fs::exists(file, none)) break;
     }
     return file;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Channel names follow what a resource is: Y for one channel, R,G,B for colour, Z for depth in metres, W for
-// words.
+// Channel names follow what a resource is: Y for one channel, R,G,B,A for colour, X,Y,Z,W for vectors, Z for
+// depth in metres, W for words.
 #include "app/outputs.h"
 
 #include <fmt/format.h>
@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/digest.h"
 #include "host/images/texels.h"
 
 namespace penumbra {
@@ -24,12 +25,7 @@ namespace {
 
 using Texels = OutputWriter::Texels;
 
-uint64_t fnv1a(std::span<const std::byte> bytes) {
-    uint64_t hash = 0xcbf29ce484222325;
-    for (const std::byte b : bytes) hash = (hash ^ static_cast<uint64_t>(b)) * 0x100000001b3;
-    return hash;
-}
-
+// As many as a format can have; those that it has not are not used.
 std::vector<std::string> channel_names(const std::string& resource, Format format) {
     if (info(format).kind == FormatClass::uint) return {"W", "W2", "W3", "W4"};
     switch (info(format).channels) {
@@ -42,7 +38,8 @@ std::vector<std::string> channel_names(const std::string& resource, Format forma
     }
     const bool vectors =
         resource == "motion" || resource == "normal" || resource == "guide_normal" || resource == "moments";
-    return vectors ? std::vector<std::string>{"X", "Y", "Z"} : std::vector<std::string>{"R", "G", "B"};
+    return vectors ? std::vector<std::string>{"X", "Y", "Z", "W"}
+                   : std::vector<std::string>{"R", "G", "B", "A"};
 }
 
 // Three channels of floats that are no vectors are radiance; but for what is a share of it, of one light or
@@ -87,9 +84,11 @@ Layers captured_texels(const Session& session, const std::string& name) {
         const Format format = image ? r.format : buffer_format(r);
         const Extent extent = image ? r.extent : buffer_extent(plan, r, format);
         const std::span<const std::byte> all = session.view().captured(name);
-        const std::vector<std::string> names = format == Format::rgba32f && !image
-                                                   ? std::vector<std::string>{"R", "G", "B", "A"}
-                                                   : channel_names(name, format);
+        std::vector<std::string> names = channel_names(name, format);
+        // What a pipeline puts out is a picture, in which a fourth channel would be taken for how opaque it
+        // is.
+        if (image && std::ranges::find(plan.outputs, name, &PlanOutput::name) != plan.outputs.end())
+            names.resize(std::min(names.size(), size_t{3}));
         Layers layers{{}, r.layered};
         for (uint32_t layer = 0; layer < r.layers; ++layer) {
             const auto bytes = all.subspan(layer * (all.size() / r.layers), all.size() / r.layers);
@@ -134,9 +133,9 @@ Texels host_texels(Device& device, const Session& session, const std::string& na
                                              : Format::rgba8;
     const std::vector<std::byte> bytes =
         read_image(device, image.get(), image.format, image.extent, GBuffer::final_layout);
-    Texels texels{
-        decode_texels(format, image.extent.width, image.extent.height, bytes, channel_names(name, format)),
-        fnv1a(bytes)};
+    std::vector<std::string> names = channel_names(name, format);
+    if (names.size() > 3) names.pop_back();  // in which these images hold nothing
+    Texels texels{decode_texels(format, image.extent.width, image.extent.height, bytes, names), fnv1a(bytes)};
     if (name == "depth") {
         Plane& plane = texels.image.planes.front();
         plane.name = "Z";

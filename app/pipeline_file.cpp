@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "app/shipped_files.h"
 #include "graph/json_reader.h"
@@ -66,6 +68,17 @@ std::optional<CheckedPipeline> open_pipeline(const std::string& file,
     auto checked = read_pipeline(file, settings, nodes, shot, light, diagnostics);
     if (!checked) std::cerr << diagnostics.text();
     return checked;
+}
+
+std::set<std::filesystem::path> files_of_pipeline(const std::filesystem::path& file) {
+    std::set<std::filesystem::path> files;
+    for (std::filesystem::path next = file; files.insert(next).second;) {
+        std::ifstream stream(next);
+        const auto json = nlohmann::json::parse(stream, nullptr, false);
+        if (!json.is_object() || !json.contains("extends") || !json["extends"].is_string()) break;
+        next = next.parent_path() / json["extends"].get<std::string>();
+    }
+    return files;
 }
 
 }  // namespace penumbra

@@ -2,7 +2,9 @@
 // A pipeline file, loaded and checked against penumbra's node set.
 #pragma once
 
+#include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,5 +26,8 @@ std::optional<CheckedPipeline> read_pipeline(const std::string& file,
 std::optional<CheckedPipeline> open_pipeline(const std::string& file,
                                              const std::vector<std::string>& settings, const NodeSet& nodes,
                                              const Shot* shot = nullptr, const std::string& light = {});
+
+// A pipeline's file and all that it extends, as far as they can be read.
+std::set<std::filesystem::path> files_of_pipeline(const std::filesystem::path& file);
 
 }  // namespace penumbra

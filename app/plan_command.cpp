@@ -11,6 +11,7 @@
 
 #include "app/commands.h"
 #include "app/fact_list.h"
+#include "app/input_files.h"
 #include "app/node_folders.h"
 #include "app/pipeline_file.h"
 #include "app/plan_json.h"
@@ -66,6 +67,14 @@ int run_plan(const PlanArguments& arguments) {
     const auto facts = parse_facts(arguments.facts, *nodes->domain());
     const auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, *nodes);
     if (!size || !facts || !pipeline) return exit_wrong;
+    Diagnostics diagnostics;
+    if (!arguments.out.empty() &&
+        !spares({std::filesystem::path(arguments.out) / "plan.json"},
+                {files_of_pipelines({pipeline->file}), files_of_nodes(arguments.node_folders)},
+                diagnostics)) {
+        std::cerr << diagnostics.text();
+        return exit_wrong;
+    }
     Target target;
     target.extent = {(*size)[0], (*size)[1]};
     target.facts = *facts;
@@ -80,7 +89,6 @@ int run_plan(const PlanArguments& arguments) {
     for (const auto& [name, resource] :
          standalone_target(*pipeline, target.device, *size, *facts, {1024, 1024}, max_cascades).inputs)
         if (name.starts_with("cascade_")) target.inputs[name] = resource;
-    Diagnostics diagnostics;
     CompileOptions options;
     options.alias = !arguments.no_alias;
     options.optimum_search_nodes = arguments.optimum ? report_search_nodes : render_search_nodes;

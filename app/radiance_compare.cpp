@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/input_files.h"
 #include "app/lit_picture.h"
 #include "app/or_null.h"
 #include "app/progress.h"
@@ -16,6 +17,7 @@
 #include "app/radiance_truth.h"
 #include "app/signal_files.h"
 #include "host/images/image_file.h"
+#include "host/json_dump.h"
 #include "host/metrics/radiance_error.h"
 
 namespace penumbra {
@@ -51,7 +53,8 @@ std::unique_ptr<ComparedImages> read_frame(const fs::path& folder, const Compare
     return diagnostics.empty() ? std::move(out) : nullptr;
 }
 
-// Over all frames of a folder; frames that follow on each other also show what flickers.
+// Over all frames of a folder, up to the first that is missing; frames that follow on each other also show
+// what flickers.
 RadianceErrorSums compare_folder(const fs::path& folder, const CompareArguments& arguments,
                                  const std::vector<uint32_t>& frames, Progress& progress,
                                  Diagnostics& diagnostics) {
@@ -61,7 +64,7 @@ RadianceErrorSums compare_folder(const fs::path& folder, const CompareArguments&
     for (const uint32_t frame : frames) {
         auto now = read_frame(folder, arguments, frame, diagnostics);
         progress.step();
-        if (!now) continue;
+        if (!now) break;
         const bool follows =
             before && frame == last + 1 && before->known.receiver.size() == now->known.receiver.size();
         sums.add(follows ? radiance_errors(now->shown, now->known, before->shown, before->known.signal)
@@ -85,7 +88,7 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
                                        {"frames", frames}};
         json["seeds"] = 1 + arguments.also.size();
         json.update(radiance_json(sums));
-        std::cout << json.dump(2) << "\n";
+        std::cout << json_dump(json, 2) << "\n";
         return;
     }
     fmt::print("{} against {}: {}, {} frames, {} seeds, {} pixels\n", arguments.image, arguments.reference,
@@ -94,6 +97,18 @@ void print(const CompareArguments& arguments, const std::vector<uint32_t>& frame
     for (size_t c = 0; c < roughness_classes; ++c) fmt::print(" {}", text_of(sums.n_eff(c)));
     fmt::print("\nrelmse   {}   bias {}   flicker {}   fireflies {}   nonfinite {}\n", text_of(sums.relmse()),
                text_of(sums.bias()), text_of(sums.flicker()), sums.fireflies, sums.nonfinite);
+}
+
+// --picture is no image that is compared.
+bool spares_images(const CompareArguments& arguments, const std::vector<uint32_t>& frames,
+                   Diagnostics& diagnostics) {
+    FileList read;
+    for (const uint32_t frame : frames) {
+        for (const std::string& folder : {arguments.image, arguments.reference})
+            read.push_back(file_of(folder, arguments.signal, frame));
+        if (std::error_code none; !fs::exists(read.back(), none)) break;  // which ends the comparison, too
+    }
+    return spares({arguments.picture}, {read}, diagnostics);
 }
 
 int failed(const Diagnostics& diagnostics) {
@@ -113,7 +128,8 @@ int compare_radiance(const CompareArguments& arguments) {
     {
         Progress progress("compare", frames->size() * folders.size());
         for (const fs::path& folder : folders)
-            sums.add(compare_folder(folder, arguments, *frames, progress, diagnostics));
+            if (diagnostics.empty())
+                sums.add(compare_folder(folder, arguments, *frames, progress, diagnostics));
     }
     if (!diagnostics.empty()) return failed(diagnostics);
     print(arguments, *frames, sums);
@@ -124,7 +140,7 @@ int compare_pictures(const CompareArguments& arguments) {
     Diagnostics diagnostics;
     if (!arguments.also.empty()) diagnostics.add({}, "--also", "is of signals, not of pictures");
     const auto frames = frames_to_compare(arguments, diagnostics);
-    if (!frames) return failed(diagnostics);
+    if (!frames || !spares_images(arguments, *frames, diagnostics)) return failed(diagnostics);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const uint32_t frame : *frames) {
         const auto image = read_picture(file_of(arguments.image, arguments.signal, frame), diagnostics),
@@ -152,11 +168,11 @@ int compare_pictures(const CompareArguments& arguments) {
         if (!arguments.picture.empty()) write_beside(arguments.picture, *image, *truth);
     }
     if (arguments.json)
-        std::cout << nlohmann::ordered_json{{"image", arguments.image},
-                                            {"reference", arguments.reference},
-                                            {"signal", arguments.signal},
-                                            {"frames", list}}
-                         .dump(2)
+        std::cout << json_dump(nlohmann::ordered_json{{"image", arguments.image},
+                                                      {"reference", arguments.reference},
+                                                      {"signal", arguments.signal},
+                                                      {"frames", list}},
+                               2)
                   << "\n";
     return exit_good;
 }

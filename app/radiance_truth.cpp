@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <stdexcept>
 
+#include "app/captured_values.h"
 #include "app/outputs.h"
 #include "app/reference_pipeline.h"
 #include "host/images/texels.h"
+#include "host/images/triples.h"
 #include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
@@ -34,21 +34,9 @@ std::vector<float> roughness_of(Device& device, const Session& session, size_t p
         .values;
 }
 
-std::vector<std::array<float, 4>> captured_vectors(const Session& session, const char* name, size_t pixels) {
-    const std::span<const std::byte> bytes = session.view().captured(name);
-    std::vector<std::array<float, 4>> vectors(pixels);
-    if (bytes.size() != pixels * sizeof vectors[0]) throw std::logic_error("sums are not one vec4 per pixel");
-    std::memcpy(vectors.data(), bytes.data(), bytes.size());
-    return vectors;
-}
-
 Picture captured_picture(const Session& session, const char* name) {
     const PlanarImage image = captured_image(session, name);
-    Picture out{image.width, image.height, {}};
-    const RadiancePlanes planes = radiance_planes(image);
-    for (size_t i = 0; i < planes.rgb[0].size(); ++i)
-        out.rgb.emplace_back(planes.rgb[0][i], planes.rgb[1][i], planes.rgb[2][i]);
-    return out;
+    return {image.width, image.height, triples(image, {"R", "G", "B"})};
 }
 
 std::unique_ptr<Session> open(Device& device, const Shot& shot, const char* text, const char* name,
@@ -128,8 +116,8 @@ PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uin
     cast(session, frame, rays, step);
     const Extent extent = session.plan().extent;
     const uint64_t pixels = uint64_t{extent.width} * extent.height;
-    const auto weighted = captured_vectors(session, "weighted_sum", pixels),
-               plain = captured_vectors(session, "plain_sum", pixels);
+    const auto weighted = captured_values<std::array<float, 4>>(session, "weighted_sum"),
+               plain = captured_values<std::array<float, 4>>(session, "plain_sum");
     PlanarImage out{extent.width, extent.height, {}};
     for (const char* name : {"R", "G", "B", "receiver", "roughness", "ray_error", "noise"})
         out.planes.push_back({name, PlaneType::real, std::vector<float>(pixels, 0.0f), {}});

@@ -9,12 +9,13 @@
 
 #include "app/commands.h"
 #include "app/frame_range.h"
+#include "app/input_files.h"
 #include "app/light_truth.h"
+#include "app/made_up_shot.h"
 #include "app/mask_folder.h"
 #include "app/outputs.h"
 #include "app/progress.h"
 #include "app/radiance_truth.h"
-#include "app/text_file.h"
 #include "app/truth.h"
 #include "app/view_source.h"
 #include "host/truth/analytic.h"
@@ -52,7 +53,7 @@ void write_truth(const fs::path& folder, const Shot& shot, uint32_t frame, Truth
 
 struct Job {
     Shot shot;
-    std::string made_up;  // the shot's text, if nobody wrote it
+    MadeUpShot made_up;
     std::vector<uint32_t> frames;
     std::string light;  // as asked for, else as it was rendered
     bool jitter = false;
@@ -117,7 +118,7 @@ std::optional<Job> like_rendered(const ReferenceArguments& arguments, Diagnostic
     const auto images = rendered ? images_in(arguments.like, diagnostics) : std::nullopt;
     auto shot = images ? read_completed_shot(rendered->shot, diagnostics) : std::nullopt;
     if (!shot) return std::nullopt;
-    Job job{std::move(*shot), "", {}, ""};
+    Job job{std::move(*shot), {}, {}, ""};
     if (arguments.signal == "visibility")
         choose_mask(arguments, *rendered, *images, job, diagnostics);
     else
@@ -143,10 +144,20 @@ std::optional<Job> prepare(const ReferenceArguments& arguments, Diagnostics& dia
     const auto size = arguments.size.empty() ? std::optional(view->shot.size) : parse_size(arguments.size);
     const auto range = parse_frames(arguments.frames, view->shot.frames);
     if (!size || !range) return std::nullopt;
-    Job job{std::move(view->shot), std::move(view->made_up), {}, arguments.light};
+    const MadeUpShot made_up{view->shot.file, view->made_up};
+    Job job{std::move(view->shot), made_up, {}, arguments.light};
     job.shot.size = *size;
     for (uint32_t frame = (*range)[0]; frame <= (*range)[1]; ++frame) job.frames.push_back(frame);
     return job;
+}
+
+// What is there already and is not to be written over.
+void check_outputs(const ReferenceArguments& arguments, const Job& job, Diagnostics& diagnostics) {
+    const bool made_up = !job.made_up.text.empty();
+    FileList written{arguments.out, fs::path(arguments.out) / "reference.json"};
+    if (made_up) written.push_back(job.shot.file);
+    spares(written, {files_of_shot(job.shot, made_up), {arguments.like}}, diagnostics);
+    job.made_up.may_be_written(diagnostics);
 }
 
 int write_radiance(const ReferenceArguments& arguments, const Job& job) {
@@ -168,7 +179,7 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     }
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
-    if (!job.made_up.empty()) write_text(shot.file, job.made_up);
+    job.made_up.write();
     Progress progress("reference", job.frames.size() * uint64_t{arguments.rays});
     for (const uint32_t frame : job.frames) {
         const auto step = [&](uint32_t rays) { progress.step(rays); };
@@ -207,7 +218,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
     fs::remove(folder / "reference.json");  // comes last: a folder that has it is a complete one
-    if (!job.made_up.empty()) write_text(shot.file, job.made_up);
+    job.made_up.make_way();
     OutputWriter host_images(device, folder);
     size_t lost = 0, frames_of_lost = 0;  // pixels; frames with any
     ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};
@@ -239,6 +250,8 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
             "receivers\n",
             lost, frames_of_lost, job.frames.size());
     if (!info.exact) info.rays = rays_cast(arguments.rays);
+    info.made_up_shot = job.made_up.mark();
+    job.made_up.write();
     write_reference_info(folder, info);
     fmt::print("written to {}\n", (folder / "").string());
     return exit_good;
@@ -253,6 +266,7 @@ int run_reference(const ReferenceArguments& arguments) {
     }
     Diagnostics diagnostics;
     const auto job = prepare(arguments, diagnostics);
+    if (job) check_outputs(arguments, *job, diagnostics);
     if (!diagnostics.empty()) std::cerr << diagnostics.text();
     if (!job || !diagnostics.empty()) return exit_wrong;
     if (job->jitter && job->shot.analytic) {

@@ -11,6 +11,8 @@
 #include "app/commands.h"
 #include "app/fact_list.h"
 #include "app/frame_range.h"
+#include "app/input_files.h"
+#include "app/made_up_shot.h"
 #include "app/node_folders.h"
 #include "app/outputs.h"
 #include "app/pipeline_file.h"
@@ -20,6 +22,7 @@
 #include "app/text_file.h"
 #include "app/validation.h"
 #include "app/view_source.h"
+#include "host/json_dump.h"
 
 namespace penumbra {
 namespace {
@@ -29,7 +32,7 @@ namespace fs = std::filesystem;
 struct Job {
     CheckedPipeline pipeline;
     Shot shot;
-    std::string made_up;  // the shot's text, if nobody wrote it
+    MadeUpShot made_up;
     fs::path folder;
     std::array<uint32_t, 2> size{};
     FrameRange frames{};
@@ -52,22 +55,26 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     auto pipeline = open_pipeline(pipeline_for(*given, of), arguments.settings, nodes, of, arguments.light);
     if (!pipeline || !view) return std::nullopt;
     const Shot& shot = view->shot;
+    const MadeUpShot made_up{shot.file, view->made_up};
+    const bool nobody_wrote = !made_up.text.empty();
+    FileList written{folder / "report.json"};
+    if (nobody_wrote) written.push_back(shot.file);
+    if (!spares(written,
+                {files_of_shot(shot, nobody_wrote), files_of_pipelines({pipeline->file}),
+                 files_of_nodes(arguments.node_folders)},
+                diagnostics) ||
+        !made_up.may_be_written(diagnostics)) {
+        std::cerr << diagnostics.text();
+        return std::nullopt;
+    }
     const auto size = arguments.size.empty() ? std::optional(shot.size) : parse_size(arguments.size);
     auto frames = parse_frames(arguments.frames, shot.frames);
     const auto facts = parse_facts(arguments.facts, *nodes.domain());
     if (!size || !frames || !facts) return std::nullopt;
     // A model that stands still is one picture, which the frames before it only make smooth.
-    if (!view->made_up.empty() && arguments.frames.empty() && !moves(shot) && shot.animation.empty())
+    if (nobody_wrote && arguments.frames.empty() && !moves(shot) && shot.animation.empty())
         (*frames)[0] = (*frames)[1];
-    Job job{std::move(*pipeline),
-            std::move(view->shot),
-            std::move(view->made_up),
-            folder,
-            *size,
-            *frames,
-            *facts,
-            {},
-            {}};
+    Job job{std::move(*pipeline), std::move(view->shot), made_up, folder, *size, *frames, *facts, {}, {}};
     job.graph_captures = job.pipeline.output_names();
     for (const std::string& name : arguments.captures) {
         if (!is_host_image(name) && !job.pipeline.resource(name)) {
@@ -108,7 +115,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.facts = job.facts;
     std::vector<std::string> lamps;
     for (const auto& [name, lamp] : job.shot.lights)
-        if (!job.made_up.empty()) lamps.push_back(name);
+        if (!job.made_up.text.empty()) lamps.push_back(name);
     Doing doing;
     options.doing = [&](const char* what, double share) { doing(what, share); };
     const auto session =
@@ -124,7 +131,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     const fs::path& folder = job.folder;
     fs::create_directories(folder);
     fs::remove(folder / "report.json");
-    if (!job.made_up.empty()) write_text(shot_file, job.made_up);
+    job.made_up.make_way();
 
     OutputWriter outputs(device, folder);
     RenderedFrames rendered{job.frames, arguments.cold ? job.frames[0] : 0, {}};
@@ -145,9 +152,11 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
     const std::string complaints = complaint(findings);
     std::cerr << complaints;
-    const auto report = render_report(arguments, *session, job.pipeline, device.info(), rendered, findings,
-                                      outputs, warnings, fs::proximate(shot_file, folder));
-    write_text(folder / "report.json", report.dump(2) + "\n");
+    const auto report =
+        render_report(arguments, *session, job.pipeline, device.info(), rendered, findings, outputs, warnings,
+                      fs::proximate(shot_file, folder), job.made_up.mark());
+    job.made_up.write();
+    write_text(folder / "report.json", json_dump(report, 2) + "\n");
     print_summary(report);
     fmt::print("  written to {}/\n", folder.generic_string());
     return device.message_count() == 0 && complaints.empty() ? exit_good : exit_failed;

@@ -21,6 +21,7 @@
 #include "app/report/radiance_report.h"
 #include "app/text_file.h"
 #include "host/gbuffer/gbuffer.h"
+#include "host/json_dump.h"
 
 namespace penumbra {
 namespace {
@@ -89,6 +90,10 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     std::vector<LeftOut> cut_shots;
     const std::vector<fs::path> files = shot_files(arguments, root, cut_shots, diagnostics);
     if (!contenders || !diagnostics.empty()) return std::nullopt;
+    std::vector<std::string> pipeline_files;
+    for (const Contender& contender : contenders->list) pipeline_files.push_back(contender.file);
+    if (!can_be_reported(arguments.out, files, pipeline_files, arguments.node_folders, diagnostics))
+        return std::nullopt;
     Job job;
     job.folder = arguments.out;
     for (const char* inside : {"images", "shots", "parts"}) fs::create_directories(job.folder / inside);
@@ -285,7 +290,7 @@ int run_report(const ReportArguments& arguments) {
     }
     std::erase_if(*plans,
                   [&](const PipelinePlan& p) { return job->results.contenders[p.contender].variant(); });
-    write_text(job->folder / "results.json", to_json(job->results).dump(2) + "\n");
+    write_text(job->folder / "results.json", json_dump(to_json(job->results), 2) + "\n");
     write_text(job->folder / "results.csv", to_csv(job->results));
     write_text(job->folder / "tables.md", markdown_tables(job->results));
     write_text(job->folder / "index.html", report_page(job->results, *plans, job->folder));

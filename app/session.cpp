@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstring>
 #include <ctime>
 #include <glm/gtc/type_ptr.hpp>
 #include <tuple>
@@ -51,16 +50,18 @@ void Session::update_surfaces(double moment, double previous) {
     surfaces_builds_ = builds;
 }
 
-void Session::draw_cascades(uint32_t index, FrameCost& cost) {
+void Session::bring_cascades(uint32_t index, FrameCost& cost) {
     const double before = process_cpu_ms();
-    device_.run([&](VkCommandBuffer cmd) {
-        cost.cascades_drawn = resources_.cascade_maps->record(cmd, host_->cascade_fit(index));
-    });
-    cost.cascades_cpu_ms = process_cpu_ms() - before;
-    blocks::Cascades block{};
-    std::memcpy(&block, resources_.blocks->cascades.mapped, sizeof block);
-    block.flags = blocks::BOUNDS_HOLD_ALL;
-    std::memcpy(resources_.blocks->cascades.mapped, &block, sizeof block);
+    const CascadeFit fit = host_->cascade_fit(index);
+    blocks::Cascades block =
+        cascade_block(fit, glm::make_vec3(last_.camera.position.data()) - host_->shot().origin);
+    if (resources_.cascade_maps) {
+        device_.run(
+            [&](VkCommandBuffer cmd) { cost.cascades_drawn = resources_.cascade_maps->record(cmd, fit); });
+        cost.cascades_cpu_ms = process_cpu_ms() - before;
+        block.flags = blocks::BOUNDS_HOLD_ALL;
+    }
+    resources_.blocks->write_cascades(block);
 }
 
 bool Session::unchanged(const StandaloneFrame& frame, const std::array<double, 2>& moments) const {
@@ -114,7 +115,7 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
     resources_.blocks->write(frame);
     last_ = frame.description;
     FrameCost cost;
-    if (resources_.cascade_maps) draw_cascades(index, cost);
+    if (resources_.cascade_maps || reads(plan(), "cascades")) bring_cascades(index, cost);
     return run_passes([&](VkCommandBuffer cmd) { host_->record(cmd, frame); }, std::move(cost));
 }
 

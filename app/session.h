@@ -122,7 +122,8 @@ class Session {
     // After the trees have moved to the frame. `previous`: the frame before, or the same one where there is
     // none.
     void update_surfaces(double moment, double previous);
-    void draw_cascades(uint32_t index, FrameCost& cost);
+    // The block of the frame that last_ describes, and the maps where anybody reads them.
+    void bring_cascades(uint32_t index, FrameCost& cost);
     // Adds what the passes cost to `cost`.
     FrameCost run_passes(const std::function<void(VkCommandBuffer)>& record_before, FrameCost cost);
 

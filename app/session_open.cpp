@@ -202,9 +202,9 @@ void Session::make_resources(const SessionOptions& options, KeptScene& kept, con
         r.environment_lots =
             upload_texels_as(TexelsAs::texels, device_, std::as_bytes(std::span(environment.lots)),
                              VK_FORMAT_R32G32B32A32_UINT, "what rays to the environment are drawn by");
-    if (needs("cascade_maps") || needs("cascade_bounds"))
+    if (const auto maps = plan().slot(needs("cascade_maps") ? "cascade_maps" : "cascade_bounds"))
         r.cascade_maps = std::make_unique<CascadeMaps>(device_, scene, options.cascade_size,
-                                                       host_->cascade_layers(), needs("cascade_bounds"));
+                                                       plan().slots[*maps].layers, needs("cascade_bounds"));
     r.blocks = std::make_unique<HostBlocks>(device_, lights.each ? lights.names : std::vector<std::string>{},
                                             lights.together ? lights.names.size() : 0,
                                             reads(plan(), "emitters") ? host_->emitters().size() : 0);
@@ -241,9 +241,10 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     // between.
     session->host_ = make_host(device, pipeline, std::move(shot), std::move(scene), *lights, options);
     StandaloneHost& host = *session->host_;
+    const bool maps = pipeline.input("cascade_maps") || pipeline.input("cascade_bounds");
     Target target =
         standalone_target(pipeline, table, options.largest.value_or(options.size), facts_of(host, options),
-                          {options.cascade_size, options.cascade_size}, host.cascade_layers());
+                          {options.cascade_size, options.cascade_size}, maps ? host.cascade_layers() : 1);
     if (lights->together) {
         target.inputs["lights"] = {Format::rgba32ui, {5, static_cast<uint32_t>(lights->names.size())}};
         target.left_out.erase("lights");

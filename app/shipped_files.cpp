@@ -112,6 +112,10 @@ std::optional<fs::path> shipped_file(const std::string& wanted, const fs::path& 
         if (is_of_another_kind(wanted, kind, diagnostics)) return std::nullopt;
         return fs::path(wanted);
     }
+    if (failure) {
+        diagnostics.add({wanted}, "", "cannot be read: " + failure.message());
+        return std::nullopt;
+    }
     for (const auto& [name, file] : named_files(root, kind))
         if (name == wanted) return file;
     std::vector<std::string> names = shipped_names(root, kind);

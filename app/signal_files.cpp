@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/frame_range.h"
+#include "app/mask_folder.h"
 
 namespace penumbra {
 
@@ -11,7 +14,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr uint32_t most_frames = 10000;  // that a folder is looked through for
+// What the images of a signal are called that was rendered.
+std::vector<std::string> names_of_image(const CompareArguments& arguments) {
+    if (arguments.light.empty()) return {arguments.signal};
+    return {arguments.signal + "_" + arguments.light, arguments.signal + "s." + arguments.light};
+}
+
+bool has(const FramesByImage& images, const std::string& name, uint32_t frame) {
+    const auto frames = images.find(name);
+    return frames != images.end() && frames->second.contains(frame);
+}
 
 std::vector<uint32_t> frames_there(const CompareArguments& arguments, Diagnostics& diagnostics) {
     std::vector<uint32_t> frames;
@@ -22,12 +34,16 @@ std::vector<uint32_t> frames_there(const CompareArguments& arguments, Diagnostic
         if (!range) diagnostics.add({}, "--frames", "not A..B: " + arguments.frames);
         return frames;
     }
+    const auto truths = images_in(arguments.reference, diagnostics),
+               images = images_in(arguments.image, diagnostics);
+    if (!truths || !images) return frames;
     bool of_one_light = false;
-    for (uint32_t frame = 0; frame < most_frames; ++frame) {
-        if (!fs::exists(file_of(arguments.reference, arguments.signal, frame))) continue;
-        if (fs::exists(file_of_image(arguments.image, arguments, frame))) frames.push_back(frame);
-        of_one_light |= fs::exists(file_of(arguments.image, arguments.signal, frame));
-    }
+    if (const auto known = truths->find(arguments.signal); known != truths->end())
+        for (const uint32_t frame : known->second) {
+            const auto is_of = [&](const std::string& name) { return has(*images, name, frame); };
+            if (std::ranges::any_of(names_of_image(arguments), is_of)) frames.push_back(frame);
+            of_one_light |= is_of(arguments.signal);
+        }
     if (!frames.empty()) return frames;
     if (of_one_light)
         diagnostics.add(
@@ -47,9 +63,12 @@ fs::path file_of(const fs::path& folder, const std::string& signal, uint32_t fra
 }
 
 fs::path file_of_image(const fs::path& folder, const CompareArguments& arguments, uint32_t frame) {
-    if (arguments.light.empty()) return file_of(folder, arguments.signal, frame);
-    const fs::path image = file_of(folder, arguments.signal + "_" + arguments.light, frame);
-    return fs::exists(image) ? image : file_of(folder, arguments.signal + "s." + arguments.light, frame);
+    fs::path file;
+    for (const std::string& name : names_of_image(arguments)) {
+        file = file_of(folder, name, frame);
+        if (std::error_code none; fs::exists(file, none)) break;
+    }
+    return file;
 }
 
 std::optional<std::vector<uint32_t>> frames_to_compare(const CompareArguments& arguments,

@@ -5,12 +5,11 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
-#include <stdexcept>
 #include <thread>
 
+#include "app/captured_values.h"
 #include "app/reference_pipeline.h"
 #include "host/generated/noise.h"
 #include "host/truth/analytic.h"
@@ -23,15 +22,6 @@ namespace {
 
 uint32_t strata_per_axis(uint32_t rays) {
     return static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(rays))));
-}
-
-std::vector<float> captured_floats(const Session& session, const char* name, size_t count) {
-    const std::span<const std::byte> bytes = session.view().captured(name);
-    if (bytes.size() != count * sizeof(float))
-        throw std::logic_error(std::string(name) + " does not have the size of the frame");
-    std::vector<float> out(count);
-    std::memcpy(out.data(), bytes.data(), bytes.size());
-    return out;
 }
 
 // What pixels show, in the tree's frame, in double precision from the frame's own camera.
@@ -107,8 +97,8 @@ class SunPixels : public PixelTruth {
           rays_(frame_, session.host().shot().origin + session.host().scene().bvh_origin()),
           sun_(sun_at(session.host().shot(), index)),
           points_(size_t{width_} * session.plan().extent.height),
-          depth_(captured_floats(session, "view_depth", points_.size())),
-          normal_(captured_floats(session, "receiver_normal", 2 * points_.size())) {}
+          depth_(captured_values<float>(session, "view_depth")),
+          normal_(captured_values<float>(session, "receiver_normal")) {}
 
     Sight look(uint32_t x, uint32_t y) override {
         const size_t p = size_t{y} * width_ + x;

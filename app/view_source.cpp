@@ -7,14 +7,16 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
 #include <glm/geometric.hpp>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "app/is_there.h"
 #include "app/progress.h"
 #include "app/shipped_files.h"
+#include "app/text_file.h"
+#include "graph/read_text.h"
+#include "host/json_dump.h"
 #include "host/models/joined_models.h"
 #include "host/shots/model_shot.h"
 #include "host/shots/shot_text.h"
@@ -38,8 +40,8 @@ std::optional<Shot> models_alone(const nlohmann::json& scene, const fs::path& fi
     sun["keys"][0].erase("position");
     sun["keys"][0].erase("target");
     return parse_shot(
-        nlohmann::json{{"penumbra_shot", 1}, {"scene", scene}, {"camera", camera}, {"sun", sun}}.dump(), file,
-        diagnostics);
+        json_dump(nlohmann::json{{"penumbra_shot", 1}, {"scene", scene}, {"camera", camera}, {"sun", sun}}),
+        file, diagnostics);
 }
 
 // Why a shot that nobody wrote cannot be read: mostly a size that no camera has numbers for.
@@ -89,7 +91,9 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
     const fs::path shot_file = folder / (fs::path(files[0]).stem().string() + ".shot.json");
     const auto scene = scene_of(files, folder);
     for (const std::string& file : files)
-        if (!fs::exists(file)) diagnostics.add({file, 0, 0}, "", "no such file");
+        if (const size_t before = diagnostics.size();
+            !is_there(file, diagnostics) && diagnostics.size() == before)
+            diagnostics.add({file, 0, 0}, "", "no such file");
     if (!diagnostics.empty()) return std::nullopt;
     std::optional<Shot> models = models_alone(scene, shot_file, diagnostics);
     if (models) name_as_given(*models, files);
@@ -117,11 +121,6 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
     return ViewSource{std::move(*shot), made.text, made.text};
 }
 
-std::string text_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 }  // namespace
 
 // What is made up goes behind the first brace, on its line: errors of all that is written keep their lines.
@@ -129,7 +128,7 @@ std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagn
     // First of all, since this reads no folder, and of what never ends no more than it may.
     const auto read = read_json(file, diagnostics);
     if (!read) return std::nullopt;
-    std::string text = text_of(file);
+    std::string text = read_text(file).value_or("");
     if (parsed) *parsed = text;
     const auto json = nlohmann::json::parse(text, nullptr, false);
     const bool of_model =
@@ -140,10 +139,11 @@ std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagn
     // Mistakes of the scene's are told with all others, by their places in the file.
     Diagnostics of_scene;
     const std::optional<Shot> models = models_alone(json["scene"], file, of_scene);
-    const auto there = [](const PlacedModel& placed) { return fs::is_regular_file(placed.file); };
-    if (!models || !(models->models.empty() ? fs::is_regular_file(models->model)
-                                            : std::ranges::all_of(models->models, there)))
-        return read_shot(file, diagnostics);
+    const size_t before = diagnostics.size();
+    const auto there = [&](const fs::path& model) { return is_there(model, diagnostics); };
+    if (!models || !(models->models.empty() ? there(models->model)
+                                            : std::ranges::all_of(models->models, there, &PlacedModel::file)))
+        return diagnostics.size() == before ? read_shot(file, diagnostics) : std::nullopt;
     Doing doing;
     doing(reading_models);
     const auto model = load_models(*models, diagnostics);
@@ -153,7 +153,7 @@ std::optional<Shot> read_completed_shot(const fs::path& file, Diagnostics& diagn
     const auto made_up = nlohmann::ordered_json::parse(made.text);
     std::string missing;
     const auto complete = [&](const char* key) {
-        missing += fmt::format("\"{}\": {}, ", key, made_up[key].dump());
+        missing += fmt::format("\"{}\": {}, ", key, json_dump(made_up[key]));
         tell(file.string(), made, key);
     };
     if (!camera) complete("camera");

@@ -201,16 +201,15 @@ penumbra_code penumbra_plan_unmet(const penumbra_plan* plan, const penumbra_devi
         uint32_t& room = given(count, "count");
         const auto all = static_cast<uint32_t>(missing.size());
         if (list && room < all) misuse("count", std::to_string(all) + " requirements are not met");
+        const uint32_t written = list ? all : 0;
+        const uint32_t size = written ? size_of(list, "list") : 0;
         room = all;
-        if (!list || all == 0) return;
-        const uint32_t stride = read(list, "list").struct_size;
-        for (uint32_t i = 0; i < all; ++i) {
+        for (uint32_t i = 0; i < written; ++i) {
             const auto own = std::ranges::find_if(p.needs, [&](const Requirement& r) {  // whose text stays
                 return r.kind == missing[i].kind && r.name == missing[i].name;
             });
-            auto* to =
-                reinterpret_cast<penumbra_requirement*>(reinterpret_cast<char*>(list) + size_t{i} * stride);
-            write(to, {0, kind_name(own->kind), own->name.c_str(), own->why.c_str(), own->value}, "list");
+            write<penumbra_requirement>(at(list, size, i), {size, kind_name(own->kind), own->name.c_str(),
+                                                            own->why.c_str(), own->value});
         }
     });
 }

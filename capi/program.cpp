@@ -12,8 +12,8 @@ DeviceHandles handles_of(const penumbra_device* from) {
     DeviceHandles handles{d.instance, d.physical, d.device, d.queue_family, d.get_instance_proc_addr, {}};
     if (d.allocate)
         handles.memory.allocate = [d](const MemoryRequest& r, MemoryBlock& block) {
-            const penumbra_memory_request request{sizeof request, r.properties, r.need,
-                                                  r.mapped,       r.linear,     r.what};
+            const penumbra_memory_request request{sizeof request, r.properties, r.need,    r.mapped,
+                                                  r.linear,       r.what,       r.readback};
             penumbra_memory_block given{sizeof given, VK_NULL_HANDLE, 0, nullptr, nullptr};
             const VkResult result = d.allocate(d.memory_user, &request, &given);
             block = {given.memory, given.offset, given.mapped, given.user};
@@ -60,8 +60,12 @@ penumbra_code penumbra_program_pipeline_cache(const penumbra_program* program, s
     });
 }
 
-void penumbra_program_record_uploads(const penumbra_program* program, VkCommandBuffer cmd) {
-    if (program && cmd) program->program->record_uploads(cmd);
+penumbra_code penumbra_program_record_uploads(const penumbra_program* program, VkCommandBuffer cmd) {
+    return guarded(nullptr, [&] {
+        const penumbra_program& p = given(program, "program");
+        if (!cmd) misuse("cmd", "is null");
+        p.program->record_uploads(cmd);
+    });
 }
 
 penumbra_code penumbra_transients_create(const penumbra_program* program, penumbra_transients** transients,

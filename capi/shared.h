@@ -64,33 +64,49 @@ PENUMBRA_FIRST(penumbra_output, bytes);
 PENUMBRA_FIRST(penumbra_pass_statistics, counter_count);
 #undef PENUMBRA_FIRST
 
-// The caller's struct as this library knows it: what an older one does not have is 0. A size is one that a
-// struct can have, so that elements which lie as far apart as it says are aligned.
+// The size that the caller's struct says of itself, or of all elements of the array that begins with it: one
+// that a struct can have, so that elements which lie as far apart are aligned.
 template <class T>
-T read(const T* from, const char* what) {
+uint32_t size_of(const T* from, const char* what) {
     if (!from) misuse(what, "is null");
     if (from->struct_size < first_size<T> || from->struct_size % alignof(T) != 0)
         misuse(std::string(what) + ".struct_size", "is no size of this struct; is it set?");
+    return from->struct_size;
+}
+
+// The caller's struct as this library knows it: what an older one does not have is 0.
+template <class T>
+T read(const T* from, uint32_t size) {
     T own{};
-    std::memcpy(&own, from, std::min<size_t>(from->struct_size, sizeof own));
+    std::memcpy(&own, from, std::min<size_t>(size, sizeof own));
     return own;
 }
-
-// Into the caller's struct, as much of it as that has; its size stays.
 template <class T>
-void write(T* to, T own, const char* what) {
-    own.struct_size = read(to, what).struct_size;
-    std::memcpy(static_cast<void*>(to), &own, std::min<size_t>(own.struct_size, sizeof own));
+T read(const T* from, const char* what) {
+    return read(from, size_of(from, what));
 }
 
-// Elements lie as far apart as the first says.
+// Into the caller's struct, as much of it as that has, which is `own.struct_size`.
+template <class T>
+void write(T* to, const T& own) {
+    std::memcpy(static_cast<void*>(to), &own, std::min<size_t>(own.struct_size, sizeof own));
+}
+template <class T>
+void write(T* to, T own, const char* what) {
+    own.struct_size = size_of(to, what);
+    write(to, own);
+}
+
+// An array's element.
+template <class T>
+T* at(T* list, uint32_t size, uint32_t index) {
+    return reinterpret_cast<T*>(reinterpret_cast<uintptr_t>(list) + size_t{index} * size);
+}
+
 template <class T, class F>
 void for_each(const T* list, uint32_t count, const char* what, F&& function) {
-    if (count == 0) return;
-    const uint32_t stride = read(list, what).struct_size;
-    for (uint32_t i = 0; i < count; ++i)
-        function(
-            read(reinterpret_cast<const T*>(reinterpret_cast<const char*>(list) + size_t{i} * stride), what));
+    const uint32_t size = count ? size_of(list, what) : 0;
+    for (uint32_t i = 0; i < count; ++i) function(read(at(list, size, i), size));
 }
 
 inline std::vector<std::string> texts(const char* const* list, uint32_t count, const char* what) {

@@ -38,7 +38,7 @@ SlotBinding binding_of(const penumbra_external& e) {
 // With this frame's externals; what the last frame had is not this frame's.
 View& bound(penumbra_view* view, const penumbra_external* externals, uint32_t count) {
     penumbra_view& v = given(view, "view");
-    v.externals = Externals(v.view->plan());
+    v.externals.clear();
     for_each(externals, count, "externals", [&](const penumbra_external& e) {
         v.externals[named(e.name, "externals.name")] = binding_of(e);
     });
@@ -194,21 +194,19 @@ penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame
     return guarded(error, [&] {
         const View& v = *given(view, "view").view;
         const FrameStatistics* completed = v.completed();
-        given(frame, "frame") = completed ? completed->frame : UINT64_MAX;
+        uint64_t& number = given(frame, "frame");
         const auto all = static_cast<uint32_t>(v.plan().passes.size());
         uint32_t& room = given(count, "count");
         if (passes && room < all) misuse("count", "the plan has " + std::to_string(all) + " passes");
+        const uint32_t written = passes && completed ? all : 0;
+        const uint32_t size = written ? size_of(passes, "passes") : 0;
+        number = completed ? completed->frame : UINT64_MAX;
         room = all;
-        if (!passes || !completed) return;
-        const uint32_t stride = read(passes, "passes").struct_size;
-        for (uint32_t p = 0; p < all; ++p) {
+        for (uint32_t p = 0; p < written; ++p) {
             const PassStatistics& s = completed->passes[p];
-            auto* to = reinterpret_cast<penumbra_pass_statistics*>(reinterpret_cast<char*>(passes) +
-                                                                   size_t{p} * stride);
-            write(to,
-                  {0, v.plan().passes[p].node.c_str(), s.ms.value_or(-1), s.counters.data(),
-                   static_cast<uint32_t>(s.counters.size())},
-                  "passes");
+            write<penumbra_pass_statistics>(at(passes, size, p),
+                                            {size, v.plan().passes[p].node.c_str(), s.ms.value_or(-1),
+                                             s.counters.data(), static_cast<uint32_t>(s.counters.size())});
         }
     });
 }

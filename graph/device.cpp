@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "graph/memory_type.h"
+
 namespace penumbra {
 
 std::string result_name(VkResult result) {
@@ -113,13 +115,6 @@ GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
     vk_.vkGetPhysicalDeviceMemoryProperties(handles.physical, &memory_);
 }
 
-uint32_t GraphDevice::memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, const char* what) const {
-    for (uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
-        if ((type_bits >> i & 1) && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
-    fail(ErrorCode::unsupported, what,
-         fmt::format("no memory type of {:#x} has the properties {:#x}", type_bits, wanted));
-}
-
 MemoryBlock GraphDevice::allocate(const MemoryRequest& request) const {
     MemoryBlock block;
     if (handles_.memory.allocate) {
@@ -143,9 +138,13 @@ MemoryBlock GraphDevice::allocate(const MemoryRequest& request) const {
         }
         return block;
     }
-    const VkMemoryAllocateInfo info{
-        VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, request.need.size,
-        memory_type(request.need.memoryTypeBits, request.properties, request.what)};
+    const uint32_t allowed = request.need.memoryTypeBits;
+    const auto type = memory_type(memory_, allowed, request.properties, request.readback);
+    if (!type)
+        fail(ErrorCode::unsupported, request.what,
+             fmt::format("no memory type of {:#x} has the properties {:#x}", allowed, request.properties));
+    const VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, nullptr, request.need.size,
+                                    *type};
     const std::string what = fmt::format("{}, {} bytes", request.what, request.need.size);
     require(vk_.vkAllocateMemory(get(), &info, nullptr, &block.memory), "vkAllocateMemory", what);
     if (request.mapped)
@@ -187,6 +186,7 @@ MappedBuffer::MappedBuffer(const GraphDevice& device, VkDeviceSize bytes, VkBuff
         .properties = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
         .mapped = true,
         .linear = true,
+        .readback = (usage & VK_BUFFER_USAGE_TRANSFER_DST_BIT) != 0,
         .what = what.c_str()};
     device.vk().vkGetBufferMemoryRequirements(device.get(), buffer, &request.need);
     memory_ = HeldMemory(device, request);

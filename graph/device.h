@@ -52,7 +52,6 @@ class GraphDevice {
     void destroy(VkShaderModule h) const { vk_.vkDestroyShaderModule(get(), h, nullptr); }
 
   private:
-    uint32_t memory_type(uint32_t type_bits, VkMemoryPropertyFlags wanted, const char* what) const;
     void set_name(VkObjectType type, uint64_t handle, const std::string& text) const;
 
     DeviceHandles handles_;
@@ -110,7 +109,8 @@ class HeldMemory {
     VkDeviceSize bytes_ = 0;
 };
 
-// A buffer of its own, host-visible and coherent memory, mapped for its lifetime.
+// A buffer of its own, host-visible and coherent memory, mapped for its lifetime; what commands copy or clear
+// into (TRANSFER_DST) the host reads.
 class MappedBuffer {
   public:
     MappedBuffer() = default;

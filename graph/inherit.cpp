@@ -46,7 +46,7 @@ void ViewState::decide_reset(uint32_t flags) {
     if (reset_.reason != Reset::Reason::none) return;
     const std::vector<PlanResource>& theirs = before->plan().resources;
     const bool fits =
-        before->size_.width <= plan().extent.width && before->size_.height <= plan().extent.height;
+        before->last_.size.width <= plan().extent.width && before->last_.size.height <= plan().extent.height;
     for (const ResetAction& action : plan().reset) {
         const PlanResource& own = plan().resources[action.resource];
         const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {
@@ -68,7 +68,7 @@ void ViewState::record_inheritance(VkCommandBuffer cmd) const {
     for (size_t i = 0; i < inherited_.size(); ++i) {
         if (!inherited_[i]) continue;
         const ViewState& before = options_.heir_of->state();
-        const ResourceHandles& from = before.memory_.at(*inherited_[i], before.parity_);
+        const ResourceHandles& from = before.memory_.at(*inherited_[i], before.last_.parity);
         const ResourceHandles& to = memory_.at(plan().reset[i].resource, 1 - parity_);
         const PlanResource &r = plan().resources[plan().reset[i].resource],
                            &theirs = before.plan().resources[*inherited_[i]];

@@ -68,7 +68,8 @@ DeviceTable device_table(const DeviceHandles& handles) {
     device->vk().vkGetPhysicalDeviceMemoryProperties(handles.physical, &memory);
     table.memory_bytes = 0;
     for (uint32_t heap = 0; heap < memory.memoryHeapCount; ++heap)
-        table.memory_bytes = std::max<uint64_t>(table.memory_bytes, memory.memoryHeaps[heap].size);
+        if (memory.memoryHeaps[heap].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)  // as allocate_heap() asks for
+            table.memory_bytes = std::max<uint64_t>(table.memory_bytes, memory.memoryHeaps[heap].size);
     const auto need_of = [](const VkMemoryRequirements2& answer) {
         return MemoryNeed{answer.memoryRequirements.size, answer.memoryRequirements.alignment,
                           answer.memoryRequirements.memoryTypeBits};

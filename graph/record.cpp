@@ -110,11 +110,12 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     frame_block_ = make_frame_block(frame, program_.device()->properties().limits.subPixelPrecisionBits);
     decide_reset(frame.flags);
     const bool reset = reset_.reason != Reset::Reason::none;
-    const bool alike = (frame.flags & frame_unchanged) && !reset && !set_ && recorded_ > 0 && size == size_;
+    const bool alike =
+        (frame.flags & frame_unchanged) && !reset && !set_ && recorded_ > 0 && size == last_.size;
     unchanged_ = alike ? unchanged_ + 1 : 0;
     set_ = false;
     if (reset) frame_block_.flags |= frame_reset;
-    const Extent before = reset ? size : recorded_ > 0 ? size_ : options_.heir_of->state().size_;
+    const Extent before = reset ? size : recorded_ > 0 ? last_.size : options_.heir_of->state().last_.size;
     frame_block_.prev_size = {before.width, before.height};
     size_ = size;
     std::memcpy(slot.frame_block.data(), &frame_block_, sizeof frame_block_);
@@ -148,7 +149,7 @@ void ViewState::record_handovers(VkCommandBuffer cmd, bool back) {
         const HostSlot& slot = plan().slots[i];
         const Handover& h = *b.handover;
         const uint32_t other = back ? h.family_after : h.family_before;
-        const bool foreign = other != VK_QUEUE_FAMILY_IGNORED && other != own;
+        const bool foreign = is_foreign(other);
         const bool image = slot.kind == PortKind::image;
         const VkImageLayout during = slot.output ? VK_IMAGE_LAYOUT_GENERAL : b.layout;
         const VkImageLayout outside = back ? h.layout_after : h.layout_before;
@@ -232,8 +233,11 @@ void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& depende
         VkPipelineStageFlags2 before = a.src_stages;
         VkAccessFlags2 access = a.src_access;
         if (const auto lent = plan().resources[a.resource].slot) {
-            before |= bound_[*lent].handover->stages_before;
-            access |= bound_[*lent].handover->access_before;
+            const Handover& h = *bound_[*lent].handover;
+            if (!is_foreign(h.family_before)) {  // another queue's stages are not this one's
+                before |= h.stages_before;
+                access |= h.access_before;
+            }
         }
         images_.push_back(
             activate(instance(a.resource, false).image, before, a.dst_stages, a.dst_access, access));
@@ -367,6 +371,9 @@ void ViewState::end(VkCommandBuffer cmd) {
                             VK_ACCESS_2_HOST_READ_BIT,
                             {}});
     ++recorded_;
+    last_.size = size_;
+    last_.parity = parity_;
+    last_.lent = lent_;  // as many every time: nothing is allocated
 }
 
 }  // namespace penumbra

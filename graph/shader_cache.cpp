@@ -13,20 +13,15 @@
 #include <cstring>
 #include <fstream>
 
+#include "graph/fnv1a.h"
+#include "graph/read_text.h"
+
 namespace penumbra {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr std::string_view magic = "penumbra shader 1\n";
-
-// FNV-1a, 64 bits (Fowler, Noll, Vo 1991; parameters of RFC 9923). Names entries and finds damage; equality
-// is never judged by it.
-uint64_t fnv1a(std::string_view bytes) {
-    uint64_t hash = 0xcbf29ce484222325;
-    for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-    return hash;
-}
 
 void put(std::string& out, uint64_t number) {
     char bytes[sizeof number];

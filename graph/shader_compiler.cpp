@@ -16,6 +16,8 @@
 #include <spirv-tools/optimizer.hpp>
 #include <sstream>
 
+#include "graph/read_text.h"
+
 namespace penumbra {
 namespace {
 
@@ -172,15 +174,6 @@ std::optional<std::vector<uint32_t>> validate_and_optimise(std::vector<uint32_t>
 }
 
 }  // namespace
-
-std::optional<std::string> read_text(const std::filesystem::path& path) {
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error))
-        return std::nullopt;  // a folder opens, and reads as empty
-    std::ifstream file(path, std::ios::binary);
-    if (!file) return std::nullopt;
-    return std::string(std::istreambuf_iterator<char>(file), {});
-}
 
 std::optional<IncludedText> resolve_include(const ShaderSource& source, const std::string& name) {
     for (const auto& dir : source.include_dirs)

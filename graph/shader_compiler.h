@@ -48,6 +48,4 @@ bool is_valid_spirv(std::span<const uint32_t> words);
 // same text give the same SPIR-V.
 std::string shader_compiler_version();
 
-std::optional<std::string> read_text(const std::filesystem::path& path);
-
 }  // namespace penumbra

@@ -9,6 +9,7 @@
 #include <map>
 
 #include "graph/interface.h"
+#include "graph/read_text.h"
 #include "graph/shader_cache.h"
 #include "graph/shared_glsl.h"
 

@@ -65,6 +65,7 @@ ViewState::ViewState(std::shared_ptr<const Program> program, const ViewOptions& 
     }
     const size_t resources = plan().resources.size(), slots = plan().slots.size();
     lent_.resize(resources);
+    last_.lent.resize(resources);
     bound_.resize(slots);
     images_.reserve(resources + slots);
     buffers_.reserve(slots);
@@ -222,7 +223,10 @@ void ViewState::write_slot_bindings(const Slot& slot) {
                 case VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER:
                     writer_.texels(slot.sets[p], b, value.texels);
                     break;
-                case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:
+                case VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER:  // with what lies behind, too large a range
+                    writer_.buffer(slot.sets[p], b,
+                                   {value.buffer, value.offset, plan().slots[b.index].bytes});
+                    break;
                 case VK_DESCRIPTOR_TYPE_STORAGE_BUFFER:
                     writer_.buffer(slot.sets[p], b, {value.buffer, value.offset, value.range});
                     break;
@@ -237,6 +241,11 @@ void ViewState::write_slot_bindings(const Slot& slot) {
 const ResourceHandles& ViewState::instance(uint32_t resource, bool previous) const {
     if (plan().resources[resource].slot) return lent_[resource];
     return memory_.at(resource, previous ? 1 - parity_ : parity_);
+}
+
+const ResourceHandles& ViewState::output(uint32_t resource) const {
+    if (plan().resources[resource].slot) return last_.lent[resource];
+    return memory_.at(resource, last_.parity);
 }
 
 bool ViewState::set_param(size_t pass, size_t param, const ParamValue& value) {
@@ -327,6 +336,10 @@ SlotBinding& Externals::operator[](std::string_view name) {
          fmt::format("the plan has no slot \"{}\"{}", name, did_you_mean(name, names)));
 }
 
+void Externals::clear() {
+    std::ranges::fill(bindings_, SlotBinding{});
+}
+
 bool Externals::has(std::string_view name) const {
     return plan_->slot(name).has_value();
 }
@@ -406,7 +419,7 @@ bool View::set_param(std::string_view node, std::string_view param, const ParamV
 const ResourceHandles& View::output(std::string_view name) const {
     const PlanOutput* found = plan().output(name);
     if (!found) fail(ErrorCode::usage, fmt::format("\"{}\"", name), "the plan has no such output");
-    return state_->instance(found->resource, false);
+    return state_->output(found->resource);
 }
 
 std::span<const std::byte> View::captured(std::string_view name) const {

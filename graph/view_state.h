@@ -22,9 +22,11 @@ class ViewState {
     bool set_param(size_t pass, size_t param, const ParamValue& value);
 
     const Plan& plan() const { return program_.plan(); }
-    uint32_t parity() const { return parity_; }
-    // A resource's instance of this frame or the last; the host's own image where it has lent one.
+    // A resource's instance of the frame that was begun last or of the one before; the host's own image where
+    // it has lent one.
     const ResourceHandles& instance(uint32_t resource, bool previous) const;
+    // Of the last frame that was recorded: one that was begun since may have been thrown away.
+    const ResourceHandles& output(uint32_t resource) const;
     const SlotBinding& bound(uint32_t slot) const { return bound_[slot]; }
     std::span<const std::byte> push(size_t pass) const { return push_[pass]; }
     std::span<const std::byte> captured(std::string_view name) const;
@@ -32,7 +34,10 @@ class ViewState {
     const FrameStatistics* completed() const { return has_completed_ ? &completed_ : nullptr; }
     uint64_t bytes() const;
     const Reset& reset() const { return reset_; }
-    bool settled() const { return plan().settles && recorded_ > 0 && !set_ && unchanged_ >= *plan().settles; }
+    bool settled() const {
+        return plan().settles && recorded_ > 0 && !set_ && next_pass_ == not_begun &&
+               unchanged_ >= *plan().settles;
+    }
 
   private:
     struct Slot {  // one frame in flight
@@ -61,6 +66,9 @@ class ViewState {
     void read_statistics(const Slot& slot, std::vector<PassStatistics>& passes,
                          std::vector<uint64_t>& ticks) const;
 
+    bool is_foreign(uint32_t family) const {
+        return family != VK_QUEUE_FAMILY_IGNORED && family != device_.handles().queue_family;
+    }
     void record_handovers(VkCommandBuffer cmd, bool back);
     void decide_reset(uint32_t flags);
     void record_reset(VkCommandBuffer cmd);
@@ -103,7 +111,12 @@ class ViewState {
     double ms_per_tick_ = 0;  // 0: no timestamps
     uint64_t tick_mask_ = 0;  // the bits of a timestamp that count
     uint64_t recorded_ = 0;   // frames
-    Extent size_;             // of the last one
+    struct {
+        Extent size;
+        uint32_t parity = 0;
+        std::vector<ResourceHandles> lent;
+    } last_;       // of them
+    Extent size_;  // of the frame that was begun last, like all that follows
     uint32_t parity_ = 0;
     uint32_t slot_ = 0;
     static constexpr size_t not_begun = ~size_t{0};

@@ -31,11 +31,7 @@ StandaloneHost::StandaloneHost(Device& device, Shot shot, std::shared_ptr<const 
       options_(options),
       sub_pixel_bits_(shot_.analytic ? 24 : device.limits().subPixelPrecisionBits),
       gbuffer_(device, *scene_, {options.size[0], options.size[1]}, options.frames_in_flight,
-               options.materials) {
-    if (options.steered) cascade_layers_ = max_cascades;
-    for (uint32_t index = 0; index < shot_.frames; ++index)
-        cascade_layers_ = std::max(cascade_layers_, cascade_fit(index).count);
-}
+               options.materials) {}
 
 bool alike(const StandaloneFrame& a, const StandaloneFrame& b) {
     const FrameDescription &x = a.description, &y = b.description;
@@ -80,6 +76,14 @@ CascadeFit StandaloneHost::cascade_fit(uint32_t index) const {
     return fit_cascades(request);
 }
 
+uint32_t StandaloneHost::cascade_layers() const {
+    if (options_.steered) return max_cascades;
+    uint32_t layers = 1;
+    for (uint32_t index = 0; index < shot_.frames; ++index)
+        layers = std::max(layers, cascade_fit(index).count);
+    return layers;
+}
+
 bool StandaloneHost::cut(uint32_t index) const {
     return std::ranges::binary_search(shot_.cuts, index);
 }
@@ -116,7 +120,6 @@ StandaloneFrame StandaloneHost::frame(uint32_t index, bool reset) const {
     out.emitters = emitters_.texels(moment(index), camera - shot_.origin);
     const glm::dvec3 camera_from_origin = camera - (shot_.origin + scene_->bvh_origin());
     for (int i = 0; i < 3; ++i) out.scene.camera_from_origin.v[i] = static_cast<float>(camera_from_origin[i]);
-    out.cascades = cascade_block(cascade_fit(index), camera - shot_.origin);
     return out;
 }
 

@@ -41,7 +41,8 @@ struct Stance {
     double moment = 0;
 };
 
-// One frame's data, a pure function of its index.
+// One frame's data, a pure function of its index. Its shadow maps are fitted apart, by cascade_fit(), to the
+// box of all triangles.
 struct StandaloneFrame {
     FrameDescription description;
     blocks::Sun sun{}, sun_prev{};                   // of the previous frame; of this one where there is none
@@ -49,7 +50,6 @@ struct StandaloneFrame {
     std::vector<blocks::Light> lights, lights_prev;  // in the options' order
     std::vector<Texel> emitters;                     // host/materials/emitters.h
     blocks::Scene scene{};
-    blocks::Cascades cascades{};
 };
 
 // Whether what shaders see of two frames differs in nothing but the jitter, the index and what follows from
@@ -80,8 +80,9 @@ class StandaloneHost {
     }
     // The shadow maps of a frame.
     CascadeFit cascade_fit(uint32_t index) const;
-    // The most cascades that a frame of the shot has, at least one: layers of the maps.
-    uint32_t cascade_layers() const { return cascade_layers_; }
+    // The most cascades that a frame of the shot has, at least one: layers of the maps. Where nobody steers
+    // it fits those of every frame.
+    uint32_t cascade_layers() const;
 
     // Records the frame's G-buffer; see GBuffer::record() for what holds afterwards.
     void record(VkCommandBuffer commands, const StandaloneFrame& frame);
@@ -112,7 +113,6 @@ class StandaloneHost {
     StandaloneOptions options_;
     uint32_t sub_pixel_bits_;  // of what drew the G-buffer; many where nothing was rasterised
     GBuffer gbuffer_;
-    uint32_t cascade_layers_ = 1;
     std::vector<Stance> stances_;  // as steered: of the last two frames, by CameraKey::frame
 };
 

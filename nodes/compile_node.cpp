@@ -6,6 +6,7 @@
 #include <iostream>
 #include <set>
 
+#include "graph/read_text.h"
 #include "graph/shader_compiler.h"
 #include "nodes/archive.h"
 
@@ -60,6 +61,14 @@ std::optional<Compiled> compile(const Arguments& arguments, Diagnostics& diagnos
     return result;
 }
 
+// As make and ninja read names: blanks and what they would take for their own are marked.
+std::string in_depfile(const fs::path& path) {
+    std::string marked;
+    for (const char c : path.string())
+        marked += c == ' ' || c == '#' ? std::string{'\\', c} : c == '$' ? "$$" : std::string{c};
+    return marked;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -73,8 +82,8 @@ int main(int argc, char** argv) {
     if (const auto compiled = compile(*arguments, diagnostics)) {
         std::ofstream out(arguments->out, std::ios::binary), dep(arguments->depfile);
         out << archive_text(compiled->modules);
-        dep << arguments->out.string() << ":";
-        for (const fs::path& d : compiled->dependencies) dep << " " << d.string();
+        dep << in_depfile(arguments->out) << ":";
+        for (const fs::path& d : compiled->dependencies) dep << " " << in_depfile(d);
         dep << "\n";
         if (out.flush() && dep.flush()) return 0;
         diagnostics.add({arguments->out.string()}, "", "cannot be written");

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "host/bvh/bvh.h"
 #include "tests/bvh_oracle.h"
@@ -135,6 +136,18 @@ TEST(BvhRefit, RefusesWhatTheOldTreeCannotHold) {
     Bvh separate = build_bvh(quads, objects);
     EXPECT_TRUE(refit(separate, apart));
     EXPECT_TRUE(occluded(separate, {{0.3f, 0.6f, 0.5f}, {0, 0, 1}, 0, infinity}));
+}
+
+TEST(BvhRefit, RefusesAnotherNumberOfTriangles) {
+    const std::vector<Triangle> start = terrain(4);
+    Bvh bvh = build_bvh(start);
+    const Bvh before = bvh;
+    std::vector<Triangle> fewer(start.begin(), start.end() - 1), more = start;
+    more.push_back(start[0]);
+    EXPECT_THROW(refit(bvh, fewer), std::invalid_argument);
+    EXPECT_THROW(refit(bvh, more), std::invalid_argument);
+    EXPECT_EQ(bvh.nodes, before.nodes);
+    EXPECT_EQ(bvh.leaves, before.leaves);
 }
 
 }  // namespace

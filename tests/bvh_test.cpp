@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "tests/bvh_oracle.h"
 #include "tests/bvh_scenes.h"
@@ -103,6 +104,9 @@ TEST(Bvh, PairsShareOneLeafAndRespectObjects) {
     EXPECT_EQ(build_bvh(quads).corners.size(), 1u);
     const uint32_t objects[] = {0, 1};
     EXPECT_EQ(build_bvh(quads, objects).corners.size(), 2u);
+    const uint32_t more[] = {0, 1, 2};
+    EXPECT_THROW(build_bvh(quads, more), std::invalid_argument);
+    EXPECT_THROW(build_bvh(quads, {objects, 1}), std::invalid_argument);
 }
 
 TEST(Bvh, ReachesEveryLeafOnceWithinTheDepthLimit) {

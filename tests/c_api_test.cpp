@@ -78,8 +78,11 @@ TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
     penumbra_plan_request request = request_of(c_pipeline);
     request.facts = &facts[0].fact;
     request.fact_count = 2;
-    EXPECT_EQ(penumbra_plan_create(&request, &other, &error_), PENUMBRA_PIPELINE);
-    EXPECT_NE(std::strstr(error_.text, "alhpa"), nullptr) << error_.text;
+    for (const uint32_t second : {uint32_t{sizeof facts[1]}, 0u}) {  // the first one's is all of theirs
+        facts[1].fact.struct_size = second;
+        EXPECT_EQ(penumbra_plan_create(&request, &other, &error_), PENUMBRA_PIPELINE);
+        EXPECT_NE(std::strstr(error_.text, "alhpa"), nullptr) << error_.text;
+    }
 }
 
 // Programs of older headers: members that came later are taken as 0, and are not written.
@@ -144,6 +147,7 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     EXPECT_EQ(penumbra_view_end(nullptr, nullptr, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_output(nullptr, 0, nullptr, &error_), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_read(nullptr, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_program_record_uploads(nullptr, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_extent(nullptr, nullptr, nullptr, nullptr, &error_), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_output_count(nullptr), 0u);
     EXPECT_EQ(penumbra_plan_pass_count(nullptr), 0u);

@@ -235,12 +235,21 @@ TEST_F(CFramesGpu, WhatAHostSaysOfAFrameReachesIt) {
         ASSERT_EQ(penumbra_view_completed(view, &completed, &passes, nullptr, &error_), PENUMBRA_OK);
         EXPECT_EQ(completed, f < 3 ? UINT64_MAX : 0u) << f;
     }
-    std::vector<penumbra_pass_statistics> list(passes, sized<penumbra_pass_statistics>());
-    ASSERT_EQ(penumbra_view_completed(view, &completed, &passes, list.data(), &error_), PENUMBRA_OK);
-    EXPECT_STREQ(list[0].node, "frame");
-    EXPECT_LT(list[0].ms, 0) << "there are no timestamps";
+    ASSERT_GT(passes, 1u);
+    std::vector<penumbra_pass_statistics> list(passes);
+    completed = 99;
+    EXPECT_EQ(penumbra_view_completed(view, &completed, &passes, list.data(), &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "passes.struct_size");
+    list[0].struct_size = sizeof list[0];  // of all
     passes = 1;
     EXPECT_EQ(penumbra_view_completed(view, &completed, &passes, list.data(), &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(completed, 99u) << "nothing is written where something is wrong";
+    passes = uint32_t(list.size());
+    ASSERT_EQ(penumbra_view_completed(view, &completed, &passes, list.data(), &error_), PENUMBRA_OK);
+    EXPECT_EQ(completed, 0u);
+    EXPECT_STREQ(list[0].node, "frame");
+    EXPECT_STREQ(list[1].node, "again");
+    EXPECT_LT(list[0].ms, 0) << "there are no timestamps";
 
     // What the last frame had is not this frame's.
     EXPECT_EQ(record(view, 44, {given_}), PENUMBRA_USAGE);
@@ -272,10 +281,10 @@ TEST_F(CFramesGpu, TablesMayBeUploadedAheadOfAllViews) {
     ASSERT_EQ(penumbra_program_create(&device_, made, nullptr, &program, &error_), PENUMBRA_OK)
         << error_.text;
     gpu().run([&](VkCommandBuffer cmd) {
-        penumbra_program_record_uploads(nullptr, cmd);
-        penumbra_program_record_uploads(program, VK_NULL_HANDLE);
+        EXPECT_EQ(penumbra_program_record_uploads(nullptr, cmd), PENUMBRA_USAGE);
+        EXPECT_EQ(penumbra_program_record_uploads(program, VK_NULL_HANDLE), PENUMBRA_USAGE);
         EXPECT_EQ(Spy::uploads, 0u);
-        penumbra_program_record_uploads(program, cmd);
+        EXPECT_EQ(penumbra_program_record_uploads(program, cmd), PENUMBRA_OK);
     });
     EXPECT_EQ(Spy::uploads, 1u);
     penumbra_view_options options = sized<penumbra_view_options>();

@@ -86,6 +86,18 @@ TEST_F(CPlanGpu, WhatADeviceLacksIsListedWhereThereIsRoom) {
     EXPECT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_USAGE);
     EXPECT_EQ(std::string(error_.text), std::to_string(all) + " requirements are not met");
     for (const penumbra_requirement& requirement : list) EXPECT_EQ(requirement.name, nullptr);
+
+    // All have the size of the first, which is looked at before anything is written.
+    list.assign(all + 1, penumbra_requirement{});
+    count = all + 1;
+    EXPECT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "list.struct_size");
+    EXPECT_EQ(count, all + 1);
+    list[0].struct_size = sizeof list[0];
+    ASSERT_EQ(penumbra_plan_unmet(plan_, &device, &count, list.data(), &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_EQ(count, all);
+    for (uint32_t i = 0; i < all; ++i) EXPECT_STREQ(list[i].kind, "feature") << i;
+    EXPECT_EQ(list[all].name, nullptr) << "written behind the end";
 }
 
 TEST_F(CPlanGpu, FormatsThatASlotAcceptsAreThoseThatARequestTakes) {

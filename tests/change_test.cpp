@@ -70,6 +70,33 @@ TEST_F(ChangeGpu, AnHeirHasToSettleAnew) {
     EXPECT_TRUE(settled_after(heir, 3));
 }
 
+// A frame that was begun and never ended: outputs, and what an heir goes on from, are those of the last one
+// recorded, of its size.
+TEST_F(ChangeGpu, WhatWasThrownAwayIsNoPast) {
+    const auto program = program_with(checked(R"("outputs": ["blended"], "nodes": {
+        "fill": { "type": "toy_fill" }, "blend": { "type": "toy_blend", "in": { "history": "value@-1" } } })"),
+                                      {});
+    View alone(program, {}), before(program, {});
+    for (uint32_t f = 0; f < 4; ++f) {
+        FrameDescription frame = description(f);
+        frame.flags = frame_unchanged;
+        for (View* view : {&alone, &before})
+            gpu().run([&](VkCommandBuffer cmd) { view->record(cmd, frame, {}); });
+    }
+    const VkImage last = before.output("blended").image;
+    EXPECT_TRUE(before.settled());
+    Recorder never_run;
+    never_run.record([&](VkCommandBuffer cmd) {
+        before.begin(cmd, description(4, {9, 8}), std::span<const SlotBinding>{});
+    });
+    EXPECT_EQ(before.output("blended").image, last);
+    EXPECT_FALSE(before.settled()) << "the next is a reset";
+    View heir(program, {.heir_of = &before});
+    for (View* view : {&alone, &heir})
+        gpu().run([&](VkCommandBuffer cmd) { view->record(cmd, description(4), {}); });
+    EXPECT_EQ(floats(heir.captured("blended")), floats(alone.captured("blended")));
+}
+
 TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
     const CheckedPipeline first =
                               checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })"),

@@ -112,6 +112,77 @@ TEST_F(CliRobustness, WhatIsNoFileOfTextIsRefused) {
     expect(run("gates raw --widths 8,nan"), 2, "is no number");
 }
 
+// A name that no file can have is a mistake like any other.
+TEST_F(CliRobustness, NamesThatAreTooLongAreRefused) {
+    const std::string name(300, 'a'), out = " --out " + (folder_ / "o").string();
+    for (const std::string& command :
+         {"render raw " + name + ".glb" + out, "reference --model " + name + ".glb" + out,
+          "explain --model " + name + ".glb --out " + (folder_ / "o.svg").string(),
+          "render raw --shot " +
+              file("far.shot.json", R"({ "penumbra_shot": 1, "scene": ")" + name + ".glb\" }") + out})
+        expect(run(command), 2, name + ".glb: cannot be read: ");
+    expect(run("render raw --shot " + name + ".shot.json" + out), 2, name + ".shot.json: cannot be read: ");
+    expect(run("explain --out " + (folder_ / "o.svg").string() + " --costs " + name), 2, "no such file");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+// What a command reads it does not write over, whatever the name is that leads there.
+TEST_F(CliRobustness, AnInputIsNotWrittenOver) {
+    const std::string pipeline =
+        R"({ "extends": ")" PENUMBRA_SOURCE_DIR R"(/pipelines/raw.json", "name": "mine" })";
+    const std::string edge =
+        R"({ "penumbra_shot": 1, "scene": { "analytic": "half_plane", "penumbra_px": 16 },
+             "sun": { "keys": [{ "frame": 0, "to_sun": [0.3, 0.2, 1] }] } })";
+    for (const char* inside : {"nodes", "shots", "rendered"}) fs::create_directories(folder_ / inside);
+    fs::create_directory_symlink(".", folder_ / "link");
+    for (const char* name : {"mine.json", "plan.json", "results.json", "report.json"}) file(name, pipeline);
+    for (const char* name : {"reference.json", "shots/edge_8px_+0.shot.json"}) file(name, edge);
+    file("nodes/mine.json", "{}");
+    file("wall.png", "a texture");
+    file("wall.gltf", R"({ "asset": { "version": "2.0" }, "images": [{ "uri": "wall.png" }] })");
+    file("wall.shot.json", R"({ "penumbra_shot": 1, "scene": "wall.gltf",
+        "camera": { "keys": [{ "frame": 0, "position": [0, 1, 5], "target": [0, 0, 0] }] },
+        "sun": { "keys": [{ "frame": 0, "to_sun": [0, 1, 0] }] } })");
+    file("rendered/report.json", R"({ "shot_file": "../reference.json", "size": [8, 8], "by_frame": [] })");
+    file("rendered/visibility.0000.exr", "a picture");
+    const auto in = [&](const std::string& name) { return (folder_ / name).string(); };
+    const std::string here = " --out " + folder_.string();
+    const auto refused = [&](const std::string& command, const std::string& name,
+                             const std::string& because = "is read, and would be written over") {
+        const std::string before = read_file(in(name));
+        expect(run(command), 2, in(name) + ": " + because);
+        EXPECT_EQ(read_file(in(name)), before) << command;
+    };
+    const std::string view = "view raw --shot lamp --headless ",
+                      mine = "view " + in("mine.json") + " --shot lamp --headless ";
+    refused(mine + in("mine.png"), "mine.json");
+    refused(mine + in("link/mine.png"), "link/mine.json");
+    refused(view + in("view.json"), "view.json", "two files would be written here");
+    refused(view + in("nodes/mine.png") + " --nodes " + in("nodes"), "nodes/mine.json");
+    refused("view raw --shot " + in("wall.shot.json") + " --headless " + in("wall.png"), "wall.png");
+    refused("plan " + in("plan.json") + " --size 64x64" + here, "plan.json");
+    refused("render " + in("report.json") + " --shot lamp" + here, "report.json");
+    refused("reference --shot " + in("reference.json") + here, "reference.json");
+    refused("reference --like " + in("rendered") + " --out " + in("rendered"), "rendered");
+    refused("explain --shot " + in("wall.shot.json") + " --out " + in("wall.gltf"), "wall.gltf");
+    refused("explain --costs " + in("mine.json") + " --out " + in("mine.json"), "mine.json");
+    const std::string report = "report --quick --size 64x48 --pipelines ";
+    refused(report + in("results.json") + " --shots lamp" + here, "results.json");
+    refused(report + "raw --shots " + in("shots/edge_8px_+0.shot.json") + here,
+            "shots/edge_8px_+0.shot.json");
+    for (const char* name : {"mine.png", "view.png", "view.json", "parts", "rendered/depth.0000.exr"})
+        EXPECT_FALSE(fs::exists(in(name))) << name << ": nothing is written in part";
+}
+
+// What a report writes of a shot is called as the shot is.
+TEST_F(CliRobustness, ShotsOfOneNameAreNotMixedUp) {
+    for (const char* report : {"report --signal specular --quick", "report --quick --pipelines raw"})
+        expect(run(report + std::string(" --shots radiance/street,lights/street --out ") +
+                   (folder_ / "o").string()),
+               2, "\"street\" is the name of scenes/radiance/street.shot.json too");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
 // operator new fails at the call of one number (tests/failing_new.cpp): whatever was under way ends with a
 // word.
 TEST_F(CliRobustness, AnAllocationThatFailsEndsWithAWord) {

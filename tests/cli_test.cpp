@@ -146,9 +146,9 @@ TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
     ASSERT_EQ(result.code, 0) << result.err;
     const Json report = Json::parse(read_file(out / "report.json"));
     for (const char* key :
-         {"penumbra", "version",  "pipeline", "shot",     "seed",    "size",   "frames", "settings",
-          "captures", "device",   "facts",    "frame_ms", "cpu_ms",  "passes", "culled", "memory",
-          "counts",   "by_frame", "validate", "warnings", "outputs", "light"})
+         {"penumbra",     "version",  "pipeline", "shot",     "seed",     "size",    "frames", "settings",
+          "made_up_shot", "captures", "device",   "facts",    "frame_ms", "cpu_ms",  "passes", "culled",
+          "memory",       "counts",   "by_frame", "validate", "warnings", "outputs", "light"})
         EXPECT_TRUE(report.contains(key)) << key;
     EXPECT_EQ(report["frames"], (Json{1, 3}));
     EXPECT_EQ(report["size"], (Json{48, 32}));
@@ -301,6 +301,26 @@ TEST_F(CliRender, ANodesShaderMayNeedWhatTheDeviceHas) {
     expect(rendered("GL_ARB_shader_clock", "float(clockARB() & 1)"), 2,
            "lacks what this needs: feature SPIR-V capability 5055");
     EXPECT_FALSE(fs::exists(folder_ / "o"));
+}
+
+// Names of files are bytes: frames that are rendered and rays that are counted are not lost for one.
+TEST_F(CliRender, ANameThatIsNoUtf8IsReported) {
+    Json shot = Json::parse(read_file(fs::path(PENUMBRA_SOURCE_DIR) / "scenes/lamp.shot.json"));
+    shot["scene"] = PENUMBRA_SOURCE_DIR "/scenes/lamp.glb";
+    shot.erase("$schema");
+    const std::string small = " --size 16x16 --out ", model = (folder_ / "m\xff.glb").string(),
+                      named = file("l\xff.shot.json", shot.dump());
+    fs::copy_file(PENUMBRA_SOURCE_DIR "/scenes/lamp.glb", model);
+    const auto report_of = [&](const std::string& command, const char* report) {
+        const Result result = run(command + small + (folder_ / "o").string());
+        EXPECT_EQ(result.code, 0) << result.err;
+        return Json::parse(read_file(folder_ / "o" / report));
+    };
+    EXPECT_EQ(report_of("render raw --frames 0 --shot " + named, "report.json")["shot"], "l\xef\xbf\xbd");
+    EXPECT_EQ(report_of("reference --frames 0 --rays 16 --shot " + named, "reference.json")["frames"].size(),
+              1u);
+    EXPECT_EQ(report_of("render raw " + model, "report.json")["shot"], "m\xef\xbf\xbd");
+    EXPECT_TRUE(fs::exists(folder_ / "o/m\xff.shot.json"));
 }
 
 TEST_F(CliRender, AFolderThatCannotBeWrittenIsFailedWork) {

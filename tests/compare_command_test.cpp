@@ -195,6 +195,72 @@ TEST_F(Compare, MissingPartsAreErrorsWithNames) {
     fails("shares no frame");
 }
 
+// Nor is what cannot be looked at the program's own failure.
+TEST_F(Compare, NamesThatNoFileCanHaveAreErrors) {
+    CompareArguments a = arguments();
+    a.frames = "3";
+    const std::string too_long = folder(std::string(300, 'a').c_str());
+    const auto fails = [&](const std::string& because) {
+        const Result result = run(a);
+        EXPECT_EQ(result.code, exit_wrong);
+        EXPECT_NE(result.err.find(because), std::string::npos) << result.err;
+    };
+    a.image = too_long;
+    for (const char* signal : {"visibility", "specular", "transmittance", "color"}) {
+        a.signal = signal;
+        fails(too_long + (a.signal == "visibility" ? "/report.json" : "/" + a.signal + ".0003.exr") +
+              ": cannot be read: ");
+    }
+    a.frames.clear();
+    fails(too_long + ": cannot be listed: ");
+}
+
+// Of a range that nobody has, one frame is told: the loop would else go on for ever.
+TEST_F(Compare, TheFirstMissingFrameIsEnough) {
+    CompareArguments a = arguments();
+    a.frames = "5..20000";
+    for (const char* signal : {"visibility", "specular", "transmittance", "color"}) {
+        a.signal = signal;
+        const Result result = run(a);
+        EXPECT_EQ(result.code, exit_wrong);
+        EXPECT_NE(result.err.find(a.signal + ".0005.exr: no such file"), std::string::npos) << result.err;
+        EXPECT_EQ(result.err.find("0006"), std::string::npos) << result.err.substr(0, 1000);
+    }
+}
+
+// Frames of five digits are frames, and names of files are bytes.
+TEST_F(Compare, PicturesOfALongShotAreFound) {
+    const fs::path image = root_ / "im\xffge";
+    fs::create_directories(image);
+    PlanarImage picture{8, 4, {}};
+    for (const char* name : {"R", "G", "B", "receiver", "visibility"})
+        picture.planes.push_back({name, PlaneType::real, std::vector<float>(32, 1), {}});
+    for (const char* name : {"color.12000.exr", "transmittance.12000.exr"})
+        for (const fs::path& to : {image, root_ / "truth"}) write_exr(to / name, picture);
+    CompareArguments a = arguments();
+    a.image = image.string();
+    for (const char* signal : {"color", "transmittance"}) {
+        a.signal = signal;
+        const Result result = run(a);
+        ASSERT_EQ(result.code, exit_good) << result.err;
+        const auto json = nlohmann::json::parse(result.out);
+        EXPECT_NE(json["image"].get<std::string>().find("/im\xef\xbf\xbdge"), std::string::npos);
+        const auto& frame = json["frames"][0];
+        EXPECT_EQ(frame.is_object() ? frame["frame"] : frame, 12000);
+    }
+    a.signal = "visibility";
+    write(image, 3, 8, 0.5f, false);
+    EXPECT_EQ(run(a).code, exit_good);
+    a.signal = "color";
+    a.picture = (root_ / "truth/color.12000.exr").string();
+    const Result refused = run(a);
+    EXPECT_EQ(refused.code, exit_wrong);
+    EXPECT_NE(refused.err.find("color.12000.exr: is read, and would be written over"), std::string::npos)
+        << refused.err;
+    Diagnostics diagnostics;
+    EXPECT_TRUE(read_exr(a.picture, diagnostics)) << diagnostics.text();
+}
+
 TEST_F(Compare, SizesMustAgree) {
     write(folder("a"), 3, 9, 0.5f, false);
     const Result result = run(arguments());

@@ -83,6 +83,15 @@ struct Spy {
         ++uploads;
         vkCmdCopyBufferToImage(cmd, from, to, layout, count, regions);
     }
+    static inline std::vector<VkDescriptorBufferInfo> blocks;  // uniform, as they were bound
+    static VKAPI_ATTR void VKAPI_CALL update(VkDevice device, uint32_t count,
+                                             const VkWriteDescriptorSet* writes, uint32_t copies,
+                                             const VkCopyDescriptorSet* from) {
+        for (uint32_t i = 0; i < count; ++i)
+            if (writes[i].descriptorType == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER)
+                blocks.push_back(*writes[i].pBufferInfo);
+        vkUpdateDescriptorSets(device, count, writes, copies, from);
+    }
     static inline std::vector<std::array<uint32_t, 3>> dispatches;
     static VKAPI_ATTR void VKAPI_CALL dispatch(VkCommandBuffer cmd, uint32_t x, uint32_t y, uint32_t z) {
         dispatches.push_back({x, y, z});
@@ -150,6 +159,7 @@ struct Spy {
             return reinterpret_cast<PFN_vkVoidFunction>(make_pool);
         if (!std::strcmp(name, "vkAllocateDescriptorSets"))
             return reinterpret_cast<PFN_vkVoidFunction>(take_sets);
+        if (!std::strcmp(name, "vkUpdateDescriptorSets")) return reinterpret_cast<PFN_vkVoidFunction>(update);
         if (!std::strcmp(name, "vkCmdCopyBufferToImage")) return reinterpret_cast<PFN_vkVoidFunction>(upload);
         if (!std::strcmp(name, "vkCmdDispatch")) return reinterpret_cast<PFN_vkVoidFunction>(dispatch);
         if (!std::strcmp(name, "vkSetDebugUtilsObjectNameEXT"))

@@ -326,6 +326,42 @@ void main() {
     std::filesystem::remove_all(folder);
 }
 
+// A ring of all blocks, say, which is larger than what a uniform buffer may show at once.
+TEST_F(HostAsksGpu, OfALargeBufferNoMoreIsBoundThanABlockTakes) {
+    const std::filesystem::path folder =
+        std::filesystem::path(::testing::TempDir()) / "penumbra_embedding_block";
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "toy_lit.json") << R"({ "node": "toy_lit", "doc": "d", "shader": "toy_lit.comp",
+        "inputs": { "sun": { "kind": "block", "element": "Sun" } },
+        "outputs": { "value": { "kind": "image", "format": "r32f" } },
+        "dispatch": { "over": "frame", "group": [8, 8] } })";
+    std::ofstream(folder / "toy_lit.comp") << R"(#include "node.glsl"
+#include "common/pixels.glsl"
+void for_pixel(ivec2 p) { imageStore(value, p, vec4(sun.angular_radius)); }
+void main() { for_each_pixel(); }
+)";
+    NodeSet set = shadow_nodes();
+    Diagnostics diagnostics;
+    ASSERT_TRUE(add_user_nodes(set, folder, diagnostics, open_shader_cache(""))) << diagnostics.text();
+    const CheckedPipeline pipeline = checked(
+        R"("inputs": { "sun": {} }, "outputs": ["value"], "nodes": { "lit": { "type": "toy_lit" } })", set);
+    View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, capturing(pipeline))), {});
+    constexpr VkDeviceSize at = 1 << 20;
+    const GpuBuffer ring = make_host_buffer(gpu(), 4 * at, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT, "a ring");
+    const float sun[4] = {0, 1, 0, 0.25f};
+    std::memcpy(static_cast<std::byte*>(ring.mapped) + at, sun, sizeof sun);
+    Externals externals(view.plan());
+    externals["sun"] = {.buffer = ring.get(), .offset = at};
+    Spy::blocks.clear();
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), externals); });
+    EXPECT_EQ(floats(view.captured("value"))[3], 0.25f);
+    ASSERT_EQ(Spy::blocks.size(), 1u);
+    EXPECT_EQ(Spy::blocks[0].buffer, ring.get());
+    EXPECT_EQ(Spy::blocks[0].offset, at);
+    EXPECT_EQ(Spy::blocks[0].range, sizeof sun);
+    std::filesystem::remove_all(folder);
+}
+
 // The pool of descriptors has room for what is taken from it and for no more: few drivers say where it has
 // not.
 TEST_F(HostAsksGpu, DescriptorPoolsFit) {

@@ -240,6 +240,62 @@ TEST_F(HostImagesGpu, AnOutputsImageWaitsForWhatTheHostDidWithIt) {
     EXPECT_TRUE(waited_for[1] & VK_PIPELINE_STAGE_2_COPY_BIT);
 }
 
+// What another queue did is ordered by a semaphore, and its stages may be none of this queue's; of what the
+// image held nothing is acquired.
+TEST_F(HostImagesGpu, AnOutputsImageOfAnotherQueueIsReleasedAlone) {
+    const CheckedPipeline pipeline =
+        checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })");
+    CompileOptions options;
+    options.outputs["value"].host_image = true;
+    View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, options)), {});
+    const GpuImage image =
+        image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
+    const uint32_t own = gpu().queue_family(), theirs = own + 7;
+    Externals externals(view.plan());
+    externals["value"] = {.image = image.view.get(),
+                          .handover = Handover{.image = image.get(),
+                                               .stages_before = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                                               .access_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                               .layout_after = VK_IMAGE_LAYOUT_GENERAL,
+                                               .family_before = theirs,
+                                               .family_after = theirs}};
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), externals); });
+    size_t transitions = 0;
+    for (const VkImageMemoryBarrier2& barrier : Spy::images) {
+        if (barrier.image != image.get() || barrier.oldLayout != VK_IMAGE_LAYOUT_UNDEFINED) continue;
+        ++transitions;
+        EXPECT_FALSE(barrier.srcStageMask & VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT);
+        EXPECT_FALSE(barrier.srcAccessMask & VK_ACCESS_2_TRANSFER_WRITE_BIT);
+        EXPECT_EQ(barrier.srcQueueFamilyIndex, VK_QUEUE_FAMILY_IGNORED);
+    }
+    EXPECT_EQ(transitions, 1u);
+    ASSERT_EQ(Spy::transfers.size(), 1u);
+    EXPECT_EQ(Spy::transfers[0].srcQueueFamilyIndex, own);
+    EXPECT_EQ(Spy::transfers[0].dstQueueFamilyIndex, theirs);
+}
+
+// A frame that was begun and never ended has put nothing into its image.
+TEST_F(HostImagesGpu, AnOutputIsTheImageOfTheLastFrameThatWasRecorded) {
+    const CheckedPipeline pipeline =
+        checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })");
+    CompileOptions options;
+    options.outputs["value"].host_image = true;
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, options)), {});
+    constexpr VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+    const GpuImage recorded = image_of(VK_FORMAT_R32_SFLOAT, usage),
+                   begun = image_of(VK_FORMAT_R32_SFLOAT, usage);
+    Externals externals(view.plan());
+    const auto bind = [&](const GpuImage& image) {
+        externals["value"] = {.image = image.view.get(), .handover = Handover{.image = image.get()}};
+    };
+    bind(recorded);
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), externals); });
+    bind(begun);
+    Recorder never_run;
+    never_run.record([&](VkCommandBuffer cmd) { view.begin(cmd, description(1), externals); });
+    EXPECT_EQ(view.output("value").image, recorded.get());
+}
+
 TEST_F(HostImagesGpu, AnOutputWithAPastStaysPenumbras) {
     const CheckedPipeline pipeline = checked(given_and_history);
     CompileOptions options;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Memory from the host: all of it, all of it given back, and what is said where it fails.
+// Memory from the host: all of it, all of it given back, what it is for, and what is said where it fails; and
+// where it comes from without a host.
+#include "graph/memory_type.h"
 #include "tests/embedding_host.h"
 
 namespace penumbra::test {
@@ -46,6 +48,66 @@ TEST_F(HostMemoryGpu, WhatIsAllocatedIsWhatIsSaid) {
         });
         EXPECT_EQ(own, view->bytes()) << n;
     }
+}
+
+TEST_F(HostMemoryGpu, WhatTheHostReadsIsAskedForAsSuch) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    Allocator allocator;
+    const HostMemory good = allocator.callbacks();
+    std::set<std::string> reads, others;
+    DeviceHandles handles = handles_of(gpu());
+    handles.memory = {[&](const MemoryRequest& request, MemoryBlock& block) {
+                          (request.readback ? reads : others).insert(request.what);
+                          return good.allocate(request, block);
+                      },
+                      good.release};
+    {
+        const View view(std::make_shared<Program>(handles, plan_of(pipeline, capturing(pipeline))), {});
+        std::set<std::string> expected{"counters"};
+        for (const PlanPass& pass : view.plan().passes)
+            if (pass.kind == PassKind::capture) expected.insert("a capture of " + pass.node);
+        EXPECT_GT(expected.size(), 1u);
+        EXPECT_EQ(reads, expected);
+        EXPECT_TRUE(others.contains("the frame block"));
+    }
+    EXPECT_TRUE(allocator.live.empty());
+}
+
+// A card with 8 GiB, in a machine with 32: memory that its processor writes in bursts comes before memory
+// that it caches, of which a part needs flushing.
+VKAPI_ATTR void VKAPI_CALL card_memory(VkPhysicalDevice, VkPhysicalDeviceMemoryProperties* memory) {
+    constexpr VkMemoryPropertyFlags visible = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT,
+                                    coherent = VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                                    cached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
+    *memory = {.memoryTypeCount = 4,
+               .memoryTypes = {{VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0},
+                               {visible | coherent, 1},
+                               {visible | cached, 1},
+                               {visible | coherent | cached, 1}},
+               .memoryHeapCount = 2,
+               .memoryHeaps = {{VkDeviceSize{8} << 30, VK_MEMORY_HEAP_DEVICE_LOCAL_BIT},
+                               {VkDeviceSize{32} << 30, 0}}};
+}
+
+TEST_F(HostMemoryGpu, WhatTheHostReadsIsCachedWhereThatIsCoherent) {
+    VkPhysicalDeviceMemoryProperties card;
+    card_memory(VK_NULL_HANDLE, &card);
+    constexpr VkMemoryPropertyFlags mapped =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    EXPECT_EQ(memory_type(card, 0b1111, mapped, true), 3u);
+    EXPECT_EQ(memory_type(card, 0b1111, mapped, false), 1u);
+    EXPECT_EQ(memory_type(card, 0b0111, mapped, true), 1u) << "not the one that needs flushing";
+    EXPECT_FALSE(memory_type(card, 0b0001, mapped, true));
+}
+
+TEST_F(HostMemoryGpu, ADevicesMemoryIsItsOwn) {
+    DeviceHandles handles = handles_of(gpu());
+    handles.get_instance_proc_addr = +[](VkInstance instance, const char* name) -> PFN_vkVoidFunction {
+        if (std::strcmp(name, "vkGetPhysicalDeviceMemoryProperties"))
+            return vkGetInstanceProcAddr(instance, name);
+        return reinterpret_cast<PFN_vkVoidFunction>(card_memory);
+    };
+    EXPECT_EQ(device_table(handles).memory_bytes, uint64_t{8} << 30);
 }
 
 // For every call that the allocator may fail: an error that says so, nothing left behind, and then it works.

@@ -7,8 +7,11 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfOutputFile.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <webp/demux.h>
 
 #include <algorithm>
@@ -101,7 +104,7 @@ TEST_F(ImageFile, SameImageSameBytes) {
 
 TEST_F(ImageFile, FailureLeavesNothingBehind) {
     EXPECT_THROW(write_exr(folder_ / "no/such/folder.exr", sample(4, 4)), FileError);
-    // A folder in the file's place: everything is written, and the last step fails.
+    // A folder in the file's place.
     fs::create_directories(folder_ / "taken.exr/inside");
     EXPECT_THROW(write_exr(folder_ / "taken.exr", sample(4, 4)), FileError);
     EXPECT_EQ(files(), 1u);
@@ -165,6 +168,41 @@ TEST_F(ImageFile, LinksInThePartsPlaceAreNotFollowed) {
     fs::create_symlink(folder_ / "victim", folder_ / "a.exr.part");
     EXPECT_THROW(write_exr(folder_ / "a.exr", sample(4, 4)), FileError);
     EXPECT_EQ(fs::file_size(folder_ / "victim"), 4u);
+}
+
+// Whoever made a link wants the file behind it, be it there already or not.
+TEST_F(ImageFile, LinksInTheFilesPlaceAreFollowed) {
+    fs::create_directories(folder_ / "elsewhere");
+    std::ofstream(folder_ / "elsewhere/old.exr") << "older";
+    fs::create_symlink("elsewhere/old.exr", folder_ / "a.exr");
+    fs::create_symlink("a.exr", folder_ / "b.exr");
+    fs::create_symlink("elsewhere/new.exr", folder_ / "c.exr");
+    for (const char* name : {"b.exr", "c.exr"}) write_exr(folder_ / name, sample(4, 4));
+    for (const char* name : {"a.exr", "b.exr", "c.exr"}) {
+        EXPECT_TRUE(fs::is_symlink(folder_ / name)) << name;
+        Diagnostics diagnostics;
+        EXPECT_TRUE(read_exr(folder_ / name, diagnostics)) << diagnostics.text();
+    }
+    EXPECT_EQ(files(), 4u) << "nothing else is left beside them";
+    fs::create_symlink("d.exr", folder_ / "d.exr");
+    EXPECT_THROW(write_exr(folder_ / "d.exr", sample(4, 4)), FileError) << "it leads nowhere";
+    EXPECT_TRUE(fs::is_symlink(folder_ / "d.exr"));
+}
+
+// A pipe as any device: it is still one afterwards.
+TEST_F(ImageFile, APipeInTheFilesPlaceIsWrittenInto) {
+    const fs::path pipe = folder_ / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    const int end = ::open(pipe.c_str(), O_RDWR | O_NONBLOCK);
+    ASSERT_GE(end, 0);
+    const std::string text = "what is written";
+    write_file(pipe, std::as_bytes(std::span(text)));
+    EXPECT_TRUE(fs::is_fifo(pipe));
+    std::string read(2 * text.size(), '\0');
+    const ssize_t count = ::read(end, read.data(), read.size());
+    ::close(end);
+    EXPECT_EQ(read.substr(0, count < 0 ? 0 : size_t(count)), text);
+    EXPECT_EQ(files(), 1u);
 }
 
 // What a header claims is held against the file before anything is allocated for it.
@@ -298,7 +336,9 @@ TEST_F(ImageFile, BrokenExrIsADiagnostic) {
     Diagnostics diagnostics;
     EXPECT_FALSE(read_exr(folder_ / "missing.exr", diagnostics));
     EXPECT_FALSE(read_exr(folder_, diagnostics));
-    EXPECT_EQ(diagnostics.size(), 2u);
+    EXPECT_FALSE(read_exr(folder_ / std::string(300, 'a'), diagnostics));
+    ASSERT_EQ(diagnostics.size(), 3u);
+    EXPECT_NE(diagnostics.list()[2].message.find("cannot be read: "), std::string::npos);
 }
 
 TEST_F(ImageFile, PngIsWritten) {

@@ -2,8 +2,10 @@
 // Exact coverage of lights that are near: what a plate hides of each kind of light against closed forms, and
 // what only a light that ends somewhere can get wrong: blockers beyond it, through its plane, and its
 // housing.
+#include <bit>
 #include <set>
 
+#include "app/captured_values.h"
 #include "tests/light_plate.h"
 
 namespace penumbra::test {
@@ -171,6 +173,24 @@ TEST_F(FlushPanel, LightsNoneOfTheFloorAroundIt) {
     EXPECT_GT(floor, 1000u);
     EXPECT_EQ(receivers, 0u);
     EXPECT_EQ(said.size(), 1u) << "the floor is not of one kind";
+}
+
+class Bulb : public GpuTest {};
+
+// Which has a direction all the same, as every light's block does.
+TEST_F(Bulb, ReachesWhatIsStraightBehindItsDirection) {
+    Shot shot = shot_with(LightKind::point, {96, 54});
+    shot.lights.at("lamp").keys = {{0, {1.5, 2, 0.1}, {0, 1, 0}, {1, 0, 0}, 1, 1}};
+    shot.camera = {{0, {1.5, 0.1, 0.4}, {1.5, 0, 0.1}, {0, 1, 0}}};
+    shot.vertical_fov_deg = 1;
+    Diagnostics diagnostics;
+    const auto session = open(shot, "light", {R"(outputs=["visibility","receiver_words"])"}, diagnostics);
+    ASSERT_TRUE(session) << diagnostics.text();
+    session->run_frame(0, true);
+    int receivers = 0;
+    for (const uint32_t word : captured_values<uint32_t>(*session, "receiver_words"))
+        receivers += std::popcount(word);
+    EXPECT_EQ(receivers, 96 * 54);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, NearLightsAwkward, ::testing::ValuesIn(awkward()),

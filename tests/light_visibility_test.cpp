@@ -119,6 +119,11 @@ TEST(LightVisibility, ReachesWhatIsInRangeBeforeItAndInItsCone) {
     for (const double above : {-1e-6, 0., 1e-6})
         EXPECT_FALSE(in_the_ceiling.reaches({3, 2 + above, 1})) << "the ceiling itself";
     EXPECT_TRUE(in_the_ceiling.reaches({3, 1.999, 1}));
+    ShotLight bulb = light_of(LightKind::sphere);
+    bulb.keys[0].direction = {0, -1, 0};
+    const glm::dvec3 centre = bulb.keys[0].position;
+    EXPECT_TRUE(NearLight(light_block(bulb, 0, glm::dvec3(0))).reaches(centre + glm::dvec3(0, 1, 0)))
+        << "straight behind its direction";
 }
 
 std::string errors_of(const std::string& lights) {

@@ -272,6 +272,16 @@ TEST_F(ReportPart, DependsOnTheFilesOfAModelWhateverItsNameIs) {
     }
 }
 
+// Names are bytes, and may be longer than a file's can be.
+TEST_F(ReportPart, IsKeptWhateverItsShotIsCalled) {
+    results_.shots[0].file = "h\xffll.shot.json";
+    parts().keep(name(parts()), to_json(results_));
+    EXPECT_TRUE(found());
+    EXPECT_FALSE(parts().find(parts().name("shot." + std::string(300, 'a'), {shot_})));
+    shot_.model = write("hall.gltf", R"({"images": [{"uri": ")" + std::string(300, 'a') + "\"}]}");
+    EXPECT_NO_THROW(name(parts()));
+}
+
 TEST_F(ReportPart, IsGoneWithItsImagesOrWhereItIsNotWhole) {
     parts().keep(name(parts()), to_json(results_));
     fs::remove(folder_ / "images/reference.png");

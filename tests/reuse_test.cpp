@@ -129,6 +129,22 @@ TEST_F(Reuse, WhatMovesWhileTheCameraLooksElsewhereChangesNoBit) {
     EXPECT_GT(pair.frames(38, 44), 100u);
 }
 
+// Tiles that were proved as a whole, and reused since, are proved again in the first frame that finds them
+// anew.
+TEST_F(Reuse, WhatWasProvedIsRememberedWhileItIsReused) {
+    Shot shot = still_camera("colonnade");
+    CameraKey key = shot.camera.at(0);
+    key.frame = 24;
+    shot.camera.push_back(key);
+    key.frame = 25;
+    key.position.x += 0.01;
+    shot.camera.push_back(key);
+    Pair pair(shot);
+    EXPECT_GT(pair.frames(0, 24), 100u);
+    EXPECT_EQ(pair.frame(25), 0u);
+    EXPECT_LT(pair.share_covered(), 1.05);
+}
+
 // Frames that nobody renders move things, too, and need not turn the jitter by one.
 TEST_F(Reuse, AFrameThatIsLeftOutChangesNoBit) {
     Pair pair(still_camera("colonnade"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What recording costs a host beside its driver: the functions that record are replaced by ones that do
-// nothing. No frame but the first may allocate.
+// nothing. No frame but the first may allocate. And what the standalone host takes for a frame.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -9,11 +9,14 @@
 
 #include "app/session.h"
 #include "graph/functions.h"
+#include "host/models/shapes.h"
 #include "penumbra/graph.h"
 #include "tests/allocations.h"
+#include "tests/c_requests.h"
 #include "tests/gpu_test.h"
 #include "tests/process_size.h"
 #include "tests/shipped.h"
+#include "tests/test_scene.h"
 #include "tests/toy_set.h"
 #include "tests/view_run.h"
 
@@ -112,6 +115,103 @@ TEST_F(SteadyStateGpu, RecordingAllocatesNothing) {
         std::printf("%s: %.0f ns per pass, %zu passes\n", name,
                     ns / frames / static_cast<double>(plan->passes.size()), plan->passes.size());
     }
+}
+
+size_t allocations_of(const std::function<void()>& act) {
+    const size_t before = allocations;
+    act();
+    return allocations - before;
+}
+
+// Shadow maps are fitted to the box of all triangles, for which the tree is posed: nobody does it for a
+// pipeline without them, neither for each of the shot's frames when it is opened nor in a frame.
+TEST_F(SteadyStateGpu, APipelineWithoutShadowMapsHasNoneFitted) {
+    SessionOptions options;
+    options.size = {64, 32};
+    options.optimum = false;
+    const auto open = [&](uint32_t frames) {
+        Diagnostics diagnostics;
+        std::vector<std::string> warnings;
+        auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline("raw"),
+                                     plaza_shot(options.size, frames), options, diagnostics, warnings);
+        if (!session) throw std::runtime_error(diagnostics.text());
+        return session;
+    };
+    const auto session = open(4);  // with all that is made once
+    constexpr uint32_t many = 10'000;
+    EXPECT_LT(allocations_of([&] { open(many); }), allocations_of([&] { open(1); }) + many);
+    EXPECT_EQ(allocations_of([&] { session->host().frame(3, false); }), 0u);
+}
+
+// However many parts deform.
+TEST(SceneBoxes, TakeOnePoseOfTheTree) {
+    constexpr size_t parts = 8;
+    Part part = to_part(ground(1, 1, 1, 1), -1);
+    part.targets = {std::vector<glm::vec3>(part.positions.size(), {0, 1, 0})};
+    Model model;
+    model.meshes.emplace_back().parts.assign(parts, part);
+    Node& node = model.nodes.emplace_back();
+    node.name = "sheets";
+    node.mesh = 0;
+    node.weights = {1};
+    Shot shot;
+    shot.objects["sheets"].keys = {{.frame = 0}, {.frame = 10, .translation = {1, 0, 0}}};
+    const Scene scene(model, shot);
+    const size_t of_part = allocations_of([&] { scene.positions(scene.instances()[0], part, 3); }),
+                 of_transforms = allocations_of([&] { scene.transforms(3); });
+    EXPECT_LT(allocations_of([&] { scene.box(3); }), of_transforms + parts * of_part);
+    EXPECT_LT(allocations_of([&] { scene.moved_boxes(3, 7); }), 2 * (of_transforms + parts * of_part));
+}
+
+// Through penumbra.h each frame brings its externals anew.
+TEST_F(SteadyStateGpu, RecordingFromCAllocatesNothing) {
+    penumbra_device device = c_device();
+    device.get_instance_proc_addr = of_instance;
+    penumbra_fact facts[] = {{sizeof facts[0], VK_FALSE, "alpha"},
+                             {sizeof facts[0], VK_FALSE, "translucent"}};
+    penumbra_plan_request request = request_of(nullptr);
+    request.file = PENUMBRA_SOURCE_DIR "/pipelines/shadows.json";
+    request.device = &device;
+    request.facts = facts;
+    request.fact_count = 2;
+    penumbra_error error = sized<penumbra_error>();
+    penumbra_plan* plan = nullptr;
+    ASSERT_EQ(penumbra_plan_create(&request, &plan, &error), PENUMBRA_OK) << error.text;
+    penumbra_program* program = nullptr;
+    ASSERT_EQ(penumbra_program_create(&device, plan, nullptr, &program, &error), PENUMBRA_OK) << error.text;
+    penumbra_view* view = nullptr;
+    ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error), PENUMBRA_OK) << error.text;
+    penumbra_handover handover = sized<penumbra_handover>();
+    handover.image = reinterpret_cast<VkImage>(1);
+    handover.layout_before = VK_IMAGE_LAYOUT_GENERAL;
+    handover.family_before = handover.family_after = VK_QUEUE_FAMILY_IGNORED;
+    std::vector<penumbra_external> externals(penumbra_plan_slot_count(plan), sized<penumbra_external>());
+    for (uint32_t i = 0; i < externals.size(); ++i) {  // never looked at
+        penumbra_slot slot = sized<penumbra_slot>();
+        ASSERT_EQ(penumbra_plan_slot(plan, i, &slot, &error), PENUMBRA_OK);
+        externals[i].name = slot.name;
+        externals[i].image = reinterpret_cast<VkImageView>(1);
+        externals[i].texels = reinterpret_cast<VkBufferView>(1);
+        externals[i].buffer = reinterpret_cast<VkBuffer>(1);
+        if (slot.kind == PENUMBRA_IMAGE) externals[i].handover = &handover;
+    }
+    penumbra_frame frame = sized<penumbra_frame>();
+    frame.size[0] = request.width;
+    frame.size[1] = request.height;
+    frame.camera.clip_from_view[5] = frame.previous.clip_from_view[5] = 1;
+    const auto record = [&] {
+        return penumbra_view_record(view, reinterpret_cast<VkCommandBuffer>(1), &frame, externals.data(),
+                                    uint32_t(externals.size()), &error);
+    };
+    ASSERT_EQ(record(), PENUMBRA_OK) << error.place << ": " << error.text;
+    const size_t before = allocations;
+    penumbra_code code = PENUMBRA_OK;
+    for (uint32_t f = 0; f < 10 && code == PENUMBRA_OK; ++f) code = record();
+    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(code, PENUMBRA_OK) << error.place << ": " << error.text;
+    penumbra_view_destroy(view);
+    penumbra_program_destroy(program);
+    penumbra_plan_destroy(plan);
 }
 
 }  // namespace

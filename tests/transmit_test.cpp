@@ -311,6 +311,40 @@ TEST_F(Transmit, OpaqueInFrontOfAPaneAndBehindItKeepsItsExactShadow) {
     EXPECT_GT(between, 500u);
 }
 
+// For SIGMA, whose penumbra is as wide as the first of a ray's panes is far: a black texel beyond, at which
+// the walk from the light's end has its product, is not the first.
+TEST_F(Transmit, TheFirstPaneIsTheNearestThoughOneBeyondIsBlack) {
+    Material painted = film(1);
+    painted.base_color = {1, 1, 1, 1};
+    painted.texture = 0;
+    Model model = floor_with({glass({0.9, 0.9, 0.9}), painted});
+    model.textures = {{2, 1, {255, 255, 255, 255, 255, 255, 255, 0}}};
+    // So that the tree has the one beyond next to its root, and these below.
+    for (int i = -30; i < 30; ++i) add(model, "near", sheet(i, i + 1, 1), 1);
+    add(model, "far", sheet(-30, 30, 4), 2);
+    const SceneFile file("floor.glb", to_glb(model));
+    const Shot shot = shot_of(file.path());
+    SessionOptions options;
+    options.size = shot.size;
+    options.optimum = options.jitter = false;
+    options.captures = {"penumbra", "translucency"};
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline("sigma_translucency"), shot,
+                                       options, diagnostics, warnings);
+    ASSERT_TRUE(session) << diagnostics.text();
+    session->run_frame(0, true);
+    const auto penumbra = captured_values<uint16_t>(*session, "penumbra");
+    const auto colours = captured_values<std::array<uint8_t, 4>>(*session, "translucency");
+    size_t black = 0;
+    for (size_t i = 0; i < penumbra.size(); ++i) {
+        black += colours[i][1] == 0;
+        EXPECT_NEAR(glm::detail::toFloat32(static_cast<short>(penumbra[i])), 0.5 * std::tan(radius), 0.002)
+            << i;
+    }
+    EXPECT_GT(black, 100u);
+}
+
 // With something opaque that moves, and without.
 TEST_F(Transmit, FollowsAPaneThatMoves) {
     const glm::dvec3 color(0.9, 0.35, 0.1);

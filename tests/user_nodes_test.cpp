@@ -13,6 +13,7 @@
 
 #include "app/commands.h"
 #include "graph/interface.h"
+#include "graph/read_text.h"
 #include "graph/shader_cache.h"
 #include "penumbra/compile.h"
 #include "penumbra/pipeline.h"

@@ -40,6 +40,38 @@ TEST_F(ViewLive, WhatIsBesideItIsOfTheSameLight) {
     EXPECT_TRUE(halves_agree()) << "one half is of the lamp still";
 }
 
+// A pipeline with a mask for each light is of the shot's, as `render` has it: the one that the view begins
+// with, and one that is chosen later.
+TEST_F(ViewLive, APipelineForEachLightIsOfTheShotsLights) {
+    shot_.lights["bulb"] = lamp();
+    using Names = std::set<std::string>;
+    const auto outputs = [](const Live& l) {
+        Names names;
+        for (const PlanOutput& output : l.plan().outputs) names.insert(output.name);
+        return names;
+    };
+    const Names both{"visibility_bulb", "visibility_lamp"};
+    Live first = live("lights_shadows");
+    StageWish of_one = first.wish();
+    ASSERT_TRUE(first.open()) << first.error();
+    EXPECT_EQ(outputs(first), both);
+    run(first, 2);
+    EXPECT_NE(rgba(first, "visibility_bulb"), rgba(first, "visibility_lamp"));
+
+    Live chosen = live("raw");
+    ASSERT_TRUE(chosen.open()) << chosen.error();
+    run(chosen, 1);
+    chosen.choose_pipeline("lights_shadows");
+    ASSERT_EQ(chosen.error(), "");
+    EXPECT_EQ(outputs(chosen), both);
+    run(chosen, 1);
+
+    of_one.light = "bulb";
+    Live one(test::gpu(), shot_, of_one);
+    ASSERT_TRUE(one.open()) << one.error();
+    EXPECT_EQ(outputs(one), Names{"visibility_bulb"});
+}
+
 // Of a light that is near, too, the truth converges, and plain rays are those to it.
 TEST_F(ViewLive, ALampHasATruthAndPlainRays) {
     shot_.lights["lamp"] = lamp();

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "app/outputs.h"
+#include "host/models/glb_writer.h"
+#include "tests/scene_file.h"
 
 namespace penumbra::viewer {
 namespace {
@@ -331,6 +333,42 @@ TEST_F(ViewLive, ACameraThatLandsHasItsCascades) {
     EXPECT_NEAR(l.stance().camera.position.y, 0.3, 0.01);
     EXPECT_GT(cascades(), from_above);
     EXPECT_LE(cascades(), l.stage().session->cascade_maps()->maps().layers);
+}
+
+// Whatever is thrown while another pipeline or what is beside it is made, here by the tree of triangles,
+// whose alpha masks are at most 65536 texels wide. What runs needs no tree.
+TEST_F(ViewLive, WhatCannotBeMadeIsSaidAndWhatRanBeforeGoesOn) {
+    Model model;
+    model.textures = {{65537, 1, std::vector<uint8_t>(size_t{4} * 65537)}};
+    model.materials = {{{1, 1, 1, 1}, 0, 0.5}};
+    Shape card = ground(1, 1, 1, 1);
+    card.uv.resize(card.positions.size());
+    test::add(model, "card", card, 0);
+    const test::SceneFile file("wide_mask.glb", to_glb(model));
+    shot_.model = file.path();
+    shot_.objects.clear();
+    const fs::path near_light = fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/light_raw.json";
+    Live l = live(write("flat.json", R"({ "extends": ")" + near_light.string() + R"(", "name": "flat",
+        "inputs": { "scene": null },
+        "nodes": { "classify": null, "trace": null, "resolve": null, "night": null, "open": { "if": null } }
+    })"));
+    ASSERT_TRUE(l.open()) << l.error();
+    run(l, 1);
+    const auto seen = rgba(l, "visibility");
+    const auto goes_on = [&](const char* what) {
+        EXPECT_NE(l.error().find("an alpha mask has more than 65536 texels"), std::string::npos)
+            << what << ": " << l.error();
+        EXPECT_EQ(l.stage().pipeline.name, "flat") << what;
+        EXPECT_EQ(l.beside(), Beside::nothing) << what;
+        run(l, 1);
+        EXPECT_EQ(rgba(l, "visibility"), seen) << what;
+    };
+    l.choose_pipeline(near_light.string());
+    goes_on("another pipeline");
+    for (const Beside beside : {Beside::raw, Beside::published, Beside::truth, Beside::error}) {
+        l.compare(beside);
+        goes_on(beside_names[static_cast<size_t>(beside)]);
+    }
 }
 
 // The model is read once: another pipeline, size or comparison finds it where its file is gone, and draws

@@ -11,6 +11,7 @@
 #include <map>
 #include <set>
 
+#include "app/pipeline_file.h"
 #include "app/session.h"
 #include "app/shipped_files.h"
 #include "app/view/controls.h"

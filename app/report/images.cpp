@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "app/report/html.h"
+#include "graph/read_text.h"
 #include "host/images/image_file.h"
 
 namespace penumbra::report {
 std::string file_bytes(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(stream)), {});
-    if (!stream || bytes.empty()) throw FileError(file.string() + ": cannot be read");
-    return bytes;
+    auto bytes = read_text(file);
+    if (!bytes || bytes->empty()) throw FileError(file.string() + ": cannot be read");
+    return std::move(*bytes);
 }
 
 void write_mask_image(const std::filesystem::path& file, std::array<uint32_t, 2> size,

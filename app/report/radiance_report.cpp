@@ -13,6 +13,7 @@
 #include "app/report/radiance_page.h"
 #include "app/shipped_files.h"
 #include "app/text_file.h"
+#include "host/json_dump.h"
 
 namespace penumbra {
 namespace {
@@ -47,7 +48,8 @@ std::optional<RadianceStudy> study_of(const ReportArguments& arguments) {
 // Names of shots: also those in scenes/radiance.
 std::string radiance_shot(const std::string& wanted, const fs::path& root) {
     const fs::path there = root / "scenes/radiance" / (wanted + ".shot.json");
-    return fs::exists(there) ? there.string() : wanted;
+    std::error_code none;
+    return fs::exists(there, none) ? there.string() : wanted;
 }
 
 std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& nodes, Diagnostics& diagnostics) {
@@ -71,13 +73,21 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     if (arguments.shots.empty() && !arguments.quick) shots = {"polished", "chrome", "street"};
     auto contenders = radiance_contenders(pipelines, arguments.signal, *study, root, nodes, diagnostics);
     if (!contenders) return std::nullopt;
+    FileList files;
+    for (const std::string& name : shots)
+        if (const auto file = shipped_file(radiance_shot(name, root), root, shipped_shots, diagnostics))
+            files.push_back(*file);
+    std::vector<std::string> pipeline_files;
+    for (const RadianceContender& contender : *contenders) pipeline_files.push_back(contender.file);
+    if (!can_be_reported(job.folder, files, pipeline_files, arguments.node_folders, diagnostics) ||
+        !diagnostics.empty())
+        return std::nullopt;
     job.results.contenders = std::move(*contenders);
     for (const char* inside : {"images", "shots"}) fs::create_directories(job.folder / inside);
     fs::remove(job.folder / "index.html");
-    for (const std::string& name : shots)
-        if (const auto file = shipped_file(radiance_shot(name, root), root, shipped_shots, diagnostics))
-            if (auto shot = open_report_shot(*file, job.folder / "shots", study->after.back(), diagnostics))
-                job.shots.push_back(std::move(*shot));
+    for (const fs::path& file : files)
+        if (auto shot = open_report_shot(file, job.folder / "shots", study->after.back(), diagnostics))
+            job.shots.push_back(std::move(*shot));
     if (!diagnostics.empty()) return std::nullopt;
     return job;
 }
@@ -109,7 +119,7 @@ int run_radiance_report(const ReportArguments& arguments) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
-    write_text(job->folder / "results.json", to_json(job->results).dump(2) + "\n");
+    write_text(job->folder / "results.json", json_dump(to_json(job->results), 2) + "\n");
     write_text(job->folder / "tables.md", markdown_tables(job->results));
     write_text(job->folder / "index.html", radiance_page(job->results, job->folder));
     fmt::print("{}\n", (job->folder / "index.html").string());

@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "app/text_file.h"
 #include "app/view_source.h"
+#include "host/json_dump.h"
 #include "host/shots/light_choice.h"
 
 namespace penumbra::report {
@@ -50,10 +52,43 @@ OrderedJson standing_still(const std::string& text, const fs::path& file, const 
 }
 
 void write_json(const fs::path& file, const OrderedJson& json) {
-    write_text(file, json.dump(2) + "\n");
+    write_text(file, json_dump(json, 2) + "\n");
+}
+
+// Names of files that are no UTF-8 are not whole in JSON.
+void take_files(Shot& shot, const Shot& from) {
+    shot.model = from.model;
+    for (size_t i = 0; i < from.models.size(); ++i) shot.models[i].file = from.models[i].file;
+    shot.environment = from.environment;
+}
+
+fs::path still_file(const fs::path& folder, const std::string& name) {
+    return folder / (name + ".still.shot.json");
 }
 
 }  // namespace
+
+bool can_be_reported(const fs::path& folder, const FileList& shots, const std::vector<std::string>& pipelines,
+                     const std::vector<std::string>& node_folders, Diagnostics& diagnostics) {
+    const size_t before = diagnostics.size();
+    FileList written;
+    for (const char* name : {"results.json", "results.csv", "tables.md", "index.html"})
+        written.push_back(folder / name);
+    std::map<std::string, fs::path> named;
+    for (const fs::path& file : shots) {
+        const auto [at, is_new] = named.emplace(shot_name(file), file);
+        if (!is_new) {
+            diagnostics.add({file.string(), 0, 0}, "",
+                            fmt::format("\"{}\" is the name of {} too: report on each by itself", at->first,
+                                        at->second.string()));
+            continue;
+        }
+        written.push_back(still_file(folder / "shots", at->first));
+        if (at->first.starts_with("edge_")) written.push_back(folder / "shots" / file.filename());
+    }
+    spares(written, {shots, files_of_pipelines(pipelines), files_of_nodes(node_folders)}, diagnostics);
+    return diagnostics.size() == before;
+}
 
 std::optional<ReportShot> open_report_shot(const fs::path& file, const fs::path& folder, uint32_t frames,
                                            Diagnostics& diagnostics) {
@@ -62,10 +97,11 @@ std::optional<ReportShot> open_report_shot(const fs::path& file, const fs::path&
     if (!moving) return std::nullopt;
     const std::string name = moving->name;
     if (frames == 0) return ReportShot{name, std::move(*moving), std::nullopt};
-    const fs::path still_file = folder / (moving->name + ".still.shot.json");
-    write_json(still_file, standing_still(text, file, folder, frames));
-    auto still = read_shot(still_file, diagnostics);
+    const fs::path standing = still_file(folder, name);
+    write_json(standing, standing_still(text, file, folder, frames));
+    auto still = read_shot(standing, diagnostics);
     if (!still) return std::nullopt;
+    take_files(*still, *moving);
     return ReportShot{name, std::move(*moving), std::move(still)};
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "app/input_files.h"
 #include "host/shots/shot.h"
 
 namespace penumbra::report {
@@ -24,6 +25,12 @@ struct EdgeShot {
     double width_px = 0, speed_px = 0;
     Shot shot;
 };
+
+// Before anything is written into a report's folder: false, with an error, where two shots have one name,
+// which figures and files are called by, or where a file there is one that is read.
+bool can_be_reported(const std::filesystem::path& folder, const FileList& shots,
+                     const std::vector<std::string>& pipelines, const std::vector<std::string>& node_folders,
+                     Diagnostics& diagnostics);
 
 // As read_completed_shot(). Writes FOLDER/NAME.still.shot.json. `frames`: how long it lasts; 0: there is
 // none.

@@ -3,19 +3,9 @@
 
 #include "app/light_truth.h"
 #include "app/outputs.h"
+#include "host/images/triples.h"
 
 namespace penumbra::report {
-namespace {
-
-std::vector<glm::vec3> triples(const PlanarImage& image) {
-    std::vector<glm::vec3> out;
-    for (size_t p = 0; p < image.planes[0].values.size(); ++p)
-        out.emplace_back(image.planes[0].values[p], image.planes[1].values[p], image.planes[2].values[p]);
-    return out;
-}
-
-}  // namespace
-
 TruthSource::TruthSource(Device& device, Shot shot, std::array<uint32_t, 2> size, uint32_t rays,
                          uint32_t analytic_border_px, Diagnostics& diagnostics,
                          std::vector<std::string>& warnings)
@@ -51,8 +41,9 @@ TruthSource::Frame TruthSource::at(uint32_t frame) {
 
 LitSurfaces TruthSource::surfaces(uint32_t frame) {
     session_->run_frame(frame, false);  // its host images are what is wanted
-    LitSurfaces out{triples(host_image(device_, *session_, "albedo")),
-                    triples(host_image(device_, *session_, "normal")), sun_at(shot_, frame).to_sun};
+    LitSurfaces out{triples(host_image(device_, *session_, "albedo"), {"R", "G", "B"}),
+                    triples(host_image(device_, *session_, "normal"), {"X", "Y", "Z"}),
+                    sun_at(shot_, frame).to_sun};
     for (glm::vec3& normal : out.normal)
         if (const float length = glm::length(normal); length > 0) normal /= length;
     return out;

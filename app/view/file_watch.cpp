@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "app/view/file_watch.h"
 
-#include <fstream>
-#include <nlohmann/json.hpp>
-
 namespace penumbra::viewer {
 
 namespace fs = std::filesystem;
@@ -41,17 +38,6 @@ bool FileWatch::changed() {
     if (now == seen_) return false;
     seen_ = std::move(now);
     return true;
-}
-
-std::set<fs::path> files_of_pipeline(const fs::path& file) {
-    std::set<fs::path> files;
-    for (fs::path next = file; files.insert(next).second;) {
-        std::ifstream stream(next);
-        const auto json = nlohmann::json::parse(stream, nullptr, false);
-        if (!json.is_object() || !json.contains("extends") || !json["extends"].is_string()) break;
-        next = next.parent_path() / json["extends"].get<std::string>();
-    }
-    return files;
 }
 
 }  // namespace penumbra::viewer

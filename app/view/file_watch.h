@@ -29,7 +29,4 @@ class FileWatch {
     State seen_;
 };
 
-// A pipeline's file and all that it extends, as far as they can be read.
-std::set<std::filesystem::path> files_of_pipeline(const std::filesystem::path& file);
-
 }  // namespace penumbra::viewer

@@ -8,6 +8,7 @@
 
 #include "app/light_truth.h"
 #include "app/outputs.h"
+#include "app/pipeline_file.h"
 #include "host/metrics/mask_error.h"
 
 namespace penumbra::viewer {
@@ -164,10 +165,12 @@ bool Live::make_beside() {
     std::vector<std::string> warnings;
     Shot shot = shot_;
     shot.size = size();
-    truth_session_ = main_->session->host().light()
-                         ? open_light_truth(device_, shot, main_->session->host().light_name(), diagnostics,
-                                            warnings, false, &scene_)
-                         : open_truth(device_, shot, diagnostics, warnings, false, &scene_);
+    diagnose_thrown("the truth", diagnostics, [&] {
+        const StandaloneHost& host = main_->session->host();
+        truth_session_ = host.light() ? open_light_truth(device_, shot, host.light_name(), diagnostics,
+                                                         warnings, false, &scene_)
+                                      : open_truth(device_, shot, diagnostics, warnings, false, &scene_);
+    });
     if (!truth_session_) error_ = diagnostics.text();
     return truth_session_ != nullptr;
 }

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "host/images/srgb.h"
+
 namespace penumbra::viewer {
 namespace {
 
@@ -22,7 +24,7 @@ class Encoding {
     explicit Encoding(bool light) : greatest_(light ? 8 : 1) {
         for (int i = 0; i <= steps * greatest_; ++i) {
             const float value = static_cast<float>(i) / steps, v = light ? exposed(value) : value;
-            table_.push_back(byte_of(v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f));
+            table_.push_back(byte_of(srgb_of_linear(v)));
         }
     }
     uint8_t operator()(float value) const {

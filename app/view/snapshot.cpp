@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/json_dump.h"
+
 namespace penumbra::viewer {
 
 std::string snapshot_text(const Live& live, const std::map<std::string, std::array<float, 2>>& places,
@@ -34,7 +36,7 @@ std::string snapshot_text(const Live& live, const std::map<std::string, std::arr
     json["frames_per_second"] = frames_per_second;
     json["cpu_ms"] = live.cpu_ms();
     json["places"] = places;
-    return json.dump(2) + "\n";
+    return json_dump(json, 2) + "\n";
 }
 
 }  // namespace penumbra::viewer

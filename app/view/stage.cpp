@@ -2,22 +2,30 @@
 #include "app/view/stage.h"
 
 #include <algorithm>
+#include <new>
 
 #include "app/node_folders.h"
 #include "app/outputs.h"
-#include "app/shipped_files.h"
-#include "app/view/file_watch.h"
-#include "penumbra/error.h"
+#include "app/pipeline_file.h"
 
 namespace penumbra::viewer {
+
+void diagnose_thrown(const std::string& what, Diagnostics& diagnostics, const std::function<void()>& make) {
+    try {
+        make();
+    } catch (const std::bad_alloc&) {
+        diagnostics.add({what}, "", "there is not enough memory");
+    } catch (const std::exception& error) {
+        diagnostics.add({what}, "", error.what());
+    }
+}
 
 std::unique_ptr<Stage> open_stage(const StagePlace& place, const StageWish& wish, Diagnostics& diagnostics,
                                   std::vector<std::string>& warnings) {
     auto nodes = read_nodes(wish.node_folders, diagnostics);
-    const auto file = shipped_file(wish.pipeline, shipped_root(), shipped_pipelines, diagnostics);
-    if (!nodes || !file) return nullptr;
-    const auto pipeline = load_pipeline(*file, wish.settings, diagnostics);
-    auto checked = pipeline ? check(*pipeline, *nodes, diagnostics) : std::nullopt;
+    auto checked =
+        nodes ? read_pipeline(wish.pipeline, wish.settings, *nodes, &place.shot, wish.light, diagnostics)
+              : std::nullopt;
     if (!checked) return nullptr;
     SessionOptions options;
     options.size = wish.size;
@@ -32,17 +40,13 @@ std::unique_ptr<Stage> open_stage(const StagePlace& place, const StageWish& wish
     options.kept = &place.scene;
     options.doing = place.told;
     auto stage = std::make_unique<Stage>(Stage{std::move(*nodes), std::move(*checked), nullptr, {}, {}});
-    try {
+    diagnose_thrown(stage->pipeline.file, diagnostics, [&] {
         stage->session = Session::open(place.device, stage->nodes, stage->pipeline, place.shot, options,
                                        diagnostics, warnings);
-    } catch (const VulkanError& error) {
-        diagnostics.add({file->string()}, "", error.what());
-    } catch (const Failure& failure) {
-        diagnostics.add({file->string()}, "", failure.what());
-    }
+    });
     if (!stage->session) return nullptr;
     stage->controls = controls_of(stage->session->plan());
-    stage->files = files_of_pipeline(*file);
+    stage->files = files_of_pipeline(stage->pipeline.file);
     return stage;
 }
 

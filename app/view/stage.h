@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -38,6 +39,9 @@ struct Stage {
     std::set<std::filesystem::path> files;  // that the pipeline was read from
     bool fresh = true;                      // no frame has run yet
 };
+
+// What `make` throws is a diagnostic of `what`, a file or a few words: whoever looks goes on without it.
+void diagnose_thrown(const std::string& what, Diagnostics& diagnostics, const std::function<void()>& make);
 
 // Everything but the scene is read anew. What a device fails with is a diagnostic, too: the view goes on
 // without this stage.

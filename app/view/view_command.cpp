@@ -12,6 +12,7 @@
 #include <span>
 
 #include "app/commands.h"
+#include "app/input_files.h"
 #include "app/progress.h"
 #include "app/shipped_files.h"
 #include "app/text_file.h"
@@ -52,6 +53,23 @@ struct Job {
     fs::path folder;
 };
 
+fs::path json_beside(const fs::path& png) {
+    return fs::path(png).replace_extension(".json");
+}
+
+// The picture without a window, and the JSON beside it.
+bool may_be_written(const ViewCommandArguments& a, const Job& job) {
+    Diagnostics diagnostics;
+    const auto pipeline = shipped_file(job.wish.pipeline, shipped_root(), shipped_pipelines, diagnostics);
+    const bool good =
+        pipeline && spares({a.headless, json_beside(a.headless)},
+                           {files_of_shot(job.source.shot, !job.source.made_up.empty()),
+                            files_of_pipelines({pipeline->string()}), files_of_nodes(a.node_folders)},
+                           diagnostics);
+    std::cerr << diagnostics.text();
+    return good;
+}
+
 std::optional<Job> prepare(const ViewCommandArguments& a) {
     Diagnostics diagnostics;
     const auto given = sort_files(a.files, a.view, diagnostics);
@@ -82,14 +100,14 @@ std::optional<Job> prepare(const ViewCommandArguments& a) {
             job.pipelines.push_back(name);
     const auto beside = std::ranges::find(beside_names, a.beside);
     job.beside = static_cast<Beside>(beside - beside_names.begin());
+    if (!a.headless.empty() && !may_be_written(a, job)) return std::nullopt;
     return job;
 }
 
 void write_screenshot(const fs::path& png, Canvas& canvas, const Live& live, const Panels& panels) {
     const VkExtent2D extent = canvas.image().extent;
     write_file(png, png_of_rgba(extent.width, extent.height, canvas.rgba()));
-    write_text(fs::path(png).replace_extension(".json"),
-               snapshot_text(live, panels.places(), panels.frames_per_second));
+    write_text(json_beside(png), snapshot_text(live, panels.places(), panels.frames_per_second));
 }
 
 // Writes FOLDER/view.0001.png, with the first number that is free; in words, what came of it: a full disk

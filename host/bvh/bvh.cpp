@@ -6,6 +6,8 @@
 #include <cassert>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
+#include <string>
 
 #include "host/bvh/bvh_internal.h"
 #include "host/bvh/twofold.h"
@@ -151,7 +153,10 @@ std::vector<uint32_t> refit_nodes(Bvh& bvh, std::span<const uint32_t> leaves) {
 }  // namespace
 
 bool refit(Bvh& bvh, std::span<const Triangle> triangles, Refitted* written) {
-    assert(triangles.size() == bvh.triangle_count);
+    if (triangles.size() != bvh.triangle_count)
+        throw std::invalid_argument("refit: " + std::to_string(triangles.size()) +
+                                    " triangles, the tree was built of " +
+                                    std::to_string(bvh.triangle_count));
     for (uint32_t t : bvh.skipped)
         if (usable(triangles[t])) return false;
 

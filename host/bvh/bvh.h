@@ -72,9 +72,9 @@ bool usable(const Triangle& triangle);
 
 // Builds by binned SAH (full sweep for few primitives), moves subtrees, collapses to 4-wide nodes by dynamic
 // programming on the SAH cost. Deterministic. `objects`, if not empty, gives one number per triangle:
-// triangles of different objects are never paired, which keeps refit() possible when they move apart. At most
-// 2^30 triangles. `progress` is told now and then which share of the work is done, about: it rises from 0
-// to 1.
+// triangles of different objects are never paired, which keeps refit() possible when they move apart; throws
+// std::invalid_argument where there are more or fewer. At most 2^30 triangles. `progress` is told now and
+// then which share of the work is done, about: it rises from 0 to 1.
 Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects = {},
               const std::function<void(double)>& progress = {});
 
@@ -84,10 +84,11 @@ struct Refitted {
 };
 
 // Moves the leaves to new vertex positions and fits all boxes; the tree's shape stays, so its quality decays
-// with the distance moved. `triangles` must be as many as at the build. False, with `bvh` unchanged, where
-// the old shape cannot hold the new triangles: a paired edge came apart, or a triangle that was skipped is
-// usable now. A triangle that became unusable is left out until it is usable again. Nodes and leaves that
-// hold nothing that moved are not written; `written`, if given, becomes those that are.
+// with the distance moved. Throws std::invalid_argument unless `triangles` are as many as at the build.
+// False, with `bvh` unchanged, where the old shape cannot hold the new triangles: a paired edge came apart,
+// or a triangle that was skipped is usable now. A triangle that became unusable is left out until it is
+// usable again. Nodes and leaves that hold nothing that moved are not written; `written`, if given, becomes
+// those that are.
 bool refit(Bvh& bvh, std::span<const Triangle> triangles, Refitted* written = nullptr);
 
 // One texel per leaf: what lies across its outer edges, for shaders/classification/closing_patch.glsl. The

@@ -4,8 +4,9 @@
 // better by moving subtrees (bvh_reinsert.cpp), then the cheapest 4-wide tree that can be cut out of it
 // (dynamic programming over "this subtree as at most n children", as in Ylitie et al. 2017).
 #include <bit>
-#include <cassert>
 #include <numeric>
+#include <stdexcept>
+#include <string>
 
 #include "host/bvh/bvh_internal.h"
 
@@ -285,7 +286,9 @@ uint32_t widest_axis(const std::vector<BinaryNode>& nodes, std::span<const uint3
 
 Bvh build_bvh(std::span<const Triangle> triangles, std::span<const uint32_t> objects,
               const std::function<void(double)>& progress) {
-    assert(objects.empty() || objects.size() == triangles.size());
+    if (!objects.empty() && objects.size() != triangles.size())
+        throw std::invalid_argument("build_bvh: " + std::to_string(objects.size()) + " objects of " +
+                                    std::to_string(triangles.size()) + " triangles");
     Bvh bvh;
     bvh.triangle_count = uint32_t(triangles.size());
     const std::vector<Corners> pairs = pair_triangles(triangles, objects, bvh.skipped);

@@ -9,28 +9,27 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "graph/memory_type.h"
+
 namespace penumbra {
 
 namespace {
 
-uint32_t memory_type(const Device& device, uint32_t allowed, VkMemoryPropertyFlags wanted,
-                     std::string_view what) {
-    const VkPhysicalDeviceMemoryProperties& memory = device.memory();
-    for (uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
-        if ((allowed >> i & 1) && (memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
-    }
-    throw DeviceError(fmt::format("{}: no memory type of {} fits {}", what, wanted, device.info().name));
-}
-
+// `usage`: of a buffer. The host reads what it sees and commands copy into.
 Owned<VkDeviceMemory> allocate(const Device& device, const VkMemoryRequirements& needs,
-                               VkMemoryPropertyFlags wanted, std::string_view what,
-                               bool with_address = false) {
+                               VkMemoryPropertyFlags wanted, VkBufferUsageFlags usage,
+                               std::string_view what) {
+    const bool readback =
+        (wanted & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT) && (usage & VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    const auto type = memory_type(device.memory(), needs.memoryTypeBits, wanted, readback);
+    if (!type)
+        throw DeviceError(fmt::format("{}: no memory type of {} fits {}", what, wanted, device.info().name));
     VkMemoryAllocateInfo info{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
     info.allocationSize = needs.size;
-    info.memoryTypeIndex = memory_type(device, needs.memoryTypeBits, wanted, what);
+    info.memoryTypeIndex = *type;
     VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
     flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
-    if (with_address) info.pNext = &flags;
+    if (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) info.pNext = &flags;
     VkDeviceMemory memory = VK_NULL_HANDLE;
     check(vkAllocateMemory(device.get(), &info, nullptr, &memory), "vkAllocateMemory",
           fmt::format("{}, {} bytes", what, needs.size));
@@ -53,8 +52,7 @@ GpuBuffer make_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFla
     result.buffer = {device.get(), buffer};
     VkMemoryRequirements needs{};
     vkGetBufferMemoryRequirements(device.get(), buffer, &needs);
-    result.memory =
-        allocate(device, needs, properties, what, usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT);
+    result.memory = allocate(device, needs, properties, usage, what);
     check(vkBindBufferMemory(device.get(), buffer, result.memory.get(), 0), "vkBindBufferMemory", what);
     return result;
 }
@@ -84,7 +82,7 @@ GpuImage bare_image(const Device& device, VkFormat format, VkExtent2D extent, ui
     result.image = {device.get(), image};
     VkMemoryRequirements needs{};
     vkGetImageMemoryRequirements(device.get(), image, &needs);
-    result.memory = allocate(device, needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, what);
+    result.memory = allocate(device, needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0, what);
     check(vkBindImageMemory(device.get(), image, result.memory.get(), 0), "vkBindImageMemory", what);
     return result;
 }

@@ -43,7 +43,8 @@ struct GpuImage {
 // `what` names the object in errors. `bytes` > 0.
 GpuBuffer make_device_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage,
                              std::string_view what);
-// Host-visible, coherent, mapped.
+// Host-visible, coherent, mapped; where commands copy into it (TRANSFER_DST), in memory that is quick to
+// read.
 GpuBuffer make_host_buffer(const Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage,
                            std::string_view what);
 // 2D, one layer, optimal tiling.

@@ -21,6 +21,7 @@
 #include <cstring>
 
 #include "host/images/exr_header.h"
+#include "host/images/srgb.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -50,11 +51,6 @@ Imf::Slice slice(Imf::PixelType type, T* data, size_t width, int64_t x0, int64_t
     const auto first = static_cast<uint64_t>(y0) * width + static_cast<uint64_t>(x0);
     const uintptr_t base = reinterpret_cast<uintptr_t>(data) - first * sizeof(T);
     return {type, reinterpret_cast<char*>(base), sizeof(T), sizeof(T) * width};
-}
-
-// IEC 61966-2-1.
-double to_srgb(double linear) {
-    return linear <= 0.0031308 ? linear * 12.92 : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
 }
 
 uint8_t to_byte(double value) {
@@ -127,6 +123,21 @@ int write_all(int file, std::span<const std::byte> bytes) {
                                                                                                     : errno;
 }
 
+// 0, or the error. Into what is no regular file, as a device or a pipe: nothing may be put in its place.
+int write_into(const std::filesystem::path& path, std::span<const std::byte> bytes) {
+    const int file = uninterrupted([&] { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC); });
+    const int error = file < 0 ? errno : write_all(file, bytes);
+    if (file >= 0) ::close(file);
+    return error;
+}
+
+// Where links lead to, be there a file or not.
+std::filesystem::path behind_links(std::filesystem::path path) {
+    for (std::error_code none; std::filesystem::is_symlink(path, none);)
+        path = path.parent_path() / std::filesystem::read_symlink(path, none);
+    return path;
+}
+
 // The name itself. The file is whole under it already, so what fails here takes nothing away.
 void flush_folder(const std::filesystem::path& path) {
     const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
@@ -144,8 +155,8 @@ const Plane* PlanarImage::find(std::string_view name) const {
 }
 
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    const std::string part = path.string() + ".part";  // beside it: a rename does not cross file systems
-    const int file = open_part(part);
+    int file = -1;
+    std::string part;
     const auto fail = [&](const char* verb, int error) {
         if (file >= 0) {
             ::unlink(part.c_str());
@@ -153,11 +164,22 @@ void write_file(const std::filesystem::path& path, std::span<const std::byte> by
         }
         throw FileError(fmt::format("{}: cannot be {}: {}", path.string(), verb, std::strerror(error)));
     };
+    std::error_code failure;
+    const std::filesystem::file_status there = std::filesystem::status(path, failure);
+    if (there.type() == std::filesystem::file_type::none) fail("written", failure.value());
+    if (exists(there) && !is_regular_file(there)) {
+        if (const int error = write_into(path, bytes)) fail("written", error);
+        return;
+    }
+    const std::filesystem::path target = behind_links(path);
+    part = target.string() + ".part";  // beside it: a rename does not cross file systems
+    file = open_part(part);
     if (file < 0) fail("written", errno);
     if (const int error = write_all(file, bytes)) fail("written", error);
-    if (uninterrupted([&] { return ::rename(part.c_str(), path.c_str()); }) != 0) fail("put in place", errno);
+    if (uninterrupted([&] { return ::rename(part.c_str(), target.c_str()); }) != 0)
+        fail("put in place", errno);
     ::close(file);
-    flush_folder(path);
+    flush_folder(target);
 }
 
 void write_exr(const std::filesystem::path& path, const PlanarImage& image) {
@@ -206,7 +228,8 @@ void write_exr(const std::filesystem::path& path, const PlanarImage& image) {
 std::optional<PlanarImage> read_exr(const std::filesystem::path& path, Diagnostics& diagnostics) {
     const Place place{path.string(), 0, 0};
     if (std::error_code failure; !std::filesystem::is_regular_file(path, failure)) {
-        diagnostics.add(place, "", "no such file");
+        const bool unknown = failure && failure != std::errc::no_such_file_or_directory;
+        diagnostics.add(place, "", unknown ? "cannot be read: " + failure.message() : "no such file");
         return std::nullopt;
     }
     try {
@@ -274,12 +297,13 @@ void write_png_color(const std::filesystem::path& path, uint32_t width, uint32_t
     if (rgb.size() != texels * 3) throw std::invalid_argument("write_png_color: not three values per texel");
     std::vector<uint8_t> bytes(texels * 3);
     for (size_t i = 0; i < texels; ++i) {
-        const float r = rgb[3 * i], g = rgb[3 * i + 1], b = rgb[3 * i + 2];
+        const double r = rgb[3 * i], g = rgb[3 * i + 1], b = rgb[3 * i + 2];
         const bool nan = std::isnan(r) || std::isnan(g) || std::isnan(b);
         if (nan) {
             put(bytes, i, true, 0, 0, 0);
         } else {
-            put(bytes, i, false, to_byte(to_srgb(r)), to_byte(to_srgb(g)), to_byte(to_srgb(b)));
+            put(bytes, i, false, to_byte(srgb_of_linear(r)), to_byte(srgb_of_linear(g)),
+                to_byte(srgb_of_linear(b)));
         }
     }
     write_file(path, png_of(width, height, 3, bytes));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // EXR in full precision, PNG for the eye. Files appear whole or not at all: they are written beside their
-// name and renamed.
+// name and renamed. Links are followed, and devices and pipes are written into.
 #pragma once
 
 #include <cstdint>
@@ -65,7 +65,7 @@ void write_png_linear(const std::filesystem::path& path, uint32_t width, uint32_
 // A PNG file's bytes, of 8-bit RGBA texels, always the same for the same texels. Throws FileError.
 std::vector<std::byte> png_of_rgba(uint32_t width, uint32_t height, std::span<const uint8_t> rgba);
 
-// Replaces the file's contents in one step. Throws FileError.
+// Replaces the file's contents in one step, but of what is no regular file. Throws FileError.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 }  // namespace penumbra

@@ -11,7 +11,7 @@
 
 namespace penumbra {
 
-// One plane per channel, named `names` (as many as the format has channels, or fewer to drop the last ones).
+// One plane per channel, as far as there are `names` for them: the last channels may have none.
 // `texels` holds width * height tightly packed texels.
 PlanarImage decode_texels(Format format, uint32_t width, uint32_t height, std::span<const std::byte> texels,
                           const std::vector<std::string>& names);

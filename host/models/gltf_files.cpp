@@ -74,15 +74,6 @@ std::string one_line(std::string text) {
     return text;
 }
 
-// Of a .glb the JSON chunk, of a .gltf all of it. What a header says beyond the file's end is for tinygltf to
-// refuse.
-std::string_view document_of(const std::vector<unsigned char>& bytes, bool binary) {
-    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (!binary || bytes.size() < 20) return all;
-    const uint64_t length = bytes[12] | bytes[13] << 8 | bytes[14] << 16 | uint64_t(bytes[15]) << 24;
-    return all.substr(20, length);
-}
-
 // tinygltf walks "extras" and extensions by recursion, on whatever stack there is.
 bool is_nested_too_deep(std::string_view json) {
     constexpr size_t deepest = 256;
@@ -122,8 +113,8 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     std::vector<unsigned char> bytes;
     std::string error, warning;
     if (!read_whole(&bytes, &error, path.string(), &reading)) return refuse(error);
-    const bool binary = is_binary(path);
-    const std::string_view document = document_of(bytes, binary);
+    const std::string_view document =
+        document_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     if (document.size() > reading.limit / most_of_a_document)
         return refuse(fmt::format("its JSON of {} bytes would take {}", document.size(), over_input_limit()));
     if (is_nested_too_deep(document)) return refuse("its JSON is nested more than 256 levels deep");
@@ -139,9 +130,10 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     const auto size = static_cast<unsigned int>(bytes.size());
     if (size != bytes.size()) return refuse("a glTF has less than 4 GiB");
     const bool good =
-        binary ? loader.LoadBinaryFromMemory(&files.model, &error, &warning, bytes.data(), size, folder)
-               : loader.LoadASCIIFromString(&files.model, &error, &warning,
-                                            reinterpret_cast<const char*>(bytes.data()), size, folder);
+        is_binary(path)
+            ? loader.LoadBinaryFromMemory(&files.model, &error, &warning, bytes.data(), size, folder)
+            : loader.LoadASCIIFromString(&files.model, &error, &warning,
+                                         reinterpret_cast<const char*>(bytes.data()), size, folder);
     // The library puts what its parser throws into words; what a file says may stand in those of others.
     if (!good && error == std::bad_alloc().what()) throw std::bad_alloc();
     if (!good) return refuse("not a valid glTF 2.0 file: " + one_line(error));

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "host/json_dump.h"
+
 namespace penumbra {
 namespace {
 
@@ -48,10 +50,18 @@ std::string patched(std::string_view text) {
     for (Json* mesh : items(json, "meshes"))
         for (Json* primitive : items(*mesh, "primitives"))
             if (has_extension(*primitive, draco)) changed = primitive->erase("indices") > 0 || changed;
-    return changed ? json.dump(-1, ' ', false, Json::error_handler_t::replace) : "";
+    return changed ? json_dump(json) : "";
 }
 
 }  // namespace
+
+std::string_view document_of(std::string_view file) {
+    constexpr size_t start = glb_header + chunk_header;
+    if (!file.starts_with("glTF") || file.size() < start) return file;
+    uint32_t length = 0;
+    std::memcpy(&length, file.data() + glb_header, sizeof length);
+    return file.substr(start, length);
+}
 
 void make_readable(std::vector<unsigned char>& bytes) {
     const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -3,9 +3,14 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace penumbra {
+
+// Of a binary glTF the JSON chunk, of any other text all of it. What a header says beyond the file's end is
+// for the parser to refuse.
+std::string_view document_of(std::string_view file);
 
 // Makes of a .gltf's or .glb's bytes what tinygltf takes: with a byte of data in every buffer that
 // EXT_meshopt_compression has as a place for decoded bytes alone, and without the indices of primitives that

@@ -5,16 +5,12 @@
 #include <array>
 #include <cmath>
 
+#include "host/images/srgb.h"
+
 namespace penumbra {
 namespace {
 
 constexpr uint32_t largest = 1023;
-
-// IEC 61966-2-1.
-double linear_of_srgb(uint8_t value) {
-    const double c = value / 255.0;
-    return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
 
 // A texture as seen from a map of another size.
 class Sampled {
@@ -68,7 +64,7 @@ TransmittanceMap transmittance_map(const Model& model, const Material& material)
     const auto [width, height] = map_size(model, material);
     TransmittanceMap map{width, height, {}};
     std::array<double, 256> linear{};
-    for (size_t i = 0; i < 256; ++i) linear[i] = linear_of_srgb(static_cast<uint8_t>(i));
+    for (size_t i = 0; i < 256; ++i) linear[i] = linear_of_srgb(static_cast<double>(i) / 255);
     const uint32_t least = least_opaque_alpha(material);
     map.texels.reserve(size_t{map.width} * map.height);
     for (uint32_t y = 0; y < map.height; ++y)

@@ -125,9 +125,9 @@ Scene::Scene(Model model, const Shot& shot)
             }
         }
     }
-    const std::vector<glm::dmat4> world = transforms(0);
-    const std::vector<bool> moving = moving_nodes();
     const Pose first = pose(0);
+    const std::vector<glm::dmat4> world = transforms(first);
+    const std::vector<bool> moving = moving_nodes();
     glm::dvec3 low(INFINITY), high(-INFINITY);
     double largest_triangle = 0;  // metres along an axis
     for (size_t i = 0; i < model_.nodes.size(); ++i) {
@@ -183,7 +183,10 @@ Scene::Pose Scene::pose(double frame) const {
 }
 
 std::vector<glm::dmat4> Scene::transforms(double frame) const {
-    const Pose posed = pose(frame);
+    return transforms(pose(frame));
+}
+
+std::vector<glm::dmat4> Scene::transforms(const Pose& posed) const {
     std::vector<glm::dmat4> world = posed.world;
     for (size_t i = 0; i < world.size(); ++i) {
         const Node& node = model_.nodes[i];
@@ -241,7 +244,8 @@ bool Scene::deforms(const Instance& instance) const {
     return std::ranges::any_of(parts(instance), [&](const Part& part) { return deforms(instance, part); });
 }
 
-std::array<glm::dvec3, 2> Scene::box(const Instance& instance, const glm::dmat4& world, double frame) const {
+std::array<glm::dvec3, 2> Scene::box(const Instance& instance, const glm::dmat4& world,
+                                     const Pose& posed) const {
     std::array<glm::dvec3, 2> out = no_box;
     const auto add = [&](const glm::dvec3& local) {
         const glm::dvec3 p(world * glm::dvec4(local, 1));
@@ -249,7 +253,7 @@ std::array<glm::dvec3, 2> Scene::box(const Instance& instance, const glm::dmat4&
     };
     if (deforms(instance)) {
         for (const Part& part : parts(instance)) {
-            const std::vector<glm::vec3> at = positions(instance, part, frame);
+            const std::vector<glm::vec3> at = positions(instance, part, posed);
             for (const uint32_t index : part.indices) add(part.origin + glm::dvec3(at[index]));
         }
         return out;
@@ -261,21 +265,23 @@ std::array<glm::dvec3, 2> Scene::box(const Instance& instance, const glm::dmat4&
 }
 
 std::array<glm::dvec3, 2> Scene::box(double frame) const {
-    const std::vector<glm::dmat4> world = transforms(frame);
+    const Pose posed = pose(frame);
+    const std::vector<glm::dmat4> world = transforms(posed);
     std::array<glm::dvec3, 2> out = no_box;
     for (const Instance& instance : instances_)
-        out = around(out, box(instance, world[static_cast<size_t>(instance.node)], frame));
+        out = around(out, box(instance, world[static_cast<size_t>(instance.node)], posed));
     return out;
 }
 
 std::vector<std::array<glm::dvec3, 2>> Scene::moved_boxes(double a, double b) const {
     std::vector<std::array<glm::dvec3, 2>> boxes;
     if (!moved(a, b)) return boxes;
-    const std::vector<glm::dmat4> at_a = transforms(a), at_b = transforms(b);
+    const Pose pose_a = pose(a), pose_b = pose(b);
+    const std::vector<glm::dmat4> at_a = transforms(pose_a), at_b = transforms(pose_b);
     for (const Instance& instance : instances_) {
         const auto node = static_cast<size_t>(instance.node);
         if (at_a[node] != at_b[node] || deforms(instance))
-            boxes.push_back(around(box(instance, at_a[node], a), box(instance, at_b[node], b)));
+            boxes.push_back(around(box(instance, at_a[node], pose_a), box(instance, at_b[node], pose_b)));
     }
     return boxes;
 }
@@ -288,8 +294,8 @@ bool Scene::has_translucent() const {
 
 template <class Visit>
 void Scene::each_triangle(double frame, const Visit& visit) const {
-    const std::vector<glm::dmat4> world = transforms(frame);
     const Pose posed = pose(frame);
+    const std::vector<glm::dmat4> world = transforms(posed);
     std::vector<glm::vec3> moved_positions;
     for (const Instance& instance : instances_) {
         const glm::dmat4& transform = world[static_cast<size_t>(instance.node)];

@@ -79,11 +79,12 @@ class Scene {
         std::vector<glm::dmat4> world;  // of all, with a skin or without
     };
     Pose pose(double frame) const;
+    std::vector<glm::dmat4> transforms(const Pose& pose) const;
     glm::dvec3 skin_origin(const Node& node, const Pose& pose) const;  // where its vertices are counted from
     std::vector<bool> moving_nodes() const;  // of the animation, with what hangs on them
     bool deforms(const Instance& instance) const;
-    // `world`: of its node.
-    std::array<glm::dvec3, 2> box(const Instance& instance, const glm::dmat4& world, double frame) const;
+    // `world`: of its node, of transforms().
+    std::array<glm::dvec3, 2> box(const Instance& instance, const glm::dmat4& world, const Pose& pose) const;
     std::vector<glm::vec3> positions(const Instance& instance, const Part& part, const Pose& pose) const;
     // visit(part, corners) of every triangle in order.
     template <class Visit>

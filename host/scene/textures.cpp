@@ -9,23 +9,22 @@
 #include <cmath>
 #include <set>
 
+#include "host/images/srgb.h"
+
 namespace penumbra {
 
 namespace {
 
-// IEC 61966-2-1.
 float to_linear(uint8_t encoded) {
-    const float c = static_cast<float>(encoded) / 255;
-    return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+    return linear_of_srgb(static_cast<float>(encoded) / 255);
+}
+
+uint8_t to_unorm(float value) {
+    return static_cast<uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
 }
 
 uint8_t to_srgb(float linear) {
-    const float c = linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-    return static_cast<uint8_t>(std::lround(std::clamp(c, 0.0f, 1.0f) * 255));
-}
-
-uint8_t to_unorm(float linear) {
-    return static_cast<uint8_t>(std::lround(std::clamp(linear, 0.0f, 1.0f) * 255));
+    return to_unorm(srgb_of_linear(linear));
 }
 
 // How a texture's bytes stand for what is averaged.

@@ -98,7 +98,7 @@ struct PlacedModel {
 };
 
 struct Shot {
-    std::string name;  // the file's name without ".shot.json"
+    std::string name;  // shot_name() of its file
     std::filesystem::path file;
     std::filesystem::path model;            // glTF, resolved against the shot's folder
     std::vector<PlacedModel> models;        // instead of one model
@@ -121,6 +121,9 @@ struct Shot {
     glm::dvec3 origin{0};
     uint32_t seed = 0;
 };
+
+// A file's name without ".shot.json".
+std::string shot_name(const std::filesystem::path& file);
 
 // Reads and checks a shot; the scene file itself is not opened.
 std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics);

@@ -326,13 +326,6 @@ void check_frames(Reader& reader, const Json& root, const Shot& shot) {
     }
 }
 
-std::string name_of(const std::filesystem::path& path) {
-    std::string name = path.filename().string();
-    constexpr std::string_view suffix = ".shot.json";
-    if (name.ends_with(suffix)) name.resize(name.size() - suffix.size());
-    return name;
-}
-
 }  // namespace
 
 namespace {
@@ -349,7 +342,7 @@ std::optional<Shot> shot_of(const std::optional<Json>& root, const std::filesyst
     }
     Shot shot;
     shot.file = path;
-    shot.name = name_of(path);
+    shot.name = shot_name(path);
     if (const Json* version = reader.required(*root, "", "penumbra_shot")) {
         if (version->kind != Json::Kind::integer || version->integer != 1) {
             reader.error(version->place, "penumbra_shot", "this program reads shots of version 1");
@@ -400,6 +393,13 @@ std::optional<Shot> shot_of(const std::optional<Json>& root, const std::filesyst
 }
 
 }  // namespace
+
+std::string shot_name(const std::filesystem::path& file) {
+    std::string name = file.filename().string();
+    constexpr std::string_view suffix = ".shot.json";
+    if (name.ends_with(suffix)) name.resize(name.size() - suffix.size());
+    return name;
+}
 
 std::optional<Shot> read_shot(const std::filesystem::path& path, Diagnostics& diagnostics) {
     return shot_of(read_json(path, diagnostics), path, diagnostics);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "host/shots/shot_text.h"
 
+#include "host/json_dump.h"
+
 namespace penumbra {
 namespace {
 
@@ -14,14 +16,14 @@ std::string members(const OrderedJson& json, const std::string& between, const T
     std::string all;
     for (auto member = json.begin(); member != json.end(); ++member) {
         if (!all.empty()) all += between;
-        if (json.is_object()) all += OrderedJson(member.key()).dump() + ": ";
+        if (json.is_object()) all += json_dump(OrderedJson(member.key())) + ": ";
         all += text(*member);
     }
     return all;
 }
 
 std::string in_a_line(const OrderedJson& json) {
-    if (!json.is_structured()) return json.dump();
+    if (!json.is_structured()) return json_dump(json);
     const std::string inside = members(json, ", ", in_a_line);
     if (json.is_array()) return "[" + inside + "]";
     return inside.empty() ? "{}" : "{ " + inside + " }";

@@ -87,7 +87,8 @@ bool NearLight::reaches(const glm::dvec3& receiver) const {
     if (!on_ || !(distance < range_)) return false;
     if (kind_ == blocks::LIGHT_DISC || kind_ == blocks::LIGHT_RECTANGLE)
         return height > blocks::LIGHT_EDGE_ON * (distance + std::max(glm::length(u_), glm::length(v_)));
-    return kind_ != blocks::LIGHT_SPHERE || (distance > u_.x && height > cos_outer_ * distance);
+    if (kind_ != blocks::LIGHT_SPHERE) return true;
+    return distance > u_.x && (cos_outer_ <= -1 || height > cos_outer_ * distance);
 }
 
 glm::dvec3 NearLight::across(const glm::dvec3& receiver) const {

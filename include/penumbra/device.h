@@ -19,6 +19,7 @@ struct MemoryRequest {
     VkMemoryPropertyFlags properties = 0;  // that the type must have
     bool mapped = false;                   // MemoryBlock::mapped is to be filled in, for the block's lifetime
     bool linear = false;                   // holds buffers; else images of optimal tiling
+    bool readback = false;                 // the host reads it: a type that is HOST_CACHED, too, is best
     const char* what = "";                 // to print
 };
 

@@ -4,7 +4,7 @@
 
    Every struct begins with its size, which the caller sets: sizeof(struct) of the header that it was compiled
    with. Members are only ever added at the end; those that an older caller does not have are taken as 0.
-   Arrays are of the caller's structs: their elements' sizes are those that the first element says.
+   Arrays are of the caller's structs: all elements have the size that the first one says.
 
    Functions that can fail return a penumbra_code and fill in `error`, which may be null. Nothing throws
    across this header. Different objects may be used from different threads at once, one object by one at a
@@ -59,6 +59,7 @@ typedef struct penumbra_memory_request {
     VkMemoryRequirements need;
     VkBool32 mapped, linear;
     const char* what;
+    VkBool32 readback;
 } penumbra_memory_request;
 
 typedef struct penumbra_memory_block {
@@ -246,7 +247,9 @@ PENUMBRA_API void penumbra_program_destroy(penumbra_program* program);
 /* Fills in `size`; with `data`, which has room for `*size` bytes, also that. */
 PENUMBRA_API penumbra_code penumbra_program_pipeline_cache(const penumbra_program* program, size_t* size,
                                                            void* data, penumbra_error* error);
-PENUMBRA_API void penumbra_program_record_uploads(const penumbra_program* program, VkCommandBuffer cmd);
+/* PENUMBRA_USAGE, and nothing is recorded, where one of them is null. */
+PENUMBRA_API penumbra_code penumbra_program_record_uploads(const penumbra_program* program,
+                                                           VkCommandBuffer cmd);
 PENUMBRA_API penumbra_code penumbra_transients_create(const penumbra_program* program,
                                                       penumbra_transients** transients,
                                                       penumbra_error* error);

@@ -54,7 +54,7 @@ struct DeviceTable {
     // The rest of its limits, by the names of their members in Vulkan's structs; what is not named bounds
     // nothing.
     std::map<std::string, uint64_t> limits;
-    uint64_t memory_bytes = ~uint64_t{0};  // of the largest heap
+    uint64_t memory_bytes = ~uint64_t{0};  // of the largest device-local heap
     std::set<std::string>
         features;  // of Domain::features, those enabled on the device, which only the host can tell
     std::function<MemoryNeed(const ImageNeed&)> image_memory;

@@ -34,7 +34,9 @@ struct Handover {
     VkImageLayout layout_before = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     VkImageLayout layout_after = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;
     // Queue family ownership, if it is not the frame's: acquired before, released after. The matching half
-    // of each transfer is the host's, with the same two layouts.
+    // of each transfer is the host's, with the same two layouts; the stages and accesses above are that
+    // queue's own then, and a semaphore of the host's orders the two. What the frame writes is not acquired
+    // and need not be released before: its old contents are lost.
     uint32_t family_before = VK_QUEUE_FAMILY_IGNORED, family_after = VK_QUEUE_FAMILY_IGNORED;
     VkImageAspectFlags aspects = 0;  // 0: as the format has them; of a depth-stencil image both
 };
@@ -45,7 +47,7 @@ struct SlotBinding {
     VkImageLayout layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;  // while the frame reads it
     VkBufferView texels = VK_NULL_HANDLE;                             // kind texels
     VkBuffer buffer = VK_NULL_HANDLE;  // kinds buffer and block; of texels where they are handed over
-    VkDeviceSize offset = 0, range = VK_WHOLE_SIZE;
+    VkDeviceSize offset = 0, range = VK_WHOLE_SIZE;         // of a block no more than the struct is bound
     VkAccelerationStructureKHR structure = VK_NULL_HANDLE;  // kind structure
     // Empty: it is in `layout` and readable when the frame begins, stays so, and the host orders its own
     // accesses: its writes before this frame's compute stage, its next writes after it.
@@ -58,6 +60,7 @@ class Externals {
     explicit Externals(const Plan& plan);            // which outlives it
     SlotBinding& operator[](std::string_view slot);  // throws Failure, with a suggestion, where there is none
     bool has(std::string_view slot) const;
+    void clear();                       // as it was made, with nothing bound
     bool fits(const Plan& plan) const;  // whether that one has the same slots
     operator std::span<const SlotBinding>() const { return bindings_; }
 
@@ -167,8 +170,8 @@ class View {
     // The same by names.
     [[nodiscard]] bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
 
-    // The most recently recorded frame's output; before the first, that one's, of which nothing is written
-    // yet.
+    // The most recently recorded frame's output, from its end() on; before the first, that one's, of which
+    // nothing is written yet.
     const ResourceHandles& output(std::string_view name) const;
     // Bytes of a captured resource, tightly packed, after the most recently recorded frame has completed;
     // none before the first.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Directions are those of visible normals as lobe.glsl draws them (Dupuy and Benyoub 2023, "Sampling Visible
+// Directions are those of visible normals (Dupuy and Benyoub 2023, "Sampling Visible
 // GGX Normals with Spherical Caps"), at the middles of an even grid of numbers: their weight, response over
 // density, is a ratio of Smith's terms and never large.
 #include "nodes/tables/environment_brdf.h"

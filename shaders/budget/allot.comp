@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How many rays each tile's pixels get, so that all of the frame's are worth the same and together as many as the budget has. Every
-// invocation finds the gain from which on rays are traced by itself, in the histogram that `worth` has made of the image.
+// workgroup finds the gain from which on rays are traced by itself, in the histogram that `worth` has made of the image.
 #define APPENDS_TILES
 #include "node.glsl"
 #include "common/rounded.glsl"
@@ -36,9 +36,7 @@ Threshold threshold() {
     return Threshold(bin, max(float(left) / float(wanted_at(bin)), 1e-9));
 }
 
-void main() {
-    const Threshold t = threshold();
-    const ivec2 tile = ivec2(gl_GlobalInvocationID.xy);
+void for_tile(ivec2 tile, Threshold t) {
     const bool in_grid = all(lessThan(tile, tile_grid()));
     const uvec4 pixels = in_grid ? classes[tile_index(tile)] : uvec4(0u);
     const uint steps_less = HAS_LIGHT_SHARES && in_grid ? light_shares[tile_index(tile)] : 0u;
@@ -53,4 +51,10 @@ void main() {
         append_tile(level != 0u, with_rays(pack_tile(tile, pixels[c], 0.0, WHOLE_RAY_M), RAYS_AT[level]));
         count_allotted(uint(bitCount(pixels[c])) * (RAYS_AT[level] - 1u));
     }
+}
+
+void main() {
+    const Threshold t = threshold();
+    const uint rows = PER_THREAD_Y / uint(TILE.y);
+    for (uint y = 0u; y < rows; ++y) for_tile(ivec2(gl_GlobalInvocationID.x, rows * gl_GlobalInvocationID.y + y), t);
 }

@@ -5,7 +5,6 @@
 #include "common/camera.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/sun_sample.glsl"
-const bool HAS_LIGHT = true;
 #include "common/light.glsl"
 #include "common/illuminance.glsl"
 #include "common/tiles.glsl"

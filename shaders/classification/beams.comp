@@ -90,6 +90,13 @@ bool worth_a_beam(ivec2 tile, bool listed) {
             was_proved(tile + ivec2(0, 1)));
 }
 
+// Of a tile that needs none now, for the frame in which it needs one again.
+void hand_on_proof(ivec2 tile) {
+#if HAS_PROVED
+    if (HAS_PROVED_BEFORE && was_proved(tile)) atomicOr(proved[tile_word(tile)], tile_bit(tile));
+#endif
+}
+
 void main() {
     const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
     const bool listed = index < candidate_args[3];
@@ -97,7 +104,10 @@ void main() {
     if (listed) record = candidates[index];
     const ivec2 tile = tile_of(record);
     if (HAS_REUSE_WORDS && listed)
-        if (reuse_words[tile_index(tile)] == REUSED) record.y = 0u;
+        if (reuse_words[tile_index(tile)] == REUSED) {
+            record.y = 0u;
+            hand_on_proof(tile);
+        }
     const uint mask = record.y;
 
     bool lit = false, shadowed = false;

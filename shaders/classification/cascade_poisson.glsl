@@ -40,7 +40,7 @@ Found search_published(ivec2 p, float z) {
     const vec3 relative = position_at(vec2(p) / vec2(frame.size) - frame.jitter, z);
     Found found = Found(UNDECIDED, 0.0, WHOLE_RAY_M);
     bool inside = false;
-    for (uint k = 0u; k < cascades.count; ++k) {
+    for (uint k = 0u; k < cascade_count(textureSize(cascade_maps, 0).z); ++k) {
         const Cascade c = cascades.c[k];
         const vec3 at = in_cascade(c, relative);
         if (!inside && is_usable(c) && all(greaterThan(at.xy, vec2(0.0))) && all(lessThan(at.xy, vec2(1.0)))) {

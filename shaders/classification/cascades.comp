@@ -29,7 +29,7 @@ vec3 metres_in(Cascade c, vec3 relative) {
 
 // Rays decide everything where the host does not say that the bounds hold all casters.
 uint usable_cascades() {
-    return (cascades.flags & BOUNDS_HOLD_ALL) != 0u ? min(cascades.count, uint(textureSize(cascade_bounds, 0).z)) : 0u;
+    return (cascades.flags & BOUNDS_HOLD_ALL) != 0u ? cascade_count(textureSize(cascade_bounds, 0).z) : 0u;
 }
 
 struct Area {

@@ -8,6 +8,9 @@ bool is_usable(Cascade c) {
            c.depth_m < 1e12;
 }
 
+// That a host has filled in and that an image of them has a layer for.
+uint cascade_count(int layers) { return min(cascades.count, uint(min(layers, cascades.c.length()))); }
+
 // Camera-relative metres -> u, v, depth.
 vec3 in_cascade(Cascade c, vec3 relative) { return vec4(relative, 1.0) * c.map; }
 

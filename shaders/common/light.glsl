@@ -16,7 +16,7 @@ bool light_is_flat() { return light.kind == LIGHT_DISC || light.kind == LIGHT_RE
 // Of a sphere around its centre that holds all of it.
 float light_bound_m() {
     const float u = length(light.u), v = length(light.v);
-    return light.kind == LIGHT_RECTANGLE ? length(vec2(u, v)) : light.kind == LIGHT_TUBE ? u + v : u;
+    return light.kind == LIGHT_RECTANGLE ? length(vec2(u, v)) : light.kind == LIGHT_TUBE ? u + v : max(u, v);
 }
 
 // Of a disc of its area; of a sphere its own.
@@ -28,7 +28,9 @@ bool light_reaches(vec3 from_centre) {
     const float distance_m = length(from_centre), height_m = dot(from_centre, light.facing);
     if (light.on == 0u || !(distance_m < light.range)) return false;
     if (light_is_flat()) return height_m > LIGHT_EDGE_ON * (distance_m + max(length(light.u), length(light.v)));
-    return light.kind != LIGHT_SPHERE || (distance_m > light.u.x && height_m > light.cos_outer * distance_m);
+    if (light.kind != LIGHT_SPHERE) return true;
+    // Straight behind a light that shines all around, -d > -d would leave a dark spot.
+    return distance_m > light.u.x && (light.cos_outer <= -1.0 || height_m > light.cos_outer * distance_m);
 }
 
 // Whether no point of it is above a receiver's horizon, whose normal is off by at most `normal_error`.

@@ -71,7 +71,7 @@ struct Gathered {
 
 const uint TESTED = 1u << 15;
 // Multiples, so that a state goes through unchanged: what rounding it added would add up over the frames.
-const float GATHERED_STEPS = 2.0 * VISIBILITY_STEPS, GATHERED_MEAN_STEPS = 16.0 * 127.0;
+const float GATHERED_STEPS = 2.0 * VISIBILITY_STEPS, GATHERED_MEAN_STEPS = MANY_RAYS ? 32.0 * 63.0 : 16.0 * 127.0;
 
 // What the state will stand for; `worth`: this frame's.
 float frames_with(float count, float worth) { return MANY_RAYS ? count + worth : min(count + 1.0, COUNT_CAP); }

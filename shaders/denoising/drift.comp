@@ -7,7 +7,6 @@
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
-#include "common/pixels.glsl"
 #include "common/rounded.glsl"
 #include "denoising/many_rays.glsl"
 #include "common/dithered.glsl"

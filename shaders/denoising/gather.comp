@@ -9,7 +9,6 @@
 #include "common/rounded.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
-#include "common/pixels.glsl"
 #include "denoising/many_rays.glsl"
 #include "common/dithered.glsl"
 #include "common/own_rays.glsl"
@@ -45,7 +44,7 @@ ivec2 first_pixel() { return cell_of(0u) * CELL & ~31; }
 ViewRays rays_of(ivec2 p) { return moved(first_rays, vec2(p - first_pixel())); }
 vec3 normal_at(ivec2 p) { return unit_or_zero(decode_normal(imageLoad(guide_normal, p))); }
 
-// What is found out about the cells of the list, `at` their places in it; 13.5 KiB of the 16 that every device has.
+// What is found out about the cells of the list, `at` their places in it; 6.5 KiB at most, of the 16 that every device has.
 const uint PIXELS = uint(CELL * CELL), MOST_PIXELS = MOST_CELLS * PIXELS;
 shared vec3 cell_penumbrae[MOST_CELLS];
 shared uint cell_rows[MOST_CELLS * uint(ROWS)];

@@ -6,7 +6,6 @@
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/sun_sample.glsl"
-const bool HAS_LIGHT = true;
 #include "common/light.glsl"
 #include "common/illuminance.glsl"
 

@@ -18,7 +18,6 @@
 #include "common/finite.glsl"
 #include "common/guide_normal.glsl"
 #include "lighting/lanes_in_a_row.glsl"
-#include "common/pixels.glsl"
 #include "common/round_store.glsl"
 #include "common/rounded.glsl"
 

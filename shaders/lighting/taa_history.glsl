@@ -4,6 +4,7 @@
 // device is fast at, and no device's 8 bits of filter weight get into the average.
 //
 // Includer has camera.glsl and rounded.glsl and declares the image history.
+#include "common/cubic.glsl"
 
 ivec2 history_last() { return ivec2(frame.prev_size) - 1; }
 
@@ -13,18 +14,13 @@ ivec2 history_base(vec2 texel) {
     return ivec2(rounded(up.x), rounded(up.y)) - 1;
 }
 
-vec4 catmull_rom(float f) {
-    return f * vec4(-0.5, 0.0, 0.5, 0.0) + f * f * vec4(1.0, -2.5, 2.0, -0.5) +
-           f * f * f * vec4(-0.5, 1.5, -1.5, 0.5) + vec4(0.0, 1.0, 0.0, 0.0);
-}
-
 vec3 texel_at(int x, int y) { return imageLoad(history, ivec2(x, y)).xyz; }
 
 vec3 history_at(vec2 texel) {
     const ivec2 base = history_base(texel), last = history_last();
     const vec2 f = texel - 0.5 - vec2(base);
     const ivec4 x = clamp(base.x + ivec4(-1, 0, 1, 2), 0, last.x), y = clamp(base.y + ivec4(-1, 0, 1, 2), 0, last.y);
-    const vec4 wx = catmull_rom(f.x), wy = catmull_rom(f.y);
+    const vec4 wx = cubic_weights(f.x), wy = cubic_weights(f.y);
     vec3 first = wx.y * texel_at(x.y, y.x) + wx.z * texel_at(x.z, y.x);
     const vec3 second = wx.x * texel_at(x.x, y.y) + wx.y * texel_at(x.y, y.y) + wx.z * texel_at(x.z, y.y) + wx.w * texel_at(x.w, y.y);
     const vec3 third = wx.x * texel_at(x.x, y.z) + wx.y * texel_at(x.y, y.z) + wx.z * texel_at(x.z, y.z) + wx.w * texel_at(x.w, y.z);

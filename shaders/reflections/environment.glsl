@@ -10,13 +10,17 @@ vec3 environment_texel(ivec2 at, ivec2 size) {
     return texelFetch(environment, ivec2(x % size.x, y), 0).rgb;
 }
 
-// `direction` is a unit vector.
+// Where a direction, a unit vector, lies in it: 0 to 1 across and down. A pole has no longitude, and atan is undefined there.
+vec2 environment_place(vec3 direction) {
+    const bool pole = direction.x == 0.0 && direction.z == 0.0;
+    const float longitude = pole ? 0.0 : atan(direction.z, direction.x) * 0.15915494309189535;
+    return vec2(longitude - floor(longitude), acos(clamp(direction.y, -1.0, 1.0)) * 0.3183098861837907);
+}
+
 vec3 environment_radiance(vec3 direction) {
     if (!HAS_ENVIRONMENT) return vec3(0.0);
     const ivec2 size = textureSize(environment, 0);
-    const float longitude = atan(direction.z, direction.x) * 0.15915494309189535;
-    const float polar = acos(clamp(direction.y, -1.0, 1.0)) * 0.3183098861837907;
-    const vec2 at = vec2(longitude - floor(longitude), polar) * vec2(size) - 0.5;
+    const vec2 at = environment_place(direction) * vec2(size) - 0.5;
     const vec2 first = floor(at), within = at - first;
     const ivec2 i = ivec2(first);
     return mix(mix(environment_texel(i, size), environment_texel(i + ivec2(1, 0), size), within.x),

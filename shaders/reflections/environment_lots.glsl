@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Directions towards what is bright of the environment, and their density per steradian (host/materials/environment_lots.h).
 //
-// Includer has common/hash.glsl and declares: uniform usamplerBuffer environment_lots.
+// Includer has common/hash.glsl and reflections/environment.glsl and declares: uniform usamplerBuffer environment_lots.
 
 // `direction` is a unit vector.
 float lot_density(vec3 direction) {
     const uvec2 size = texelFetch(environment_lots, 0).xy;
-    const float longitude = atan(direction.z, direction.x) * 0.15915494309189535;
-    const float polar = acos(clamp(direction.y, -1.0, 1.0)) * 0.3183098861837907;
-    const uvec2 at = min(uvec2(vec2(longitude - floor(longitude), polar) * vec2(size)), size - 1u);
+    const uvec2 at = min(uvec2(environment_place(direction) * vec2(size)), size - 1u);
     return uintBitsToFloat(texelFetch(environment_lots, int(1u + at.y * size.x + at.x)).z);
 }
 

@@ -3,6 +3,7 @@
 // is believed, and how far, is accumulate_radiance's to say.
 #include "node.glsl"
 #include "common/camera.glsl"
+#include "common/cubic.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/rounded.glsl"
@@ -29,10 +30,6 @@ bool past_is(Shown here, ivec2 q, vec2 depths, float tolerance) {
 vec4 history_texel(ivec2 q) {
     const Past past = decode_past(imageLoad(history, q).x, texel_byte(imageLoad(frames_prev, q).x));
     return vec4(past.radiance, past.frames);
-}
-
-vec4 cubic_weights(float t) {
-    return vec4(t * (-0.5 + t * (1.0 - 0.5 * t)), 1.0 + t * t * (-2.5 + 1.5 * t), t * (0.5 + t * (2.0 - 1.5 * t)), t * t * (-0.5 + 0.5 * t));
 }
 
 // Catmull-Rom where all that it reads has a past; limited to the four texels around, which keeps bright points from ringing.

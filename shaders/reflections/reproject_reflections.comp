@@ -6,6 +6,7 @@
 #include "common/bilinear.glsl"
 #include "common/camera.glsl"
 #include "common/guide_normal.glsl"
+#include "common/past_places.glsl"
 #include "reflections/published_tile.glsl"
 
 const float SAMPLES = 32.0;
@@ -39,14 +40,6 @@ BILINEAR(float, samples_between, SAMPLES_THEN)
 BILINEAR(float, variance_between, VARIANCE_THEN)
 vec3 history_at(vec2 uv) { return history_between(uv * vec2(frame.prev_size), ivec2(frame.prev_size)); }
 
-// Where the previous frame saw what is mirrored here: the view ray, longer by the reflection ray.
-vec2 hit_uv(ivec2 p, float z, float ray_m) {
-    const vec3 surface = position(p, z);
-    const float length_m = length(surface);
-    const vec4 clip = frame.prev_clip_from_rel * vec4(surface * ((length_m + ray_m) / max(length_m, 1e-6)), 1.0);
-    return clip.w > 0.0 ? 0.5 + 0.5 * clip.xy / clip.w : vec2(-1.0);
-}
-
 struct Reprojected {
     vec3 history;
     float factor;
@@ -54,8 +47,7 @@ struct Reprojected {
 };
 
 Reprojected reprojected_history(ivec2 p, float z, vec3 n, float roughness, float ray_m, LocalStatistics around) {
-    const vec2 motion_here = HAS_MOTION ? texelFetch(motion, p, 0).xy : vec2(0.0);
-    const Past surface = past_at(reproject(p, motion_here).uv), hit = past_at(hit_uv(p, z, ray_m));
+    const Past surface = past_at(reproject(p, surface_motion(p)).uv), hit = past_at(past_of_image(position(p, z), ray_m));
     const float of_surface = dot(surface.normal, n), of_hit = dot(hit.normal, n);
     Past chosen = surface;
     vec3 value = history_at(surface.uv);

@@ -2,7 +2,6 @@
 // RELAX, history clamping and antilag: the long past is limited to the short one's mean and deviations over 5x5 pixels, in YCoCg;
 // where it had to be, both go towards the frame's mean, and a past that differs by more than noise goes towards the frame itself.
 #include "node.glsl"
-#include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/round_store.glsl"

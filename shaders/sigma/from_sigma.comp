@@ -4,7 +4,6 @@
 #include "node.glsl"
 #include "common/rounded.glsl"
 #include "common/blockers.glsl"
-#include "common/camera.glsl"
 #include "common/sun_sample.glsl"
 #include "common/light.glsl"
 #include "common/tiles.glsl"

@@ -2,7 +2,7 @@
 // What the passes of SIGMA share: NVIDIA's denoiser of shadows whose rays know the distance of what they hit, as a baseline.
 // Written from a description of what the published one computes (docs/pipelines.md says what was read); no code of theirs is in here.
 //
-// Includer has common/camera.glsl.
+// Includer declares: block frame.
 #include "sigma/values.glsl"
 
 const float MAX_RADIUS_PX = 32.0;

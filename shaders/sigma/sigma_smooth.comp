@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SIGMA, second pass: a tile of wide penumbrae spreads over its neighbours, one of narrow ones hardly at all.
 #include "node.glsl"
-#include "common/camera.glsl"
 #include "sigma/sigma.glsl"
 
 void main() {

@@ -59,21 +59,23 @@ Past past_of(ivec2 p, float z) {
     const vec2 texel = there.uv * vec2(frame.prev_size), f = fract(texel - 0.5);
     const ivec2 base = ivec2(floor(texel - 0.5));
     float seen = 0.0, frames = 0.0;
-    vec4 value = vec4(0.0);
+    vec4 weights;
     bool all_seen = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = base + corner(i);
         const bool inside = all(greaterThanEqual(q, ivec2(0))) && all(lessThan(q, ivec2(frame.prev_size)));
         const uint word = inside ? imageLoad(past_prev, q).x : 0u;
         const bool valid = inside && abs(past_depth(word) - expected) <= tolerance;
-        const float weight = valid ? bilinear_share(i, f) : 0.0;
+        weights[i] = valid ? bilinear_share(i, f) : 0.0;
         all_seen = all_seen && valid;
-        seen += weight;
-        frames += weight * past_frames(word);
-        if (weight > 0.0) value += weight * history_tap(vec2(q) + 0.5);
+        seen += weights[i];
+        frames += weights[i] * past_frames(word);
     }
     if (seen < 1e-4) return Past(vec4(0.0), 0.0);
-    const vec4 root = all_seen ? sharp_history(texel) : value / seen;
+    vec4 root = vec4(0.0);
+    if (all_seen) root = sharp_history(texel);
+    for (int i = 0; i < 4 && !all_seen; ++i)
+        if (weights[i] > 0.0) root += weights[i] / seen * stable_before(base + corner(i));
     return Past(decoded(clamp(root, 0.0, 1.0)), frames / seen);
 }
 

@@ -33,7 +33,7 @@ void for_pixel(ivec2 p) {
         const vec3 relative = position(p, z);
         visible = dot(n, sun.to_sun) > 0.0 ? 1.0 : 0.0;
         bool inside = false;
-        for (uint k = 0u; k < cascades.count && visible > 0.0; ++k) {
+        for (uint k = 0u; k < cascade_count(textureSize(cascade_maps, 0).z) && visible > 0.0; ++k) {
             const Cascade c = cascades.c[k];
             const vec3 at = in_cascade(c, relative);
             const vec2 border = vec2((params.radius_texels + 1.0) / float(textureSize(cascade_maps, 0).x));

@@ -41,9 +41,9 @@ bool light_may_reach(vec3 lower, vec3 upper) {
 }
 
 // Of the 32 lights from the first one on, a bit for each that may.
-uint lights_that_reach(int first, vec3 lower, vec3 upper) {
+uint lights_that_reach(TileShare share, int first, vec3 lower, vec3 upper) {
     uint found = 0u;
-    for (uint k = gl_SubgroupInvocationID; k < 32u; k += gl_SubgroupSize) {
+    for (uint k = share.lane; k < 32u; k += share.lanes) {
         const int i = first + int(k);
         light = light_at(min(i, light_count() - 1));
         if (i < light_count() && light_may_reach(lower, upper)) found |= 1u << k;
@@ -74,18 +74,22 @@ struct Seen {
     uint steps;
 };
 
+// All rays to a point are one.
+uint rays_to_light(uint rays) { return light_bound_m() > 0.0 ? rays : 1u; }
+
 vec2 point_of_ray(ivec2 p, uint k, uint rays) {
     return light_point(noise_unit(noise_fixed(p, frame.frame_index, params.seed) + noise_step(k, rays)));
 }
 
 #if BACKEND == BACKEND_RAY_QUERY
 Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
+    const uint rays = rays_to_light(RAYS);
     uint lit = 0u;
-    for (uint k = 0u; own && k < RAYS; ++k) {
-        const LightRay ray = light_ray(to_light, point_of_ray(p, k, RAYS));
+    for (uint k = 0u; own && k < rays; ++k) {
+        const LightRay ray = light_ray(to_light, point_of_ray(p, k, rays));
         if (!points_into_surface(normal, ray.direction) && !occluded(start, ray.direction, 0.0, ray.t_max)) ++lit;
     }
-    return Seen(float(lit) / float(RAYS), false, 0u);
+    return Seen(float(lit) / float(rays), false, 0u);
 }
 #else
 // A walk that was given up leaves samples that nothing hides yet: rays say what the rest of it would have.
@@ -103,7 +107,7 @@ Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
 // hidden and it differs from ray to ray, over those that arrive; where none does all are as likely.
 vec3 mean_transmittance(ivec2 p, vec3 start, vec3 normal, vec3 to_light, float seen, bool wanted) {
     const bool coloured = near_light_may_be_coloured(start, wanted);
-    const uint rays = light_bound_m() > 0.0 ? TRANSLUCENT_RAYS : 1u;
+    const uint rays = rays_to_light(TRANSLUCENT_RAYS);
     vec3 sum = vec3(0.0);
     float count = 0.0;
     uint first = 0u, mean = 0u;  // packed: of the first ray, of all
@@ -161,7 +165,7 @@ void main() {
     while (true) {
         while (rest == 0u && (candidates != 0u || tested < light_count())) {
             if (candidates == 0u) {
-                candidates = lights_that_reach(tested, lower, upper);
+                candidates = lights_that_reach(share, tested, lower, upper);
 #ifdef KEEPS_LAYERS
                 for (int i = tested; i < min(tested + 32, light_count()); ++i)
                     for (uint number = share.first + share.lane; number < share.end; number += share.lanes)

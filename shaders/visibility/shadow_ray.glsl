@@ -20,7 +20,8 @@ const float SUN_IS_AT_M = 1e30;  // as classify's records end
 const float PUBLISHED_OFFSET_M = 1e-4;
 const float PUBLISHED_T_MIN_M = 4e-2;
 
-float nearest_hit_m(float t_min) { return ORIGIN == ORIGIN_PUBLISHED ? max(t_min, PUBLISHED_T_MIN_M) : t_min; }
+// The published form knows no light that is near.
+float nearest_hit_m(float t_min) { return !HAS_LIGHT && ORIGIN == ORIGIN_PUBLISHED ? max(t_min, PUBLISHED_T_MIN_M) : t_min; }
 
 // For whoever counts this pixel's ray as a neighbour's.
 void keep_point(ivec2 p, uint point) {

@@ -51,7 +51,7 @@ float penumbra_at(ivec2 p, float t_min, float t_max, out vec4 colour) {
     float t = t_max;
     const bool dark = nearest_hit(origin, ray.direction, t_min, t_max, t);
     vec3 through = vec3(1.0);
-    if (HAS_TRANSLUCENTS) through = transmittance_along(origin, ray.direction, t, t);
+    if (HAS_TRANSLUCENTS) through = transmittance_along(origin, ray.direction, t, true, t);
     const bool lit = !(t < t_max);
     if (!dark) colour = vec4(lit ? 1.0 : 0.0, through);
     return lit && !dark ? LIT : radius_behind(t, ray.t_plane);

@@ -85,8 +85,9 @@ vec3 leaf_transmittance(BvhRay ray, uint leaf, inout float t_first) {
     return transmittance;
 }
 
-// `t_first` becomes where the first of them lies, if that is less.
-vec3 transmittance_along(vec3 origin, vec3 direction, float t_max, inout float t_first) {
+// `t_first` becomes where the first of them lies, if that is less. `all`: though one that lets nothing through has been met, which need not
+// be the first.
+vec3 transmittance_along(vec3 origin, vec3 direction, float t_max, bool all, inout float t_first) {
     in_translucents = true;
     const BvhRay ray = bvh_ray(origin, direction, 0.0, t_max);
     BvhPath path = bvh_path(direction);
@@ -99,7 +100,7 @@ vec3 transmittance_along(vec3 origin, vec3 direction, float t_max, inout float t
             visit.hits = bvh_hit_children(ray, visit.n0, visit.n1, visit.n2);
         }
         bvh_go_on(path, visit);
-        if (transmittance == vec3(0.0) || bvh_ended(path)) break;
+        if ((!all && transmittance == vec3(0.0)) || bvh_ended(path)) break;
     }
     in_translucents = false;
     return transmittance;
@@ -107,7 +108,7 @@ vec3 transmittance_along(vec3 origin, vec3 direction, float t_max, inout float t
 
 vec3 transmittance_along(vec3 origin, vec3 direction, float t_max) {
     float unread = t_max;
-    return transmittance_along(origin, direction, t_max, unread);
+    return transmittance_along(origin, direction, t_max, false, unread);
 }
 
 // Whether a cone may meet a translucent triangle: it meets the box of one.

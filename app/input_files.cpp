@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "app/input_files.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <variant>
+
+#include "app/pipeline_file.h"
+#include "app/text_file.h"
+#include "graph/read_text.h"
+
+namespace penumbra {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// As tinygltf decodes it.
+std::string decoded_uri(const std::string& uri) {
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        uint8_t byte = 0;
+        const char* const first = uri.data() + i + 1;
+        const bool coded = uri[i] == '%' && i + 2 < uri.size() &&
+                           std::from_chars(first, first + 2, byte, 16).ptr == first + 2;
+        out += coded ? static_cast<char>(byte) : uri[i] == '+' ? ' ' : uri[i];
+        if (coded) i += 2;
+    }
+    return out;
+}
+
+// A glTF's JSON; of a binary one the first chunk alone, since the others are long.
+std::string json_of_model(const fs::path& model) {
+    constexpr uint64_t head_bytes = 20;
+    std::error_code failure;
+    const uint64_t size = fs::is_regular_file(model, failure) ? fs::file_size(model, failure) : 0;
+    if (failure || size < head_bytes) return "";
+    std::ifstream stream(model, std::ios::binary);
+    std::array<char, head_bytes> head{};
+    stream.read(head.data(), head.size());
+    if (!std::string_view(head.data(), head.size()).starts_with("glTF")) return read_text(model).value_or("");
+    uint32_t length = 0;
+    for (size_t i = 0; i < 4; ++i) length |= uint32_t{static_cast<uint8_t>(head[12 + i])} << 8 * i;
+    std::string text(std::min<uint64_t>(length, size - head_bytes), '\0');
+    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+    return text;
+}
+
+// A glTF, and other files that it is made of.
+void add_model(const fs::path& file, FileList& files) {
+    files.push_back(file);
+    const Json json = Json::parse(json_of_model(file), nullptr, false);
+    if (!json.is_object()) return;
+    for (const char* list : {"buffers", "images"}) {
+        if (!json.contains(list) || !json[list].is_array()) continue;
+        for (const Json& item : json[list]) {
+            if (!item.is_object() || !item.contains("uri") || !item["uri"].is_string()) continue;
+            const std::string uri = item["uri"];
+            if (uri.starts_with("data:")) continue;
+            std::error_code failure;
+            const fs::path part = file.parent_path() / decoded_uri(uri);
+            if (fs::is_regular_file(part, failure)) files.push_back(part);
+        }
+    }
+}
+
+}  // namespace
+
+FileList files_of_shot(const Shot& shot, bool made_up) {
+    FileList files;
+    if (!made_up) files.push_back(shot.file);
+    if (const auto* map = std::get_if<EnvironmentFile>(&shot.environment)) files.push_back(map->path);
+    if (shot.analytic) return files;
+    if (shot.models.empty()) add_model(shot.model, files);
+    for (const PlacedModel& model : shot.models) add_model(model.file, files);
+    return files;
+}
+
+FileList files_of_pipelines(const std::vector<std::string>& files) {
+    FileList all;
+    for (const std::string& file : files) {
+        const auto chain = files_of_pipeline(file);
+        all.insert(all.end(), chain.begin(), chain.end());
+    }
+    return all;
+}
+
+FileList files_of_nodes(const std::vector<std::string>& folders) {
+    FileList files;
+    std::error_code failure;
+    for (const std::string& folder : folders)
+        for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
+             entry.increment(failure))
+            if (entry->path().extension() == ".json") files.push_back(entry->path());
+    return files;
+}
+
+bool spares(const FileList& written, std::initializer_list<FileList> read, Diagnostics& diagnostics) {
+    const size_t before = diagnostics.size();
+    std::error_code none;
+    for (size_t i = 0; i < written.size(); ++i) {
+        const fs::path& file = written[i];
+        if (std::count(written.begin(), written.begin() + static_cast<ptrdiff_t>(i), file) > 0)
+            diagnostics.add({file.string(), 0, 0}, "", "two files would be written here: give another name");
+        const auto is_it = [&](const fs::path& other) { return fs::equivalent(file, other, none); };
+        for (const FileList& list : read)
+            if (std::ranges::any_of(list, is_it)) {
+                diagnostics.add({file.string(), 0, 0}, "",
+                                "is read, and would be written over: write elsewhere");
+                break;
+            }
+    }
+    return diagnostics.size() == before;
+}
+
+}  // namespace penumbra
