@@ -2,16 +2,13 @@
 #include "app/input_files.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <variant>
 
 #include "app/pipeline_file.h"
-#include "app/text_file.h"
-#include "graph/read_text.h"
+#include "host/models/gltf_text.h"
 
 namespace penumbra {
 namespace {
@@ -33,21 +30,13 @@ std::string decoded_uri(const std::string& uri) {
     return out;
 }
 
-// A glTF's JSON; of a binary one the first chunk alone, since the others are long.
+// A glTF's JSON, as far as a document may go.
 std::string json_of_model(const fs::path& model) {
-    constexpr uint64_t head_bytes = 20;
     std::error_code failure;
     const uint64_t size = fs::is_regular_file(model, failure) ? fs::file_size(model, failure) : 0;
-    if (failure || size < head_bytes) return "";
-    std::ifstream stream(model, std::ios::binary);
-    std::array<char, head_bytes> head{};
-    stream.read(head.data(), head.size());
-    if (!std::string_view(head.data(), head.size()).starts_with("glTF")) return read_text(model).value_or("");
-    uint32_t length = 0;
-    for (size_t i = 0; i < 4; ++i) length |= uint32_t{static_cast<uint8_t>(head[12 + i])} << 8 * i;
-    std::string text(std::min<uint64_t>(length, size - head_bytes), '\0');
-    stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    return text;
+    std::string text(failure ? 0 : std::min(size, glb_head_bytes + largest_document()), '\0');
+    std::ifstream(model, std::ios::binary).read(text.data(), static_cast<std::streamsize>(text.size()));
+    return std::string(document_of(text));
 }
 
 // A glTF, and other files that it is made of.
@@ -95,7 +84,7 @@ FileList files_of_nodes(const std::vector<std::string>& folders) {
     for (const std::string& folder : folders)
         for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
              entry.increment(failure))
-            if (entry->path().extension() == ".json") files.push_back(entry->path());
+            if (entry->is_regular_file(failure)) files.push_back(entry->path());
     return files;
 }
 

@@ -17,7 +17,7 @@ using FileList = std::vector<std::filesystem::path>;
 FileList files_of_shot(const Shot& shot, bool made_up = false);
 // With all that they extend.
 FileList files_of_pipelines(const std::vector<std::string>& files);
-// The declarations that folders of nodes hold.
+// Declarations, shaders and tables that folders of nodes hold.
 FileList files_of_nodes(const std::vector<std::string>& folders);
 
 // Before any work is done: false, with an error, where one of the files to be written is another of them, or

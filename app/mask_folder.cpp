@@ -79,9 +79,11 @@ bool read_info(const Json& json, ReferenceInfo& info) {
 }  // namespace
 
 void write_reference_info(const fs::path& folder, const ReferenceInfo& info) {
-    OrderedJson json = {
-        {"penumbra", 1},     {"shot", info.shot},   {"made_up_shot", or_null(info.made_up_shot)},
-        {"size", info.size}, {"exact", info.exact}, {"rays", or_null(info.rays)}};
+    OrderedJson json = {{"penumbra", 1},
+                        {"shot", info.shot},
+                        {"size", info.size},
+                        {"exact", info.exact},
+                        {"rays", or_null(info.rays)}};
     json["frames"] = OrderedJson::array();
     for (const auto& [number, frame] : info.frames) {
         OrderedJson& out = json["frames"].emplace_back();

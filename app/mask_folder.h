@@ -30,7 +30,6 @@ struct ReferenceInfo {
     bool exact = false;            // a closed form
     std::optional<uint32_t> rays;  // per pixel, else
     std::map<uint32_t, ReferenceFrame> frames;
-    std::optional<std::string> made_up_shot;  // MadeUpShot::mark()
 };
 
 void write_reference_info(const std::filesystem::path& folder, const ReferenceInfo& info);

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-#include "app/digest.h"
+#include "graph/fnv1a.h"
 #include "host/images/texels.h"
 
 namespace penumbra {

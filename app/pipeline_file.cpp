@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "app/shipped_files.h"
 #include "graph/json_reader.h"
+#include "graph/read_text.h"
 #include "host/shots/light_choice.h"
 
 namespace penumbra {
@@ -73,8 +73,7 @@ std::optional<CheckedPipeline> open_pipeline(const std::string& file,
 std::set<std::filesystem::path> files_of_pipeline(const std::filesystem::path& file) {
     std::set<std::filesystem::path> files;
     for (std::filesystem::path next = file; files.insert(next).second;) {
-        std::ifstream stream(next);
-        const auto json = nlohmann::json::parse(stream, nullptr, false);
+        const auto json = nlohmann::json::parse(read_text(next).value_or(""), nullptr, false);
         if (!json.is_object() || !json.contains("extends") || !json["extends"].is_string()) break;
         next = next.parent_path() / json["extends"].get<std::string>();
     }

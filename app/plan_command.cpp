@@ -68,13 +68,6 @@ int run_plan(const PlanArguments& arguments) {
     const auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, *nodes);
     if (!size || !facts || !pipeline) return exit_wrong;
     Diagnostics diagnostics;
-    if (!arguments.out.empty() &&
-        !spares({std::filesystem::path(arguments.out) / "plan.json"},
-                {files_of_pipelines({pipeline->file}), files_of_nodes(arguments.node_folders)},
-                diagnostics)) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
     Target target;
     target.extent = {(*size)[0], (*size)[1]};
     target.facts = *facts;
@@ -104,6 +97,15 @@ int run_plan(const PlanArguments& arguments) {
         return exit_wrong;
     }
     if (!arguments.out.empty()) {
+        const std::filesystem::path folder = arguments.out;
+        FileList written{folder / "plan.json"};
+        for (size_t i = 0; i < plan->modules.size(); ++i) written.push_back(folder / module_file(i));
+        for (size_t i = 0; i < plan->tables.size(); ++i) written.push_back(folder / table_file(i));
+        if (!spares(written, {files_of_pipelines({pipeline->file}), files_of_nodes(arguments.node_folders)},
+                    diagnostics)) {
+            std::cerr << diagnostics.text();
+            return exit_wrong;
+        }
         if (write_plan(*plan, arguments.out, diagnostics)) return exit_good;
         std::cerr << diagnostics.text();
         return exit_failed;

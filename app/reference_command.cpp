@@ -218,7 +218,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
     fs::remove(folder / "reference.json");  // comes last: a folder that has it is a complete one
-    job.made_up.make_way();
+    job.made_up.write();
     OutputWriter host_images(device, folder);
     size_t lost = 0, frames_of_lost = 0;  // pixels; frames with any
     ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};
@@ -250,8 +250,6 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
             "receivers\n",
             lost, frames_of_lost, job.frames.size());
     if (!info.exact) info.rays = rays_cast(arguments.rays);
-    info.made_up_shot = job.made_up.mark();
-    job.made_up.write();
     write_reference_info(folder, info);
     fmt::print("written to {}\n", (folder / "").string());
     return exit_good;

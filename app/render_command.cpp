@@ -131,7 +131,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     const fs::path& folder = job.folder;
     fs::create_directories(folder);
     fs::remove(folder / "report.json");
-    job.made_up.make_way();
+    job.made_up.write();
 
     OutputWriter outputs(device, folder);
     RenderedFrames rendered{job.frames, arguments.cold ? job.frames[0] : 0, {}};
@@ -152,10 +152,8 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
     const std::string complaints = complaint(findings);
     std::cerr << complaints;
-    const auto report =
-        render_report(arguments, *session, job.pipeline, device.info(), rendered, findings, outputs, warnings,
-                      fs::proximate(shot_file, folder), job.made_up.mark());
-    job.made_up.write();
+    const auto report = render_report(arguments, *session, job.pipeline, device.info(), rendered, findings,
+                                      outputs, warnings, fs::proximate(shot_file, folder));
     write_text(folder / "report.json", json_dump(report, 2) + "\n");
     print_summary(report);
     fmt::print("  written to {}/\n", folder.generic_string());

@@ -205,7 +205,7 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
                           const CheckedPipeline& pipeline, const DeviceInfo& device,
                           const RenderedFrames& rendered, const std::vector<Finding>& findings,
                           const OutputWriter& outputs, const std::vector<std::string>& warnings,
-                          const std::filesystem::path& shot_file, const std::optional<std::string>& made_up) {
+                          const std::filesystem::path& shot_file) {
     const Plan& plan = session.plan();
     const auto warm = warmed_up(rendered.costs);
     const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });
@@ -216,7 +216,6 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"pipeline", plan.pipeline},
             {"shot", session.host().shot().name},
             {"shot_file", shot_file.generic_string()},
-            {"made_up_shot", or_null(made_up)},
             {"light", light_json(session, pipeline)},
             {"seed", session.seed()},
             {"size", {plan.extent.width, plan.extent.height}},

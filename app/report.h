@@ -20,13 +20,12 @@ struct RenderedFrames {
 };
 
 // The first two frames are left out of medians where there are more. `shot_file`: as seen from the folder
-// that the report goes to. `made_up`: MadeUpShot::mark().
+// that the report goes to.
 nlohmann::ordered_json render_report(const RenderArguments& arguments, const Session& session,
                                      const CheckedPipeline& pipeline, const DeviceInfo& device,
                                      const RenderedFrames& frames, const std::vector<Finding>& findings,
                                      const OutputWriter& outputs, const std::vector<std::string>& warnings,
-                                     const std::filesystem::path& shot_file,
-                                     const std::optional<std::string>& made_up);
+                                     const std::filesystem::path& shot_file);
 
 // The same for people: milliseconds per pass, and the heap beside its bounds.
 void print_summary(const nlohmann::ordered_json& report);

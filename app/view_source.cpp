@@ -14,7 +14,6 @@
 #include "app/is_there.h"
 #include "app/progress.h"
 #include "app/shipped_files.h"
-#include "app/text_file.h"
 #include "graph/read_text.h"
 #include "host/json_dump.h"
 #include "host/models/joined_models.h"

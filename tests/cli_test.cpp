@@ -146,9 +146,9 @@ TEST_F(CliRender, WritesFilesAndAReportWithEveryKey) {
     ASSERT_EQ(result.code, 0) << result.err;
     const Json report = Json::parse(read_file(out / "report.json"));
     for (const char* key :
-         {"penumbra",     "version",  "pipeline", "shot",     "seed",     "size",    "frames", "settings",
-          "made_up_shot", "captures", "device",   "facts",    "frame_ms", "cpu_ms",  "passes", "culled",
-          "memory",       "counts",   "by_frame", "validate", "warnings", "outputs", "light"})
+         {"penumbra", "version",  "pipeline", "shot",     "seed",    "size",   "frames", "settings",
+          "captures", "device",   "facts",    "frame_ms", "cpu_ms",  "passes", "culled", "memory",
+          "counts",   "by_frame", "validate", "warnings", "outputs", "light"})
         EXPECT_TRUE(report.contains(key)) << key;
     EXPECT_EQ(report["frames"], (Json{1, 3}));
     EXPECT_EQ(report["size"], (Json{48, 32}));

@@ -122,7 +122,12 @@ TEST_F(FirstUse, AShotThatSomebodyChangedIsKept) {
     EXPECT_NE(shot(), plain);
     ASSERT_EQ(run("reference --model " + model + " --rays 16 --frames 0" + small).code, 0);
     EXPECT_EQ(shot(), plain);
-    ASSERT_EQ(run("render raw --ground " + model + small).code, 0);
+    ASSERT_EQ(run("reference --signal specular --rays 16 --frames 0 --ground --model " + model + small).code,
+              0);
+    EXPECT_NE(shot(), plain);
+    ASSERT_EQ(run("render raw --frames 0 --shot " + in("o/m.shot.json") + small).code, 0);
+    ASSERT_EQ(run("render raw " + model + small).code, 0);
+    EXPECT_EQ(shot(), plain);
 
     file("o/m.shot.json", shot() + "\n");
     const std::string changed = shot(), report = read_file(in("o/report.json"));

@@ -78,9 +78,12 @@ bool can_be_reported(const fs::path& folder, const FileList& shots, const std::v
     for (const fs::path& file : shots) {
         const auto [at, is_new] = named.emplace(shot_name(file), file);
         if (!is_new) {
+            std::error_code none;
             diagnostics.add({file.string(), 0, 0}, "",
-                            fmt::format("\"{}\" is the name of {} too: report on each by itself", at->first,
-                                        at->second.string()));
+                            fs::equivalent(file, at->second, none)
+                                ? "is given twice"
+                                : fmt::format("\"{}\" is the name of {} too: report on each by itself",
+                                              at->first, at->second.string()));
             continue;
         }
         written.push_back(still_file(folder / "shots", at->first));

@@ -19,9 +19,6 @@ namespace penumbra {
 
 namespace {
 
-// The document's own text, which becomes up to a few hundred times as much in tinygltf's structs.
-constexpr uint64_t most_of_a_document = 128;  // the limit by this
-
 struct Reading {
     uint64_t limit = 0, bytes = 0;
     std::vector<std::vector<std::byte>> loose_images;
@@ -115,7 +112,7 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     if (!read_whole(&bytes, &error, path.string(), &reading)) return refuse(error);
     const std::string_view document =
         document_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    if (document.size() > reading.limit / most_of_a_document)
+    if (document.size() > largest_document())
         return refuse(fmt::format("its JSON of {} bytes would take {}", document.size(), over_input_limit()));
     if (is_nested_too_deep(document)) return refuse("its JSON is nested more than 256 levels deep");
     if (const std::string version = old_version(bytes); !version.empty())

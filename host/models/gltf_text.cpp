@@ -56,11 +56,10 @@ std::string patched(std::string_view text) {
 }  // namespace
 
 std::string_view document_of(std::string_view file) {
-    constexpr size_t start = glb_header + chunk_header;
-    if (!file.starts_with("glTF") || file.size() < start) return file;
+    if (!file.starts_with("glTF") || file.size() < glb_head_bytes) return file;
     uint32_t length = 0;
     std::memcpy(&length, file.data() + glb_header, sizeof length);
-    return file.substr(start, length);
+    return file.substr(glb_head_bytes, length);
 }
 
 void make_readable(std::vector<unsigned char>& bytes) {

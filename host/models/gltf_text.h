@@ -2,11 +2,22 @@
 // What has to be known of, or done to, a glTF file's JSON before tinygltf reads it.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "host/images/input_limit.h"
+
 namespace penumbra {
+
+// Before a binary glTF's JSON.
+inline constexpr uint64_t glb_head_bytes = 20;
+
+// Of a document's own text, which becomes up to a few hundred times as much in tinygltf's structs.
+inline uint64_t largest_document() {
+    return input_limit() / 128;
+}
 
 // Of a binary glTF the JSON chunk, of any other text all of it. What a header says beyond the file's end is
 // for the parser to refuse.

@@ -6,9 +6,9 @@
    with. Members are only ever added at the end; those that an older caller does not have are taken as 0.
    Arrays are of the caller's structs: all elements have the size that the first one says.
 
-   Functions that can fail return a penumbra_code and fill in `error`, which may be null. Nothing throws
-   across this header. Different objects may be used from different threads at once, one object by one at a
-   time; plans and programs, once made, by any number. */
+   Functions that can fail return a penumbra_code and fill in `error`, where they take one, which may be
+   null. Nothing throws across this header. Different objects may be used from different threads at once,
+   one object by one at a time; plans and programs, once made, by any number. */
 #ifndef PENUMBRA_PENUMBRA_H
 #define PENUMBRA_PENUMBRA_H
 
@@ -379,7 +379,7 @@ typedef struct penumbra_pass_statistics {
 PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame,
                                                    uint32_t* count, penumbra_pass_statistics* passes,
                                                    penumbra_error* error);
-/* Why the most recently recorded frame had no history: "none" (it had), "first_frame", "asked", or
+/* Why the frame that was begun last had no history: "none" (it had), "first_frame", "asked", or
    "not_handed_on", of which `resource` says what; the view's text. `resource` may be null. */
 PENUMBRA_API const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource);
 /* Whether enough UNCHANGED frames have been recorded for the plan's histories to settle: until something

@@ -182,7 +182,7 @@ class View {
     // recorded: costs no waiting. Null: there is none yet. A frame whose commands were thrown away is none.
     const FrameStatistics* completed() const;
 
-    // Of the most recently recorded frame.
+    // Of the frame that was begun last.
     const Reset& reset() const;
 
     // Whether enough frame_unchanged frames have been recorded in a row for the plan's histories to settle

@@ -10,7 +10,7 @@ const vec2 DISC_TAPS[8] = vec2[](vec2(1, 0), vec2(-1, 0), vec2(0, 1), vec2(0, -1
 float disc_gaussian(float r) { return exp(-0.66 * r * r); }
 float disc_weight(int tap) { return disc_gaussian(tap < 4 ? 1.0 : 0.5); }
 
-const uint TURN_PER_FRAME = 2479700525u;  // 1 / sqrt(3), of 2^32: a product in floats would have no fraction left after some hours
+const uint TURN_PER_FRAME = 2479700525u;  // 1 / sqrt(3), of 2^32: a product in floats would have ever fewer angles, and none but one after some days
 
 // Taps repeat after a quarter turn; `quarters` turns a second pass between those of a first.
 mat2 disc_turn(float quarters) {
