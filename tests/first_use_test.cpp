@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What somebody types on the first day: names instead of paths, a model instead of a shot, and README's own
 // sequence.
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -109,40 +108,6 @@ TEST_F(FirstUse, AModelIsEnough) {
     expect(run("render raw --shot colonnade --ground --out " + in("e")), 2, "--ground");
     expect(run("render raw --out " + in("e")), 2, "give a model, or a shot");
     expect(run("render raw " + model + " --shot lamp --out " + in("e")), 2, "one of the two");
-}
-
-// The shot that was made up is written anew as the options or the model change, until somebody changes it.
-TEST_F(FirstUse, AShotThatSomebodyChangedIsKept) {
-    const std::string model = in("m.glb"), small = " --size 48x32 --out " + in("o");
-    fs::copy_file(PENUMBRA_SOURCE_DIR "/scenes/lamp.glb", model);
-    const auto shot = [&] { return read_file(in("o/m.shot.json")); };
-    ASSERT_EQ(run("render raw " + model + small).code, 0);
-    const std::string plain = shot();
-    ASSERT_EQ(run("render raw --ground " + model + small).code, 0);
-    EXPECT_NE(shot(), plain);
-    ASSERT_EQ(run("reference --model " + model + " --rays 16 --frames 0" + small).code, 0);
-    EXPECT_EQ(shot(), plain);
-    ASSERT_EQ(run("reference --signal specular --rays 16 --frames 0 --ground --model " + model + small).code,
-              0);
-    EXPECT_NE(shot(), plain);
-    ASSERT_EQ(run("render raw --frames 0 --shot " + in("o/m.shot.json") + small).code, 0);
-    ASSERT_EQ(run("render raw " + model + small).code, 0);
-    EXPECT_EQ(shot(), plain);
-
-    file("o/m.shot.json", shot() + "\n");
-    const std::string changed = shot(), report = read_file(in("o/report.json"));
-    for (const std::string& command :
-         {"render raw " + model, "render raw --ground " + model, "reference --ground --model " + model,
-          "reference --signal specular --model " + model})
-        expect(run(command + small), 2, in("o/m.shot.json") + ": is there already");
-    EXPECT_EQ(shot(), changed);
-    EXPECT_EQ(read_file(in("o/report.json")), report) << "nothing else is touched";
-    EXPECT_EQ(run("render raw --frames 0 --shot " + in("o/m.shot.json") + small).code, 0);
-    EXPECT_EQ(shot(), changed);
-
-    // One that was written as a start, and says the same, is in nobody's way.
-    ASSERT_EQ(run("shot " + model + " --out " + in("p/m.shot.json")).code, 0);
-    EXPECT_EQ(run("render raw " + model + " --size 48x32 --out " + in("p")).code, 0);
 }
 
 // All frames of a model's own animation are written, though neither camera nor objects of the shot have keys.
@@ -466,40 +431,6 @@ TEST_F(FirstUse, ProgressIsShownOnATerminalAlone) {
         EXPECT_NE(explained.find(what), std::string::npos) << what;
     ASSERT_EQ(run("reference --like " + in("a") + " --rays 16 --out " + in("t")).err, "");
     EXPECT_NE(on_terminal("compare " + in("a") + " " + in("t")).find("compare ["), std::string::npos);
-}
-
-// Whatever a captured image's fourth channel holds is in the file; of the host's images it holds nothing.
-TEST_F(FirstUse, AnImageIsCapturedWithAllItsChannels) {
-    ASSERT_EQ(
-        run("render shadows --shot lamp --size 48x32 --frames 0..1 --capture guide_normal,motion --out " +
-            in("o"))
-            .code,
-        0);
-    Diagnostics diagnostics;
-    const auto color = read_exr(folder_ / "o/color.0001.exr", diagnostics),
-               normal = read_exr(folder_ / "o/guide_normal.0001.exr", diagnostics),
-               motion = read_exr(folder_ / "o/motion.0001.exr", diagnostics);
-    ASSERT_TRUE(color && normal && motion) << diagnostics.text();
-    ASSERT_TRUE(normal->find("W"));
-    EXPECT_EQ(*std::ranges::max_element(normal->find("W")->values), 1) << "where there is a surface";
-    EXPECT_EQ(motion->planes.size(), 3u);
-    EXPECT_EQ(color->planes.size(), 3u) << "a picture, that viewers would show through";
-    for (const Json& output : Json::parse(read_file(in("o/report.json")))["outputs"])
-        if (output["resource"] == "guide_normal") {
-            EXPECT_EQ(output["channels"], "X,Y,Z,W");
-        }
-}
-
-// A buffer of vectors has four channels, and all of its elements: two for each of 12x8 cells.
-TEST_F(FirstUse, ABufferOfVectorsIsCapturedWhole) {
-    const std::string out = (folder_ / "cells").string();
-    ASSERT_EQ(run("render one_ray --shot lamp --size 48x32 --frames 0 --capture cells --out " + out).code, 0);
-    Diagnostics diagnostics;
-    const auto cells = read_exr(folder_ / "cells/cells.0000.exr", diagnostics);
-    ASSERT_TRUE(cells) << diagnostics.text();
-    EXPECT_EQ(cells->planes.size(), 4u);
-    EXPECT_EQ(cells->width, 2u * 12 * 8);
-    EXPECT_EQ(cells->height, 1u);
 }
 
 }  // namespace
