@@ -67,7 +67,6 @@ int run_plan(const PlanArguments& arguments) {
     const auto facts = parse_facts(arguments.facts, *nodes->domain());
     const auto pipeline = open_pipeline(arguments.pipeline, arguments.settings, *nodes);
     if (!size || !facts || !pipeline) return exit_wrong;
-    Diagnostics diagnostics;
     Target target;
     target.extent = {(*size)[0], (*size)[1]};
     target.facts = *facts;
@@ -82,6 +81,7 @@ int run_plan(const PlanArguments& arguments) {
     for (const auto& [name, resource] :
          standalone_target(*pipeline, target.device, *size, *facts, {1024, 1024}, max_cascades).inputs)
         if (name.starts_with("cascade_")) target.inputs[name] = resource;
+    Diagnostics diagnostics;
     CompileOptions options;
     options.alias = !arguments.no_alias;
     options.optimum_search_nodes = arguments.optimum ? report_search_nodes : render_search_nodes;

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "app/mask_passes.h"
-#include "app/or_null.h"
 #include "app/plan_json.h"
 
 namespace penumbra {

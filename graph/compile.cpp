@@ -84,8 +84,7 @@ std::optional<Plan> Compiler::run() {
                      there = static_cast<double>(target_.device.memory_bytes) / mib;
         error({pipeline_.file}, "",
               fmt::format("at {}x{} it takes {:.0f} MiB of memory, {:.0f} more than the {:.0f} of the "
-                          "largest device-local heap of the "
-                          "device \"{}\"",
+                          "largest device-local heap of the device \"{}\"",
                           target_.extent.width, target_.extent.height, needed, needed - there, there,
                           plan_.device));
         return std::nullopt;

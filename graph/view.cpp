@@ -321,29 +321,6 @@ uint64_t ViewState::bytes() const {
     return sum;
 }
 
-Externals::Externals(const Plan& plan) : plan_(&plan), bindings_(plan.slots.size()) {}
-
-bool Externals::fits(const Plan& plan) const {
-    return &plan == plan_ ||
-           std::ranges::equal(plan.slots, plan_->slots, {}, &HostSlot::name, &HostSlot::name);
-}
-
-SlotBinding& Externals::operator[](std::string_view name) {
-    if (const auto slot = plan_->slot(name)) return bindings_[*slot];
-    std::vector<std::string> names;
-    for (const HostSlot& slot : plan_->slots) names.push_back(slot.name);
-    fail(ErrorCode::usage, plan_->pipeline,
-         fmt::format("the plan has no slot \"{}\"{}", name, did_you_mean(name, names)));
-}
-
-void Externals::clear() {
-    std::ranges::fill(bindings_, SlotBinding{});
-}
-
-bool Externals::has(std::string_view name) const {
-    return plan_->slot(name).has_value();
-}
-
 const ResourceHandles* HostPassContext::resource(std::string_view port) const {
     const PlanBinding* b = pass->binding(port);
     return b && b->source == BindingSource::resource ? &view->instance(b->index, b->previous) : nullptr;

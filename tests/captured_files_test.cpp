@@ -11,10 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-class CapturedFiles : public Cli {
-  protected:
-    std::string in(const char* name) const { return (folder_ / name).string(); }
-};
+class CapturedFiles : public Cli {};
 
 // Whatever a captured image's fourth channel holds is in the file; of the host's images it holds nothing.
 TEST_F(CapturedFiles, AnImageHasAllItsChannels) {

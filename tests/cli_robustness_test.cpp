@@ -145,7 +145,6 @@ TEST_F(CliRobustness, AnInputIsNotWrittenOver) {
         "sun": { "keys": [{ "frame": 0, "to_sun": [0, 1, 0] }] } })");
     file("rendered/report.json", R"({ "shot_file": "../reference.json", "size": [8, 8], "by_frame": [] })");
     file("rendered/visibility.0000.exr", "a picture");
-    const auto in = [&](const std::string& name) { return (folder_ / name).string(); };
     const std::string here = " --out " + folder_.string();
     const auto refused = [&](const std::string& command, const std::string& name,
                              const std::string& because = "is read, and would be written over") {

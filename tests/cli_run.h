@@ -45,9 +45,10 @@ class Cli : public ::testing::Test {
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(folder_ / "out"),
                 read_file(folder_ / "err")};
     }
+    std::string in(const std::string& name) const { return (folder_ / name).string(); }
     std::string file(const std::string& name, const std::string& text) const {
         std::ofstream(folder_ / name) << text;
-        return (folder_ / name).string();
+        return in(name);
     }
 
     fs::path folder_;

@@ -15,10 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-class FirstUse : public Cli {
-  protected:
-    std::string in(const char* name) const { return (folder_ / name).string(); }
-};
+class FirstUse : public Cli {};
 
 // A frame is rasterised off its pixels' centres where anti-aliasing asks for it. Judged by the truth of the
 // centres, a pipeline as good as this one has the error of a few rays.

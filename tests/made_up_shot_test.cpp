@@ -5,10 +5,7 @@
 namespace penumbra::test {
 namespace {
 
-class MadeUpShot : public Cli {
-  protected:
-    std::string in(const char* name) const { return (folder_ / name).string(); }
-};
+class MadeUpShot : public Cli {};
 
 // The shot that was made up is written anew as the options or the model change, until somebody changes it.
 TEST_F(MadeUpShot, ThatSomebodyChangedIsKept) {
