@@ -164,6 +164,7 @@ Target standalone_target(const CheckedPipeline& pipeline, const DeviceTable& dev
                      {"material", {Format::rg8, target.extent}},
                      {"emissive", {Format::rgba16f, target.extent}},
                      {"environment", {Format::rgba32f, {4, 1024}}},
+                     {"lights", {Format::rgba32ui, {5, 1}}},
                      {"cascade_maps", {Format::d32, cascade_extent, cascades}},
                      {"cascade_bounds", {Format::rgba32f, cascade_extent, cascades}}};
     std::erase_if(target.inputs, [&](const auto& input) { return !pipeline.input(input.first); });

@@ -45,6 +45,7 @@ std::string describe(const Port& port) {
     std::string text = port.bundle ? port.bundle->kind : kind_name(port.kind);
     if (!port.formats.empty()) text += " " + joined(format_names_of(port), "|");
     if (!port.element.empty()) text += " " + port.element;
+    if (port.row) text += fmt::format(", rows of {}", port.row);
     if (!port.updates.empty()) text = "updates " + port.updates;
     if (port.previous) text += ", previous frame's";
     if (port.optional) text += ", optional";

@@ -27,6 +27,7 @@ OrderedJson declaration_json(const NodeType& type) {
             {"kind", port.bundle ? port.bundle->kind : kind_name(port.kind)},
             {"formats", format_names_of(port)},
             {"element", port.element},
+            {"row", port.row},
             {"updates", port.updates},
             {"previous", port.previous},
             {"optional", port.optional},

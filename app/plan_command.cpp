@@ -77,10 +77,10 @@ int run_plan(const PlanArguments& arguments) {
         target.device = device_table(handles_of(*device));
         target.device.features = features_of(*device);
     }
-    // The sun's maps have a size of their own: as the standalone host draws them.
+    // The sun's maps and the list of lights have sizes of their own: as the standalone host has them.
     for (const auto& [name, resource] :
          standalone_target(*pipeline, target.device, *size, *facts, {1024, 1024}, max_cascades).inputs)
-        if (name.starts_with("cascade_")) target.inputs[name] = resource;
+        if (name.starts_with("cascade_") || name == "lights") target.inputs[name] = resource;
     Diagnostics diagnostics;
     CompileOptions options;
     options.alias = !arguments.no_alias;

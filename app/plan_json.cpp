@@ -202,6 +202,7 @@ OrderedJson slots_json(const Plan& plan) {
              {"accepted", accepted},
              {"size", image ? extent_json(slot.extent) : OrderedJson()},
              {"follows", follows_json(slot.follows)},
+             {"array", slot.layered},
              {"layers", image ? OrderedJson(slot.layers) : OrderedJson()},
              {"element", slot.element.empty() ? OrderedJson() : OrderedJson(slot.element)},
              {"bytes", slot.bytes ? OrderedJson(slot.bytes) : OrderedJson()},

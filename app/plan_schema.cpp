@@ -108,10 +108,12 @@ Schema slot() {
                    {"accepted", doc(list_of(use("format")), "a plan can be made for any of them")},
                    {"size", or_null(doc(use("size"), "of the largest frame"))},
                    {"follows", use("follows")},
+                   {"array", flag},
                    {"layers", or_null(number)},
                    {"element", or_null(text)},
                    {"bytes", or_null(number)},
-                   {"layout", or_null(doc(words({"read_only", "general"}), "while the frame uses it"))},
+                   {"layout", or_null(doc(words({"read_only", "general"}),
+                                          "while the frame uses it: SHADER_READ_ONLY_OPTIMAL or GENERAL"))},
                    {"stages", use("stages")},
                    {"access", use("access")},
                    {"nodes", list_of(text)}});

@@ -62,19 +62,14 @@ void tell(const std::string& file, const ModelShot& made, const char* key) {
 
 // Of several models each is where its file puts it, known by the file's name, and a number where two have it.
 nlohmann::ordered_json scene_of(const std::vector<std::string>& files, const fs::path& folder) {
-    const auto from_folder = [&](const std::string& file) {
-        std::error_code none;
-        const fs::path relative = fs::proximate(file, folder, none);
-        return (relative.empty() ? fs::absolute(file) : relative).generic_string();
-    };
-    if (files.size() == 1) return from_folder(files[0]);
+    if (files.size() == 1) return seen_from(files[0], folder);
     auto list = nlohmann::ordered_json::array();
     std::map<std::string, int> used;
     for (const std::string& file : files) {
         const std::string stem = fs::path(file).stem().string();
         const int nth = ++used[stem];
         list.push_back(
-            {{"file", from_folder(file)}, {"name", nth > 1 ? fmt::format("{} {}", stem, nth) : stem}});
+            {{"file", seen_from(file, folder)}, {"name", nth > 1 ? fmt::format("{} {}", stem, nth) : stem}});
     }
     return list;
 }

@@ -68,32 +68,3 @@ penumbra_code penumbra_call_port(const penumbra_call* call, const char* port, pe
               "bound");
     });
 }
-
-penumbra_code penumbra_call_param(const penumbra_call* call, const char* param, double* values,
-                                  uint32_t* count, penumbra_error* error) {
-    return guarded(error, [&] {
-        const HostPassContext& c = given(call, "call").context;
-        const auto value = c.param(named(param, "param"));
-        if (!value) misuse(param, "there is no dynamic parameter of this name");
-        std::vector<double> numbers;
-        if (const auto* list = std::get_if<std::vector<float>>(&*value))
-            numbers.assign(list->begin(), list->end());
-        else if (const auto* name = std::get_if<std::string>(&*value)) {
-            for (const PlanParam& p : c.pass->params)
-                if (p.param.name == param)
-                    numbers = {double(std::ranges::find(p.param.values, *name) - p.param.values.begin())};
-        } else if (const bool* flag = std::get_if<bool>(&*value))
-            numbers = {*flag ? 1.0 : 0.0};
-        else if (const float* real = std::get_if<float>(&*value))
-            numbers = {double(*real)};
-        else if (const int32_t* integer = std::get_if<int32_t>(&*value))
-            numbers = {double(*integer)};
-        else
-            numbers = {double(std::get<uint32_t>(*value))};
-        uint32_t& room = given(count, "count");
-        if (values && room < numbers.size())
-            misuse("count", std::string(param) + " has " + std::to_string(numbers.size()) + " numbers");
-        room = static_cast<uint32_t>(numbers.size());
-        if (values) std::ranges::copy(numbers, values);
-    });
-}

@@ -20,8 +20,19 @@ Plan make_plan(const penumbra_plan_request& r) {
     Diagnostics& errors = mistakes.diagnostics;
     const std::vector<std::string> settings = texts(r.settings, r.setting_count, "request.settings");
     const char* file = named(r.file, "request.file");
+    ReadFile read;
+    if (r.read)
+        read = [&](const std::string& name) -> std::optional<std::string> {
+            const char* text = r.read(r.read_user, name.c_str());
+            return text ? std::optional<std::string>(text) : std::nullopt;
+        };
+    const char* text = r.text ? r.text : r.read ? r.read(r.read_user, file) : nullptr;
+    if (r.read && !text) {
+        errors.add({file}, "", "no such file");
+        throw mistakes;
+    }
     const auto pipeline =
-        r.text ? parse_pipeline(r.text, file, settings, errors) : load_pipeline(file, settings, errors);
+        text ? parse_pipeline(text, file, settings, errors, read) : load_pipeline(file, settings, errors);
     const auto checked =
         pipeline ? check(*pipeline, r.nodes ? r.nodes->set : shadow_nodes(), errors) : std::nullopt;
     if (!checked) throw mistakes;
@@ -35,6 +46,8 @@ Plan make_plan(const penumbra_plan_request& r) {
     });
     for_each(r.inputs, r.input_count, "request.inputs", [&](const penumbra_input& input) {
         const char* name = named(input.name, "request.inputs.name");
+        if (target.left_out.contains(name) || target.inputs.contains(name))
+            misuse(std::string("request.inputs of \"") + name + "\"", "stands there twice");
         if (input.left_out) {
             target.left_out.insert(name);
             return;
@@ -88,6 +101,9 @@ penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbr
             std::vector<const char*>& names = made->accepted.emplace_back();
             for (const Format format : slot.accepted) names.push_back(info(format).name);
         }
+        for (const PlanPass& pass : made->plan->passes)
+            for (const PlanParam& p : pass.params)
+                for (const std::string& name : p.param.values) made->enums[&p.param].push_back(name.c_str());
         *plan = made.release();
     });
 }
@@ -117,7 +133,7 @@ penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penu
         write(slot,
               {0, static_cast<penumbra_slot_kind>(s.kind), s.name.c_str(), format_of(s.kind, s.format),
                s.extent.width, s.extent.height, s.layers, s.bytes, s.output, s.required, s.use.stages,
-               s.use.access, accepted.data(), static_cast<uint32_t>(accepted.size())},
+               s.use.access, accepted.data(), static_cast<uint32_t>(accepted.size()), s.layered},
               "slot");
     });
 }
@@ -138,7 +154,7 @@ penumbra_code penumbra_plan_output(const penumbra_plan* plan, uint32_t index, pe
         write(output,
               {0, static_cast<penumbra_slot_kind>(r.kind), o.name.c_str(), format_of(r.kind, r.format),
                r.extent.width, r.extent.height, r.layers, bytes, VK_TRUE, VK_TRUE, o.use.stages, o.use.access,
-               nullptr, 0},
+               nullptr, 0, r.layered},
               "output");
     });
 }
@@ -176,6 +192,17 @@ penumbra_code penumbra_plan_extent(const penumbra_plan* plan, const char* name, 
 
 uint32_t penumbra_plan_pass_count(const penumbra_plan* plan) {
     return plan ? static_cast<uint32_t>(plan->plan->passes.size()) : 0;
+}
+
+penumbra_code penumbra_plan_pass(const penumbra_plan* plan, uint32_t index, penumbra_pass* pass,
+                                 penumbra_error* error) {
+    return guarded(error, [&] {
+        const std::vector<PlanPass>& passes = given(plan, "plan").plan->passes;
+        if (index >= passes.size())
+            misuse("index", "the plan has " + std::to_string(passes.size()) + " passes");
+        const PlanPass& p = passes[index];
+        write(pass, {0, static_cast<uint32_t>(p.params.size()), p.node.c_str(), p.type.c_str()}, "pass");
+    });
 }
 
 uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan) {

@@ -76,6 +76,17 @@ penumbra_code penumbra_transients_create(const penumbra_program* program, penumb
     });
 }
 
+penumbra_code penumbra_transients_create_for(const penumbra_program* const* programs, uint32_t count,
+                                             penumbra_transients** transients, penumbra_error* error) {
+    return guarded(error, [&] {
+        given(transients, "transients") = nullptr;
+        if (count) given(programs, "programs");
+        std::vector<const Program*> all;
+        for (uint32_t i = 0; i < count; ++i) all.push_back(given(programs[i], "programs").program.get());
+        *transients = new penumbra_transients{make_transients(all)};
+    });
+}
+
 void penumbra_transients_destroy(penumbra_transients* transients) {
     delete transients;
 }

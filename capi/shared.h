@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <map>
 #include <memory>
 
 #include "penumbra/graph.h"
@@ -17,7 +18,8 @@ struct penumbra_nodes {
 struct penumbra_plan {
     std::shared_ptr<const penumbra::Plan> plan;
     std::vector<penumbra::Requirement> needs;
-    std::vector<std::vector<const char*>> accepted;  // slot by slot
+    std::vector<std::vector<const char*>> accepted;                    // slot by slot
+    std::map<const penumbra::Param*, std::vector<const char*>> enums;  // names of the plan's values
 };
 struct penumbra_program {
     std::shared_ptr<const penumbra::Program> program;
@@ -53,6 +55,8 @@ PENUMBRA_FIRST(penumbra_output_use, access);
 PENUMBRA_FIRST(penumbra_plan_request, hand_on_history);
 PENUMBRA_FIRST(penumbra_slot, access);
 PENUMBRA_FIRST(penumbra_plan_info, settles);
+PENUMBRA_FIRST(penumbra_pass, type);
+PENUMBRA_FIRST(penumbra_param, range);
 PENUMBRA_FIRST(penumbra_requirement, value);
 PENUMBRA_FIRST(penumbra_memory, persistent_bytes);
 PENUMBRA_FIRST(penumbra_program_options, pipeline_cache);

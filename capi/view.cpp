@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Views: frames in, outputs and statistics out.
-#include <cmath>
-#include <limits>
-
 #include "capi/shared.h"
 
 using namespace penumbra;
@@ -68,40 +65,6 @@ FrameDescription frame_of(const penumbra_frame& f) {
     return frame;
 }
 
-// What no conversion loses anything of; NaN is no number.
-template <class T>
-T whole(const Param& param, double value) {
-    if (!(value >= double(std::numeric_limits<T>::min()) && value <= double(std::numeric_limits<T>::max())) ||
-        value != std::trunc(value))
-        misuse(param.name, "takes a whole number of 32 bits");
-    return static_cast<T>(value);
-}
-
-ParamValue param_of(const Param& param, const double* values, uint32_t count) {
-    const uint32_t wanted = param.type == ParamType::vec2   ? 2
-                            : param.type == ParamType::vec3 ? 3
-                            : param.type == ParamType::vec4 ? 4
-                                                            : 1;
-    if (count != wanted || !values) misuse(param.name, "takes " + std::to_string(wanted) + " numbers");
-    switch (param.type) {
-        case ParamType::boolean:
-            return values[0] != 0;
-        case ParamType::integer:
-            return whole<int32_t>(param, values[0]);
-        case ParamType::uint:
-            return whole<uint32_t>(param, values[0]);
-        case ParamType::real:
-            return static_cast<float>(values[0]);
-        case ParamType::enumeration: {
-            const uint32_t index = whole<uint32_t>(param, values[0]);
-            if (index >= param.values.size()) misuse(param.name, "has no value of this index");
-            return param.values[index];
-        }
-        default:
-            return std::vector<float>(values, values + count);
-    }
-}
-
 }  // namespace
 
 penumbra_code penumbra_view_create(const penumbra_program* program, const penumbra_view_options* options,
@@ -152,24 +115,6 @@ penumbra_code penumbra_view_record_pass(penumbra_view* view, VkCommandBuffer cmd
 
 penumbra_code penumbra_view_end(penumbra_view* view, VkCommandBuffer cmd, penumbra_error* error) {
     return guarded(error, [&] { given(view, "view").view->end(cmd); });
-}
-
-penumbra_code penumbra_view_set_param(penumbra_view* view, const char* node, const char* param,
-                                      const double* values, uint32_t count, penumbra_error* error) {
-    return guarded(error, [&] {
-        View& v = *given(view, "view").view;
-        const PlanPass* pass = v.plan().pass(named(node, "node"));
-        if (!pass) misuse("node", std::string("no node \"") + node + "\" runs in this plan");
-        for (size_t i = 0; i < pass->params.size(); ++i) {
-            const Param& p = pass->params[i].param;
-            if (p.name != named(param, "param")) continue;
-            if (!v.set_param(static_cast<size_t>(pass - v.plan().passes.data()), i,
-                             param_of(p, values, count)))
-                misuse(std::string(node) + "." + param, "the value is out of range");
-            return;
-        }
-        misuse("param", std::string(node) + " has no dynamic parameter \"" + param + "\"");
-    });
 }
 
 penumbra_code penumbra_view_output(const penumbra_view* view, const char* name, penumbra_output* output,

@@ -17,7 +17,7 @@ if(PENUMBRA_GLSL)
   find_package(Threads REQUIRED)
   find_package(glslang REQUIRED)
   find_package(SPIRV-Tools-opt REQUIRED)
-  add_library(penumbra_glsl_library $<TARGET_OBJECTS:penumbra_glsl> $<TARGET_OBJECTS:penumbra_shader_compiler>
+  add_library(penumbra_glsl_library $<TARGET_OBJECTS:penumbra_spirv> $<TARGET_OBJECTS:penumbra_shader_compiler>
     $<TARGET_OBJECTS:penumbra_capi_glsl>)
   add_library(penumbra::glsl ALIAS penumbra_glsl_library)
   set_target_properties(penumbra_glsl_library PROPERTIES OUTPUT_NAME penumbra_glsl EXPORT_NAME glsl LINKER_LANGUAGE CXX

@@ -50,6 +50,12 @@ std::optional<Plan> Compiler::run() {
     }
     if (target_.extent.width == 0 || target_.extent.height == 0)
         error({pipeline_.file}, "", "the frame's extent is empty");
+    const std::vector<std::string>& features = pipeline_.domain->features;
+    for (const std::string& feature : device.features)
+        if (std::ranges::find(features, feature) == features.end())
+            error({pipeline_.file}, "features",
+                  fmt::format("the host speaks of \"{}\", which is no feature that nodes ask for{}", feature,
+                              did_you_mean(feature, features)));
     facts_ = read_facts();
     const std::vector<bool> left_out = inputs_left_out(pipeline_, target_, diagnostics_);
     auto selection = select(pipeline_, facts_, left_out, options_.captures, diagnostics_);
@@ -146,6 +152,7 @@ void Compiler::lend_outputs() {
                                .format = r.format,
                                .extent = r.extent,
                                .layers = r.layers,
+                               .layered = r.layered,
                                .follows = r.follows,
                                .output = true,
                                .accepted = {r.format}});

@@ -116,6 +116,7 @@ void Compiler::bind_input(const SelectedNode& selected, uint32_t index, uint32_t
         .format = inputs_[input].format,
         .extent = inputs_[input].extent,
         .layers = inputs_[input].layers,
+        .layered = port.layers,
         .follows = port.kind == PortKind::image ? follows_of(pipeline_.inputs[input]) : std::nullopt,
         .element = port.element};
     bind_slot(node, port, std::move(slot), binding);

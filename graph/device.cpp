@@ -113,6 +113,13 @@ GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
     PENUMBRA_DEBUG_FUNCTIONS(PENUMBRA_LOAD)
 #undef PENUMBRA_LOAD
     vk_.vkGetPhysicalDeviceMemoryProperties(handles.physical, &memory_);
+    uint32_t families = 0;
+    vk_.vkGetPhysicalDeviceQueueFamilyProperties(handles.physical, &families, nullptr);
+    queue_families_.resize(families);
+    vk_.vkGetPhysicalDeviceQueueFamilyProperties(handles.physical, &families, queue_families_.data());
+    if (handles.queue_family >= families)
+        fail(ErrorCode::usage, "DeviceHandles::queue_family",
+             fmt::format("is {}, of {} families", handles.queue_family, families));
 }
 
 MemoryBlock GraphDevice::allocate(const MemoryRequest& request) const {

@@ -21,13 +21,15 @@ void check_physical(const DeviceHandles& handles);
 
 class GraphDevice {
   public:
-    // Throws Failure where a handle or a function is missing, or the device is older than Vulkan 1.3.
+    // Throws Failure where a handle or a function is missing, the device is older than Vulkan 1.3, or it has
+    // no such queue family.
     explicit GraphDevice(const DeviceHandles& handles);
 
     VkDevice get() const { return handles_.device; }
     const DeviceHandles& handles() const { return handles_; }
     const VulkanFunctions& vk() const { return vk_; }
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
+    const std::vector<VkQueueFamilyProperties>& queue_families() const { return queue_families_; }
 
     MemoryBlock allocate(const MemoryRequest& request) const;
     void release(const MemoryBlock& block) const;
@@ -58,6 +60,7 @@ class GraphDevice {
     VulkanFunctions vk_;
     VkPhysicalDeviceProperties properties_{};
     VkPhysicalDeviceMemoryProperties memory_{};
+    std::vector<VkQueueFamilyProperties> queue_families_;
 };
 using DevicePtr = std::shared_ptr<const GraphDevice>;
 

@@ -30,6 +30,19 @@ std::vector<Reader> readers_of(const CheckedPipeline& pipeline, const Selection&
     return readers;
 }
 
+// An output that has a layer for each row of an input; null: there is none.
+const std::string* layered_by(const CheckedPipeline& pipeline, const Selection& selection, size_t input) {
+    for (const SelectedNode& selected : selection.nodes)
+        for (size_t p = 0; p < selected.sources.size(); ++p) {
+            const BoundPort& bound = selected.node->ports[p];
+            const std::optional<uint32_t> rows = bound.port->layers_of.port;
+            if (rows && selected.sources[p] != Source::none &&
+                pipeline.resources[selected.node->ports[*rows].resource].input == input)
+                return &pipeline.resources[bound.resource].name;
+        }
+    return nullptr;
+}
+
 // check() has found that all readers of the pipeline have one in common.
 Format common_format(const std::vector<Reader>& readers) {
     const std::vector<Format>& formats = readers.front().bound->port->formats;
@@ -76,8 +89,10 @@ std::vector<HostResource> resolve_inputs(const CheckedPipeline& pipeline, const 
         const std::vector<Reader> readers = readers_of(pipeline, selection, i);
         if (readers.empty() || (input.kind != PortKind::image && input.kind != PortKind::texels)) continue;
         const bool list = input.kind == PortKind::texels && input.extent == HostInput::Extent::any;
+        uint32_t row = 1;
+        for (const Reader& reader : readers) row = std::max(row, reader.bound->port->row);
         const Extent wanted = input.extent == HostInput::Extent::fixed ? Extent{input.size[0], input.size[1]}
-                              : list                                   ? Extent{1, 1}
+                              : list                                   ? Extent{row, 1}
                                                                        : target.extent;
         const auto brought = target.inputs.find(input.name);
         HostResource& r = resources[i];
@@ -85,17 +100,33 @@ std::vector<HostResource> resolve_inputs(const CheckedPipeline& pipeline, const 
             r = brought->second;
         else
             r = {input.format ? *input.format : common_format(readers), wanted};
+        const std::string* layered = list ? layered_by(pipeline, selection, i) : nullptr;
+        if (layered && (brought == target.inputs.end() || r.extent.height == 0))
+            error("extent", fmt::format("\"{}\" has a layer for each of its rows: say how many, as in "
+                                        "Target::inputs[\"{}\"] = {{Format::{}, {{{}, ROWS}}}}",
+                                        *layered, input.name, info(r.format).name, row));
         if (input.format && *input.format != r.format)
             error("format", fmt::format("the host brings {}", info(r.format).name));
-        for (const Reader& reader : readers)
-            if (!reader.accepts(r.format))
+        for (const Reader& reader : readers) {
+            const Port& port = *reader.bound->port;
+            const auto refuse = [&](const std::string& why) {
                 diagnostics.add(reader.bound->place,
-                                fmt::format("nodes.{}.in.{}", reader.node->id, reader.bound->port->name),
-                                fmt::format("the host brings \"{}\" as {}, which this port does not accept",
-                                            input.name, info(r.format).name));
+                                fmt::format("nodes.{}.in.{}", reader.node->id, port.name),
+                                fmt::format("the host brings \"{}\" {}", input.name, why));
+            };
+            if (!reader.accepts(r.format))
+                refuse(fmt::format("as {}, which this port does not accept", info(r.format).name));
+            if (r.layers != 1 && !port.layers)
+                refuse(fmt::format("with {} layers, and this port takes no array", r.layers));
+            if (port.row && r.extent.width != port.row)
+                refuse(fmt::format("in rows of {} texels, which are of {} here", r.extent.width, port.row));
+        }
         if (input.extent != HostInput::Extent::any && r.extent != wanted)
-            error("extent", fmt::format("the host brings {}x{}, the pipeline asks for {}x{}", r.extent.width,
-                                        r.extent.height, wanted.width, wanted.height));
+            error("extent", fmt::format("the host brings {}x{}, the pipeline asks for {}x{}{}",
+                                        r.extent.width, r.extent.height, wanted.width, wanted.height,
+                                        input.extent == HostInput::Extent::frame
+                                            ? ", the frame's own size; what is bound to it may be larger"
+                                            : ""));
     }
     return resources;
 }

@@ -349,18 +349,19 @@ ParamValue value_of(const Param& param, std::span<const std::byte> bytes) {
 
 bool fits(const Param& param, const ParamValue& value) {
     if (value.index() != param.default_value.index()) return false;
-    const auto in_range = [&](double number) {
-        return std::isfinite(number) &&
-               (!param.range || ((*param.range)[0] <= number && number <= (*param.range)[1]));
+    // A float is held to the floats that a range's ends are.
+    const auto in_range = [&]<class T>(T number) {
+        return std::isfinite(double(number)) &&
+               (!param.range || (T((*param.range)[0]) <= number && number <= T((*param.range)[1])));
     };
     if (const auto* name = std::get_if<std::string>(&value))
         return std::find(param.values.begin(), param.values.end(), *name) != param.values.end();
     if (const auto* list = std::get_if<std::vector<float>>(&value))
         return list->size() * sizeof(float) == layout_of(param.type).size &&
                std::all_of(list->begin(), list->end(), in_range);
-    if (const auto* number = std::get_if<float>(&value)) return in_range(static_cast<double>(*number));
-    if (const auto* number = std::get_if<int32_t>(&value)) return in_range(*number);
-    if (const auto* number = std::get_if<uint32_t>(&value)) return in_range(*number);
+    if (const auto* number = std::get_if<float>(&value)) return in_range(*number);
+    if (const auto* number = std::get_if<int32_t>(&value)) return in_range(double(*number));
+    if (const auto* number = std::get_if<uint32_t>(&value)) return in_range(double(*number));
     return true;
 }
 

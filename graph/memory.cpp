@@ -130,9 +130,24 @@ void check_device(const Plan& plan, const DeviceHandles& handles) {
     }
 }
 
-TransientMemory::TransientMemory(DevicePtr device, const Plan& plan) : device_(std::move(device)) {
-    for (const Heap& heap : plan.heaps)
-        if (heap.shared) parts_.push_back({heap, allocate_heap(*device_, heap)});
+// Of each kind of heap as much as the plan takes that takes most.
+TransientMemory::TransientMemory(DevicePtr device, std::span<const Plan* const> plans)
+    : device_(std::move(device)) {
+    std::vector<Heap> heaps;
+    for (const Plan* plan : plans)
+        for (const Heap& heap : plan->heaps) {
+            if (!heap.shared) continue;
+            const auto same = std::ranges::find_if(heaps, [&](const Heap& h) {
+                return h.type == heap.type && h.memory_type_bits == heap.memory_type_bits;
+            });
+            if (same == heaps.end()) {
+                heaps.push_back(heap);
+                continue;
+            }
+            same->bytes = std::max(same->bytes, heap.bytes);
+            same->alignment = std::max(same->alignment, heap.alignment);  // powers of two
+        }
+    for (const Heap& heap : heaps) parts_.push_back({heap, allocate_heap(*device_, heap)});
 }
 
 const MemoryBlock& TransientMemory::heap(const Plan& plan, uint32_t index) const {

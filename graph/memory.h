@@ -5,6 +5,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "graph/device.h"
@@ -15,7 +16,7 @@ namespace penumbra {
 // The memory of a plan's shared heaps, for views that run one after another (program.h).
 class TransientMemory {
   public:
-    TransientMemory(DevicePtr device, const Plan& plan);
+    TransientMemory(DevicePtr device, std::span<const Plan* const> plans);
     const GraphDevice& device() const { return *device_; }
     // The block of a plan's heap; throws Failure where it does not fit.
     const MemoryBlock& heap(const Plan& plan, uint32_t heap) const;

@@ -118,6 +118,7 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     port.extent = read_extent(reader, diagnostics);
     port.count = read_count(reader, diagnostics);
     port.indirect = reader.flag("indirect");
+    port.row = reader.whole("row", 0);
     port.previous = reader.flag("previous");
     port.optional = reader.flag("optional");
     port.writes = static_cast<Writes>(reader.word("writes").value_or(0));

@@ -19,10 +19,22 @@ namespace {
 namespace fs = std::filesystem;
 
 // Two spellings of one file must count as one, or a cycle would go unseen.
-std::string identity(const fs::path& path) {
+std::string identity(const fs::path& path, const ReadFile& read) {
     std::error_code error;
-    const fs::path canonical = fs::weakly_canonical(path, error);
-    return (error ? path.lexically_normal() : canonical).generic_string();
+    const fs::path canonical = read ? fs::path() : fs::weakly_canonical(path, error);
+    return (read || error ? path.lexically_normal() : canonical).generic_string();
+}
+
+std::optional<Json> read_base(const fs::path& path, const ReadFile& read, const Json& extends,
+                              Diagnostics& diagnostics) {
+    std::error_code error;
+    const std::string file = path.generic_string();
+    const std::optional<std::string> text = read ? read(file) : std::nullopt;
+    if (read ? !text : !fs::exists(path, error)) {
+        diagnostics.add(extends.place, "extends", fmt::format("no file {}", file));
+        return std::nullopt;
+    }
+    return read ? parse_json(*text, file, diagnostics) : read_json(path, diagnostics);
 }
 
 struct ChainLink {
@@ -55,7 +67,8 @@ void unbind(Json& merged, const Json& patch, const std::set<std::string>& retype
 }
 
 // Replaces `json` by what it extends, patched with it. `chain` holds the files from the first to this one.
-bool resolve_extends(Json& json, std::vector<ChainLink>& chain, Diagnostics& diagnostics) {
+bool resolve_extends(Json& json, std::vector<ChainLink>& chain, const ReadFile& read,
+                     Diagnostics& diagnostics) {
     const Json* extends = json.find("extends");
     if (!extends) return true;
     if (!expect(*extends, Json::Kind::string, "extends", diagnostics)) return false;
@@ -65,7 +78,7 @@ bool resolve_extends(Json& json, std::vector<ChainLink>& chain, Diagnostics& dia
     }
     const fs::path base_path =
         (fs::path(chain.back().file).parent_path() / extends->string).lexically_normal();
-    const std::string base_identity = identity(base_path);
+    const std::string base_identity = identity(base_path, read);
     const auto repeated = std::ranges::find(chain, base_identity, &ChainLink::identity);
     if (repeated != chain.end()) {
         std::string names;
@@ -74,15 +87,10 @@ bool resolve_extends(Json& json, std::vector<ChainLink>& chain, Diagnostics& dia
                         "files extend each other in a cycle: " + names + repeated->file);
         return false;
     }
-    std::error_code error;
-    if (!fs::exists(base_path, error)) {
-        diagnostics.add(extends->place, "extends", fmt::format("no file {}", base_path.generic_string()));
-        return false;
-    }
-    std::optional<Json> base = read_json(base_path, diagnostics);
+    std::optional<Json> base = read_base(base_path, read, *extends, diagnostics);
     if (!base || !expect(*base, Json::Kind::object, "", diagnostics)) return false;
     chain.push_back({base_path.generic_string(), base_identity});
-    if (!resolve_extends(*base, chain, diagnostics)) return false;
+    if (!resolve_extends(*base, chain, read, diagnostics)) return false;
     std::erase_if(json.members, [](const JsonMember& member) { return member.key == "extends"; });
     const Place place = json.place;
     const Json patch = json;
@@ -294,11 +302,12 @@ class PipelineReader {
 };
 
 std::optional<Pipeline> read_pipeline(std::optional<Json> json, const std::string& file,
-                                      std::span<const std::string> settings, Diagnostics& diagnostics) {
+                                      std::span<const std::string> settings, const ReadFile& read,
+                                      Diagnostics& diagnostics) {
     const size_t errors = diagnostics.size();
     if (!json || !expect(*json, Json::Kind::object, "", diagnostics)) return std::nullopt;
-    std::vector<ChainLink> chain = {{file, identity(file)}};
-    if (!resolve_extends(*json, chain, diagnostics)) return std::nullopt;
+    std::vector<ChainLink> chain = {{file, identity(file, read)}};
+    if (!resolve_extends(*json, chain, read, diagnostics)) return std::nullopt;
     for (const std::string& setting : settings) apply_setting(*json, setting, diagnostics);
     Pipeline pipeline = PipelineReader(*json, diagnostics).read(file);
     if (diagnostics.size() != errors) return std::nullopt;
@@ -309,12 +318,13 @@ std::optional<Pipeline> read_pipeline(std::optional<Json> json, const std::strin
 
 std::optional<Pipeline> load_pipeline(const fs::path& file, std::span<const std::string> settings,
                                       Diagnostics& diagnostics) {
-    return read_pipeline(read_json(file, diagnostics), file.generic_string(), settings, diagnostics);
+    return read_pipeline(read_json(file, diagnostics), file.generic_string(), settings, {}, diagnostics);
 }
 
 std::optional<Pipeline> parse_pipeline(std::string_view text, const std::string& file,
-                                       std::span<const std::string> settings, Diagnostics& diagnostics) {
-    return read_pipeline(parse_json(text, file, diagnostics), file, settings, diagnostics);
+                                       std::span<const std::string> settings, Diagnostics& diagnostics,
+                                       const ReadFile& read) {
+    return read_pipeline(parse_json(text, file, diagnostics), file, settings, read, diagnostics);
 }
 
 }  // namespace penumbra

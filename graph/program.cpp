@@ -290,15 +290,30 @@ std::vector<std::byte> Program::pipeline_cache() const {
 }
 
 void Program::record_uploads(VkCommandBuffer cmd) const {
+    if (cmd == VK_NULL_HANDLE)
+        fail(ErrorCode::usage, "Program::record_uploads", "the command buffer is null");
     state_->record_uploads(cmd);
 }
 
 std::shared_ptr<const TransientMemory> Program::make_transients() const {
-    return std::make_shared<const TransientMemory>(state_->device(), plan());
+    const Program* const one = this;
+    return penumbra::make_transients({&one, 1});
 }
 
 uint64_t Program::bytes() const {
     return state_->bytes();
+}
+
+std::shared_ptr<const TransientMemory> make_transients(std::span<const Program* const> programs) {
+    std::vector<const Plan*> plans;
+    for (const Program* program : programs) {
+        if (!program) fail(ErrorCode::usage, "make_transients", "a program is null");
+        if (program->handles().device != programs.front()->handles().device)
+            fail(ErrorCode::usage, "make_transients", "the programs are on different devices");
+        plans.push_back(&program->plan());
+    }
+    if (plans.empty()) fail(ErrorCode::usage, "make_transients", "there is no program");
+    return std::make_shared<const TransientMemory>(programs.front()->state().device(), plans);
 }
 
 uint64_t bytes_of(const TransientMemory& memory) {

@@ -79,7 +79,7 @@ class Selector {
             std::vector<std::string> known;
             for (size_t r = 0; r < producer_.size(); ++r)
                 if (producer_[r] != nobody) known.push_back(pipeline_.resources[r].name);
-            diagnostics_.add({}, "capture",
+            diagnostics_.add({pipeline_.file}, "captures",
                              "no node of this plan writes \"" + name + "\"" + did_you_mean(name, known));
             good = false;
         }

@@ -80,6 +80,13 @@ void ViewState::check_slot_binding(const HostSlot& slot, const SlotBinding& b) c
     if (slot.kind == PortKind::structure) wrong("an acceleration structure cannot be handed over");
     if (slot.kind == PortKind::image ? b.handover->image == VK_NULL_HANDLE : b.buffer == VK_NULL_HANDLE)
         wrong("what is handed over is not named (Handover::image, SlotBinding::buffer)");
+    const size_t families = device_.queue_families().size();
+    for (const uint32_t family : {b.handover->family_before, b.handover->family_after})
+        if (family >= families && family < VK_QUEUE_FAMILY_FOREIGN_EXT)  // and what lies above it
+            wrong(
+                fmt::format("is handed over by queue family {}, and there are {} (Handover::family_before, "
+                            "family_after)",
+                            family, families));
     if (slot.kind != PortKind::image) return;
     if (!slot.output && b.handover->layout_before == VK_IMAGE_LAYOUT_UNDEFINED)
         wrong("is read, and a Handover::layout_before of UNDEFINED would lose what it holds");

@@ -50,15 +50,7 @@ ViewState::ViewState(std::shared_ptr<const Program> program, const ViewOptions& 
         if (plan().passes[i].kind == PassKind::capture) capture_passes_.push_back(i);
         push_.push_back(plan().passes[i].push);
     }
-    const DeviceHandles& handles = device_.handles();
-    uint32_t families = 0;
-    vk().vkGetPhysicalDeviceQueueFamilyProperties(handles.physical, &families, nullptr);
-    std::vector<VkQueueFamilyProperties> queues(families);
-    vk().vkGetPhysicalDeviceQueueFamilyProperties(handles.physical, &families, queues.data());
-    if (handles.queue_family >= families)
-        fail(ErrorCode::usage, "DeviceHandles::queue_family",
-             fmt::format("is {}, of {} families", handles.queue_family, families));
-    const uint32_t bits = queues[handles.queue_family].timestampValidBits;
+    const uint32_t bits = device_.queue_families()[device_.handles().queue_family].timestampValidBits;
     if (options_.timestamps && bits > 0 && !plan().passes.empty()) {
         ms_per_tick_ = static_cast<double>(device_.properties().limits.timestampPeriod) * 1e-6;
         tick_mask_ = bits < 64 ? (uint64_t{1} << bits) - 1 : ~uint64_t{0};

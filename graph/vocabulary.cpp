@@ -88,6 +88,8 @@ constexpr auto port_keys = std::to_array<Key>({
      {.words = "any clear", .in = none, .out = memory}},
     {"previous", Holds::flag, "must be bound to NAME@-1", {.in = memory, .out = none}},
     {"indirect", Holds::flag, "holds dispatch arguments", {.in = buffer, .out = buffer}},
+    {"row", Holds::whole, "of how many texels each row is that a host brings; default: any",
+     {.least = 1, .greatest = max_factor, .in = texels, .out = none}},
     {"range", Holds::ranges, "what its numbers keep to; null: no end. Integers have none",
      {.in = none, .out = memory}},
     {"optional", Holds::flag, "may be unbound; GLSL gets HAS_PORT, a constant for inputs, a macro for outputs", {.in = memory | block, .out = memory}},

@@ -9,7 +9,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 [[ $# -ge 3 && $1 =~ ^(specular|diffuse|lamps)$ && $2 =~ ^([0-9]+)\.\.([0-9]+)$ ]] || { sed -n '2,7s/^# \?//p' "$0" >&2; exit 2; }
 exec python3 - "$PWD/build/${PRESET:-release}" "$1" "${BASH_REMATCH[1]}" "${BASH_REMATCH[2]}" "${@:3}" <<'PYTHON'
-import json, math, os, subprocess, sys
+import hashlib, json, math, os, shutil, subprocess, sys, tempfile
 
 build, signal, first, last, pipelines = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]), sys.argv[5:]
 lamps = signal == "lamps"
@@ -24,12 +24,23 @@ def run(program, *arguments):
     return done.stdout
 
 
+# Made once for the shot and what is asked of it, and whole or not there. After a change of `reference`, remove the folder.
+def truth_of(shot, of):
+    seen = hashlib.sha256(repr((of, size, frame, rays)).encode())
+    for file in shot, shot.removesuffix(".shot.json") + ".glb":
+        seen.update(open(file, "rb").read())
+    truth = f"{folder}/truth/{seen.hexdigest()[:16]}"
+    if not os.path.exists(truth):
+        os.makedirs(f"{folder}/truth", exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder) as made:
+            run("app/penumbra", "reference", *of, "--shot", shot, "--size", size, "--frames", f"{frame}..{frame}", "--rays", rays, "--out", f"{made}/truth")
+            shutil.move(f"{made}/truth", truth)
+    return truth
+
+
 # None where there is nothing to be worth anything: no penumbra.
 def n_eff(shot, pipeline, of):
-    name = os.path.basename(shot).removesuffix(".shot.json")
-    truth = f"{folder}/truth/{name}_{of[-1]}"
-    if not os.path.exists(truth):
-        run("app/penumbra", "reference", *of, "--shot", shot, "--size", size, "--frames", f"{frame}..{frame}", "--rays", rays, "--out", truth)
+    truth = truth_of(shot, of)
     images = [f"{folder}/{pipeline}_{seed}" for seed in seeds]
     for image, seed in zip(images, seeds):
         run("app/penumbra", "render", pipeline, *(of if lamps else []), "--shot", shot, "--size", size, "--frames", f"0..{frame}", "--every",

@@ -42,6 +42,8 @@ def mutants():
 def main():
     chosen = [m for m in mutants() if not sys.argv[1:] or any(word in " ".join(m) for word in sys.argv[1:])]
     if not copy.exists():
+        # Whoever removed the build folder left git's note of a copy there.
+        subprocess.run(["git", "worktree", "prune"], cwd=root, check=True)
         subprocess.run(["git", "worktree", "add", "--detach", str(copy), "HEAD"], cwd=root, check=True)
     run("git", "checkout", "--force", "--detach", subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=root, text=True).strip())
     if run("cmake", "--preset", "release").returncode:

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <set>
+#include <stdexcept>
 
 #include "host/bvh/bvh.h"
 
@@ -239,9 +240,29 @@ TEST(LeafNeighbours, AreLostWhereEdgesComeApartAndBackWhereTheyMeetAgain) {
 }
 
 TEST(LeafNeighbours, OfAnEmptySceneAreNone) {
-    const std::vector<Texel> words = leaf_neighbours(build_bvh({}));
+    const Bvh bvh = build_bvh({});
+    std::vector<Texel> words = leaf_neighbours(bvh);
     ASSERT_EQ(words.size(), 1u);
     EXPECT_EQ(words[0], (Texel{no_neighbour, no_neighbour, no_neighbour, no_neighbour}));
+    EXPECT_FALSE(refit_neighbours(bvh, {}, words, words));
+}
+
+TEST(LeafNeighbours, OfAnotherTreeAreRefused) {
+    const std::vector<Triangle> strip = four_squares();
+    const Bvh pairs = build_bvh(strip), larger = build_bvh(sphere(9, 14, false));
+    const std::vector<uint32_t> objects{0, 1, 2, 3}, first{0};
+    const std::vector<Triangle> half(strip.begin(), strip.begin() + 4);
+    const Bvh singles = build_bvh(half, objects);  // as many leaves as `pairs` has
+    ASSERT_EQ(singles.corners.size(), pairs.corners.size());
+    std::vector<Texel> own = leaf_neighbours(pairs), theirs = leaf_neighbours(larger),
+                       alike = leaf_neighbours(singles);
+    const std::vector<Texel> before = own;
+    const std::vector<uint32_t> all{0, 1, 2, 3}, beyond{4};
+    EXPECT_THROW(refit_neighbours(pairs, first, theirs, own), std::invalid_argument);
+    EXPECT_THROW(refit_neighbours(pairs, first, own, theirs), std::invalid_argument);
+    EXPECT_THROW(refit_neighbours(pairs, beyond, own, own), std::invalid_argument);
+    EXPECT_THROW(refit_neighbours(pairs, all, alike, own), std::invalid_argument);
+    EXPECT_EQ(own, before);
 }
 
 }  // namespace

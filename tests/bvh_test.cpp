@@ -78,6 +78,7 @@ TEST(Bvh, EmptySceneBlocksNothing) {
     EXPECT_EQ(bvh.leaves.size(), 3u);
     EXPECT_FALSE(occluded(bvh, ray_to({0, 0, 0}, {1, 2, 3})));
     EXPECT_FALSE(occluded(bvh, ray_to({-1, -1, -1}, {0, 0, 0})));
+    EXPECT_FALSE(occluded(Bvh{}, ray_to({0, 0, 0}, {1, 2, 3}))) << "nor does one that was never built";
 }
 
 TEST(Bvh, OneTriangleBlocksOnBothSidesAndOnlyWithinTheInterval) {

@@ -11,6 +11,7 @@
 #include "tests/allocations.h"
 #include "tests/c_nodes.h"
 #include "tests/c_requests.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::test {
 namespace {
@@ -85,6 +86,21 @@ TEST_F(CApiGpu, StructsAreReadByTheirSizes) {
     }
 }
 
+TEST_F(CApiGpu, PipelinesMayAllBeInMemory) {
+    penumbra_plan_request request = request_of(nullptr);
+    request.file = "packed/mine.json";
+    request.read = [](void* base, const char* file) -> const char* {
+        if (!std::strcmp(file, "packed/mine.json")) return R"({ "extends": "../base.json", "name": "mine" })";
+        return std::strcmp(file, "base.json") ? nullptr : static_cast<const char*>(base);
+    };
+    request.read_user = const_cast<char*>(c_pipeline);
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    request.file = "mine.json";
+    penumbra_plan* none = nullptr;
+    EXPECT_EQ(penumbra_plan_create(&request, &none, &error_), PENUMBRA_PIPELINE);
+    EXPECT_NE(std::strstr(error_.text, "mine.json: no such file"), nullptr) << error_.text;
+}
+
 // Programs of older headers: members that came later are taken as 0, and are not written.
 TEST_F(CApiGpu, AnOlderCallersStructsAreShorter) {
     const auto older = []<class T, class M>(T& t, M T::*last) {
@@ -149,6 +165,9 @@ TEST_F(CApiGpu, NothingThrowsWhateverIsNull) {
     EXPECT_EQ(penumbra_plan_read(nullptr, nullptr, &error_), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_program_record_uploads(nullptr, nullptr), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_extent(nullptr, nullptr, nullptr, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_pass(nullptr, 0, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_plan_param(nullptr, 0, 0, nullptr, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_param(nullptr, nullptr, nullptr, nullptr, nullptr, &error_), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_plan_output_count(nullptr), 0u);
     EXPECT_EQ(penumbra_plan_pass_count(nullptr), 0u);
     EXPECT_EQ(penumbra_plan_slot_count(nullptr), 0u);
@@ -255,8 +274,11 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
         EXPECT_NE(std::strstr(error_.text, "did you mean \"depth\"?"), nullptr) << error_.text;
     });
     const double one = 1;
-    EXPECT_EQ(penumbra_view_set_param(view, "nosuch", "x", &one, 1, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_set_param(view, "guide", "x", &one, 1, &error_), PENUMBRA_USAGE);
+    EXPECT_NE(std::strstr(error_.text, "did you mean \"guides\"?"), nullptr) << error_.text;
     EXPECT_EQ(penumbra_view_set_param(view, "guides", "x", &one, 1, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_set_param(view, "guides", nullptr, &one, 1, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "param");
     penumbra_output output{};
     output.struct_size = sizeof output;
     EXPECT_EQ(penumbra_view_output(view, "view_depth", &output, &error_), PENUMBRA_OK);
@@ -364,8 +386,7 @@ void submit_commands() {
 // c_nodes.c: a node that a host in C records, and one that is compiled from a folder; frames of several
 // sizes.
 TEST_F(CApiGpu, NodesOfTheCallers) {
-    const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "penumbra_c_nodes";
-    std::filesystem::create_directories(folder);
+    const TestFolder folder;
     std::ofstream(folder / "c_twice.json") << R"({ "node": "c_twice", "doc": "d", "shader": "c_twice.comp",
         "inputs": { "drawn": { "kind": "image", "format": "r32f" } },
         "outputs": { "doubled": { "kind": "image", "format": "r32f" } },
@@ -387,7 +408,6 @@ void main() { for_each_pixel(); }
     c_host host{c_device(), at.c_str(), begin_commands, submit_commands, vkCmdClearColorImage};
     const char* problem = run_c_nodes(&host);
     EXPECT_EQ(problem, nullptr) << (problem ? problem : "");
-    std::filesystem::remove_all(folder);
 }
 
 }  // namespace

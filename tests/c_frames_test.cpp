@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Frames through penumbra.h: everything that a host in C says of them reaches the shader, the view or the
 // plan.
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "tests/c_requests.h"
 #include "tests/embedding_host.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::test {
 namespace {
@@ -80,19 +78,16 @@ class CFramesGpu : public GpuTest {
     CFramesGpu() : device_(c_device()), error_(sized<penumbra_error>()) {
         device_.allocate = allocate;
         device_.release = release;
-        const std::filesystem::path folder =
-            std::filesystem::path(::testing::TempDir()) / fmt::format("penumbra_c_frames_{}", getpid());
-        std::filesystem::create_directories(folder);
-        std::ofstream(folder / "c_frame.json") << declaration;
-        std::ofstream(folder / "c_frame.comp") << shader;
-        std::ofstream(folder / "c_again.json") << twice;
-        std::ofstream(folder / "c_again.comp") << twice_shader;
-        std::ofstream(folder / "c_table.json") << table;
-        std::ofstream(folder / "c_table.comp") << table_shader;
-        std::ofstream(folder / "steps.bin", std::ios::binary)
+        std::ofstream(folder_ / "c_frame.json") << declaration;
+        std::ofstream(folder_ / "c_frame.comp") << shader;
+        std::ofstream(folder_ / "c_again.json") << twice;
+        std::ofstream(folder_ / "c_again.comp") << twice_shader;
+        std::ofstream(folder_ / "c_table.json") << table;
+        std::ofstream(folder_ / "c_table.comp") << table_shader;
+        std::ofstream(folder_ / "steps.bin", std::ios::binary)
             .write(reinterpret_cast<const char*>(steps), sizeof steps);
         EXPECT_EQ(penumbra_nodes_create(&nodes_, &error_), PENUMBRA_OK);
-        EXPECT_EQ(penumbra_nodes_add_folder(nodes_, folder.string().c_str(), "", &error_), PENUMBRA_OK)
+        EXPECT_EQ(penumbra_nodes_add_folder(nodes_, folder_.string().c_str(), "", &error_), PENUMBRA_OK)
             << error_.text;
         request_ = sized<penumbra_plan_request>();
         request_.width = width;
@@ -115,11 +110,7 @@ class CFramesGpu : public GpuTest {
         for (uint32_t i = 0; i < 256; ++i) static_cast<uint32_t*>(buffer_.mapped)[i] = i;
         numbers_.buffer = buffer_.get();
     }
-    ~CFramesGpu() override {
-        penumbra_nodes_destroy(nodes_);
-        std::filesystem::remove_all(std::filesystem::path(::testing::TempDir()) /
-                                    fmt::format("penumbra_c_frames_{}", getpid()));
-    }
+    ~CFramesGpu() override { penumbra_nodes_destroy(nodes_); }
 
     penumbra_plan* plan() {
         penumbra_plan* made = nullptr;
@@ -182,6 +173,7 @@ class CFramesGpu : public GpuTest {
         return values;
     }
 
+    const TestFolder folder_;
     penumbra_device device_;
     penumbra_error error_;
     penumbra_nodes* nodes_ = nullptr;
@@ -269,6 +261,43 @@ TEST_F(CFramesGpu, WhatAHostSaysOfAFrameReachesIt) {
     penumbra_transients_destroy(transients);
     penumbra_program_destroy(program);
     penumbra_plan_destroy(made);
+}
+
+// The second one needs more, whichever is named first.
+TEST_F(CFramesGpu, PlansOfDifferentSizesShareTransients) {
+    penumbra_plan* plans[2];
+    penumbra_program* programs[2]{};
+    penumbra_memory needs[] = {sized<penumbra_memory>(), sized<penumbra_memory>()};
+    for (size_t i = 0; i < 2; ++i) {
+        plans[i] = plan();
+        ASSERT_EQ(penumbra_plan_memory(plans[i], &needs[i], &error_), PENUMBRA_OK) << error_.text;
+        ASSERT_EQ(penumbra_program_create(&device_, plans[i], nullptr, &programs[i], &error_), PENUMBRA_OK)
+            << error_.text;
+        request_.width = request_.height = 512;
+    }
+    ASSERT_LT(needs[0].shared_bytes, needs[1].shared_bytes);
+    for (size_t first = 0; first < 2; ++first) {
+        const penumbra_program* const both[] = {programs[first], programs[1 - first]};
+        penumbra_view_options options = sized<penumbra_view_options>();
+        penumbra_transients* transients = nullptr;
+        ASSERT_EQ(penumbra_transients_create_for(both, 2, &transients, &error_), PENUMBRA_OK) << error_.text;
+        EXPECT_GE(penumbra_transients_bytes(transients), needs[1].shared_bytes);
+        options.transients = transients;
+        for (const penumbra_program* program : both) {
+            penumbra_view* view = nullptr;
+            EXPECT_EQ(penumbra_view_create(program, &options, &view, &error_), PENUMBRA_OK) << error_.text;
+            penumbra_view_destroy(view);
+        }
+        penumbra_transients_destroy(transients);
+        EXPECT_EQ(penumbra_transients_create_for(both, 0, &transients, &error_), PENUMBRA_USAGE);
+        EXPECT_EQ(transients, nullptr);
+    }
+    penumbra_transients* none = nullptr;
+    EXPECT_EQ(penumbra_transients_create_for(nullptr, 2, &none, &error_), PENUMBRA_USAGE);
+    for (size_t i = 0; i < 2; ++i) {
+        penumbra_program_destroy(programs[i]);
+        penumbra_plan_destroy(plans[i]);
+    }
 }
 
 TEST_F(CFramesGpu, TablesMayBeUploadedAheadOfAllViews) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -117,8 +118,34 @@ TEST_F(CPlanGpu, FormatsThatASlotAcceptsAreThoseThatARequestTakes) {
         request.input_count = 1;
         penumbra_plan_destroy(std::exchange(plan_, nullptr));
         EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << name << error_.text;
+        EXPECT_FALSE(slot_of("depth").layered);
     }
     EXPECT_EQ(slot_of("view_depth").accepted_count, 0u) << "the plan's own";
+}
+
+TEST_F(CPlanGpu, AnInputIsSpokenOfOnce) {
+    penumbra_input twice[2] = {sized<penumbra_input>(), sized<penumbra_input>()};
+    twice[0].name = twice[1].name = "normal";
+    twice[0].left_out = VK_TRUE;
+    twice[1].format = "rgba32f";
+    twice[1].width = 29;
+    twice[1].height = 13;
+    penumbra_plan_request request = request_of(c_pipeline);
+    request.inputs = twice;
+    request.input_count = 2;
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "request.inputs of \"normal\"");
+    EXPECT_STREQ(error_.text, "stands there twice");
+}
+
+TEST_F(CPlanGpu, AWrongCaptureIsOfThePipeline) {
+    const char* const captures[] = {"view_dept"};
+    penumbra_plan_request request = request_of(c_pipeline);
+    request.captures = captures;
+    request.capture_count = 1;
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_PIPELINE);
+    EXPECT_STREQ(error_.place, "c.json");
+    EXPECT_NE(std::strstr(error_.text, "did you mean \"view_depth\"?"), nullptr) << error_.text;
 }
 
 // What follows the frame, an output of half its size, and what has a size of its own.
@@ -162,6 +189,123 @@ TEST_F(CPlanGpu, OfASmallerFrameTheTopLeftPartIsUsed) {
     }
     EXPECT_EQ(penumbra_plan_extent(plan_, "small", frame, nullptr, &error_), PENUMBRA_USAGE);
     EXPECT_EQ(extent[0], 3u) << "nothing is written where something is wrong";
+}
+
+// What an editor lists, sets and reads.
+TEST_F(CPlanGpu, PassesAndTheirParametersAreData) {
+    penumbra_nodes* nodes = nullptr;
+    ASSERT_EQ(penumbra_nodes_create(&nodes, &error_), PENUMBRA_OK);
+    ASSERT_EQ(penumbra_nodes_add(
+                  nodes, R"({ "node": "c_params", "doc": "d", "host": true, "inputs": {},
+        "outputs": { "drawn": { "kind": "image", "format": "r32f" } },
+        "params": { "on": { "type": "bool", "default": true, "doc": "d" },
+                    "steps": { "type": "int", "default": -3, "range": [-4, 8], "doc": "how many" },
+                    "seed": { "type": "uint", "default": 7, "doc": "d" },
+                    "far": { "type": "float", "default": 0.5, "range": [0, 1.5], "unit": "m", "doc": "d" },
+                    "near": { "type": "float", "default": 0.05, "range": [0, 0.1], "doc": "d" },
+                    "taps": { "type": "uint", "default": 7, "constant": true, "doc": "d" },
+                    "tint": { "type": "vec3", "default": [1, 2, 3], "doc": "d" },
+                    "way": { "type": "enum", "values": ["up", "down"], "default": "down", "doc": "d" } } })",
+                  [](const penumbra_call*) {}, &error_),
+              PENUMBRA_OK)
+        << error_.text;
+    penumbra_plan_request request = request_of(R"({ "penumbra": 1, "name": "c", "outputs": ["drawn"],
+        "nodes": { "draw": { "type": "c_params", "params": { "far": 0.25 } } } })");
+    const char* const drawn = "drawn";
+    const penumbra_device device = c_device();
+    request.nodes = nodes;
+    request.device = &device;
+    request.captures = &drawn;
+    request.capture_count = 1;
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    penumbra_nodes_destroy(nodes);
+    ASSERT_EQ(penumbra_plan_pass_count(plan_), 2u);
+    auto pass = sized<penumbra_pass>();
+    ASSERT_EQ(penumbra_plan_pass(plan_, 1, &pass, &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_STREQ(pass.node, "drawn");
+    EXPECT_STREQ(pass.type, "capture");
+    EXPECT_EQ(pass.param_count, 0u);
+    ASSERT_EQ(penumbra_plan_pass(plan_, 0, &pass, &error_), PENUMBRA_OK) << error_.text;
+    EXPECT_STREQ(pass.node, "draw");
+    EXPECT_STREQ(pass.type, "c_params");
+    EXPECT_EQ(penumbra_plan_pass(plan_, 2, &pass, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "the plan has 2 passes");
+
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    struct Expected {
+        const char* name;
+        penumbra_param_type type;
+        std::vector<double> initial;
+        double least, greatest;
+        std::vector<double> other;  // a value to set
+    };
+    const std::vector<Expected> expected = {
+        {"on", PENUMBRA_PARAM_BOOL, {1}, 0, 1, {0}},
+        {"steps", PENUMBRA_PARAM_INT, {-3}, -4, 8, {8}},
+        {"seed", PENUMBRA_PARAM_UINT, {7}, 0, 4294967295.0, {4294967295.0}},
+        {"far", PENUMBRA_PARAM_FLOAT, {0.25}, 0, 1.5, {1.5}},
+        {"near", PENUMBRA_PARAM_FLOAT, {0.05f}, 0, 0.1, {0.1f}},
+        {"tint", PENUMBRA_PARAM_VEC3, {1, 2, 3}, -infinite, infinite, {-4, 5, 0.5}},
+        {"way", PENUMBRA_PARAM_ENUM, {1}, 0, 1, {0}}};
+    ASSERT_EQ(pass.param_count, expected.size()) << "the constant one is not there";
+    penumbra_program* program = nullptr;
+    ASSERT_EQ(penumbra_program_create(&device, plan_, nullptr, &program, &error_), PENUMBRA_OK)
+        << error_.text;
+    penumbra_view* view = nullptr;
+    ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error_), PENUMBRA_OK) << error_.text;
+    const auto value_of = [&](const char* name) {
+        double values[4];
+        uint32_t count = 4;
+        EXPECT_EQ(penumbra_view_param(view, "draw", name, values, &count, &error_), PENUMBRA_OK)
+            << error_.text;
+        return std::vector<double>(values, values + count);
+    };
+    auto param = sized<penumbra_param>();
+    for (uint32_t i = 0; i < expected.size(); ++i) {
+        const Expected& e = expected[i];
+        ASSERT_EQ(penumbra_plan_param(plan_, 0, i, &param, &error_), PENUMBRA_OK) << error_.text;
+        EXPECT_STREQ(param.name, e.name);
+        EXPECT_STREQ(param.unit, i == 3 ? "m" : "");
+        EXPECT_STREQ(param.doc, i == 1 ? "how many" : "d");
+        EXPECT_EQ(param.type, e.type) << e.name;
+        EXPECT_EQ(param.value_count, i == 6 ? 2u : 0u) << e.name;
+        ASSERT_EQ(param.count, e.initial.size()) << e.name;
+        EXPECT_EQ(std::vector<double>(param.initial, param.initial + param.count), e.initial) << e.name;
+        EXPECT_EQ(param.range[0], e.least) << e.name;
+        EXPECT_EQ(param.range[1], e.greatest) << e.name;
+        EXPECT_EQ(value_of(e.name), e.initial);
+        EXPECT_EQ(
+            penumbra_view_set_param(view, "draw", e.name, e.other.data(), uint32_t(e.other.size()), &error_),
+            PENUMBRA_OK)
+            << error_.text;
+        EXPECT_EQ(value_of(e.name), e.other);
+    }
+    EXPECT_STREQ(param.values[0], "up");
+    EXPECT_STREQ(param.values[1], "down");
+    EXPECT_EQ(penumbra_plan_param(plan_, 0, 7, &param, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "draw has 7 dynamic parameters");
+    EXPECT_EQ(penumbra_plan_param(plan_, 2, 0, &param, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "pass");
+
+    // What a value may be is said where it is another one.
+    const double wrong[] = {9, std::numeric_limits<double>::quiet_NaN(), 0};
+    EXPECT_EQ(penumbra_view_set_param(view, "draw", "steps", wrong, 1, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "draw.steps");
+    EXPECT_STREQ(error_.text, "takes -4 to 8");
+    EXPECT_EQ(penumbra_view_set_param(view, "draw", "far", wrong, 1, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "takes 0 to 1.5 m");
+    EXPECT_EQ(penumbra_view_set_param(view, "draw", "tint", wrong, 3, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "takes finite numbers");
+    uint32_t count = 2;
+    double values[2];
+    EXPECT_EQ(penumbra_view_param(view, "draw", "tint", values, &count, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.text, "tint has 3 numbers");
+    EXPECT_EQ(penumbra_view_param(view, "draw", "tint", nullptr, &count, &error_), PENUMBRA_OK);
+    EXPECT_EQ(count, 3u);
+    EXPECT_EQ(penumbra_view_param(view, "draw", "tnit", nullptr, &count, &error_), PENUMBRA_USAGE);
+    EXPECT_NE(std::strstr(error_.text, "did you mean \"tint\"?"), nullptr) << error_.text;
+    penumbra_view_destroy(view);
+    penumbra_program_destroy(program);
 }
 
 TEST_F(CPlanGpu, WhetherToJitterAndWhenToStop) {

@@ -3,8 +3,6 @@
 // proof, and no pixel may differ. That one property covers acne, shadows that come off their casters, leaks
 // at cascades' borders and wires thinner than a texel; the published search on the same maps shows that the
 // scenes would tell.
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,10 +12,10 @@
 
 #include "app/session.h"
 #include "host/cascades/cascade_maps.h"
-#include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/models/shapes.h"
 #include "tests/gpu_test.h"
+#include "tests/scene_file.h"
 #include "tests/shipped.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -33,32 +31,12 @@ using Bytes = std::vector<std::byte>;
 const char* const cascades_raw = "../tests/pipelines/cascades_raw";
 const char* const taps_raw = "../tests/pipelines/taps_raw";
 
-// A file that is gone when the process ends.
-class ModelFile {
-  public:
-    ModelFile(const char* name, const std::vector<Shape>& shapes)
-        : path_(fs::temp_directory_path() / (name + std::to_string(getpid()) + ".glb")) {
-        Model model;
-        for (const Shape& shape : shapes) {
-            model.meshes.push_back({{to_part(shape, -1)}});
-            Node node;
-            node.name = "node" + std::to_string(model.nodes.size());
-            node.mesh = static_cast<int>(model.meshes.size()) - 1;
-            model.nodes.push_back(node);
-        }
-        write_file(path_, to_glb(model));
-    }
-    ~ModelFile() {
-        std::error_code ignored;
-        fs::remove(path_, ignored);
-    }
-    ModelFile(const ModelFile&) = delete;
-    ModelFile& operator=(const ModelFile&) = delete;
-    const fs::path& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
+std::vector<std::byte> glb_of(const std::vector<Shape>& shapes) {
+    Model model;
+    for (const Shape& shape : shapes)
+        add(model, ("node" + std::to_string(model.nodes.size())).c_str(), shape, -1);
+    return to_glb(model);
+}
 
 Shot shot_of(const fs::path& model, std::array<uint32_t, 2> size, uint32_t frames) {
     Shot shot;
@@ -74,19 +52,19 @@ Shot shot_of(const fs::path& model, std::array<uint32_t, 2> size, uint32_t frame
 
 // Wires of 6 mm over a floor.
 Shot wires_shot() {
-    static const ModelFile file(
-        "penumbra_wires_",
-        {ground(8, 8, 4, 4), rod({-2, 0.3, 0}, {2, 0.4, 0.3}, 0.003, 6),
-         rod({-2, 1.1, 0.4}, {2, 0.9, -0.6}, 0.003, 6), rod({0.3, 0, 0.2}, {0.3, 1.2, 0.2}, 0.003, 6)});
+    static const SceneFile file("wires.glb",
+                                glb_of({ground(8, 8, 4, 4), rod({-2, 0.3, 0}, {2, 0.4, 0.3}, 0.003, 6),
+                                        rod({-2, 1.1, 0.4}, {2, 0.9, -0.6}, 0.003, 6),
+                                        rod({0.3, 0, 0.2}, {0.3, 1.2, 0.2}, 0.003, 6)}));
     return shot_of(file.path(), {240, 136}, 2);
 }
 
 // Boxes that stand on the floor and on each other, seen from close.
 Shot contact_shot() {
-    static const ModelFile file(
-        "penumbra_contact_",
-        {ground(8, 8, 4, 4), box({-0.5, 0, -0.5}, {0.3, 0.5, 0.3}), box({-0.2, 0.5, -0.2}, {0.1, 0.53, 0.1}),
-         box({0.6, 0, 0.2}, {0.9, 0.02, 0.6})});
+    static const SceneFile file(
+        "contact.glb",
+        glb_of({ground(8, 8, 4, 4), box({-0.5, 0, -0.5}, {0.3, 0.5, 0.3}),
+                box({-0.2, 0.5, -0.2}, {0.1, 0.53, 0.1}), box({0.6, 0, 0.2}, {0.9, 0.02, 0.6})}));
     Shot shot = shot_of(file.path(), {160, 90}, 2);
     shot.camera = {{0, {-1.5, 0.9, 1.2}, {-0.1, 0.2, 0}, {0, 1, 0}}};
     return shot;
@@ -95,12 +73,12 @@ Shot contact_shot() {
 // A long row of posts: every slice of the view has casters across its border, and the camera steps by
 // millimetres.
 Shot steps_shot() {
-    static const ModelFile file("penumbra_steps_", [] {
+    static const SceneFile file("steps.glb", [] {
         std::vector<Shape> shapes{ground(60, 60, 8, 8)};
         for (int i = 0; i < 24; ++i)
             shapes.push_back(
                 box({-1.5 + 0.2 * (i % 3), 0, 2.0 - 1.8 * i}, {-1.4 + 0.2 * (i % 3), 1.4, 2.1 - 1.8 * i}));
-        return shapes;
+        return glb_of(shapes);
     }());
     Shot shot = shot_of(file.path(), {160, 90}, 6);
     shot.camera = {{0, {0.5, 1.6, 4}, {0, 1.0, 0}, {0, 1, 0}},
@@ -380,7 +358,7 @@ TEST_F(Cascades, BoundsHoldEveryTriangleInEveryTexelItTouches) {
                                                      glm::vec3(at + size * (0.5 * a + thin * b))});
         soup.indices.insert(soup.indices.end(), {first, first + 1, first + 2});
     }
-    const ModelFile file("penumbra_soup_", {soup});
+    const SceneFile file("soup.glb", glb_of({soup}));
     Shot shot = shot_of(file.path(), {160, 90}, 1);
     Diagnostics diagnostics;
     std::vector<std::string> warnings;

@@ -192,8 +192,8 @@ TEST_F(CliRobustness, AnAllocationThatFailsEndsWithAWord) {
         // fewer.
         for (size_t n = 1; n < 200'000; n += n < 100 ? 3 : 1 + n / 6) {
             const Result result =
-                raw("LD_PRELOAD='" PENUMBRA_FAILING_NEW "' PENUMBRA_FAIL_NEW_AT=" + std::to_string(n),
-                    command, ">/dev/null");
+                raw(preload(PENUMBRA_FAILING_NEW) + " PENUMBRA_FAIL_NEW_AT=" + std::to_string(n), command,
+                    ">/dev/null");
             if (result.code == 0) continue;  // it was past the last one, or somebody could do without
             ++failed;
             EXPECT_TRUE(result.code == 1 || result.code == 2)
@@ -237,7 +237,7 @@ TEST_F(CliRobustness, AFileThatCannotBeWrittenEndsWithAWord) {
             fs::create_directories(out);
             for (const auto& [name, text] : older) std::ofstream(out / name) << text;
             const Result result =
-                plan("64x640", "LD_PRELOAD='" PENUMBRA_FAILING_FILES "' PENUMBRA_FAIL_FILE_HOW=" + how +
+                plan("64x640", preload(PENUMBRA_FAILING_FILES) + " PENUMBRA_FAIL_FILE_HOW=" + how +
                                    " PENUMBRA_FAIL_FILE_AT=" + std::to_string(n));
             const size_t at = result.err.find("[fault in ");
             if (at == std::string::npos) break;  // it was past the last one

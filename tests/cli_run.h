@@ -10,6 +10,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/test_folder.h"
+
 namespace penumbra::test {
 
 namespace fs = std::filesystem;
@@ -21,6 +23,13 @@ inline std::string read_file(const fs::path& path) {
     return text.str();
 }
 
+// Before a command: the library in front of all others. LD_PRELOAD parts names at spaces, LD_LIBRARY_PATH
+// does not.
+inline std::string preload(const fs::path& library) {
+    return "LD_LIBRARY_PATH='" + library.parent_path().string() +
+           "'\"${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}\" LD_PRELOAD='" + library.filename().string() + "'";
+}
+
 struct Result {
     int code = -1;
     std::string out, err;
@@ -28,14 +37,6 @@ struct Result {
 
 class Cli : public ::testing::Test {
   protected:
-    void SetUp() override {
-        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-        folder_ = fs::temp_directory_path() / (std::string("penumbra_cli_") + test->name());
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     // Runs in the source tree, so that diagnostics name files as a user there would see them.
     Result run(const std::string& arguments) const {
         const std::string command = "cd '" PENUMBRA_SOURCE_DIR "' && '" PENUMBRA_PROGRAM "' " + arguments +
@@ -51,7 +52,7 @@ class Cli : public ::testing::Test {
         return in(name);
     }
 
-    fs::path folder_;
+    TestFolder folder_;
 };
 
 inline void expect(const Result& result, int code, const std::string& in_err) {

@@ -58,7 +58,14 @@ TEST_F(Cli, FilesThatCannotBeReadAreTheCommandsMistake) {
         "target": [0, 1, 0], "up": [0, 1, 0] } ] }, "sun": { "angular_radius_deg": 0.27,
         "keys": [ { "frame": 0, "to_sun": [0, 1, 0] } ] } })");
     expect(run("render pipelines/raw.json --shot " + shot + " --out " + (folder_ / "o").string()), 2,
-           "nosuch.glb");
+           "nosuch.glb: no such file\n");
+
+    // The models of the shots that ship are made by a script, which a fresh clone has not run.
+    for (const char* folder : {"scenes", "scripts"}) fs::create_directories(folder_ / "clone" / folder);
+    file("clone/scripts/scenes.sh", "");
+    const std::string shipped = file("clone/scenes/s.shot.json", read_file(shot));
+    expect(run("render pipelines/raw.json --shot " + shipped + " --out " + (folder_ / "o").string()), 2,
+           "nosuch.glb: no such file; `scripts/scenes.sh release` puts the models");
 }
 
 TEST_F(Cli, ArgumentsThatMakeNoSenseAreTheCommandsMistake) {

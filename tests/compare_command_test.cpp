@@ -2,7 +2,6 @@
 // penumbra compare on folders: its keys, its exit codes, and what it says where a folder is not what it
 // should be.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -12,6 +11,7 @@
 
 #include "app/commands.h"
 #include "app/mask_folder.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 class Compare : public ::testing::Test {
   protected:
     void SetUp() override {
-        root_ = fs::temp_directory_path() / ("penumbra_compare_" + std::to_string(getpid()));
         for (const char* name : {"truth", "a", "b"}) fs::create_directories(root_ / name);
         write_reference_info(root_ / "truth", {"x.shot.json", {8, 4}, true, {}, {}});
         for (const uint32_t frame : {3u, 4u}) {
@@ -30,7 +29,6 @@ class Compare : public ::testing::Test {
         }
         write(folder("b"), 4, 8, 0.25f, false);
     }
-    void TearDown() override { fs::remove_all(root_); }
 
     std::string folder(const char* name) const { return (root_ / name).string(); }
 
@@ -63,7 +61,7 @@ class Compare : public ::testing::Test {
         return a;
     }
 
-    fs::path root_;
+    test::TestFolder root_;
 };
 
 TEST_F(Compare, SaysWhatItKnowsAndNullForTheRest) {

@@ -81,6 +81,32 @@ TEST(CompileInputs, WhatTheHostBringsMustBeWhatThePipelineAsksFor) {
         std::string::npos);
 }
 
+// What a view binds may be larger than the frame; what a plan is told is the frame's own size.
+TEST(CompileInputs, AnImageLargerThanTheFrameIsNotDeclared) {
+    Target target = target_of({64, 36});
+    target.inputs["motion"] = {Format::rg16f, {128, 72}};
+    const std::string text = compile_text(small_set(), R"("inputs": { "motion": {} }, "outputs": ["picked"],
+        "nodes": { "pick": { "type": "picky" } })",
+                                          target)
+                                 .errors;
+    EXPECT_NE(text.find("asks for 64x36, the frame's own size; what is bound to it may be larger"),
+              std::string::npos)
+        << text;
+}
+
+TEST(CompileInputs, ArraysAreBroughtWhereAPortTakesThem) {
+    Target target = target_of({64, 64});
+    target.inputs["motion"] = {Format::rg16f, {64, 64}, 7};
+    const char* body =
+        R"("inputs": { "motion": {} }, "outputs": ["picked"], "nodes": { "pick": { "type": "picky" } })";
+    const std::string text = compile_text(small_set(), body, target).errors;
+    EXPECT_NE(text.find("the host brings \"motion\" with 7 layers, and this port takes no array"),
+              std::string::npos)
+        << text;
+    target.inputs["motion"].layers = 1;
+    EXPECT_FALSE(compile_text(small_set(), body, target).plan->slots[0].layered);
+}
+
 TEST(CompileInputs, AnOptionalInputMayBeLeftOut) {
     const NodeSet set = small_set();
     const std::string body = R"("inputs": { "mask": { "optional": true } }, "outputs": ["mixed"],
@@ -186,6 +212,10 @@ TEST(CompileTarget, NamesThatThePipelineDoesNotKnowAreRefused) {
     EXPECT_NE(
         errors([](Target&, CompileOptions& o) { o.outputs["mixd"] = {}; }).find("did you mean \"mixed\"?"),
         std::string::npos);
+    EXPECT_NE(errors([](Target& t, CompileOptions&) {
+                  t.device.features = {"storage8", "ray_querys"};
+              }).find("did you mean \"ray_query\"?"),
+              std::string::npos);
 }
 
 }  // namespace

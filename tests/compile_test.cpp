@@ -279,6 +279,7 @@ TEST(CompileLayers, AnArrayTakesItsLayersFromThePortThatGivesItsExtent) {
                                     target)
                            .plan;
     EXPECT_EQ(plan.slots[0].layers, 4u);
+    EXPECT_TRUE(plan.slots[0].layered);
     EXPECT_EQ(plan.resources[0].layers, 4u);
     EXPECT_TRUE(plan.resources[0].layered);
     EXPECT_EQ(plan.resources[0].bytes, 4u * 256 * 256 * 4);
@@ -287,22 +288,32 @@ TEST(CompileLayers, AnArrayTakesItsLayersFromThePortThatGivesItsExtent) {
 TEST(CompileLayers, AnArrayHasALayerForEachRowOfTexels) {
     NodeSet set;
     set.add({.type = parse_toy(R"({ "node": "slices", "doc": "d", "shader": "s.comp",
-      "inputs": { "list": { "kind": "texels", "format": "r32ui" } },
+      "inputs": { "list": { "kind": "texels", "format": "r32ui", "row": 5 } },
       "outputs": { "slice": { "kind": "image", "format": "r32f", "layers": true, "layers_of": "list" } },
       "dispatch": { "over": "frame" } })",
                                "slices")});
+    const std::string body = R"("inputs": { "list": { "extent": "any" } }, "outputs": ["slice"],
+        "nodes": { "slices": { "type": "slices" } })";
     Target target = target_of({64, 32});
     target.inputs["list"] = {Format::r32ui, {5, 7}};
-    const Plan plan = *compile_text(set, R"("inputs": { "list": { "extent": "any" } }, "outputs": ["slice"],
-        "nodes": { "slices": { "type": "slices" } })",
-                                    target)
-                           .plan;
+    const Plan plan = *compile_text(set, body, target).plan;
     EXPECT_EQ(plan.resources[0].layers, 7u);
     EXPECT_TRUE(plan.resources[0].layered);
     EXPECT_EQ(plan.resources[0].extent, (Extent{64, 32}));
     EXPECT_EQ(plan.resources[0].bytes, 7u * 64 * 32 * 4);
     EXPECT_EQ(plan.passes[0].groups,
               (std::array<uint32_t, 3>{8, 4, 1}));  // over the frame, not over the layers
+    target.inputs["list"] = {Format::r32ui, {35, 1}};
+    EXPECT_NE(compile_text(set, body, target)
+                  .errors.find("the host brings \"list\" in rows of 35 texels, which are of 5 here"),
+              std::string::npos);
+    target.inputs.clear();
+    const std::string untold = compile_text(set, body, target).errors;
+    EXPECT_NE(
+        untold.find("inputs.list.extent: \"slice\" has a layer for each of its rows: say how many, as in "
+                    "Target::inputs[\"list\"] = {Format::r32ui, {5, ROWS}}"),
+        std::string::npos)
+        << untold;
 }
 
 TEST(CompileIndirect, ArgumentsMustFitAndBeOfThisFrame) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "tests/light_plate.h"
 #include "tests/shipped.h"
@@ -150,6 +151,31 @@ TEST_F(CoverLights, WhoIsOffOrOutOfReachIsNotWalkedTo) {
         EXPECT_EQ(none.counters.at("steps"), 0u);
         EXPECT_EQ(none.lux, (std::vector<std::array<float, 3>>(64 * 36)));
     }
+}
+
+// A plan for six, of which the host brings two at the moment, both off.
+TEST_F(CoverLights, WithoutALightForItALayerShadowsNothing) {
+    const Shot shot = six_lights({64, 36});
+    const CheckedPipeline checked = shipped_pipeline("lights", {"outputs=[\"masks\"]"});
+    SessionOptions options;
+    options.size = shot.size;
+    options.optimum = false;
+    options.captures = {"masks"};
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
+    ASSERT_TRUE(session) << diagnostics.text();
+    session->run_frame(0, true);
+    constexpr size_t bytes = 2 * 5 * 16;
+    const GpuTexels two = make_host_texels(gpu(), bytes, VK_FORMAT_R32G32B32A32_UINT, "two lights");
+    std::memset(two.buffer.mapped, 0, bytes);
+    std::vector<SlotBinding> slots = session->bind_slots();
+    slots[*session->plan().slot("lights")].texels = two.view.get();
+    View view(std::make_shared<Program>(handles_of(gpu()), std::make_shared<Plan>(session->plan())), {});
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, session->frame_description(), slots); });
+    const auto masks = view.captured("masks");
+    ASSERT_EQ(masks.size(), 6u * 64 * 36);
+    EXPECT_EQ(std::ranges::count(masks, std::byte{255}), std::ptrdiff_t(masks.size()));
 }
 
 // fp16 rounds by 2^-11 of a sum, which is of six; a mask by 1/510.

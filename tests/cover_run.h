@@ -14,6 +14,11 @@
 
 namespace penumbra::test {
 
+// Mesa 22 ends all loops of a workgroup after 65 535 turns (docs/coverage.md).
+inline bool ends_long_loops() {
+    return gpu().info().driver.find("Mesa 22") != std::string::npos;
+}
+
 inline const NodeSet& cover_nodes() {
     static const NodeSet set = shadow_nodes();
     return set;
@@ -102,7 +107,7 @@ class CoverRun {
     glm::dvec3 to_sun() const { return axes_[2]; }
     SceneRun& run() { return run_; }
     const SceneRun& run() const { return run_; }
-    // Pixels that the node did not finish: Mesa 22 ends all loops of a workgroup after 65 535 turns.
+    // Pixels that the node did not finish.
     uint32_t left() const { return counters_of(run_.session().view(), "cover").at("left"); }
     std::array<uint32_t, 2> size() const { return size_; }
     uint32_t samples() const { return samples_; }

@@ -96,7 +96,7 @@ TEST_P(CoverShots, AreWorthManyRays) {
     Shot shot = shipped_shot(c.name, {160, 90});
     if (c.angle_deg >= 0) shot.sun_angular_radius_deg = c.angle_deg;
     const Judged found = judge(shot, 15, 128);
-    if (c.angle_deg > 1 && found.left != 0)
+    if (c.angle_deg > 1 && found.left != 0 && ends_long_loops())
         GTEST_SKIP() << found.left << " pixels were cut short by the driver";
     EXPECT_EQ(found.left, 0u);
     EXPECT_GT(found.n_eff, c.n_eff);

@@ -337,7 +337,9 @@ TEST_F(CoverTwinOf, WideSunsSayTheSame) {
         Shot shot = shipped_shot("lamp", {32, 18});
         shot.sun_angular_radius_deg = angle_deg;
         const Differences found = compare(shot, 3, 128);
-        if (found.left != 0) GTEST_SKIP() << found.left << " pixels were cut short by the driver";
+        if (found.left != 0 && ends_long_loops())
+            GTEST_SKIP() << found.left << " pixels were cut short by the driver";
+        EXPECT_EQ(found.left, 0u);
         EXPECT_LE(found.differ, 2 + found.partial / 10);
         EXPECT_EQ(found.wrong_far, 0u);
     }

@@ -5,7 +5,6 @@
 // instead in every such pixel, and for hybrid_shadows itself, with the share of pixels that it leaves to
 // rays. A Markdown table: build/release/tests/coverage_cost
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,7 @@
 #include "host/models/glb_writer.h"
 #include "host/models/model_builder.h"
 #include "penumbra/shadow_nodes.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -100,8 +100,8 @@ Cost cost_of(Device& device, const NodeSet& nodes, const std::string& name,
 void run() {
     Device device(DeviceOptions{});
     const NodeSet nodes = shadow_nodes();
-    const std::filesystem::path file =
-        std::filesystem::temp_directory_path() / fmt::format("penumbra_sheet_{}.glb", getpid());
+    const test::TestFolder folder;
+    const std::filesystem::path file = folder / "sheet.glb";
     fmt::print(
         "| triangles | sun, degrees | coverage, us per pixel | steps | 32 rays | hybrid_shadows | left to "
         "rays | over the better |\n"
@@ -122,7 +122,6 @@ void run() {
             std::cout.flush();
         }
     }
-    std::filesystem::remove(file);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "host/images/image_file.h"
 #include "tests/cli_run.h"
@@ -25,6 +26,9 @@ class Drivers : public Cli {
             "cd '" PENUMBRA_SOURCE_DIR "' && " + environment + " '" PENUMBRA_PROGRAM "' render " + arguments +
             " --out '" + (folder_ / name).string() + "' >/dev/null 2>'" + (folder_ / "err").string() + "'";
         ASSERT_EQ(std::system(command.c_str()), 0) << command << "\n" << read_file(folder_ / "err");
+    }
+    std::string driver(const std::string& name) const {  // that rendered it
+        return nlohmann::json::parse(read_file(folder_ / name / "report.json"))["device"]["driver"];
     }
     std::map<std::string, std::string> images(const std::string& name) const {
         std::map<std::string, std::string> found;
@@ -92,7 +96,12 @@ TEST_F(Drivers, TwoVersionsAgree) {
         const std::string arguments =
             fmt::format("{} --shot {} --size 160x90 --frames 0..3", c.pipeline, c.shot);
         render("newer", "env -u VK_DRIVER_FILES", arguments);
-        render("older", "VK_DRIVER_FILES=" + older.string(), arguments);
+        render("older", "VK_DRIVER_FILES='" + older.string() + "'", arguments);
+        const std::string newest = driver("newer");
+        if (newest == driver("older")) {
+            ASSERT_EQ(std::getenv("PENUMBRA_ALL_DRIVERS"), nullptr) << "both are " << newest;
+            GTEST_SKIP() << "both are " << newest;
+        }
         const double found = difference(folder_ / "newer", folder_ / "older", c.output);
         std::printf("%s: %s differs by %.2g\n", c.pipeline, c.output, found);
         EXPECT_LE(found, c.tolerance) << c.pipeline;

@@ -230,9 +230,10 @@ inline Result gather(ViewRun& run, const Setting& setting) {
     const auto idle_cells = captured<uint32_t>(run.view(), "idle_cells");
     const uint32_t cells_across = (extent.width + 3) / 4;
     for (uint32_t i = 0; i < pixels; ++i) {
+        constexpr uint32_t not_idle = 0x00030001;  // others are their bits (common/shadow_state.glsl)
         const uint32_t x = i % extent.width, y = i / extent.width,
-                       idle = idle_cells[y / 4 * cells_across + x / 4];
-        const bool works = idle == 0x00030001u;  // NOT_IDLE; others are their bits (common/shadow_state.glsl)
+                       idle = idle_cells[y / 4 * cells_across + x / 4] ^ not_idle;
+        const bool works = idle == not_idle;
         const double bit = idle >> (4 * (y % 4) + x % 4) & 1;
         result.now.push_back(works ? (gathered[i][0] & 0x7ff) / 2046.0 : bit);
         result.past.push_back(works ? (gathered[i][0] >> 11 & 0x7ff) / 2046.0 : bit);

@@ -15,6 +15,7 @@
 
 #include "host/models/gltf.h"
 #include "host/scene/scene.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 
@@ -52,14 +53,6 @@ inline const std::vector<float> zigzag{0, 0, 0, 0, 1, 0, 1, 0, 0, 1, 1, 0, 2, 0,
 
 class Gltf : public ::testing::Test {
   protected:
-    void SetUp() override {
-        folder_ = fs::path(::testing::TempDir()) /
-                  (std::string("gltf_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     fs::path save(const std::string& name, const std::string& text) const {
         std::ofstream(folder_ / name, std::ios::binary) << text;
         return folder_ / name;
@@ -74,7 +67,7 @@ class Gltf : public ::testing::Test {
         EXPECT_NE(diagnostics_.text().find(part), std::string::npos) << diagnostics_.text();
     }
 
-    fs::path folder_;
+    test::TestFolder folder_;
     Diagnostics diagnostics_;
 };
 

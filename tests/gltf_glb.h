@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/models/gltf.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 
@@ -38,6 +39,7 @@ struct Glb {
     int floats(const std::vector<float>& values, const char* type, size_t width) {
         return accessor(view(values.data(), values.size() * 4), 5126, values.size() / width, type);
     }
+    // Gone when the process ends.
     fs::path save(const std::string& name) {
         bytes.resize((bytes.size() + 3) / 4 * 4);
         if (!json.contains("buffers")) json["buffers"] = Json::array({Json::object()});
@@ -48,7 +50,8 @@ struct Glb {
             const auto v = static_cast<uint32_t>(value);
             return std::string(reinterpret_cast<const char*>(&v), 4);
         };
-        const fs::path file = fs::path(::testing::TempDir()) / name;
+        static const test::TestFolder folder;
+        const fs::path file = folder / name;
         std::ofstream(file, std::ios::binary)
             << "glTF" << word(2) << word(28 + text.size() + bytes.size()) << word(text.size()) << "JSON"
             << text << word(bytes.size()) << std::string("BIN\0", 4) << bytes;
@@ -57,10 +60,8 @@ struct Glb {
 };
 
 inline Model loaded(Glb& glb, const char* name) {
-    const fs::path file = glb.save(name);
     Diagnostics diagnostics;
-    auto model = load_gltf(file, diagnostics);
-    fs::remove(file);
+    auto model = load_gltf(glb.save(name), diagnostics);
     EXPECT_TRUE(model) << diagnostics.text();
     return model ? std::move(*model) : Model{};
 }

@@ -81,9 +81,7 @@ TEST(GltfFeatures, LampsWithoutANameHaveTheirNodesAndWrongOnesAreErrors) {
     EXPECT_EQ(loaded(unnamed, "point.glb").lights.at(0).name, "holder");
     const auto refused = [&](const Json& light, const std::string& why) {
         Diagnostics diagnostics;
-        const fs::path file = lamp_file(light).save("wrong.glb");
-        EXPECT_FALSE(load_gltf(file, diagnostics));
-        fs::remove(file);
+        EXPECT_FALSE(load_gltf(lamp_file(light).save("wrong.glb"), diagnostics));
         EXPECT_NE(diagnostics.text().find(why), std::string::npos) << diagnostics.text();
     };
     refused({{"type", "area"}}, "light \"holder\": no type is named \"area\"");

@@ -116,10 +116,8 @@ TEST_F(Gltf, WhatIsSharedCountsForEachThatHasIt) {
         return glb;
     };
     const auto text = [&](Glb glb) {
-        const fs::path file = glb.save("shared.glb");
         Diagnostics diagnostics;
-        const auto model = load_gltf(file, diagnostics);
-        fs::remove(file);
+        const auto model = load_gltf(glb.save("shared.glb"), diagnostics);
         EXPECT_EQ(model.has_value(), diagnostics.empty());
         return diagnostics.text();
     };

@@ -12,6 +12,7 @@
 #include "penumbra/user_nodes.h"
 #include "tests/embedding_host.h"
 #include "tests/shipped.h"
+#include "tests/test_folder.h"
 #include "tests/toy_nodes.h"
 #include "tests/view_run.h"
 
@@ -159,7 +160,7 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
     usage([&] { Program(none, plan); }, "vkGetPhysicalDeviceProperties", "does not give it");
     none = handles_of(gpu());
     none.queue_family = 99;
-    usage([&] { View(std::make_shared<Program>(none, plan), {}); }, "DeviceHandles::queue_family", "99");
+    usage([&] { Program(none, plan); }, "DeviceHandles::queue_family", "99");
     none = handles_of(gpu());
     none.memory.allocate = [](const MemoryRequest&, MemoryBlock&) { return VK_SUCCESS; };
     usage([&] { Program(none, plan); }, "DeviceHandles::memory", "one of its two");
@@ -195,11 +196,15 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
         handover.layout_after = VK_IMAGE_LAYOUT_UNDEFINED;
         usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "handed back");
         handover.layout_after = handover.layout_before;
+        handover.family_after = 77;
+        usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "queue family 77");
+        handover.family_after = VK_QUEUE_FAMILY_IGNORED;
         externals["given"].layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
         usage([&] { view.record(cmd, description(0), externals); }, "the slot \"given\"", "layout");
         usage([&] { view.record(cmd, FrameDescription{}, externals); }, "p", "0x0");
     });
     usage([&] { view.record(VK_NULL_HANDLE, description(0), externals); }, "p", "command buffer");
+    usage([&] { program->record_uploads(VK_NULL_HANDLE); }, "Program::record_uploads", "null");
 }
 
 // As many slots, of other names: the first of either would be bound to the other's.
@@ -293,9 +298,7 @@ TEST_F(HostAsksGpu, APlanForAnotherDeviceIsRefused) {
 // A part of a buffer of the host's: the shader sees that part, from its beginning to its end. Counters come
 // back in their order.
 TEST_F(HostAsksGpu, ABuffersPartIsWhatIsBound) {
-    const std::filesystem::path folder =
-        std::filesystem::path(::testing::TempDir()) / "penumbra_embedding_buffer";
-    std::filesystem::create_directories(folder);
+    const TestFolder folder;
     std::ofstream(folder / "toy_part.json") << R"({ "node": "toy_part", "doc": "d", "shader": "toy_part.comp",
         "inputs": { "numbers": { "kind": "buffer", "element": "u32" } },
         "outputs": { "value": { "kind": "image", "format": "r32f" } },
@@ -323,14 +326,11 @@ void main() {
     EXPECT_EQ(floats(view.captured("value"))[3], 64.0f + 300.0f);
     EXPECT_EQ(view.statistics()[0].counters,
               (std::vector<uint32_t>{width * height, (width + 1) / 2 * height}));
-    std::filesystem::remove_all(folder);
 }
 
 // A ring of all blocks, say, which is larger than what a uniform buffer may show at once.
 TEST_F(HostAsksGpu, OfALargeBufferNoMoreIsBoundThanABlockTakes) {
-    const std::filesystem::path folder =
-        std::filesystem::path(::testing::TempDir()) / "penumbra_embedding_block";
-    std::filesystem::create_directories(folder);
+    const TestFolder folder;
     std::ofstream(folder / "toy_lit.json") << R"({ "node": "toy_lit", "doc": "d", "shader": "toy_lit.comp",
         "inputs": { "sun": { "kind": "block", "element": "Sun" } },
         "outputs": { "value": { "kind": "image", "format": "r32f" } },
@@ -359,7 +359,6 @@ void main() { for_each_pixel(); }
     EXPECT_EQ(Spy::blocks[0].buffer, ring.get());
     EXPECT_EQ(Spy::blocks[0].offset, at);
     EXPECT_EQ(Spy::blocks[0].range, sizeof sun);
-    std::filesystem::remove_all(folder);
 }
 
 // The pool of descriptors has room for what is taken from it and for no more: few drivers say where it has

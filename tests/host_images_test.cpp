@@ -14,7 +14,7 @@ TEST_F(HostImagesGpu, AnotherQueuesImageIsAcquiredAndReleased) {
     EXPECT_TRUE(Spy::asked.contains("vkCmdDispatch"));
     View view(program, {});
     const GpuImage given = image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_SAMPLED_BIT);
-    const uint32_t own = gpu().queue_family(), theirs = own + 7;
+    const uint32_t own = gpu().queue_family(), theirs = VK_QUEUE_FAMILY_EXTERNAL;
     Externals externals(view.plan());
     externals["given"] = {.image = given.view.get(),
                           .handover = Handover{.image = given.get(),
@@ -250,7 +250,7 @@ TEST_F(HostImagesGpu, AnOutputsImageOfAnotherQueueIsReleasedAlone) {
     View view(std::make_shared<Program>(Spy::handles(), plan_of(pipeline, options)), {});
     const GpuImage image =
         image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
-    const uint32_t own = gpu().queue_family(), theirs = own + 7;
+    const uint32_t own = gpu().queue_family(), theirs = VK_QUEUE_FAMILY_EXTERNAL;
     Externals externals(view.plan());
     externals["value"] = {.image = image.view.get(),
                           .handover = Handover{.image = image.get(),

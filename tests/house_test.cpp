@@ -122,6 +122,7 @@ TEST(House, AnIncludeLiesWithTheGroupThatItServes) {
 // Else scripts/source_mutants.py stops at it, and nobody sees the mutants behind it die.
 TEST(House, AMutantsTextIsThereOnce) {
     std::istringstream lines(read(root / "tests/source_mutants.txt"));
+    std::set<std::vector<std::string>> mutants;  // file, text and what it becomes
     for (std::string line; std::getline(lines, line);) {
         if (line.empty() || line[0] == '#') continue;
         std::vector<std::string> fields(1);
@@ -140,6 +141,7 @@ TEST(House, AMutantsTextIsThereOnce) {
         const size_t at = text.find(fields[1]);
         ASSERT_NE(at, std::string::npos) << line;
         EXPECT_EQ(text.find(fields[1], at + 1), std::string::npos) << line;
+        EXPECT_TRUE(mutants.emplace(fields.begin(), fields.begin() + 3).second) << "twice: " << line;
     }
 }
 

@@ -28,6 +28,7 @@
 #include <thread>
 
 #include "host/images/animation_file.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -36,20 +37,12 @@ namespace fs = std::filesystem;
 
 class ImageFile : public ::testing::Test {
   protected:
-    void SetUp() override {
-        folder_ =
-            fs::path(::testing::TempDir()) /
-            (std::string("image_file_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
-        fs::remove_all(folder_);
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     size_t files() const {
-        return static_cast<size_t>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
+        return static_cast<size_t>(
+            std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
     }
 
-    fs::path folder_;
+    test::TestFolder folder_;
 };
 
 PlanarImage sample(uint32_t width, uint32_t height) {

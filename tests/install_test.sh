@@ -86,7 +86,7 @@ rm -rf "$prefix"
 expect "install" cmake --install "$build" --prefix "$work/made"
 rm -rf "$prefix" && mv "$work/made" "$prefix" # a package may be moved
 for file in include/penumbra/graph.h include/penumbra/penumbra.h include/penumbra/version.h include/penumbra/blocks.h include/penumbra/bvh.h \
-    include/penumbra/frame_block.glsl share/penumbra/pipelines/hybrid_shadows.json \
+    include/penumbra/penumbra_bvh.h include/penumbra/frame_block.glsl share/penumbra/pipelines/hybrid_shadows.json \
     share/penumbra/pipelines/pipeline.schema.json share/penumbra/nodes/node.schema.json \
     share/penumbra/nodes/visibility/trace.json share/penumbra/shaders/common/pixels.glsl share/penumbra/shaders/penumbra/frame_block.glsl; do
     expect "is installed" test -f "$prefix/$file"
@@ -100,8 +100,47 @@ images_of "$prefix" examples_static
 pc=$(dirname "$(find "$prefix" -name penumbra.pc)")
 export PKG_CONFIG_PATH=$pc
 expect "pkg-config knows its version" pkg-config --exact-version=0.1.0 penumbra
-expect "pkg-config, static" bash -c "g++ -std=c++20 -DPIPELINES='\"$prefix/share/penumbra/pipelines\"' \
-    '$root/examples/plan/main.cpp' -o '$work/plan_pc' \$(pkg-config --static --cflags --libs penumbra) && '$work/plan_pc'"
+expect "pkg-config, static" bash -c "pkg-config --static --cflags --libs penumbra | xargs g++ -std=c++20 \
+    -DPIPELINES='\"$prefix/share/penumbra/pipelines\"' '$root/examples/plan/main.cpp' -o '$work/plan_pc' && '$work/plan_pc'"
+expect "pkg-config, static, users' nodes" bash -c "pkg-config --static --cflags --libs penumbra-glsl | xargs g++ -std=c++20 \
+    -DPIPELINES='\"$prefix/share/penumbra/pipelines\"' -DEXAMPLE='\"$root/examples/invert\"' '$root/examples/invert/main.cpp' \
+    -o '$work/invert_pc' && '$work/invert_pc'"
+# C, with nothing but the builder of trees.
+cat >"$work/tree.c" <<'END'
+#include <penumbra/penumbra_bvh.h>
+int main(void) {
+    const float triangle[9] = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+    penumbra_bvh_request request = {sizeof request, 1, 0, 0, 0};
+    penumbra_bvh_info info = {sizeof info, 0, 0, 0, 0, 0, 0, 0, 0};
+    penumbra_bvh* bvh;
+    request.triangles = triangle;
+    if (penumbra_bvh_create(&request, &bvh, 0) || penumbra_bvh_read(bvh, &info, 0)) return 1;
+    penumbra_bvh_destroy(bvh);
+    return info.leaf_count != 1;
+}
+END
+expect "pkg-config, static, a tree in C" bash -c "gcc -std=c99 -Wall -Wextra -pedantic -Werror '$work/tree.c' -o '$work/tree_pc' \
+    \$(pkg-config --static --cflags --libs penumbra-bvh) && '$work/tree_pc'"
+
+# A plugin is a shared library, whatever it links.
+for library in penumbra penumbra_bvh penumbra_glsl; do
+    expect "$library goes into a shared library" g++ -shared -o "$work/plugin.so" \
+        -Wl,--whole-archive "${pc%/*}/lib$library.a" -Wl,--no-whole-archive
+done
+
+# The builder of trees alone needs neither Vulkan nor fmt, whatever the project calls its variables.
+rm -rf "$work/trees" && mkdir "$work/trees"
+cat >"$work/trees/CMakeLists.txt" <<END
+cmake_minimum_required(VERSION 3.25)
+project(trees LANGUAGES CXX)
+set(bvh ON)
+find_package(penumbra REQUIRED COMPONENTS bvh)
+add_executable(trees "$root/examples/bvh/main.cpp")
+target_link_libraries(trees PRIVATE penumbra::bvh)
+END
+expect "COMPONENTS bvh: configure" cmake -G Ninja -S "$work/trees" -B "$work/trees/build" -DCMAKE_PREFIX_PATH="$prefix" \
+    -DCMAKE_DISABLE_FIND_PACKAGE_Vulkan=ON -DCMAKE_DISABLE_FIND_PACKAGE_fmt=ON
+expect "COMPONENTS bvh: build" cmake --build "$work/trees/build"
 
 # Shared, without the program, run-time GLSL, and what only they need.
 shared=$work/build_shared
@@ -135,17 +174,21 @@ rm -rf "$work/asks" && mkdir "$work/asks" && mv "$work/asks.cmake" "$work/asks/C
 expect_not "asking for glsl" cmake -G Ninja -S "$work/asks" -B "$work/asks/build" -DCMAKE_PREFIX_PATH="$prefix"
 expect "says what is missing" grep -q "built with PENUMBRA_GLSL=OFF" "$work/log"
 
-# A folder of somebody's project.
+# A folder of somebody's project, who puts all libraries into one place and has a launcher.
 rm -rf "$work/inside" && mkdir "$work/inside"
 cat >"$work/inside/CMakeLists.txt" <<END
 cmake_minimum_required(VERSION 3.25)
 project(inside LANGUAGES CXX)
-add_subdirectory($root penumbra)
-add_executable(inside $root/examples/plan/main.cpp)
+add_subdirectory("$root" penumbra)
+add_executable(inside "$root/examples/plan/main.cpp")
 target_compile_definitions(inside PRIVATE PIPELINES="$root/pipelines")
-target_link_libraries(inside PRIVATE penumbra::penumbra penumbra::bvh)
+target_link_libraries(inside PRIVATE penumbra::glsl penumbra::bvh)
 END
-expect "add_subdirectory: configure" cmake -G Ninja -S "$work/inside" -B "$work/inside/build" "${hide[@]}"
+expect "add_subdirectory: configure" cmake -G Ninja -S "$work/inside" -B "$work/inside/build" -DPENUMBRA_GLSL=ON \
+    -DCMAKE_ARCHIVE_OUTPUT_DIRECTORY="$work/inside/lib" -DCMAKE_CXX_COMPILER_LAUNCHER=env "${hide[@]}"
+expect "add_subdirectory: could be built" ninja -C "$work/inside/build" -n
+expect "add_subdirectory: the builder's launcher" grep -qw 'command = env' "$work/inside/build/CMakeFiles/rules.ninja"
+expect_not "add_subdirectory: and no other" grep -qw ccache "$work/inside/build/CMakeFiles/rules.ninja"
 expect "add_subdirectory: no program, no tests" bash -c \
     "! ninja -C '$work/inside/build' -t targets all | grep -qE 'penumbra_(app|host|models|test)|make_scenes'"
 

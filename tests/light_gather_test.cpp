@@ -44,41 +44,23 @@ glm::dquat world_of(bool turned) {
     return glm::angleAxis(turned ? glm::pi<double>() : 0, glm::dvec3(1, 0, 0));
 }
 
-struct EdgeFile {
-    fs::path path;
-    explicit EdgeFile(bool turned)
-        : path(fs::temp_directory_path() / fmt::format("penumbra_edge_{}_{}.glb", getpid(), turned)) {
-        Model model;
-        model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
-        const glm::dquat world = world_of(turned);
-        const glm::dvec3 n = across(Edge{});
-        for (const bool is_plate : {false, true}) {
-            Mesh mesh;
-            mesh.parts.push_back(to_part(ground(plate_half_m, plate_half_m, 1, 1), 0));
-            model.meshes.push_back(std::move(mesh));
-            Node node;
-            node.name = is_plate ? "plate" : "floor";
-            node.mesh = is_plate;
-            node.rotation = world;
-            if (is_plate) {
-                node.rotation = world * glm::angleAxis(std::atan2(-n.z, n.x), glm::dvec3(0, 1, 0));
-                node.translation = world * (plate_half_m * n + glm::dvec3(0, edge_m, 0));
-            }
-            model.nodes.push_back(node);
-        }
-        write_file(path, to_glb(model));
-    }
-    EdgeFile(const EdgeFile&) = delete;
-    EdgeFile& operator=(const EdgeFile&) = delete;
-    ~EdgeFile() {
-        std::error_code ignored;
-        fs::remove(path, ignored);
-    }
-};
+std::vector<std::byte> edge_glb(bool turned) {
+    Model model;
+    model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
+    const glm::dquat world = world_of(turned);
+    const glm::dvec3 n = across(Edge{});
+    add(model, "floor", ground(plate_half_m, plate_half_m, 1, 1), 0);
+    model.nodes.back().rotation = world;
+    add(model, "plate", ground(plate_half_m, plate_half_m, 1, 1), 0);
+    Node& over = model.nodes.back();
+    over.rotation = world * glm::angleAxis(std::atan2(-n.z, n.x), glm::dvec3(0, 1, 0));
+    over.translation = world * (plate_half_m * n + glm::dvec3(0, edge_m, 0));
+    return to_glb(model);
+}
 
 const fs::path& edge_file(bool turned) {
-    static const EdgeFile level(false), upside_down(true);
-    return (turned ? upside_down : level).path;
+    static const SceneFile level("edge.glb", edge_glb(false)), upside_down("edge.glb", edge_glb(true));
+    return (turned ? upside_down : level).path();
 }
 
 Shot shot_of(const LampEdge& lamp) {
@@ -174,13 +156,13 @@ std::vector<double> numbers(const char* name, const char* otherwise) {
 
 class LampGather : public GpuTest {};
 
-// WIDTHS, SPEEDS, FRAME and OFFSETS, places of the edge within a pixel over which errors are averaged, make
-// the table of docs/lights.md.
+// PENUMBRA_WIDTHS, _SPEEDS, _FRAME and _OFFSETS, places of the edge within a pixel over which errors are
+// averaged, make the table of docs/lights.md.
 TEST_F(LampGather, StraightEdgesAreWorthWhatTheSunsAre) {
-    const auto last = static_cast<uint32_t>(numbers("FRAME", "7").at(0));
-    const std::vector<double> offsets = numbers("OFFSETS", "0.37");
-    for (const double width : numbers("WIDTHS", "8"))
-        for (const double speed : numbers("SPEEDS", "0 -0.5")) {
+    const auto last = static_cast<uint32_t>(numbers("PENUMBRA_FRAME", "7").at(0));
+    const std::vector<double> offsets = numbers("PENUMBRA_OFFSETS", "0.37");
+    for (const double width : numbers("PENUMBRA_WIDTHS", "8"))
+        for (const double speed : numbers("PENUMBRA_SPEEDS", "0 -0.5")) {
             std::array<double, 4> errors{};
             for (const double offset : offsets) {
                 const Edge edge{width, speed, last, offset};

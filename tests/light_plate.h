@@ -3,18 +3,16 @@
 // forms say what the plate hides of the light.
 #pragma once
 
-#include <unistd.h>
-
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "app/light_truth.h"
-#include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/models/shapes.h"
 #include "host/truth/light_visibility.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/scene_file.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -22,36 +20,20 @@ namespace penumbra::test {
 namespace fs = std::filesystem;
 inline constexpr double plate_m = 1;  // its height
 
-struct PlateFile {
-    fs::path path = fs::temp_directory_path() / ("penumbra_plate_" + std::to_string(getpid()) + ".glb");
-    PlateFile() {
-        Model model;
-        model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
-        for (const bool plate : {false, true}) {
-            Mesh mesh;
-            mesh.parts.push_back(to_part(plate ? ground(0.4, 0.3, 1, 1) : ground(10, 10, 4, 4), 0));
-            model.meshes.push_back(std::move(mesh));
-            Node node;
-            node.name = plate ? "plate" : "floor";
-            node.mesh = plate;
-            node.translation = {0, plate ? plate_m : 0, 0};
-            model.nodes.push_back(node);
-        }
-        write_file(path, to_glb(model));
-    }
-    PlateFile(const PlateFile&) = delete;
-    PlateFile& operator=(const PlateFile&) = delete;
-    ~PlateFile() {
-        std::error_code ignored;
-        fs::remove(path, ignored);
-    }
-};
+inline Model plate_over_floor() {
+    Model model;
+    model.materials = {{{0.8f, 0.8f, 0.8f, 1}, -1}};
+    add(model, "floor", ground(10, 10, 4, 4), 0);
+    add(model, "plate", ground(0.4, 0.3, 1, 1), 0);
+    model.nodes.back().translation = {0, plate_m, 0};
+    return model;
+}
 
 inline const std::array<glm::dvec3, 4> plate{
     glm::dvec3(-0.4, plate_m, -0.3), {0.4, plate_m, -0.3}, {0.4, plate_m, 0.3}, {-0.4, plate_m, 0.3}};
 
 inline Shot shot_with(LightKind kind, std::array<uint32_t, 2> size) {
-    static const PlateFile file;
+    static const SceneFile file("plate.glb", to_glb(plate_over_floor()));
     ShotLight light;
     light.kind = kind;
     light.radius = kind == LightKind::tube ? 0.1 : 0.4;
@@ -62,7 +44,7 @@ inline Shot shot_with(LightKind kind, std::array<uint32_t, 2> size) {
     light.keys = {{0, {0.2, 2.6, 0.1}, {0.1, -1, 0.1}, {1, 0.1, 0.3}, 1, 1}};
     Shot shot;
     shot.name = "plate";
-    shot.model = file.path;
+    shot.model = file.path();
     shot.size = size;
     shot.frames = 4;
     shot.camera = {{0, {0, 0.9, 2.6}, {0, 0, 0}, {0, 1, 0}}};

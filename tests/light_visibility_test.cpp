@@ -11,6 +11,7 @@
 
 #include "host/shots/light_choice.h"
 #include "host/truth/sun_visibility.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -127,13 +128,13 @@ TEST(LightVisibility, ReachesWhatIsInRangeBeforeItAndInItsCone) {
 }
 
 std::string errors_of(const std::string& lights) {
-    const fs::path file = fs::temp_directory_path() / "penumbra_lights.shot.json";
+    const test::TestFolder folder;
+    const fs::path file = folder / "lights.shot.json";
     std::ofstream(file) << R"({ "penumbra_shot": 1, "scene": "a.glb", "frames": 4,
   "camera": { "keys": [{ "frame": 0, "position": [0, 0, 5], "target": [0, 0, 0] }] }, "lights": )"
                         << lights << "}";
     Diagnostics diagnostics;
     const auto shot = read_shot(file, diagnostics);
-    fs::remove(file);
     EXPECT_EQ(shot.has_value(), diagnostics.empty());
     return diagnostics.text();
 }

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // One budget of rays over several lights: all of them together keep it, it goes where a shadow matters, and
-// what the lights shine is nearer to the truth than with a budget of each.
+// what the lights shine is nearer to the truth than with a budget of each. And what a light more does to the
+// others' pasts.
 #include <bit>
 #include <cmath>
+#include <set>
 
 #include "app/pipeline_file.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shipped.h"
 #include "tests/shot_run.h"
 #include "tests/view_run.h"
 
@@ -16,28 +18,44 @@ namespace {
 const std::vector<std::string> apart = {"nodes.pilots.in.pooled=null", "nodes.allot.in.pooled=null",
                                         "nodes.survey.in.tile_lux=null", "nodes.survey.in.lux_of_all=null"};
 
+constexpr std::array<uint32_t, 2> frame_size{128, 72};
+
+// lights/interior, under these lights alone.
+Shot room_under(const std::set<std::string>& lights) {
+    Shot shot = shot_named("lights/interior");
+    std::erase_if(shot.lights, [&](const auto& light) { return !lights.contains(light.first); });
+    return shot;
+}
+
+CheckedPipeline pipeline_for(const Shot& shot, const std::string& pipeline,
+                             const std::vector<std::string>& settings) {
+    Diagnostics diagnostics;
+    auto loaded =
+        load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (pipeline + ".json"),
+                      settings, diagnostics);
+    if (loaded) name_lights(*loaded, shot, "", diagnostics);
+    auto checked = loaded ? check(*loaded, shipped_nodes(), diagnostics) : std::nullopt;
+    if (!checked) throw std::runtime_error(diagnostics.text());
+    return std::move(*checked);
+}
+
 class LightsRun {
   public:
     LightsRun(const Shot& shot, const std::string& pipeline, const std::vector<std::string>& settings,
               const std::vector<std::string>& captures, const Facts& facts = {}) {
         Diagnostics diagnostics;
-        auto loaded =
-            load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (pipeline + ".json"),
-                          settings, diagnostics);
-        if (loaded) name_lights(*loaded, shot, "", diagnostics);
-        static const NodeSet nodes = shadow_nodes();
-        const auto checked = loaded ? check(*loaded, nodes, diagnostics) : std::nullopt;
-        if (!checked) throw std::runtime_error(diagnostics.text());
         SessionOptions options;
-        options.size = {128, 72};
+        options.size = frame_size;
         options.captures = captures;
         options.optimum = options.jitter = false;
         options.facts = facts;
         std::vector<std::string> warnings;
-        session_ = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);
+        session_ = Session::open(gpu(), shipped_nodes(), pipeline_for(shot, pipeline, settings), shot,
+                                 options, diagnostics, warnings);
         if (!session_) throw std::runtime_error(diagnostics.text());
     }
     void frame(uint32_t index) { session_->run_frame(index, index == 0); }
+    const Session& session() const { return *session_; }
     const View& view() const { return session_->view(); }
     std::vector<float> green(const std::string& name) const {
         return captured_planes(view(), name.c_str()).at(1);
@@ -117,9 +135,7 @@ TEST_F(LightsBudget, IsKeptByAllTogetherAndSpentWhereItMatters) {
 
 // A lamp that shines little beside another gets few rays. Both shine on everything here.
 TEST_F(LightsBudget, AFaintLightWaits) {
-    Shot shot = shot_named("lights/interior");
-    std::erase_if(shot.lights,
-                  [](const auto& light) { return light.first != "bulb" && light.first != "tube"; });
+    const Shot shot = room_under({"bulb", "tube"});
     const auto share_of_tube = [&](double factor) {
         Shot faint = shot;
         for (auto& key : faint.lights.at("tube").keys) key.power *= factor;
@@ -138,9 +154,7 @@ TEST_F(LightsBudget, AFaintLightWaits) {
 
 // With few rays most tiles would get less than one of a faint lamp: each gets one now and then.
 TEST_F(LightsBudget, NoTileOfAFaintLightWaitsForever) {
-    Shot shot = shot_named("lights/interior");
-    std::erase_if(shot.lights,
-                  [](const auto& light) { return light.first != "bulb" && light.first != "tube"; });
+    Shot shot = room_under({"bulb", "tube"});
     for (auto& key : shot.lights.at("tube").keys) key.power *= 0.05;
     LightsRun run(shot, "lights_shadows", {"nodes.pilots.params.rays_per_frame=0.05"}, captures_of(shot));
     std::vector<bool> asked;
@@ -158,6 +172,60 @@ TEST_F(LightsBudget, NoTileOfAFaintLightWaitsForever) {
         waiting += surfaces[tile] != 0 && !asked[tile];
     }
     EXPECT_LT(waiting * 4, tiles);
+}
+
+// Of a plan that hands on history, for a host that has this shot's lights and maybe more.
+std::shared_ptr<const Program> program_under(const Shot& shot, const Session& host) {
+    const CheckedPipeline pipeline = pipeline_for(shot, "lights_shadows", apart);
+    DeviceTable device = device_table(handles_of(gpu()));
+    device.features = features_of(gpu());
+    CompileOptions options;
+    options.captures = pipeline.output_names();
+    options.hand_on_history = true;
+    Diagnostics diagnostics;
+    auto plan = compile(pipeline, standalone_target(pipeline, device, frame_size, host.host().facts()),
+                        options, diagnostics);
+    if (!plan) throw std::runtime_error(diagnostics.text());
+    return std::make_shared<Program>(handles_of(gpu()), std::make_shared<const Plan>(std::move(*plan)));
+}
+
+// The host's last frame, through another view.
+void record(View& view, const Session& host) {
+    Externals externals(view.plan());
+    const std::vector<SlotBinding> brought = host.bind_slots();
+    for (size_t i = 0; i < brought.size(); ++i)
+        if (const std::string& slot = host.plan().slots[i].name; externals.has(slot))
+            externals[slot] = brought[i];
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, host.frame_description(), externals); });
+}
+
+// With a budget of each no light asks what the others do: so the masks of those that were there go on as if
+// nothing had happened, and the new one's are those of a first frame and what follows it.
+TEST_F(LightsBudget, ALightMoreBeginsAndTheOthersGoOn) {
+    LightsRun run(room_under({"bulb", "panel", "tube"}), "lights_shadows", apart, {});
+    const Session& host = run.session();
+    const auto two = program_under(room_under({"bulb", "tube"}), host),
+               three = program_under(room_under({"bulb", "panel", "tube"}), host);
+    View before(two, {}), alone(two, {});
+    for (uint32_t frame = 0; frame < 4; ++frame) {
+        run.frame(frame);
+        for (View* view : {&before, &alone}) record(*view, host);
+    }
+    View heir(three, {.heir_of = &before}), first(three, {});
+    for (uint32_t frame = 4; frame < 6; ++frame) {
+        run.frame(frame);
+        for (View* view : {&alone, &heir, &first}) record(*view, host);
+        EXPECT_EQ(heir.reset().reason, Reset::Reason::none);
+        EXPECT_EQ(heir.reset().resource, "");
+        const auto same = [&](const View& other, const char* mask) {
+            return captured<uint8_t>(heir, mask) == captured<uint8_t>(other, mask);
+        };
+        for (const char* mask : {"visibility_bulb", "visibility_tube"}) {
+            EXPECT_TRUE(same(alone, mask)) << mask << ", frame " << frame;
+            EXPECT_FALSE(same(first, mask)) << mask << ", frame " << frame << ": it has no past";
+        }
+        EXPECT_TRUE(same(first, "visibility_panel")) << "frame " << frame;
+    }
 }
 
 }  // namespace

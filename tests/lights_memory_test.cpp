@@ -8,8 +8,7 @@
 namespace penumbra::test {
 namespace {
 
-// Per pixel of 1920x1080.
-double bytes_with(uint32_t lights) {
+Plan plan_with(uint32_t lights) {
     std::string members;
     for (uint32_t i = 0; i < lights; ++i)
         members += (i ? ", \"l" : "\"l") + std::to_string(i) + R"(": {"of": "lights"})";
@@ -19,9 +18,27 @@ double bytes_with(uint32_t lights) {
     Target target;
     target.extent = {1920, 1080};
     target.device = reference_device();
-    const auto plan = compile(pipeline, target, {}, diagnostics);
+    auto plan = compile(pipeline, target, {}, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
-    return static_cast<double>(plan->memory.heap_bytes) / (1920 * 1080);
+    return std::move(*plan);
+}
+
+// Per pixel of 1920x1080.
+double bytes_with(uint32_t lights) {
+    return static_cast<double>(plan_with(lights).memory.heap_bytes) / (1920 * 1080);
+}
+
+// So that an heir with one more hands on what the others have.
+TEST(LightsMemory, WhatIsOfOneLightMayBeginCleared) {
+    const Plan plan = plan_with(3);
+    size_t of_lights = 0;
+    for (const ResetAction& action : plan.reset) {
+        const std::string& name = plan.resources[action.resource].names.back();
+        if (!name.ends_with("_l0") && !name.ends_with("_l1") && !name.ends_with("_l2")) continue;
+        EXPECT_TRUE(action.clear) << name;
+        ++of_lights;
+    }
+    EXPECT_EQ(of_lights, 6u);
 }
 
 TEST(LightsMemory, IsAtMostTenBytesPerPixelForEachFurtherLight) {

@@ -21,7 +21,7 @@ namespace {
 // larger than 4K: such a host leaves out what they are kept by.
 std::string refusal(const CheckedPipeline& pipeline, Extent extent, const DeviceTable& device) {
     Diagnostics diagnostics;
-    Target target{.extent = extent, .device = device};
+    Target target{.extent = extent, .inputs = told_inputs(pipeline), .device = device};
     const bool large = uint64_t{extent.width} * extent.height > uint64_t{3840} * 2160;
     if (large && pipeline.input("moved_boxes")) target.left_out.insert("moved_boxes");
     const auto plan = compile(pipeline, target, {}, diagnostics);

@@ -41,5 +41,21 @@ TEST_F(MadeUpShot, ThatSomebodyChangedIsKept) {
     EXPECT_EQ(run("render raw " + model + " --size 48x32 --out " + in("p")).code, 0);
 }
 
+// Without --out the shot stands in the current folder: both can be moved together.
+TEST_F(MadeUpShot, NamesItsModelAsSeenFromItsFolder) {
+    fs::copy_file(PENUMBRA_SOURCE_DIR "/scenes/lamp.glb", in("m.glb"));
+    const auto shot = [&](const std::string& arguments, const std::string& written) {
+        const std::string command =
+            "cd '" + folder_.string() + "' && '" PENUMBRA_PROGRAM "' shot " + arguments + " >out 2>err";
+        EXPECT_EQ(std::system(command.c_str()), 0) << read_file(in("err"));
+        return read_file(in(written));
+    };
+    EXPECT_NE(shot("m.glb", "m.shot.json").find("\"scene\": \"m.glb\""), std::string::npos);
+    EXPECT_NE(shot("m.glb --out b/s.shot.json", "b/s.shot.json").find("\"scene\": \"../m.glb\""),
+              std::string::npos);
+    const std::string several = shot("m.glb m.glb --out two.shot.json", "two.shot.json");
+    EXPECT_NE(several.find("\"file\": \"m.glb\""), std::string::npos) << several;
+}
+
 }  // namespace
 }  // namespace penumbra::test

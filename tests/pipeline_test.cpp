@@ -3,11 +3,12 @@
 #include "penumbra/pipeline.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 
+#include "tests/test_folder.h"
 #include "tests/toy_nodes.h"
 
 namespace penumbra {
@@ -27,11 +28,9 @@ const char* const base_text = R"({
 class PipelineFiles : public ::testing::Test {
   protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() / ("penumbra_pipeline_test_" + std::to_string(getpid()));
         fs::create_directories(folder_ / "sub");
         write("base.json", base_text);
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
     void write(const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; }
 
@@ -42,12 +41,12 @@ class PipelineFiles : public ::testing::Test {
     // The diagnostics, with the temporary folder's name left out.
     std::string errors() const {
         std::string text = diagnostics_.text();
-        const std::string prefix = folder_.generic_string() + "/";
+        const std::string prefix = folder_.string() + "/";
         for (size_t at; (at = text.find(prefix)) != std::string::npos;) text.erase(at, prefix.size());
         return text;
     }
 
-    fs::path folder_;
+    test::TestFolder folder_;
     Diagnostics diagnostics_;
 };
 
@@ -141,6 +140,38 @@ TEST_F(PipelineFiles, ExtendsOfAMissingOrBrokenFileIsAnError) {
         diagnostics_ = {};
         EXPECT_FALSE(load("v.json")) << extends;
         EXPECT_EQ(diagnostics_.size(), 1u) << errors();
+    }
+}
+
+TEST(PipelineText, WhatItExtendsMayBeInMemoryToo) {
+    std::map<std::string, std::string> files{
+        {"base/all.json", R"({ "penumbra": 1, "name": "all", "outputs": ["a"],
+  "nodes": { "one": { "type": "fill", "out": { "value": "a" } } } })"},
+        {"loop.json", R"({ "extends": "./base/../loop.json" })"},
+        {"broken.json", "{\n3 }"}};
+    const ReadFile read = [&](const std::string& file) -> std::optional<std::string> {
+        const auto found = files.find(file);
+        return found == files.end() ? std::nullopt : std::optional(found->second);
+    };
+    const auto parsed = [&](const std::string& base, Diagnostics& diagnostics) {
+        return parse_pipeline(R"({ "extends": ")" + base + R"(", "name": "mine" })", "sub/mine.json", {},
+                              diagnostics, read);
+    };
+    Diagnostics diagnostics;
+    const auto pipeline = parsed("../base/./all.json", diagnostics);
+    ASSERT_TRUE(pipeline) << diagnostics.text();
+    EXPECT_EQ(pipeline->name, "mine");
+    ASSERT_EQ(pipeline->nodes.size(), 1u);
+    EXPECT_EQ(pipeline->nodes[0].place.file, "base/all.json");
+    for (const auto& [base, error] :
+         {std::pair{"none.json", "sub/mine.json:1:14: extends: no file sub/none.json\n"},
+          std::pair{"../loop.json",
+                    "loop.json:1:14: extends: files extend each other in a cycle: loop.json -> "
+                    "loop.json\n"},
+          std::pair{"../broken.json", "broken.json:2:1: "}}) {
+        Diagnostics errors;
+        EXPECT_FALSE(parsed(base, errors));
+        EXPECT_TRUE(errors.text().starts_with(error)) << errors.text();
     }
 }
 

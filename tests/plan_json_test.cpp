@@ -3,7 +3,6 @@
 #include "app/plan_json.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "tests/plan_executor.h"
 #include "tests/recording.h"
 #include "tests/shipped.h"
+#include "tests/test_folder.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -32,9 +32,7 @@ class PlanJsonGpu : public GpuTest, public ::testing::WithParamInterface<const c
 
 void run_plan(const char* name, std::array<uint32_t, 2> size, std::array<uint32_t, 2> largest) {
     const CheckedPipeline pipeline = shipped_pipeline(name);
-    const fs::path folder =
-        fs::path(::testing::TempDir()) / fmt::format("penumbra_plan_json_{}_{}", name, getpid());
-    fs::remove_all(folder);
+    const TestFolder folder;
     constexpr uint32_t frames = 5;
     record_plaza(pipeline, size, frames, folder);
 
@@ -61,7 +59,6 @@ void run_plan(const char* name, std::array<uint32_t, 2> size, std::array<uint32_
             last = expected;
         }
     }
-    fs::remove_all(folder);
 }
 
 TEST_P(PlanJsonGpu, AnExecutorOfItsOwnGivesTheSameImages) {

@@ -23,6 +23,7 @@ using Counts = std::array<size_t, faults>;
 Plan plan_of(const CheckedPipeline& pipeline, bool poison = false) {
     Target target;
     target.extent = {1280, 720};
+    target.inputs = told_inputs(pipeline);
     target.device = reference_device();
     CompileOptions options;
     options.poison = poison;

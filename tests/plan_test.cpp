@@ -23,6 +23,7 @@ Plan plan_of(const CheckedPipeline& pipeline, Extent extent, bool alias = true, 
     Target target;
     target.extent = extent;
     target.facts = std::move(facts);
+    target.inputs = told_inputs(pipeline);
     target.device = reference_device();
     CompileOptions options;
     options.alias = alias;

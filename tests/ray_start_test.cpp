@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Where a shadow ray starts (shaders/common/ray_offset.glsl): a plane that nothing stands on shades none of
 // its own pixels, on a rasteriser of any sub-pixel precision, at any size, tilt and grazing view.
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <bit>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -14,6 +11,7 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
+#include "tests/test_folder.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -27,10 +25,6 @@ struct Plane {
 
 class RayStart : public GpuTest, public ::testing::WithParamInterface<Plane> {
   protected:
-    RayStart()
-        : path_(std::filesystem::temp_directory_path() / fmt::format("penumbra_plane_{}.glb", getpid())) {}
-    ~RayStart() override { std::filesystem::remove(path_); }
-
     // Of many triangles: what a corner's rounding tilts is largest in small ones. The camera looks along the
     // plane, a little down and aside of its diagonal.
     Shot shot() {
@@ -64,7 +58,8 @@ class RayStart : public GpuTest, public ::testing::WithParamInterface<Plane> {
         return shot;
     }
 
-    std::filesystem::path path_;
+    TestFolder folder_;
+    std::filesystem::path path_ = folder_ / "plane.glb";
     glm::dvec3 normal_;
 };
 
@@ -114,8 +109,7 @@ TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
 // that start there find it from beneath.
 class TerrainStart : public GpuTest {
   protected:
-    TerrainStart()
-        : path_(std::filesystem::temp_directory_path() / fmt::format("penumbra_terrain_{}.glb", getpid())) {
+    TerrainStart() {
         Shape shape = ground(20, 20, 200, 200);
         uint32_t state = 1;
         for (glm::vec3& at : shape.positions) {
@@ -137,9 +131,9 @@ class TerrainStart : public GpuTest {
         shot_.sun_angular_radius_deg = 0.27;
         shot_.sun = {{0, {0.3, 0.8, 0.2}}};
     }
-    ~TerrainStart() override { std::filesystem::remove(path_); }
 
-    std::filesystem::path path_;
+    TestFolder folder_;
+    std::filesystem::path path_ = folder_ / "terrain.glb";
     Shot shot_;
 };
 

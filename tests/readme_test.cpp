@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // README.md's examples are what it says they are: its pipelines load, its node compiles.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -10,6 +9,7 @@
 #include "penumbra/pipeline.h"
 #include "penumbra/shadow_nodes.h"
 #include "penumbra/user_nodes.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -40,7 +40,7 @@ std::vector<Block> blocks_of(const fs::path& file) {
 }
 
 TEST(Readme, ExamplesWork) {
-    const fs::path folder = fs::path(::testing::TempDir()) / ("penumbra_readme_" + std::to_string(getpid()));
+    const test::TestFolder folder;
     int pipelines = 0, declarations = 0;
     std::string node;  // the declaration that a GLSL block belongs to
     for (const Block& block : blocks_of(fs::path(PENUMBRA_SOURCE_DIR) / "README.md")) {
@@ -53,7 +53,6 @@ TEST(Readme, ExamplesWork) {
                 ASSERT_TRUE(parse_node_type(*json, name->string, shadow_domain(), diagnostics))
                     << diagnostics.text();
                 node = name->string;
-                fs::create_directories(folder);
                 std::ofstream(folder / (node + ".json")) << block.text;
                 ++declarations;
             } else {
@@ -79,7 +78,6 @@ TEST(Readme, ExamplesWork) {
         for (const Variant& variant : all_variants(entry.type))
             EXPECT_TRUE(find_shader(entry, variant, diagnostics)) << name << ": " << diagnostics.text();
     }
-    fs::remove_all(folder);
 }
 
 }  // namespace

@@ -64,7 +64,7 @@ TEST_F(RenderFaults, MemoryThatEndsIsSaidAndLeavesWholeFiles) {
         fs::remove_all(out());
         const std::string what = "allocation " + std::to_string(n);
         const Result result =
-            render("LD_PRELOAD='" PENUMBRA_FAILING_NEW "' PENUMBRA_FAIL_NEW_AT=" + std::to_string(n));
+            render(preload(PENUMBRA_FAILING_NEW) + " PENUMBRA_FAIL_NEW_AT=" + std::to_string(n));
         const Files left = files();
         expect_whole(left, whole, what);
         const bool failed = result.err.find("[memory ends]") != std::string::npos;
@@ -99,10 +99,9 @@ TEST_F(RenderFaults, AFileThatCannotBeWrittenLeavesWholeOnes) {
         for (size_t n = 1;; n += 5) {
             fs::remove_all(out());
             const std::string what = how + " at call " + std::to_string(n);
-            const Result result =
-                render("LD_PRELOAD='" PENUMBRA_FAILING_FILES "' PENUMBRA_FAIL_FILE_HOW=" + how +
-                       " PENUMBRA_FAIL_FILE_UNDER='" + out().string() +
-                       "' PENUMBRA_FAIL_FILE_AT=" + std::to_string(n));
+            const Result result = render(preload(PENUMBRA_FAILING_FILES) + " PENUMBRA_FAIL_FILE_HOW=" + how +
+                                         " PENUMBRA_FAIL_FILE_UNDER='" + out().string() +
+                                         "' PENUMBRA_FAIL_FILE_AT=" + std::to_string(n));
             if (result.err.find("[fault in ") == std::string::npos) break;
             Files left = files();
             if (how == "kill") {
@@ -129,7 +128,7 @@ TEST_F(RenderFaults, AFileThatCannotBeWrittenLeavesWholeOnes) {
 TEST_F(RenderFaults, ACallOfVulkanThatFailsIsNamedAndLeavesNothing) {
     const auto faulty = [&](const std::string& call, VkResult how) {
         fs::remove_all(out());
-        return render("LD_PRELOAD='" PENUMBRA_FAILING_VULKAN "' PENUMBRA_FAIL_VULKAN=" + call +
+        return render(preload(PENUMBRA_FAILING_VULKAN) + " PENUMBRA_FAIL_VULKAN=" + call +
                       " PENUMBRA_FAIL_VULKAN_HOW=" + std::to_string(how));
     };
     const Result good = faulty("none", VK_SUCCESS);

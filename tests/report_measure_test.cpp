@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What `penumbra report` measures, on small images: brute force does what brute force must, figures are those
 // of render, reference and compare, and mistakes leave no page behind.
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +13,7 @@
 #include "app/report/measure.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::report {
 namespace {
@@ -27,7 +26,6 @@ class ReportMeasure : public test::GpuTest {
   protected:
     void SetUp() override {
         GpuTest::SetUp();
-        folder_ = fs::temp_directory_path() / ("penumbra_report_" + std::to_string(getpid()));
         fs::create_directories(folder_ / "images");
         fs::create_directories(folder_ / "shots");
         Diagnostics diagnostics;
@@ -47,10 +45,6 @@ class ReportMeasure : public test::GpuTest {
         study.edge_frame = 3;
         study.analytic_border_px = 4;
     }
-    void TearDown() override {
-        fs::remove_all(folder_);
-        GpuTest::TearDown();
-    }
 
     static std::string pipeline(const std::string& name) {
         return PENUMBRA_SOURCE_DIR "/pipelines/" + name + ".json";
@@ -66,7 +60,7 @@ class ReportMeasure : public test::GpuTest {
                 [this](const std::string& text) { said_ += text; }};
     }
 
-    fs::path folder_;
+    test::TestFolder folder_;
     NodeSet nodes_ = shadow_nodes();
     Results results_;
     uint64_t work_ = 0;

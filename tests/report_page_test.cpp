@@ -2,7 +2,6 @@
 // The report's page, from made-up results and real plans: it stands by itself, it shows every figure, and in
 // a browser (headless Chromium, where there is one) it loads without an error and its slider works.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +19,7 @@
 #include "tests/report_results.h"
 #include "tests/shipped.h"
 #include "tests/substring.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::report {
 namespace {
@@ -109,7 +109,6 @@ TEST(ReportMotion, PanelsLieApartAndInOneRowWhereThereAreFew) {
 class ReportPage : public ::testing::Test {
   protected:
     void SetUp() override {
-        folder_ = fs::temp_directory_path() / ("penumbra_page_" + std::to_string(getpid()));
         fs::create_directories(folder_ / "images");
         results_ = test::made_up_results();
         const std::vector<float> truth(16 * 9, 0.5f);
@@ -126,7 +125,6 @@ class ReportPage : public ::testing::Test {
         plans_.push_back({0, shipped_plan("raw")});
         plans_.push_back({1, shipped_plan("shadows")});
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
     std::string page() const { return report_page(results_, plans_, folder_); }
 
@@ -145,7 +143,7 @@ class ReportPage : public ::testing::Test {
                            {{light, dark}, {light, light}});
     }
 
-    fs::path folder_;
+    test::TestFolder folder_;
     Results results_;
     std::vector<PipelinePlan> plans_;
 };

@@ -2,7 +2,6 @@
 // Parts of `penumbra report`: medians and their intervals, axes, markup, layouts, what is kept of a
 // measurement.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <fstream>
@@ -21,6 +20,7 @@
 #include "app/report/statistics.h"
 #include "app/report/svg.h"
 #include "tests/report_results.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::report {
 namespace {
@@ -29,8 +29,7 @@ namespace fs = std::filesystem;
 
 // Whatever a shot has that moves: in a report's file of it as in what `bench --still` runs.
 TEST(ReportShots, StandingStillNothingMoves) {
-    const fs::path folder = fs::path(::testing::TempDir()) / ("penumbra_still_" + std::to_string(getpid()));
-    fs::create_directories(folder);
+    const test::TestFolder folder;
     const fs::path file = folder / "moving.shot.json";
     std::ofstream(file) << R"({ "penumbra_shot": 1, "scene": "none.gltf", "animation": "walk", "frames": 9,
   "camera": { "keys": [{ "frame": 0, "position": [0, 1, 5], "target": [0, 0, 0] },
@@ -49,7 +48,6 @@ TEST(ReportShots, StandingStillNothingMoves) {
         EXPECT_EQ(still.lights.at("bulb").keys.size(), 1u);
         EXPECT_EQ(still.animation, "");
     }
-    fs::remove_all(folder);
 }
 
 TEST(ReportMedian, IsTheMiddleAndHasNoIntervalBelowSixSamples) {
@@ -204,7 +202,6 @@ class ReportPart : public ::testing::Test {
         write("a wall.png", "a picture of it");
         shot_.environment = EnvironmentFile{write("sky.exr", "a sky")};
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
     std::string write(const std::string& name, const std::string& text) const {
         std::ofstream(folder_ / name) << text;
@@ -217,7 +214,7 @@ class ReportPart : public ::testing::Test {
         return now.find(name(now)).has_value();
     }
 
-    fs::path folder_ = fs::temp_directory_path() / ("penumbra_parts_" + std::to_string(getpid()));
+    test::TestFolder folder_;
     Results results_;
     Shot shot_;
 };

@@ -1,13 +1,13 @@
-# What reads bytes from outside, checks, compiles and packs, built once more with address and undefined-behaviour sanitisers,
-# from the shaders and tables of the ordinary build: a second configuration would make those again. It goes into two programs:
+# What reads bytes from outside, checks, compiles and packs, and what is for C, built once more with address and undefined-behaviour
+# sanitisers, from the shaders and tables of the ordinary build: a second configuration would make those again. It goes into two programs:
 # its tests, and the fuzzers. clang compiles it, whatever compiles the rest, since libFuzzer is clang's. The whole suite:
 # scripts/sanitize.sh.
 set(SANITIZED_TESTS
-  broken_input_test.cpp check_conditions_test.cpp check_test.cpp compile_inputs_test.cpp compile_order_test.cpp compile_test.cpp
+  broken_input_test.cpp c_bvh_test.cpp check_conditions_test.cpp check_test.cpp compile_inputs_test.cpp compile_order_test.cpp compile_test.cpp
   compile_text.cpp gltf_animation_test.cpp gltf_features_test.cpp gltf_limits_test.cpp gltf_test.cpp image_decode_test.cpp
   image_file_test.cpp json_text_test.cpp node_type_test.cpp pipeline_test.cpp shot_test.cpp)
 set(SANITIZED_SOURCES fuzz/changed_pipeline.cpp fuzz/fuzz_c_api.cpp fuzz/fuzz_files.cpp fuzz/fuzz_json.cpp plan_checks.cpp)
-foreach(LIBRARY penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models)
+foreach(LIBRARY penumbra_bvh penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models)
   get_target_property(FILES ${LIBRARY} SOURCES)
   get_target_property(FOLDER ${LIBRARY} SOURCE_DIR)
   list(FILTER FILES INCLUDE REGEX "^[^/].*\\.cpp$")
@@ -30,11 +30,8 @@ set(SANITIZERS -fsanitize=address,undefined -fno-sanitize-recover=undefined)
 
 # penumbra_sanitized(TARGET OPTIONS...): made by clang, with the sanitisers.
 function(penumbra_sanitized TARGET)
-  if(CCACHE)
-    set(WITH_CLANG ${CMAKE_CURRENT_SOURCE_DIR}/with_clang.sh ${CCACHE} ${CLANG})
-  else()
-    set(WITH_CLANG ${CMAKE_CURRENT_SOURCE_DIR}/with_clang.sh env ${CLANG})
-  endif()
+  string(JOIN " " RUNNER env ${CMAKE_CXX_COMPILER_LAUNCHER})
+  set(WITH_CLANG ${CMAKE_CURRENT_SOURCE_DIR}/with_clang.sh ${RUNNER} ${CLANG})
   set_target_properties(${TARGET} PROPERTIES CXX_COMPILER_LAUNCHER "${WITH_CLANG}" CXX_LINKER_LAUNCHER "${WITH_CLANG}")
   # Without warnings: the ordinary build gives them.
   target_compile_options(${TARGET} PRIVATE -w -gline-tables-only -D_GLIBCXX_ASSERTIONS ${SANITIZERS} -fno-omit-frame-pointer ${ARGN})
@@ -61,10 +58,12 @@ set_tests_properties(sanitized PROPERTIES LABELS unit TIMEOUT 900 ENVIRONMENT "T
 add_executable(fuzz fuzz/fuzz_main.cpp $<TARGET_OBJECTS:sanitized> $<TARGET_OBJECTS:penumbra_nodes>)
 penumbra_sanitized(fuzz -O1 -fsanitize=fuzzer-no-link)
 target_link_options(fuzz PRIVATE -fsanitize=fuzzer)
-# Each target's corpus, then twenty seconds, on inputs that follow from a seed, so that what breaks one run breaks the next; scripts/fuzz.sh
-# has longer ones, on others each time.
-foreach(TARGET pipeline declaration shot gltf exr image c_api mutant)
-  add_test(NAME fuzz_${TARGET} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz.sh 20 ${TARGET})
+# Each target's corpus, then as many inputs as take about ten seconds, the same in each run, so that what breaks one breaks the
+# next; a minute at most. scripts/fuzz.sh alone tries others each time, for longer.
+foreach(EACH pipeline:4500 declaration:7000 shot:6000 gltf:13000 exr:28000 image:160000 c_api:60 mutant:600)
+  string(REGEX MATCH "(.*):(.*)" EACH ${EACH})
+  set(TARGET ${CMAKE_MATCH_1})
+  add_test(NAME fuzz_${TARGET} COMMAND ${PROJECT_SOURCE_DIR}/scripts/fuzz.sh 60 ${TARGET})
   set_tests_properties(fuzz_${TARGET} PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT
-    "PENUMBRA_FUZZ_SEED=1;PENUMBRA_FUZZER=$<TARGET_FILE:fuzz>;PENUMBRA_FUZZ_OUT=${CMAKE_CURRENT_BINARY_DIR}/fuzzed")
+    "PENUMBRA_FUZZ_RUNS=${CMAKE_MATCH_2};PENUMBRA_FUZZER=$<TARGET_FILE:fuzz>;PENUMBRA_FUZZ_OUT=${CMAKE_CURRENT_BINARY_DIR}/fuzzed")
 endforeach()

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Scenes that need less than everything, rendered: the shorter plans give what the long ones would, to the
 // bit where that is what they promise, and share memory as safely.
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -11,6 +9,7 @@
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/test_folder.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -91,14 +90,13 @@ TEST_P(SceneExtremes, WhereNothingCastsAllIsLitAndNoRayIsSent) {
 }
 
 TEST_P(SceneExtremes, AnEmptySceneIsRefused) {
-    const std::filesystem::path file =
-        std::filesystem::temp_directory_path() / ("penumbra_empty_" + std::to_string(getpid()) + ".gltf");
+    const TestFolder folder;
+    const std::filesystem::path file = folder / "empty.gltf";
     std::ofstream(file) << R"({ "asset": { "version": "2.0" }, "nodes": [{ "name": "nothing" }],
                                 "scenes": [{ "nodes": [0] }], "scene": 0 })";
     Shot shot = still_plaza(2);
     shot.model = file;
     EXPECT_THROW(open(GetParam(), shot, {}), std::runtime_error);
-    std::filesystem::remove(file);
 }
 
 INSTANTIATE_TEST_SUITE_P(Pipelines, SceneExtremes, ::testing::Values("raw", "shadows"),

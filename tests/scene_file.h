@@ -2,33 +2,25 @@
 // Models that a test makes, as files that sessions read.
 #pragma once
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <filesystem>
 #include <span>
 
 #include "host/images/image_file.h"
 #include "host/models/shapes.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::test {
 
-// A file that is gone when the test ends.
+// A file that is gone with the object.
 class SceneFile {
   public:
-    SceneFile(const char* name, std::span<const std::byte> bytes)
-        : path_(std::filesystem::temp_directory_path() / fmt::format("penumbra_made_{}_{}", getpid(), name)) {
+    SceneFile(const std::string& name, std::span<const std::byte> bytes) : path_(folder_ / name) {
         write_file(path_, bytes);
-    }
-    SceneFile(const SceneFile&) = delete;
-    SceneFile& operator=(const SceneFile&) = delete;
-    ~SceneFile() {
-        std::error_code ignored;
-        std::filesystem::remove(path_, ignored);
     }
     const std::filesystem::path& path() const { return path_; }
 
   private:
+    TestFolder folder_;
     std::filesystem::path path_;
 };
 

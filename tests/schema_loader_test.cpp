@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The JSON Schemas against the loader. Two sides: what the loader accepts, a schema accepts (an editor never
 // cries wolf), and what is wrong with a value by itself, a schema finds.
-#include <unistd.h>
-
 #include <functional>
 #include <random>
 
@@ -10,6 +8,7 @@
 #include "penumbra/shadow_nodes.h"
 #include "penumbra/user_nodes.h"
 #include "tests/schema_file.h"
+#include "tests/test_folder.h"
 #include "tests/toy_set.h"
 
 namespace penumbra::test {
@@ -39,12 +38,7 @@ json toy_variant() {
 
 class SchemaAndLoader : public ::testing::Test {
   protected:
-    void SetUp() override {
-        folder_ = fs::path(::testing::TempDir()) / ("penumbra_schema_" + std::to_string(getpid()));
-        fs::create_directories(folder_);
-        std::ofstream(folder_ / "toy.json") << test::toy_pipeline();
-    }
-    void TearDown() override { fs::remove_all(folder_); }
+    void SetUp() override { std::ofstream(folder_ / "toy.json") << test::toy_pipeline(); }
 
     Subject pipelines() {
         const auto parsed = [this](const json& document, Diagnostics& d) {
@@ -111,7 +105,7 @@ class SchemaAndLoader : public ::testing::Test {
 
     std::vector<Subject> subjects() { return {pipelines(), declarations(), shots()}; }
 
-    fs::path folder_;
+    TestFolder folder_;
 };
 
 std::string called(const json& document) {

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# scripts/apt.sh on made-up systems: apt and dpkg are functions here, /etc is a folder of ours. Exits 1 on any failure.
+# scripts/apt.sh on made-up systems (apt and dpkg are functions here, /etc is a folder of ours), and test.sh with made-up
+# scripts, drivers and ctest. Exits 1 on any failure.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # shellcheck source=scripts/apt.sh
@@ -119,6 +120,30 @@ system other
 echo "deb http://own.example/ubuntu noble main" >"$made/etc/apt/sources.list"
 expect "another distribution" "$(enable_backports "$made" 2>/dev/null && echo yes || echo no)" no
 expect "is left alone" "$(own_files)" ""
+
+tree="$work/a tree"
+mkdir -p "$tree/scripts" "$tree/bin"
+cp "$root/test.sh" "$tree"
+# shellcheck disable=SC2016 # what the made-up scripts ask
+printf '#!/bin/sh\necho "$0"\n' | tee "$tree"/scripts/{setup,build,scenes,mesa22,swiftshader}.sh >/dev/null
+printf '#!/bin/sh\necho "-R <regex>, --tests-regex <regex>"\n' >"$tree/bin/ctest"
+# shellcheck disable=SC2016
+printf '#!/bin/sh\nprintf %%s "$MESA"\n' >"$tree/bin/dpkg-query"
+chmod +x "$tree"/scripts/* "$tree"/bin/*
+ended() { # settings, then arguments of test.sh: its exit code
+    local code=0
+    env -u PENUMBRA_ALL_DRIVERS PATH="$tree/bin:$PATH" "$1" "$2" "$tree/test.sh" "${@:3}" >"$work/said" 2>&1 || code=$?
+    echo $code
+}
+expect "two versions of Mesa" "$(ended MESA=25.0.7-2 PENUMBRA_ALL_DRIVERS=1)" 0
+expect "the older one is run" "$(grep -c 'on Mesa 22.3.6' "$work/said")" 1
+expect "the older one alone" "$(ended MESA=22.3.6-1 A=1)" 0
+expect "the older one alone, where all are asked for" "$(ended MESA=22.3.6-1 PENUMBRA_ALL_DRIVERS=1)" 1
+expect "everything" "$(ended MESA=25.0.7-2 A=1 --all)" 0
+expect "some" "$(ended MESA=25.0.7-2 A=1 -R X)" 0
+expect "everything, and some" "$(ended MESA=25.0.7-2 A=1 --all -R X)" 2
+expect "and the other way round" "$(ended MESA=25.0.7-2 A=1 -R X --all)" 2
+expect "no option of anybody's" "$(ended MESA=25.0.7-2 A=1 --nosuch)" 2
 
 echo "setup: $((checks - failures)) of $checks checks passed"
 [[ $failures -eq 0 ]]

@@ -8,6 +8,7 @@
 
 #include "penumbra/user_nodes.h"
 #include "tests/embedding_host.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::test {
 namespace {
@@ -97,11 +98,29 @@ TEST_F(SeveralViewsGpu, TransientsOfASmallerPlanAreRefused) {
     }
 }
 
+// Each of them has needs of its own; together they are what the largest of each heap takes.
+TEST_F(SeveralViewsGpu, PlansOfDifferentPipelinesShareTransients) {
+    const CheckedPipeline other = checked(given_and_history), toy = toy_pipeline_file();
+    const auto one = std::make_shared<Program>(handles_of(gpu()), plan_of(other, capturing(other, true))),
+               two = std::make_shared<Program>(handles_of(gpu()), plan_of(toy, capturing(toy, true)));
+    const std::array<const Program*, 2> both{one.get(), two.get()};
+    const auto transients = make_transients(both);
+    EXPECT_GE(bytes_of(*transients),
+              std::max(one->plan().memory.shared_bytes, two->plan().memory.shared_bytes));
+    EXPECT_LE(bytes_of(*transients), one->plan().memory.shared_bytes + two->plan().memory.shared_bytes);
+    EXPECT_NO_THROW(View(one, {.transients = transients}));
+    EXPECT_NO_THROW(View(two, {.transients = transients}));
+    const std::array<const Program*, 1> null{};
+    for (const auto wrong : {std::span<const Program* const>(null), std::span<const Program* const>()}) {
+        const auto error = attempt([&] { make_transients(wrong); });
+        ASSERT_TRUE(error);
+        EXPECT_EQ(error->code, ErrorCode::usage);
+    }
+}
+
 // A node that reads a table.
 NodeSet set_with_table() {
-    const std::filesystem::path folder =
-        std::filesystem::path(::testing::TempDir()) / "penumbra_embedding_table";
-    std::filesystem::create_directories(folder);
+    static const TestFolder folder;  // shaders are compiled when a plan wants them
     std::ofstream(folder / "toy_table.json")
         << R"({ "node": "toy_table", "doc": "d", "shader": "toy_table.comp",
         "inputs": {}, "outputs": { "value": { "kind": "image", "format": "r32f" } },

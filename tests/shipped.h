@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -43,6 +44,12 @@ inline CheckedPipeline shipped_pipeline(const std::string& name,
     auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     return std::move(*checked);
+}
+
+// What a host must say of its own inputs: of how many lights its list is.
+inline std::map<std::string, HostResource> told_inputs(const CheckedPipeline& pipeline) {
+    if (!pipeline.input("lights")) return {};
+    return {{"lights", {Format::rgba32ui, {5, 1}}}};
 }
 
 }  // namespace penumbra::test

@@ -18,7 +18,7 @@ Shot shot_named(const std::string& name) {
 }
 
 ShotRun::ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string> settings,
-                 std::vector<std::string> captures, const Facts& facts)
+                 std::vector<std::string> captures, const Facts& facts, std::array<uint32_t, 2> size)
     : shot_(std::move(shot)) {
     static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
@@ -30,7 +30,7 @@ ShotRun::ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string
     const auto checked = loaded ? check(*loaded, nodes, diagnostics) : std::nullopt;
     if (!checked) throw std::runtime_error(diagnostics.text());
     SessionOptions options;
-    options.size = {192, 108};
+    options.size = size;
     options.captures = std::move(captures);
     options.captures.emplace_back("visibility");
     options.optimum = false;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A shipped pipeline's mask of a shot, frame by frame as the test wants them, 192x108 and, unless it wants
-// some, without jitter.
+// A shipped pipeline's mask of a shot, frame by frame as the test wants them, and, unless it wants some,
+// without jitter.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -19,7 +20,8 @@ class ShotRun {
     // `settings`: as of `penumbra render --set`; `captures`: besides the visibility; `facts`: instead of what
     // the shot says. Throws with the diagnostics.
     ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string> settings,
-            std::vector<std::string> captures, const Facts& facts = {});
+            std::vector<std::string> captures, const Facts& facts = {},
+            std::array<uint32_t, 2> size = {192, 108});
     void frame(uint32_t index, bool reset);
     void set_jitter(bool wanted) { session_->set_jitter(wanted); }
 

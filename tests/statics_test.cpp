@@ -86,12 +86,9 @@ const std::vector<Exception>& exceptions() {
         {"navi31", "cover (lamps)", "VGPRs", 155},
         {"navi31", "cover_lights", "VGPRs", 199},
         {"navi31", "cover_lights", "waves per SIMD", 7},
-        {"navi31", "gather", "VGPRs", 144},
         {"navi31", "gather", "waves per SIMD", 8},
         {"navi31", "cascades", "waves per SIMD", 6},
         {"navi31", "cascades", "LDS bytes per 64 lanes", 12288},
-        {"navi31", "worth", "waves per SIMD", 7},
-        {"navi31", "worth", "LDS bytes per 64 lanes", 10240},
         {"navi31", "radiance_reference", "VGPRs", 116},
         {"navi31", "reconnect", "VGPRs", 108},
         {"navi21", "cover", "VGPRs", 128},
@@ -99,12 +96,9 @@ const std::vector<Exception>& exceptions() {
         {"navi21", "cover (lamps)", "waves per SIMD", 6},
         {"navi21", "cover_lights", "VGPRs", 199},
         {"navi21", "cover_lights", "waves per SIMD", 4},
-        {"navi21", "gather", "VGPRs", 144},
-        {"navi21", "gather", "waves per SIMD", 6},
+        {"navi21", "gather", "waves per SIMD", 8},
         {"navi21", "cascades", "waves per SIMD", 6},
         {"navi21", "cascades", "LDS bytes per 64 lanes", 12288},
-        {"navi21", "worth", "waves per SIMD", 7},
-        {"navi21", "worth", "LDS bytes per 64 lanes", 10240},
         {"navi21", "taa", "waves per SIMD", 10},
         {"navi21", "radiance_reference", "VGPRs", 109},
         {"navi21", "reconnect", "VGPRs", 108},
@@ -118,10 +112,8 @@ const std::vector<Exception>& exceptions() {
         {"polaris10", "cover (lamps)", "waves per SIMD", 1},
         {"polaris10", "cover_lights", "VGPRs", 195},
         {"polaris10", "cover_lights", "waves per SIMD", 1},
-        {"polaris10", "gather", "VGPRs", 148},
-        {"polaris10", "gather", "waves per SIMD", 1},
+        {"polaris10", "gather", "waves per SIMD", 2},
         {"polaris10", "cascades", "LDS bytes per 64 lanes", 12288},
-        {"polaris10", "worth", "LDS bytes per 64 lanes", 10240},
         {"polaris10", "radiance_reference", "VGPRs", 125},
         {"polaris10", "radiance_reference", "waves per SIMD", 2},
         {"polaris10", "radiance_rays", "waves per SIMD", 2},
@@ -139,8 +131,11 @@ TEST_P(Statics, EveryPassOfEveryShippedPipelineMeetsItsTargets) {
     const std::string family = GetParam();
     const Json document = statics(GetParam(), pipelines);
     ASSERT_TRUE(document.is_object());
-    if (!document["driver"].get<std::string>().starts_with("radv Mesa 25"))
+    if (!document["driver"].get<std::string>().starts_with("radv Mesa 25")) {
+        ASSERT_EQ(std::getenv("PENUMBRA_ALL_DRIVERS"), nullptr)
+            << "the lines above are of Mesa 25's compiler, this is " << document["driver"];
         GTEST_SKIP() << "the lines above are of Mesa 25's compiler, this is " << document["driver"];
+    }
     size_t passes = 0;
     std::map<std::pair<std::string, std::string>, int> missed;  // type, figure: the worst
     for (const Json& pipeline : document["pipelines"])

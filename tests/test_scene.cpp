@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests/test_scene.h"
 
-#include <unistd.h>
-
-#include <filesystem>
-
-#include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
-#include "host/models/shapes.h"
+#include "tests/scene_file.h"
 
 namespace penumbra::test {
 namespace {
@@ -15,45 +10,19 @@ namespace {
 Model make_plaza() {
     Model model;
     model.materials = {{{0.8f, 0.8f, 0.75f, 1}, -1}, {{0.6f, 0.3f, 0.2f, 1}, -1}};
-    const auto add = [&](const char* name, Shape shape, int material) {
-        Mesh mesh;
-        mesh.parts.push_back(to_part(std::move(shape), material));
-        model.meshes.push_back(std::move(mesh));
-        Node node;
-        node.name = name;
-        node.mesh = static_cast<int>(model.meshes.size()) - 1;
-        model.nodes.push_back(node);
-    };
-    add("floor", ground(20, 20, 8, 8), 0);
-    add("bar", rod({-3, 1.5, 0}, {3, 1.5, 0.5}, 0.08, 12), 1);
-    add("block", box({-1.2, 0, -1.5}, {-0.4, 1.1, -0.7}), 1);
+    add(model, "floor", ground(20, 20, 8, 8), 0);
+    add(model, "bar", rod({-3, 1.5, 0}, {3, 1.5, 0.5}, 0.08, 12), 1);
+    add(model, "block", box({-1.2, 0, -1.5}, {-0.4, 1.1, -0.7}), 1);
     return model;
-}
-
-// The file is gone when the process ends.
-struct PlazaFile {
-    std::filesystem::path path =
-        std::filesystem::temp_directory_path() / ("penumbra_plaza_" + std::to_string(getpid()) + ".glb");
-    PlazaFile() { write_file(path, to_glb(make_plaza())); }
-    PlazaFile(const PlazaFile&) = delete;
-    PlazaFile& operator=(const PlazaFile&) = delete;
-    ~PlazaFile() {
-        std::error_code ignored;
-        std::filesystem::remove(path, ignored);
-    }
-};
-
-const std::filesystem::path& plaza_file() {
-    static const PlazaFile file;
-    return file.path;
 }
 
 }  // namespace
 
 Shot plaza_shot(std::array<uint32_t, 2> size, uint32_t frames) {
+    static const SceneFile file("plaza.glb", to_glb(make_plaza()));
     Shot shot;
     shot.name = "plaza";
-    shot.model = plaza_file();
+    shot.model = file.path();
     shot.size = size;
     shot.frames = frames;
     shot.camera = {{0, {0.5, 4, 4}, {0, 0, 0}, {0, 1, 0}}, {16, {0.8, 4, 4.2}, {0, 0, 0}, {0, 1, 0}}};

@@ -9,6 +9,7 @@
 #include "penumbra/graph.h"
 #include "tests/gpu_test.h"
 #include "tests/toy_set.h"
+#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -76,12 +77,6 @@ TEST(ToyPlan, HistoryIsReadOnBothSidesOfItsWriter) {
 }
 
 class ToyRun : public GpuTest {};
-
-std::vector<float> floats(std::span<const std::byte> bytes) {
-    std::vector<float> values(bytes.size() / sizeof(float));
-    std::memcpy(values.data(), bytes.data(), bytes.size());
-    return values;
-}
 
 // toy_chain and toy_pick in plain C++: 37x11 has six levels, whose last column or row has no partner.
 std::vector<float> picked(const std::vector<float>& base) {
@@ -152,7 +147,7 @@ void run_and_compare(bool moves, bool alias, uint32_t poison) {
         gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame, {}); });
         expected.frame(index, reset, moves);
         for (const auto& [name, values] : expected.values)
-            ASSERT_EQ(floats(view.captured(name)), values) << name << " in frame " << index;
+            ASSERT_EQ(captured<float>(view, name), values) << name << " in frame " << index;
         const auto statistics = view.statistics();
         EXPECT_EQ(statistics[position(view.plan(), "fill")].counters, std::vector<uint32_t>{width * height});
     }
@@ -179,7 +174,7 @@ TEST_F(ToyRun, DynamicParametersChangeBetweenFrames) {
     frame.camera.clip_from_view = frame.previous.clip_from_view = perspective(1.0, 1.0, 0.1);
     frame.size = frame.prev_size = {width, height};
     gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame, {}); });
-    EXPECT_EQ(floats(view.captured("level"))[10], 20.0f);
+    EXPECT_EQ(captured<float>(view, "level")[10], 20.0f);
 }
 
 }  // namespace

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The backends of the node trace. A plan says which one a pass runs with, and `auto` never picks ray queries
 // on a CPU; both give the same hit words, except where double precision says that a ray meets an edge.
-#include <unistd.h>
-
 #include <bit>
 #include <set>
 
@@ -13,6 +11,7 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
+#include "tests/test_folder.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -337,8 +336,7 @@ TEST_F(TraceBackendRun, AutoOnThisDeviceFollowsTheRule) {
 
 TEST_F(TraceBackendRun, TheProgramRefusesRayQueriesThatTheDeviceLacks) {
     if (gpu().caps().ray_query) GTEST_SKIP() << gpu().info().name << " has VK_KHR_ray_query";
-    const auto folder =
-        std::filesystem::temp_directory_path() / ("penumbra_refused_" + std::to_string(getpid()));
+    const TestFolder folder;
     RenderArguments arguments;
     arguments.files = {(root / "pipelines/raw.json").string()};
     arguments.view.shot = (root / "scenes/colonnade.shot.json").string();

@@ -9,13 +9,13 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <random>
 
-#include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/truth/analytic.h"
 #include "host/truth/sun_visibility.h"
 #include "tests/alpha_oracle.h"
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
+#include "tests/scene_file.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
@@ -234,11 +234,10 @@ TEST_F(Reference, JudgesContactsByThePointItself) {
     };
     quad({{-9, 0, -9}, {-9, 0, 9}, {9, 0, 9}, {9, 0, -9}});
     quad({{wall_x, 0, -9}, {wall_x, height, -9}, {wall_x, height, 9}, {wall_x, 0, 9}});
-    shot.model = fs::path(::testing::TempDir()) / "contact.glb";
-    write_file(shot.model, to_glb(model));
+    const SceneFile file("contact.glb", to_glb(model));
+    shot.model = file.path();
     const auto session = open(shot);
     const penumbra::Truth truth = counted_truth(*session, 0, 16384);
-    fs::remove(shot.model);
     const size_t p = 18 * size_t{shot.size[0]} + 31;
     ASSERT_EQ(truth.receiver[p], 1);
     // The wall hides what is below the plane through its edge and the point, which the floor's own plane is

@@ -16,6 +16,7 @@
 #include "host/models/glb_writer.h"
 #include "host/scene/scene.h"
 #include "tests/embree_scene.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -112,9 +113,10 @@ TEST(TuningScenes, CommittedOnesCoverWhatSettingsMayBe) {
 TEST(NightScenes, AreTheSameBytesOnEveryMachineAndCanBeShown) {
     std::set<std::string> kinds;
     size_t shining = 0;
+    const test::TestFolder made;
     for (uint32_t seed = 0; seed < 24; ++seed) {
         const NightScene scene = make_night_scene(seed);
-        const fs::path file = fs::path(::testing::TempDir()) / (scene.name + ".shot.json");
+        const fs::path file = made / (scene.name + ".shot.json");
         std::ofstream(file) << scene.shot;
         Diagnostics diagnostics;
         const auto shot = read_shot(file, diagnostics);
@@ -125,7 +127,6 @@ TEST(NightScenes, AreTheSameBytesOnEveryMachineAndCanBeShown) {
         shining += std::ranges::any_of(scene.model.materials,
                                        [](const Material& m) { return m.emissive != Material().emissive; });
         EXPECT_GE(shown_triangles(scene.model), 48u) << scene.name;
-        fs::remove(file);
     }
     EXPECT_EQ(kinds.size(), 6u);
     EXPECT_GE(shining, 16u);
@@ -200,9 +201,10 @@ class TuningFamilies : public ::testing::TestWithParam<size_t> {};
 TEST_P(TuningFamilies, ShowPenumbraeOfTheirWidth) {
     const Family& family = all_families[GetParam()];
     double least = 1e9, most = 0;
+    const test::TestFolder made;
     for (const uint32_t seed : {1u, 4u, 9u}) {
         const TuningScene scene = make_tuning_scene(family, seed);
-        const fs::path file = fs::path(::testing::TempDir()) / (scene.name + ".shot.json");
+        const fs::path file = made / (scene.name + ".shot.json");
         std::ofstream(file) << scene.shot;
         Diagnostics diagnostics;
         const auto shot = read_shot(file, diagnostics);

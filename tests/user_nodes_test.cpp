@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <fstream>
@@ -18,6 +17,7 @@
 #include "penumbra/compile.h"
 #include "penumbra/pipeline.h"
 #include "penumbra/shadow_nodes.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -44,15 +44,12 @@ constexpr const char* pipeline_text =
 class UserNodes : public ::testing::Test {
   protected:
     void SetUp() override {
-        folder_ = fs::path(::testing::TempDir()) / ("penumbra_user_nodes_" + std::to_string(getpid()));
-        fs::remove_all(folder_);
         fs::create_directories(nodes_folder());
         write("nodes/mine.json", declaration);
         write("nodes/mine.comp", shader);
         write("nodes/value.glsl", "const float VALUE = 0.25;\n");
         write("mine.json", pipeline_text);
     }
-    void TearDown() override { fs::remove_all(folder_); }
 
     fs::path nodes_folder() const { return folder_ / "nodes"; }
     fs::path cache_folder() const { return folder_ / "cache"; }
@@ -91,7 +88,7 @@ class UserNodes : public ::testing::Test {
         return diagnostics_.text();
     }
 
-    fs::path folder_;
+    test::TestFolder folder_;
     Diagnostics diagnostics_;
     std::string warnings_;
 };

@@ -31,17 +31,6 @@ namespace {
 const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 using Counts = std::array<uint64_t, 4>;  // checked, NaN, infinite, out of range
 
-CheckedPipeline checked(const std::optional<Pipeline>& pipeline, Diagnostics& diagnostics) {
-    auto result = pipeline ? check(*pipeline, test_nodes(), diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
-
-CheckedPipeline written(std::string_view text) {
-    Diagnostics diagnostics;
-    return checked(parse_pipeline(text, "test.json", {}, diagnostics), diagnostics);
-}
-
 CheckedPipeline validating(const CheckedPipeline& pipeline) {
     Diagnostics diagnostics;
     auto result = with_validation(pipeline, test_nodes(), diagnostics);
@@ -120,10 +109,10 @@ class Validate : public GpuTest {};
 TEST_F(Validate, CountsBadTexelsOfEveryFloatFormatAtAnySize) {
     for (const Format format : {Format::r32f, Format::rg32f, Format::rgba32f, Format::r16f, Format::rg16f,
                                 Format::rgba16f, Format::r11g11b10f}) {
-        const CheckedPipeline pipeline =
-            validating(written(std::string(R"({ "penumbra": 1, "name": "spoiled", "outputs": ["spoiled"],
+        const CheckedPipeline pipeline = validating(
+            shadow_pipeline(std::string(R"({ "penumbra": 1, "name": "spoiled", "outputs": ["spoiled"],
                 "nodes": { "spoil": { "type": "spoil" } }, "resources": { "spoiled": { "format": ")") +
-                               info(format).name + "\" } } }"));
+                            info(format).name + "\" } } }"));
         for (const Extent frame : {Extent{1, 1}, {33, 19}, {128, 384}, {131, 6}, {2, 3 * 523}})
             for (const bool cpu : {true, false}) {
                 const auto view = open_view(pipeline, target_of(frame, cpu));
@@ -141,7 +130,7 @@ TEST_F(Validate, CountsBadTexelsOfEveryFloatFormatAtAnySize) {
 
 // A node of the pipeline's own beside the added one: each has its own range, whose ends belong to it.
 TEST_F(Validate, APipelinesOwnNodeHasItsOwnRange) {
-    const CheckedPipeline own = written(R"({ "penumbra": 1, "name": "own", "outputs": ["spoiled"],
+    const CheckedPipeline own = shadow_pipeline(R"({ "penumbra": 1, "name": "own", "outputs": ["spoiled"],
         "nodes": { "spoil": { "type": "spoil" },
                    "look": { "type": "validate", "in": { "image": "spoiled" },
                              "params": { "least": [-1, 0, 0, 1], "greatest": [1.5, 0, 0, 1] } } } })");
@@ -168,7 +157,7 @@ TEST_F(Validate, APipelinesOwnNodeHasItsOwnRange) {
 }
 
 TEST_F(Validate, LevelsLayersAndBuffersAreLookedAtWhole) {
-    const CheckedPipeline pipeline = validating(written(R"({ "penumbra": 1, "name": "more",
+    const CheckedPipeline pipeline = validating(shadow_pipeline(R"({ "penumbra": 1, "name": "more",
         "inputs": { "slices": { "extent": "any" } },
         "outputs": ["chain", "sliced", "numbers", "points", "row", "words", "partial"],
         "nodes": { "spoil": { "type": "spoil_more" } } })"));
@@ -227,6 +216,7 @@ TEST_P(ValidatePlan, RunsTheSameNodesInTheSameOrderOnTheSameResources) {
     for (uint32_t bits = 0; bits < 16; ++bits) {
         Target target;
         target.extent = {333, 77};
+        target.inputs = told_inputs(plain);
         target.device = reference_device();
         for (uint32_t i = 0; i < 4; ++i) target.facts[names[i]] = (bits >> i & 1) != 0;
         Diagnostics diagnostics;
@@ -275,7 +265,8 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, ValidatePlan, ::testing::ValuesIn(pipeline_f
 // A node that watches follows what it reads: it runs no producer, makes no optional output exist, and asks
 // the host for nothing.
 TEST(ValidateNode, KeepsNothingAlive) {
-    const CheckedPipeline pipeline = written(R"({ "penumbra": 1, "name": "idle", "outputs": ["view_depth"],
+    const CheckedPipeline pipeline =
+        shadow_pipeline(R"({ "penumbra": 1, "name": "idle", "outputs": ["view_depth"],
         "inputs": { "depth": {}, "albedo": {} },
         "nodes": { "guides": { "type": "guides" }, "clear": { "type": "clear", "if": "moves" },
                    "a": { "type": "validate", "in": { "image": "cleared" }, "if": "moves" },

@@ -2,13 +2,12 @@
 // A view without its window, of the small scene of tests/test_scene.h.
 #pragma once
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 
 #include "app/view/live.h"
 #include "tests/gpu_test.h"
+#include "tests/test_folder.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::viewer {
@@ -21,14 +20,8 @@ class ViewLive : public test::GpuTest {
   protected:
     void SetUp() override {
         GpuTest::SetUp();
-        folder_ = fs::temp_directory_path() / ("penumbra_live_" + std::to_string(getpid()));
-        fs::remove_all(folder_);
         fs::create_directories(folder_ / "nodes");
         shot_ = test::plaza_shot(size, 32);
-    }
-    void TearDown() override {
-        fs::remove_all(folder_);
-        GpuTest::TearDown();
     }
     Live live(const std::string& pipeline) {
         const fs::path shipped = fs::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (pipeline + ".json");
@@ -48,7 +41,7 @@ class ViewLive : public test::GpuTest {
         for (int i = 0; i < frames; ++i) live.frame({}, 0);
     }
 
-    fs::path folder_;
+    test::TestFolder folder_;
     Shot shot_;
 };
 

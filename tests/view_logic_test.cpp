@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What `penumbra view` makes of hands, files, plans and numbers; no device and no window.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -24,6 +23,7 @@
 #include "penumbra/graph.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/shipped.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::viewer {
 namespace {
@@ -195,12 +195,7 @@ TEST(ViewFlight, AStraightFlightTakesTwoKeysAndAStandOne) {
 
 class ViewFiles : public ::testing::Test {
   protected:
-    void SetUp() override {
-        folder_ = fs::temp_directory_path() / ("penumbra_view_" + std::to_string(getpid()));
-        fs::remove_all(folder_);
-        fs::create_directories(folder_ / "nodes/shared");
-    }
-    void TearDown() override { fs::remove_all(folder_); }
+    void SetUp() override { fs::create_directories(folder_ / "nodes/shared"); }
     fs::path write(const std::string& name, const std::string& text) const {
         std::ofstream(folder_ / name) << text;
         // Coarse clocks would else give two writes the same time.
@@ -208,7 +203,7 @@ class ViewFiles : public ::testing::Test {
         fs::last_write_time(folder_ / name, fs::file_time_type::clock::now() + std::chrono::seconds(++tick));
         return folder_ / name;
     }
-    fs::path folder_;
+    test::TestFolder folder_;
 };
 
 TEST_F(ViewFiles, EveryKindOfChangeIsNoticedOnce) {

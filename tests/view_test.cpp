@@ -10,23 +10,11 @@
 #include "host/device/gpu.h"
 #include "penumbra/graph.h"
 #include "penumbra/shadow_nodes.h"
-#include "tests/gpu_test.h"
+#include "tests/embedding_host.h"
 #include "tests/toy_nodes.h"
-#include "tests/toy_set.h"
 
 namespace penumbra::test {
 namespace {
-
-constexpr uint32_t width = 29, height = 13;
-
-CheckedPipeline checked(const std::string& body, const NodeSet& set) {
-    Diagnostics diagnostics;
-    const auto pipeline =
-        parse_pipeline(R"({ "penumbra": 1, "name": "p", )" + body + "}", "p.json", {}, diagnostics);
-    auto result = pipeline ? check(*pipeline, set, diagnostics) : std::nullopt;
-    if (!result) throw std::runtime_error(diagnostics.text());
-    return std::move(*result);
-}
 
 std::shared_ptr<Program> program_of(const CheckedPipeline& pipeline, bool poison = false) {
     Target target;
@@ -41,19 +29,13 @@ std::shared_ptr<Program> program_of(const CheckedPipeline& pipeline, bool poison
     return std::make_shared<Program>(handles_of(gpu()), std::make_shared<Plan>(std::move(*plan)));
 }
 
-FrameDescription description(uint32_t index, bool reset = false) {
+FrameDescription frame_at(uint32_t index, bool reset = false) {
     FrameDescription frame;
     frame.camera.clip_from_view = frame.previous.clip_from_view = perspective(1.0, 1.0, 0.1);
     frame.size = frame.prev_size = {width, height};
     frame.index = index;
     if (reset) frame.flags = frame_reset;
     return frame;
-}
-
-std::vector<float> floats(std::span<const std::byte> bytes) {
-    std::vector<float> values(bytes.size() / sizeof(float));
-    std::memcpy(values.data(), bytes.data(), bytes.size());
-    return values;
 }
 
 // n command buffers and fences in a ring: frame f is recorded as soon as frame f - n has completed.
@@ -119,7 +101,7 @@ TEST_F(ViewGpu, OverlappingFramesGiveWhatFramesOneAtATimeGive) {
     View alone(program, {.frames_in_flight = 1});
     std::vector<std::map<std::string, std::vector<float>>> expected(9);
     for (uint32_t f = 0; f < expected.size(); ++f) {
-        gpu().run([&](VkCommandBuffer cmd) { alone.record(cmd, description(f, f == 5), {}); });
+        gpu().run([&](VkCommandBuffer cmd) { alone.record(cmd, frame_at(f, f == 5), {}); });
         for (const std::string& name : pipeline.output_names())
             expected[f][name] = floats(alone.captured(name));
     }
@@ -128,7 +110,7 @@ TEST_F(ViewGpu, OverlappingFramesGiveWhatFramesOneAtATimeGive) {
             View view(program, {.frames_in_flight = n});
             Ring ring(n);
             for (uint32_t f = 0; f <= last; ++f)
-                ring.submit(f, [&](VkCommandBuffer cmd) { view.record(cmd, description(f, f == 5), {}); });
+                ring.submit(f, [&](VkCommandBuffer cmd) { view.record(cmd, frame_at(f, f == 5), {}); });
             Ring::wait();
             for (const std::string& name : pipeline.output_names())
                 EXPECT_EQ(floats(view.captured(name)), expected[last][name])
@@ -154,7 +136,7 @@ TEST_F(ViewGpu, WhatIsKeptLastsUntilAReset) {
             View view(program, {.frames_in_flight = n, .poison = last & 1});
             Ring ring(n);
             for (uint32_t f = 0; f <= last; ++f)
-                ring.submit(f, [&](VkCommandBuffer cmd) { view.record(cmd, description(f, f == 4), {}); });
+                ring.submit(f, [&](VkCommandBuffer cmd) { view.record(cmd, frame_at(f, f == 4), {}); });
             Ring::wait();
             const uint32_t first = last < 4 ? 0 : 4;
             uint32_t tally[2] = {};
@@ -215,7 +197,7 @@ TEST_F(ViewGpu, ASlotThatIsNotBoundIsNamed) {
         std::string text;
         gpu().run([&](VkCommandBuffer cmd) {
             try {
-                view.record(cmd, description(0), slots);
+                view.record(cmd, frame_at(0), slots);
             } catch (const Failure& e) {
                 text = e.what();
             }
@@ -234,7 +216,7 @@ TEST_F(ViewGpu, AHandleMayComeBackForAnotherImage) {
         const SlotBinding slot = given.bind(f);
         gpu().run([&](VkCommandBuffer cmd) {
             given.fill(cmd, f, static_cast<float>(f + 1));
-            view.record(cmd, description(f, true), {&slot, 1});
+            view.record(cmd, frame_at(f, true), {&slot, 1});
         });
         EXPECT_EQ(floats(view.captured("blended"))[0], static_cast<float>(f + 1));
     }
@@ -274,7 +256,7 @@ TEST_F(ViewGpu, AHostNodesCallbackRecordsBetweenItsNeighbours) {
     View view(program_of(checked(engine_pipeline, set), true), {.frames_in_flight = 2, .poison = 0});
     std::vector<float> blended(width * height, 0.0f);
     for (uint32_t f = 0; f < 4; ++f) {
-        gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(f), {}); });
+        gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame_at(f), {}); });
         std::vector<float> drawn(width * height);
         for (uint32_t i = 0; i < drawn.size(); ++i) {
             drawn[i] = static_cast<float>(i + f);
@@ -302,7 +284,7 @@ TEST_F(ViewGpu, AParameterKeepsItsValueWhereANewOneDoesNotFit) {
     const size_t passes = view.plan().passes.size(), params = view.plan().passes[0].params.size();
     EXPECT_FALSE(view.set_param(passes, 0, ParamValue(3.0f)));
     EXPECT_FALSE(view.set_param(0, params, ParamValue(3.0f)));
-    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); });
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, frame_at(0), {}); });
     EXPECT_EQ(floats(view.captured("value"))[10], 10.0f);
 }
 

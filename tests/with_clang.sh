@@ -1,7 +1,8 @@
 #!/bin/sh
-# with_clang.sh RUNNER CLANG COMPILER ARGUMENTS...: CLANG in the configured compiler's place, started by RUNNER (a compiler's
-# cache, or env). The launcher of targets that take what g++ lacks (sanitized.cmake).
+# with_clang.sh RUNNER CLANG COMPILER ARGUMENTS...: CLANG in the configured compiler's place, started by RUNNER (one argument,
+# a word or more). The launcher of targets that take what g++ lacks (sanitized.cmake).
 set -eu
 runner=$1 clang=$2
 shift 3
-exec "$runner" "$clang" "$@"
+# shellcheck disable=SC2086 # its words
+exec $runner "$clang" "$@"

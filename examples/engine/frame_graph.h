@@ -39,7 +39,7 @@ class FrameGraph {
                 b.newLayout = use.layout;
                 b.srcQueueFamilyIndex = b.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
                 b.image = image.handle;
-                b.subresourceRange = {image.aspect, 0, 1, 0, 1};
+                b.subresourceRange = {image.aspect, 0, 1, 0, image.layers};
                 barriers.push_back(b);
                 image.last = use;
             }

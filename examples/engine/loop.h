@@ -29,7 +29,8 @@ inline int run(const std::string& pipeline, pen::Extent extent, uint32_t frames,
                 make_image(pen::info(slot.format).vk, {slot.extent.width, slot.extent.height, 1},
                            VK_IMAGE_USAGE_SAMPLED_BIT |
                                (slot.output ? VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT
-                                            : VK_IMAGE_USAGE_TRANSFER_DST_BIT));
+                                            : VK_IMAGE_USAGE_TRANSFER_DST_BIT),
+                           slot.layered, slot.layers);
 
     struct InFlight {
         VkCommandPool pool;
@@ -79,7 +80,7 @@ inline int run(const std::string& pipeline, pen::Extent extent, uint32_t frames,
         graph.add(drawn, [&](VkCommandBuffer cmd) {
             for (const auto& [name, use] : drawn) {
                 const Image& image = graph.images.at(name);
-                const VkBufferImageCopy copy{0, 0, 0, {image.aspect, 0, 0, 1}, {}, image.extent};
+                const VkBufferImageCopy copy{0, 0, 0, {image.aspect, 0, 0, image.layers}, {}, image.extent};
                 vkCmdCopyBufferToImage(cmd, slot.buffers.at(name).handle, image.handle, use.layout, 1, &copy);
             }
         });

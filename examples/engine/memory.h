@@ -116,17 +116,22 @@ struct Image {
     VkImageView view = VK_NULL_HANDLE;
     VkImageAspectFlags aspect = VK_IMAGE_ASPECT_COLOR_BIT;
     VkExtent3D extent{};
+    uint32_t layers = 1;
     Place place{};
     Access last;  // how it was used last
 };
 
-inline Image make_image(VkFormat format, VkExtent3D extent, VkImageUsageFlags usage) {
+// `array`: of so many layers, be it one.
+inline Image make_image(VkFormat format, VkExtent3D extent, VkImageUsageFlags usage, bool array,
+                        uint32_t layers) {
     Image image;
     image.extent = extent;
+    image.layers = layers;
     if (format == VK_FORMAT_D32_SFLOAT) image.aspect = VK_IMAGE_ASPECT_DEPTH_BIT;
     VkImageCreateInfo create{
         VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, nullptr, 0, VK_IMAGE_TYPE_2D, format, extent};
-    create.mipLevels = create.arrayLayers = 1;
+    create.mipLevels = 1;
+    create.arrayLayers = layers;
     create.samples = VK_SAMPLE_COUNT_1_BIT;
     create.usage = usage;
     must(vkCreateImage(device, &create, nullptr, &image.handle), "vkCreateImage");
@@ -139,10 +144,10 @@ inline Image make_image(VkFormat format, VkExtent3D extent, VkImageUsageFlags us
                                      nullptr,
                                      0,
                                      image.handle,
-                                     VK_IMAGE_VIEW_TYPE_2D,
+                                     array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
                                      format,
                                      {},
-                                     {image.aspect, 0, 1, 0, 1}};
+                                     {image.aspect, 0, 1, 0, layers}};
     must(vkCreateImageView(device, &view, nullptr, &image.view), "vkCreateImageView");
     return image;
 }

@@ -145,7 +145,8 @@ static Resource load(const pen::HostSlot& slot, const std::vector<char>& bytes, 
         format == VK_FORMAT_D32_SFLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
     VkImageCreateInfo image{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO, nullptr, 0, VK_IMAGE_TYPE_2D, format};
     image.extent = {slot.extent.width, slot.extent.height, 1};
-    image.mipLevels = image.arrayLayers = 1;
+    image.mipLevels = 1;
+    image.arrayLayers = slot.layers;
     image.samples = VK_SAMPLE_COUNT_1_BIT;
     image.usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     must(vkCreateImage(device, &image, nullptr, &r.image), "vkCreateImage");
@@ -156,22 +157,22 @@ static Resource load(const pen::HostSlot& slot, const std::vector<char>& bytes, 
                                      nullptr,
                                      0,
                                      r.image,
-                                     VK_IMAGE_VIEW_TYPE_2D,
+                                     slot.layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
                                      format,
                                      {},
-                                     {aspect, 0, 1, 0, 1}};
+                                     {aspect, 0, 1, 0, slot.layers}};
     must(vkCreateImageView(device, &view, nullptr, &r.view), "vkCreateImageView");
     VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
     fresh.dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT;
     fresh.dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
     fresh.newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     fresh.image = r.image;
-    fresh.subresourceRange = {aspect, 0, 1, 0, 1};
+    fresh.subresourceRange = view.subresourceRange;
     VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
     dependency.imageMemoryBarrierCount = 1;
     dependency.pImageMemoryBarriers = &fresh;
     vkCmdPipelineBarrier2(cmd, &dependency);
-    const VkBufferImageCopy copy{0, 0, 0, {aspect, 0, 0, 1}, {}, image.extent};
+    const VkBufferImageCopy copy{0, 0, 0, {aspect, 0, 0, slot.layers}, {}, image.extent};
     vkCmdCopyBufferToImage(cmd, r.buffer, r.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
     return r;
 }

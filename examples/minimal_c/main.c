@@ -168,7 +168,7 @@ static resource load(const penumbra_slot* slot, const char* bytes, size_t size, 
                                      .format = slot->format,
                                      .extent = {slot->width, slot->height, 1},
                                      .mipLevels = 1,
-                                     .arrayLayers = 1,
+                                     .arrayLayers = slot->layers,
                                      .samples = VK_SAMPLE_COUNT_1_BIT,
                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
     must(vkCreateImage(device, &image, NULL, &r.image), "vkCreateImage");
@@ -177,21 +177,23 @@ static resource load(const penumbra_slot* slot, const char* bytes, size_t size, 
     vkBindImageMemory(device, r.image, r.memory[1], 0);
     const VkImageViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
                                         .image = r.image,
-                                        .viewType = VK_IMAGE_VIEW_TYPE_2D,
+                                        .viewType = slot->layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY
+                                                                  : VK_IMAGE_VIEW_TYPE_2D,
                                         .format = slot->format,
-                                        .subresourceRange = {aspect, 0, 1, 0, 1}};
+                                        .subresourceRange = {aspect, 0, 1, 0, slot->layers}};
     must(vkCreateImageView(device, &view, NULL, &r.view), "vkCreateImageView");
     const VkImageMemoryBarrier2 fresh = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
                                          .dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
                                          .dstAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
                                          .newLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                                          .image = r.image,
-                                         .subresourceRange = {aspect, 0, 1, 0, 1}};
+                                         .subresourceRange = view.subresourceRange};
     const VkDependencyInfo dependency = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                                          .imageMemoryBarrierCount = 1,
                                          .pImageMemoryBarriers = &fresh};
     vkCmdPipelineBarrier2(cmd, &dependency);
-    const VkBufferImageCopy copy = {.imageSubresource = {aspect, 0, 0, 1}, .imageExtent = image.extent};
+    const VkBufferImageCopy copy = {.imageSubresource = {aspect, 0, 0, slot->layers},
+                                    .imageExtent = image.extent};
     vkCmdCopyBufferToImage(cmd, r.buffer, r.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &copy);
     return r;
 }

@@ -324,6 +324,7 @@ uint32_t hit_children(const RaySetup& ray, const Texel* node) {
 }  // namespace
 
 bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts, const AlphaTest& alpha) {
+    if (bvh.nodes.empty()) return false;
     const RaySetup setup(ray);
     std::array<uint32_t, max_bvh_depth * 3 + 1> stack;
     stack[0] = 0;

@@ -103,8 +103,8 @@ std::vector<Texel> leaf_neighbours(const Bvh& bvh);
 // The same where only what came apart matters, at the cost of what moved: of the edges that `built` joins
 // (leaf_neighbours() of this tree before it was refitted), those join that coincide now. Parts that have come
 // together since are not joined, which costs proofs and spoils none. `leaves` are those that a refit() has
-// written since `neighbours` was right, which both lists have one texel for each of the tree's. Returns
-// whether any of its words is another one now.
+// written since `neighbours` was right. Throws std::invalid_argument, and has written nothing, where a list
+// is of another tree: both have a texel for each leaf. Returns whether any word is another one now.
 bool refit_neighbours(const Bvh& bvh, std::span<const uint32_t> leaves, std::span<const Texel> built,
                       std::span<Texel> neighbours);
 
@@ -124,9 +124,9 @@ struct TraversalCounts {
 // weights.
 using AlphaTest = std::function<bool(uint32_t leaf, uint32_t which, const std::array<float, 3>& areas)>;
 
-// Whether anything blocks the ray; both sides of a triangle do, where `alpha`, if given, says so. Same
-// arithmetic as bvh.glsl (IEEE single, no contraction), so the answers are equal bit for bit where the device
-// divides correctly rounded.
+// Whether anything blocks the ray; both sides of a triangle do, where `alpha`, if given, says so. A tree that
+// was never built blocks nothing. Same arithmetic as bvh.glsl (IEEE single, no contraction), so the answers
+// are equal bit for bit where the device divides correctly rounded.
 bool occluded(const Bvh& bvh, const Ray& ray, TraversalCounts* counts = nullptr, const AlphaTest& alpha = {});
 
 }  // namespace PENUMBRA_API

@@ -5,6 +5,7 @@
 // ways along it, as they do within a closed surface.
 #include <algorithm>
 #include <bit>
+#include <stdexcept>
 
 #include "host/bvh/bvh.h"
 #include "host/bvh/bvh_internal.h"
@@ -121,6 +122,25 @@ bool refit_neighbours(const Bvh& bvh, std::span<const uint32_t> leaves, std::spa
     const auto is_whole = [&](uint32_t leaf) {
         return !was_pair(leaf) || vertex(bvh, leaf, 2) != vertex(bvh, leaf, 3);
     };
+    struct Join {
+        LeafEdge theirs;
+        size_t back;  // their word for our edge
+    };
+    const auto across = [&](uint32_t word) {
+        const LeafEdge theirs{word >> 4, word >> 2 & 1, word & 3};
+        return Join{theirs, theirs.leaf < bvh.corners.size() ? theirs.slot(was_pair(theirs.leaf)) : 4};
+    };
+    // Nothing is written before all of it is known to be of this tree.
+    const size_t count = bvh.leaves.size() / 3;
+    bool fits = built.size() == count && neighbours.size() == count;
+    for (size_t i = 0; fits && i < leaves.size(); ++i) {
+        fits = leaves[i] < bvh.corners.size();
+        for (uint32_t slot = 0; fits && slot < 4; ++slot) {
+            const uint32_t word = built[leaves[i]][slot];
+            fits = word == no_neighbour || across(word).back < 4;
+        }
+    }
+    if (!fits) throw std::invalid_argument("refit_neighbours: the lists are of another tree");
     bool changed = false;
     const auto put = [&](uint32_t& word, uint32_t now) {
         changed = changed || word != now;
@@ -130,13 +150,12 @@ bool refit_neighbours(const Bvh& bvh, std::span<const uint32_t> leaves, std::spa
         for (uint32_t slot = 0; slot < 4; ++slot) {
             const uint32_t word = built[leaf][slot];
             if (word == no_neighbour) continue;
-            const LeafEdge ours = edge_of(leaf, slot, was_pair(leaf)),
-                           theirs{word >> 4, word >> 2 & 1, word & 3};
+            const LeafEdge ours = edge_of(leaf, slot, was_pair(leaf));
+            const auto [theirs, back] = across(word);
             auto here = ends(bvh, ours);
             if ((word >> 3 & 1) == 0) std::swap(here[0], here[1]);
             const bool joins =
                 is_whole(leaf) && is_whole(theirs.leaf) && here[0] != here[1] && here == ends(bvh, theirs);
-            const size_t back = theirs.slot(was_pair(theirs.leaf));
             put(neighbours[leaf][slot], joins ? word : no_neighbour);
             put(neighbours[theirs.leaf][back], joins ? built[theirs.leaf][back] : no_neighbour);
         }

@@ -28,6 +28,19 @@ glm::dquat rotation_of(const glm::dvec3& degrees) {
            glm::angleAxis(angle.z, glm::dvec3(0, 0, 1));
 }
 
+// The models of the project's own shots are in no clone.
+std::optional<Model> load_one(const std::filesystem::path& file, Diagnostics& diagnostics) {
+    std::error_code unknown;
+    if (!std::filesystem::exists(file, unknown) &&
+        std::filesystem::exists(file.parent_path() / "../scripts/scenes.sh", unknown)) {
+        diagnostics.add(
+            {file.string(), 0, 0}, "",
+            "no such file; `scripts/scenes.sh release` puts the models of the shots that ship there");
+        return std::nullopt;
+    }
+    return load_gltf(file, diagnostics);
+}
+
 }  // namespace
 
 void join_model(Model& all, Model model, const PlacedModel& place) {
@@ -89,13 +102,13 @@ std::optional<Model> load_models(const Shot& shot, Diagnostics& diagnostics) {
     if (shot.analytic) return std::nullopt;
     std::optional<Model> all;
     if (shot.models.empty()) {
-        all = load_gltf(shot.model, diagnostics);
+        all = load_one(shot.model, diagnostics);
         if (!all) return std::nullopt;
         for (std::string& warning : all->warnings) warning = shot.model.string() + ": " + warning;
     } else {
         all.emplace();
         for (const PlacedModel& place : shot.models) {
-            std::optional<Model> model = load_gltf(place.file, diagnostics);
+            std::optional<Model> model = load_one(place.file, diagnostics);
             if (!model) return std::nullopt;
             join_model(*all, std::move(*model), place);
         }

@@ -208,6 +208,15 @@ OrderedJson lights_of(const Model& model, ModelShot& out) {
 
 }  // namespace
 
+std::string seen_from(const std::filesystem::path& file, const std::filesystem::path& folder) {
+    namespace fs = std::filesystem;
+    std::error_code none;
+    const fs::path from = fs::absolute(file);
+    // Of a relative folder that is still to be made, proximate() would not know where it lies.
+    const fs::path relative = fs::proximate(from, fs::absolute(folder.empty() ? "." : folder), none);
+    return (relative.empty() ? from : relative).generic_string();
+}
+
 ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
                           const std::filesystem::path& shot_folder, bool ground) {
     Shot shot;
@@ -225,9 +234,7 @@ ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
     const double size = std::max(glm::length(high - low), 1e-6);
 
     OrderedJson json = {{"penumbra_shot", 1}};
-    std::error_code none;
-    const std::filesystem::path relative = std::filesystem::proximate(file, shot_folder, none);
-    json["scene"] = (relative.empty() ? std::filesystem::absolute(file) : relative).generic_string();
+    json["scene"] = seen_from(file, shot_folder);
     json["size"] = {1280, 720};
     json["frames"] = frames;
     json["fps"] = fps;

@@ -20,6 +20,9 @@ struct ModelShot {
     std::multimap<std::string, std::string> warnings;  // what of the model is not in it, by the shot's key
 };
 
+// `file` as a shot names it that stands in `folder` (empty: the current one).
+std::string seen_from(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 // `model` is what `file` holds, with at least one triangle; `shot_folder` is where the shot will stand.
 ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
                           const std::filesystem::path& shot_folder, bool ground);

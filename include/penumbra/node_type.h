@@ -34,7 +34,7 @@ struct ExtentRule {
 
 // ceil(x / div[0]) * ceil(y / div[1]) * mul + add elements; of nothing: `add` elements.
 struct CountRule {
-    SizeOf of{.name = ""};
+    SizeOf of{.name = "", .port = {}};
     std::array<uint32_t, 2> div{1, 1};
     uint32_t mul = 1;
     uint32_t add = 0;
@@ -56,7 +56,7 @@ struct Port {
     std::string element;          // buffer: u32 uvec2 uvec4 f32 vec4 or a struct; block: the struct's name
     ExtentRule extent;            // outputs of kind image and texels
     // Outputs with layers: a texels port with a row for each; nothing: as `extent`.
-    SizeOf layers_of{.name = ""};
+    SizeOf layers_of{.name = "", .port = {}};
     CountRule count;  // outputs of kind buffer
     Writes writes = Writes::all;
     // Output: what frames before left in it spares work and changes nothing that is put out.
@@ -69,6 +69,7 @@ struct Port {
     First first = First::any;
     bool previous = false;  // must be bound to NAME@-1
     bool indirect = false;  // holds dispatch arguments
+    uint32_t row = 0;       // texels that the host brings: of how many a row is; 0: any
     bool optional = false;
     std::vector<uint32_t> with;  // indices of inputs beside which it is not optional
     Condition condition;         // "if": the port exists only where this holds

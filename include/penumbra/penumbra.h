@@ -16,6 +16,7 @@
 #include <stdint.h>
 #include <vulkan/vulkan_core.h>
 
+#include "penumbra/code.h"
 #include "penumbra/export.h"
 
 #ifdef __cplusplus
@@ -27,17 +28,6 @@ typedef struct penumbra_plan penumbra_plan;
 typedef struct penumbra_program penumbra_program;
 typedef struct penumbra_view penumbra_view;
 typedef struct penumbra_transients penumbra_transients;
-
-typedef enum penumbra_code {
-    PENUMBRA_OK = 0,
-    PENUMBRA_USAGE = 1,         /* the caller's mistake */
-    PENUMBRA_UNSUPPORTED = 2,   /* the device lacks something */
-    PENUMBRA_OUT_OF_MEMORY = 3, /* of the host, the device, or the caller's allocator */
-    PENUMBRA_DEVICE_LOST = 4,
-    PENUMBRA_VULKAN = 5,   /* another Vulkan call failed */
-    PENUMBRA_PIPELINE = 6, /* the pipeline, or what is said about its target, is wrong */
-    PENUMBRA_INTERNAL = 7  /* a defect of penumbra's */
-} penumbra_code;
 
 typedef struct penumbra_error {
     uint32_t struct_size;
@@ -156,6 +146,10 @@ typedef struct penumbra_plan_request {
     const penumbra_nodes* nodes;            /* null: those that ship */
     const penumbra_output_use* output_uses; /* what is not named is read, by any stage */
     uint32_t output_use_count;
+    /* What files hold, `file` and those that it extends, until the plan is made; null: there is none of this
+     * name. Without it they are read from the disk. */
+    const char* (*read)(void* read_user, const char* file);
+    void* read_user;
 } penumbra_plan_request;
 
 PENUMBRA_API penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbra_plan** plan,
@@ -185,6 +179,7 @@ typedef struct penumbra_slot {
      * penumbra_input.format. Of penumbra_plan_output() none. */
     const char* const* accepted;
     uint32_t accepted_count;
+    VkBool32 layered; /* images: a VK_IMAGE_VIEW_TYPE_2D_ARRAY, be it of one layer */
 } penumbra_slot;
 
 typedef struct penumbra_plan_info {
@@ -192,6 +187,34 @@ typedef struct penumbra_plan_info {
     VkBool32 jitter;  /* a node asks the caller to jitter */
     uint32_t settles; /* UNCHANGED frames after which no output gets better; UINT32_MAX: never */
 } penumbra_plan_info;
+
+typedef struct penumbra_pass {
+    uint32_t struct_size;
+    uint32_t param_count;
+    const char *node, *type; /* of a resource that is copied out: its name, and "capture" */
+} penumbra_pass;
+
+typedef enum penumbra_param_type {
+    PENUMBRA_PARAM_BOOL = 0,
+    PENUMBRA_PARAM_INT = 1,
+    PENUMBRA_PARAM_UINT = 2,
+    PENUMBRA_PARAM_FLOAT = 3,
+    PENUMBRA_PARAM_VEC2 = 4,
+    PENUMBRA_PARAM_VEC3 = 5,
+    PENUMBRA_PARAM_VEC4 = 6,
+    PENUMBRA_PARAM_ENUM = 7
+} penumbra_param_type;
+
+typedef struct penumbra_param {
+    uint32_t struct_size;
+    penumbra_param_type type;
+    const char *name, *unit, *doc; /* no unit: "" */
+    const char* const* values;     /* names of an enum's values, by index */
+    uint32_t value_count;
+    uint32_t count;    /* numbers that it has */
+    double initial[4]; /* that a view begins with: the pipeline's, or the declaration's default */
+    double range[2];   /* the least and the greatest of each; infinite: any finite number */
+} penumbra_param;
 
 typedef struct penumbra_requirement {
     uint32_t struct_size;
@@ -219,6 +242,12 @@ PENUMBRA_API penumbra_code penumbra_plan_extent(const penumbra_plan* plan, const
                                                 const uint32_t frame[2], uint32_t extent[2],
                                                 penumbra_error* error);
 PENUMBRA_API uint32_t penumbra_plan_pass_count(const penumbra_plan* plan);
+/* In the order of the frame, as penumbra_view_record_pass() counts them. */
+PENUMBRA_API penumbra_code penumbra_plan_pass(const penumbra_plan* plan, uint32_t index, penumbra_pass* pass,
+                                              penumbra_error* error);
+/* Those that a view may change; a declaration's constant ones are a request's settings alone. */
+PENUMBRA_API penumbra_code penumbra_plan_param(const penumbra_plan* plan, uint32_t pass, uint32_t index,
+                                               penumbra_param* param, penumbra_error* error);
 PENUMBRA_API uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan);
 PENUMBRA_API penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,
                                                      penumbra_requirement* requirement,
@@ -253,6 +282,10 @@ PENUMBRA_API penumbra_code penumbra_program_record_uploads(const penumbra_progra
 PENUMBRA_API penumbra_code penumbra_transients_create(const penumbra_program* program,
                                                       penumbra_transients** transients,
                                                       penumbra_error* error);
+/* For views of several programs, all of one device: large enough for each. */
+PENUMBRA_API penumbra_code penumbra_transients_create_for(const penumbra_program* const* programs,
+                                                          uint32_t count, penumbra_transients** transients,
+                                                          penumbra_error* error);
 PENUMBRA_API void penumbra_transients_destroy(penumbra_transients* transients);
 PENUMBRA_API uint64_t penumbra_transients_bytes(const penumbra_transients* transients);
 
@@ -302,7 +335,7 @@ typedef struct penumbra_frame {
 
 typedef struct penumbra_handover {
     uint32_t struct_size;
-    VkImageAspectFlags aspects; /* 0: as the format has them */
+    VkImageAspectFlags aspects; /* 0: the slot's format's. Of an image with depth and stencil set both */
     VkImage image;
     VkPipelineStageFlags2 stages_before, stages_after;
     VkAccessFlags2 access_before, access_after;
@@ -342,6 +375,9 @@ PENUMBRA_API penumbra_code penumbra_view_end(penumbra_view* view, VkCommandBuffe
 PENUMBRA_API penumbra_code penumbra_view_set_param(penumbra_view* view, const char* node, const char* param,
                                                    const double* values, uint32_t count,
                                                    penumbra_error* error);
+/* As it is now. `values` may be null, or has room for `*count`, which becomes their number. */
+PENUMBRA_API penumbra_code penumbra_view_param(const penumbra_view* view, const char* node, const char* param,
+                                               double* values, uint32_t* count, penumbra_error* error);
 
 typedef struct penumbra_output {
     uint32_t struct_size;
@@ -355,7 +391,7 @@ typedef struct penumbra_output {
 /* What a port of the caller's node is bound to in this frame. */
 PENUMBRA_API penumbra_code penumbra_call_port(const penumbra_call* call, const char* port,
                                               penumbra_output* bound, penumbra_error* error);
-/* A dynamic parameter as this view has it, like penumbra_view_set_param(); `values` may be null. */
+/* A dynamic parameter as this view has it: penumbra_view_param(). */
 PENUMBRA_API penumbra_code penumbra_call_param(const penumbra_call* call, const char* param, double* values,
                                                uint32_t* count, penumbra_error* error);
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -99,8 +100,13 @@ struct Pipeline {
 std::optional<Pipeline> load_pipeline(const std::filesystem::path& file,
                                       std::span<const std::string> settings, Diagnostics& diagnostics);
 
-// The same from text, for hosts that keep pipelines in memory; `extends` is then relative to `file`'s folder.
+// A file's text; nothing: there is none of this name.
+using ReadFile = std::function<std::optional<std::string>(const std::string& file)>;
+
+// The same from text, for hosts that keep pipelines in memory. `extends` is relative to `file`'s folder, and
+// is read from the disk, or by `read`, which gets that folder and the name as one path without dots.
 std::optional<Pipeline> parse_pipeline(std::string_view text, const std::string& file,
-                                       std::span<const std::string> settings, Diagnostics& diagnostics);
+                                       std::span<const std::string> settings, Diagnostics& diagnostics,
+                                       const ReadFile& read = {});
 
 }  // namespace penumbra

@@ -76,7 +76,8 @@ using Facts = std::map<std::string, bool>;
 struct Target {
     Extent extent;
     // Images and texels; absent: the declared extent and format, or the frame's (of texels of any extent: one
-    // texel) and the first that all readers accept.
+    // row) and the first that all readers accept. Of how many rows texels are must be said where an output
+    // has a layer for each.
     std::map<std::string, HostResource> inputs;
     std::set<std::string> left_out;  // optional inputs that the host does not bring at all
     Facts facts;
@@ -137,6 +138,7 @@ struct HostSlot {
     Format format = Format::r8;
     Extent extent;
     uint32_t layers = 1;
+    bool layered = false;            // images: a 2D array, be it of one layer
     std::optional<Follows> follows;  // images: a frame of a smaller active size uses their top left part
     std::string element;
     uint32_t bytes = 0;                // blocks: size of the struct

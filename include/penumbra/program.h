@@ -47,7 +47,7 @@ class Program {
     void record_uploads(VkCommandBuffer cmd) const;
 
     // For views that run one after another on the queue (ViewOptions::transients): of this plan, or of any
-    // that was compiled to share and needs no more.
+    // that was compiled to share and needs no more. For several plans: make_transients(programs).
     std::shared_ptr<const TransientMemory> make_transients() const;
 
     uint64_t bytes() const;  // allocated for tables and for what stands for absent inputs
@@ -57,5 +57,8 @@ class Program {
   private:
     std::unique_ptr<const ProgramState> state_;
 };
+
+// The same for views of several programs, all of one device, none null: large enough for each.
+std::shared_ptr<const TransientMemory> make_transients(std::span<const Program* const> programs);
 
 }  // namespace penumbra

@@ -38,7 +38,9 @@ struct Handover {
     // queue's own then, and a semaphore of the host's orders the two. What the frame writes is not acquired
     // and need not be released before: its old contents are lost.
     uint32_t family_before = VK_QUEUE_FAMILY_IGNORED, family_after = VK_QUEUE_FAMILY_IGNORED;
-    VkImageAspectFlags aspects = 0;  // 0: as the format has them; of a depth-stencil image both
+    // 0: those of the slot's format. Of an image that has depth and stencil, whose depth alone is bound, they
+    // are to be said: VK_IMAGE_ASPECT_DEPTH_BIT | VK_IMAGE_ASPECT_STENCIL_BIT.
+    VkImageAspectFlags aspects = 0;
 };
 
 // What fills one host slot of this frame; the members that the slot's kind does not use are ignored.

@@ -51,7 +51,7 @@ bool was_idle(ivec2 cell) {
     if (is_another_sun() || !cell_before(cell * CELL, there)) return false;
     bool idle = true;
     for (int i = 0; i < 4; ++i)
-        idle = idle && is_idle(idle_cells_prev[cell_index(clamp(there + (CELL - 1) * corner(i), ivec2(0), last) / CELL, frame.prev_size)]);
+        idle = idle && is_idle(idle_word(idle_cells_prev[cell_index(clamp(there + (CELL - 1) * corner(i), ivec2(0), last) / CELL, frame.prev_size)]));
     return idle;
 }
 

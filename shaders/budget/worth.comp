@@ -28,7 +28,8 @@ const uint TILES = gl_WorkGroupSize.x * gl_WorkGroupSize.y;
 shared uint class_masks[TILES * CLASSES];
 shared float neighbours_worth[TILES];
 shared uint asked_count;
-shared uint asked[TILES * 32u];  // 32 tile + pixel, and in the upper bits whether unlike rays are next to it, or two pixels away
+// In 16 bits each, so that many groups fit onto a GPU: 32 tile + pixel, and above whether unlike rays are next to it, or two pixels away.
+shared uint asked[TILES * 16u];
 
 const int RING = 2, ROWS = TILE.y + 2 * RING;
 
@@ -73,6 +74,7 @@ void main() {
     const uint traced = in_grid ? ray_words[tile_index(tile)] : 0u;
     if (lane == 0u) asked_count = 0u;
     for (uint c = 0u; c < CLASSES; ++c) class_masks[CLASSES * lane + c] = 0u;
+    for (uint i = 0u; i < 16u; ++i) asked[TILES * i + lane] = 0u;
     barrier();
     if (traced != 0u && !is_proved(tile)) {
         const uvec2 edges = near_an_edge(tile) & traced;
@@ -82,7 +84,9 @@ void main() {
         uint at = atomicAdd(asked_count, uint(bitCount(left)));
         for (; left != 0u; left &= left - 1u) {
             const uint i = uint(findLSB(left));
-            asked[at++] = 32u * lane + i | (edges.x >> i & 1u) << 31 | (edges.y >> i & 1u) << 30;
+            const uint entry = 32u * lane + i | (edges.x >> i & 1u) << 15 | (edges.y >> i & 1u) << 14;
+            atomicOr(asked[at >> 1], entry << 16 * (at & 1u));
+            ++at;
         }
         neighbours_worth[lane] = 0.0;
         if (edges.x != 0u) {
@@ -94,10 +98,10 @@ void main() {
     ViewRays before;
     if (HAS_MOTION) before = previous_rays(mat3(1.0));
     for (uint i = lane; i < asked_count; i += TILES) {
-        const uint entry = asked[i], of = (entry & 0x3fffffffu) >> 5, number = entry & 31u;
+        const uint entry = asked[i >> 1] >> 16 * (i & 1u) & 0xffffu, of = (entry & 0x3fffu) >> 5, number = entry & 31u;
         const ivec2 p = tile_of_lane(of) * TILE + ivec2(number & 7u, number >> 3);
         const bool lit = (hits[tile_index(p / TILE)] >> number & 1u) == 0u;
-        const float error = expected_error(p, 2u - (entry >> 31) - (entry >> 30 & 1u), lit, neighbours_worth[of], before);
+        const float error = expected_error(p, 2u - (entry >> 15) - (entry >> 14 & 1u), lit, neighbours_worth[of], before);
         uint c = 0u;
         while (c < CLASSES && error < LEAST_OF[c]) ++c;
         if (c < CLASSES) atomicOr(class_masks[CLASSES * of + c], 1u << number);

@@ -120,6 +120,8 @@ float bias_of(uint word) { return unpackHalf2x16(word).y; }
 // A cell without any doubt, as a word: the lower 16 bits say which pixels are lit, the upper ones which of them look at the sun;
 // pixel (x, y) is bit 4 y + x. All that look at it say the same, so that two that do not mean a cell with work.
 const uint NOT_IDLE = 0x00030001u;
+// In idle_cells, where 0, as which a past begins that nothing has left, is a cell with work.
+uint idle_word(uint stored) { return stored ^ NOT_IDLE; }
 const float IDLE_COUNT = 8.0;  // frames that an idle cell counts for
 
 bool is_idle(uint word) { return word != NOT_IDLE; }

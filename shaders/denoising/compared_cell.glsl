@@ -17,26 +17,45 @@ const float LEAST_REACH = 0.5;   // pixels, from which on a quarter of the penum
 // How far apart soften's taps are along an axis.
 int step_for(float reach) { return reach >= 1.0 ? int(reach) : reach >= LEAST_REACH ? NEAR_STEP : 0; }
 
-void compare_cell(uint at, ivec2 cell) {
+// What is added up over the pixels of a cell: first over those of a row, then over the rows, so that the sum is the same
+// whether a lane has one row or all.
+struct CellSums {
+    Sums sums;
+    Bias bias;
+    vec2 steps;               // light-space pixel sizes, the least
+    float largest, seen_m2;   // by the sun, of the pixels
+    float flips_per_pair;     // a pixel of many rays does not flip
+    float radii, by_counts;   // over those with a past
+    uint counts;              // 8 bits each: pairs, pasts, tested pixels, and whether any past was resampled
+};
+
+const CellSums NOTHING_YET = CellSums(NO_SUMS, Bias(0.0, 0.0, 0.0, 0.0), vec2(1e9), 0.0, 0.0, 0.0, 0.0, 0.0, 0u);
+const uint PAST = 1u << 8, TESTED_PIXEL = 1u << 16, RESAMPLED = 1u << 24;
+
+shared CellSums row_sums[MOST_CELLS * uint(CELL)];
+
+void add(inout CellSums a, CellSums b) {
+    a.sums = Sums(a.sums.d + b.sums.d, a.sums.e + b.sums.e, a.sums.v + b.sums.v, a.sums.d2 + b.sums.d2, a.sums.e2 + b.sums.e2, a.sums.c + b.sums.c);
+    a.bias = Bias(a.bias.differences + b.bias.differences, a.bias.noise + b.bias.noise, a.bias.past_noise + b.bias.past_noise, a.bias.n + b.bias.n);
+    a.steps = min(a.steps, b.steps);
+    a.largest = max(a.largest, b.largest);
+    a.seen_m2 += b.seen_m2;
+    a.flips_per_pair += b.flips_per_pair;
+    a.radii += b.radii;
+    a.by_counts += b.by_counts;
+    a.counts += b.counts;
+}
+
+CellSums compare_row(uint at, ivec2 cell, int row) {
     const ivec2 first = cell * CELL;
     const uint asking = cell_asking[at];
     recall_rows(at);
     const uint lit = lit_or_sky(cell), sunward = sunward_words[tile_index(cell * CELL / TILE)];
-    ViewRays before;
-    if (HAS_MOTION) before = previous_rays(towards_light);
     const Penumbra penumbra = penumbra_of(at);
     const float rho = radius_m(penumbra);
 
-    Sums sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    Bias bias = Bias(0.0, 0.0, 0.0, 0.0);
-    vec2 steps = vec2(1e9);  // light-space pixel sizes
-    float largest = 0.0, seen_m2 = 0.0;  // by the sun, of the cell's pixels
-    int pairs = 0, pasts = 0;
-    float flips_per_pair = 0.0;  // a pixel of many rays does not flip
-    float radii = 0.0, by_counts = 0.0;  // over these
-    int tested_pixels = 0;
-    bool resampled = false;
-    for (int i = 0; i < CELL * CELL; ++i) {
+    CellSums all = NOTHING_YET;
+    for (int i = CELL * row; i < CELL * (row + 1); ++i) {
         const ivec2 offset = in_cell(i), p = first + offset;
         const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
         Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false, NO_RAYS);
@@ -45,7 +64,7 @@ void compare_cell(uint at, ivec2 cell) {
             const bool tested = has_ray(p);
             const uint further = tested ? further_at(p) : 0u;
             const float z = imageLoad(view_depth, p).x;
-            const vec3 n = normal_at(p), n_light = towards_light * n;
+            const vec3 n = normal_at(p), n_light = views().towards_light * n;
             const ViewRays rays = rays_of(p);
             const Receiver r = receiver_at(p, offset, z, n_light, rays);
             const Footprint foot = r.foot;
@@ -62,7 +81,7 @@ void compare_cell(uint at, ivec2 cell) {
             }
             Past past;
             if (HAS_MOTION)
-                past = past_of(p, n, z, Surface(off_plane(before, n_light, rays.o + z * rays.r), r.surface.tolerance_m));
+                past = past_of(p, n, z, Surface(off_plane(views().before, n_light, rays.o + z * rays.r), r.surface.tolerance_m));
             else
                 past = past_of(p);
             past = under_this_light(past, rays.o + z * rays.r);
@@ -83,17 +102,16 @@ void compare_cell(uint at, ivec2 cell) {
                 past.own.count = min(past.own.count, most);
                 if (further != 0u) past.count = min(past.count, believed(past, further, bit > 0.5));
             }
-            if (worth > 0.0) add_pixel(bias, past, now, worth);
-            resampled = resampled || past.resampled;
+            if (worth > 0.0) add_pixel(all.bias, past, now, worth);
+            all.counts += TESTED_PIXEL + (past.resampled ? RESAMPLED : 0u);
             if (worth > 0.0) past.count = min(past.count, worth * squared_error(now) / max(resampling, 1e-6));
             past.own.count = min(past.own.count, OWN_SPREAD / max(resampling, 1e-6));
-            steps = min(steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
-            largest = max(largest, foot.s.s1);
-            ++tested_pixels;
-            seen_m2 += foot.s.s1 * foot.s.s2;
+            all.steps = min(all.steps, vec2(length(foot.tangents[0].xy), length(foot.tangents[1].xy)));
+            all.largest = max(all.largest, foot.s.s1);
+            all.seen_m2 += foot.s.s1 * foot.s.s2;
             const int unlike = differs(r, ivec2(1, 0)) + differs(r, ivec2(0, 1));
-            pairs += unlike;
-            flips_per_pair += float(unlike) / max(worth, 1.0);
+            all.counts += uint(unlike);
+            all.flips_per_pair += float(unlike) / max(worth, 1.0);
 
             OwnRays own = past.own;
             if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), own_worth(further));
@@ -108,37 +126,53 @@ void compare_cell(uint at, ivec2 cell) {
                 g.residual = past.residual + NEW_RESIDUAL * (d - past.residual);
                 const float across_px = rho / max(foot.s.s2, 1e-9);
                 const float variance = null_variance(now, past, is_cut(penumbra) ? 1.0 : across_px, worth);  // as in a penumbra
-                ++pasts;
-                radii += across_px;
-                by_counts += 1.0 / past.count;
-                sums.d += d;
-                sums.e += g.residual;
-                sums.v += variance;
-                sums.d2 += d * d;
-                sums.e2 += g.residual * g.residual;
-                sums.c += variance * (1.0 + 0.5 * (shared_by - 1.0));
+                all.counts += PAST;
+                all.radii += across_px;
+                all.by_counts += 1.0 / past.count;
+                all.sums.d += d;
+                all.sums.e += g.residual;
+                all.sums.v += variance;
+                all.sums.d2 += d * d;
+                all.sums.e2 += g.residual * g.residual;
+                all.sums.c += variance * (1.0 + 0.5 * (shared_by - 1.0));
             }
         }
         // Whoever does not hand on what a frame is worth has drift take every one for one.
         imageStore(gathered, p, uvec4(pack_gathered(g, HAS_FRAME_WORTH != 0 ? worth : 1.0, thresholds_at(p)), 0u, 0u));
     }
-    const float by_pasts = 1.0 / float(max(pasts, 1));
-    if (pasts > 0 && radii * by_pasts < NARROW_PX) {
-        const float by_rays = pairs > 0 ? flips_per_pair / float(pairs) : 1.0;
-        const float flips = by_rays * flips_of(pairs, radii * by_pasts, by_counts * by_pasts);
+    return all;
+}
+
+void compare_row_of_left(uint number) {
+    const uint at = number / uint(CELL);
+    row_sums[number] = compare_row(at, cell_of(left_cells[at]), int(number % uint(CELL)));
+}
+
+void hand_on(uint at, ivec2 cell) {
+    CellSums all = NOTHING_YET;
+    for (uint row = 0u; row < uint(CELL); ++row) add(all, row_sums[uint(CELL) * at + row]);
+    recall_rows(at);
+    const float rho = radius_m(penumbra_of(at));
+    const int pairs = int(all.counts & 0xffu);
+    const uint pasts = all.counts >> 8 & 0xffu, tested_pixels = all.counts >> 16 & 0xffu;
+    Sums sums = all.sums;
+    const float by_pasts = 1.0 / float(max(pasts, 1u));
+    if (pasts > 0u && all.radii * by_pasts < NARROW_PX) {
+        const float by_rays = pairs > 0 ? all.flips_per_pair / float(pairs) : 1.0;
+        const float flips = by_rays * flips_of(pairs, all.radii * by_pasts, all.by_counts * by_pasts);
         sums.c += max(flips - sums.v, 0.0);  // where it counts hardly a neighbour's ray is asked
         sums.v = max(sums.v, flips);
     }
-    const vec2 reach = rho > 0.0 ? min(0.25 * rho / max(steps, vec2(1e-9)), 6.0) : vec2(0.0);
-    const float radius_px = rho > 0.0 && largest > 0.0 ? rho / largest : 0.0;
+    const vec2 reach = rho > 0.0 ? min(0.25 * rho / max(all.steps, vec2(1e-9)), 6.0) : vec2(0.0);
+    const float radius_px = rho > 0.0 && all.largest > 0.0 ? rho / all.largest : 0.0;
     // Rays per frame that test a pixel's disc: its area in pixels. Without blockers there is no disc to miss.
-    float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(seen_m2, 1e-20) : ALWAYS_TESTED;
-    uint past_kind = resampled ? PAST_RESAMPLED : PAST_WHOLE;
+    float tests = rho > 0.0 ? 3.1415927 * rho * rho * float(tested_pixels) / max(all.seen_m2, 1e-20) : ALWAYS_TESTED;
+    uint past_kind = all.counts >= RESAMPLED ? PAST_RESAMPLED : PAST_WHOLE;
     if (!MAY_CHANGE) {
         past_kind = PAST_CERTAIN;
-        sums = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);  // nothing can have changed, so nothing says that it has
+        sums = NO_SUMS;  // nothing can have changed, so nothing says that it has
     }
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
-    const uint softening = pack_softening(ivec2(step_for(reach.x), step_for(reach.y)), past_kind, has_both(said_within(1)), tests, mean_bias(bias));
+    const uint softening = pack_softening(ivec2(step_for(reach.x), step_for(reach.y)), past_kind, has_both(said_within(1)), tests, mean_bias(all.bias));
     cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, radius_px, uintBitsToFloat(softening));
 }

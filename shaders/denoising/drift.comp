@@ -53,7 +53,7 @@ struct Difference {
 };
 
 Difference difference_at(ivec2 p) {
-    const uint idle = idle_cells[cell_index(p / CELL)];
+    const uint idle = idle_word(idle_cells[cell_index(p / CELL)]);
     Difference d = Difference((idle >> uint(16 + CELL * (p.y % CELL) + p.x % CELL) & 1u) != 0u, 0.0, 0.0);
     if (!is_idle(idle)) {
         const Gathered g = unpack_gathered(imageLoad(gathered, p).xy, 1.0);
@@ -81,7 +81,7 @@ float surrounding_difference(ivec2 p, int step, ViewRays rays) {
 }
 
 bool is_settled(ivec2 cell, bool) {
-    const uint idle = idle_cells[cell_index(cell)];
+    const uint idle = idle_word(idle_cells[cell_index(cell)]);
     // Counted by what there is to do: in a branch, as loops of a known length, they take lavapipe longer.
     for (int i = 0; i < (is_idle(idle) ? CELL * CELL : 0); ++i) {
         const uint v = (idle >> uint(i) & 1u) != 0u

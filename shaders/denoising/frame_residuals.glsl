@@ -46,6 +46,7 @@ float null_variance(Estimate now, Past past, float radius_px, float frames) {
 struct Sums {
     float d, e, v, d2, e2, c;
 };
+const Sums NO_SUMS = Sums(0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
 
 // What the past is wrong by, squared: its differences from what the pixels' own rays have said, beyond the noise of these.
 // Over a cell, because one pixel's difference proves little. What is shrunk by it (soften) is at no place much worse than

@@ -3,7 +3,7 @@
 // previous frame knew about the same surface (shadow_past.glsl), and how the two differ, summed over cells of 4x4
 // pixels for the drift test. Cells with nothing but equal bits in reach are what these say. The others are looked at
 // (what blocks, which bits are around), then their pixels ask their neighbours, dealt out one by one because a cell has one
-// that asks or sixteen, and then their cells compare; an invocation owns a cell, and they wait for each other in between.
+// that asks or sixteen, and then compare, row by row of a cell; invocations wait for each other in between.
 #include "node.glsl"
 #include "common/tiles.glsl"
 #include "common/rounded.glsl"
@@ -36,15 +36,24 @@ uint lit_or_sky(ivec2 cell) {
     return visibility_words[tile] | ~receiver_words[tile];
 }
 
-mat3 towards_light;   // to the sun's light space; where the light is near, world axes (lamp_space.glsl)
-ViewRays first_rays;  // around first_pixel()
+// What all of a workgroup see by: 45 numbers that every lane of a GPU would hold in registers of its own.
+struct Views {
+    mat3 towards_light;    // to the sun's light space; where the light is near, world axes (lamp_space.glsl)
+    ViewRays now, before;  // around first_pixel(), and of the previous frame
+};
+Views own_views;
+shared Views shared_views;
+Views views() {
+    if (ON_CPU) return own_views;
+    return shared_views;
+}
 
 // Every 32 pixels, whatever a workgroup's share: what is computed from here is then rounded alike on every device.
 ivec2 first_pixel() { return cell_of(0u) * CELL & ~31; }
-ViewRays rays_of(ivec2 p) { return moved(first_rays, vec2(p - first_pixel())); }
+ViewRays rays_of(ivec2 p) { return moved(views().now, vec2(p - first_pixel())); }
 vec3 normal_at(ivec2 p) { return unit_or_zero(decode_normal(imageLoad(guide_normal, p))); }
 
-// What is found out about the cells of the list, `at` their places in it; 6.5 KiB at most, of the 16 that every device has.
+// What is found out about the cells of the list, `at` their places in it; with row_sums 15.8 KiB at most, of the 16 that every device has.
 const uint PIXELS = uint(CELL * CELL), MOST_PIXELS = MOST_CELLS * PIXELS;
 shared vec3 cell_penumbrae[MOST_CELLS];
 shared uint cell_rows[MOST_CELLS * uint(ROWS)];
@@ -67,7 +76,7 @@ Penumbra penumbra_of_cell(ivec2 cell, out Footprint foot) {
     const ivec2 p = min(cell * CELL + CELL / 2, ivec2(frame.size) - 1);
     const ViewRays rays = rays_of(p);
     const float z = imageLoad(view_depth, p).x;
-    const vec3 n = towards_light * normal_at(p);
+    const vec3 n = views().towards_light * normal_at(p);
     const LampSpace lamp = lamp_space_at(rays.o + z * rays.r, n);
     foot = footprint_of(lamp, tangents(rays, z, n));
     Penumbra penumbra = penumbra_at(cell, foot);
@@ -96,7 +105,7 @@ void ask_around(uint asking) {
     const uint at = asking / PIXELS, pixel = asking % PIXELS;
     recall_rows(at);
     const ivec2 offset = in_cell(int(pixel)), p = cell_of(left_cells[at]) * CELL + offset;
-    const Receiver r = receiver_at(p, offset, imageLoad(view_depth, p).x, towards_light * normal_at(p), rays_of(p));
+    const Receiver r = receiver_at(p, offset, imageLoad(view_depth, p).x, views().towards_light * normal_at(p), rays_of(p));
     const Estimate e = this_frame(r, penumbra_of(at));
     estimates[asking] = MANY_RAYS ? pack_estimate_of_many(e) : pack_estimate(e);
 }
@@ -105,9 +114,13 @@ void ask_around(uint asking) {
 #include "denoising/compared_cell.glsl"
 
 void main() {
-    towards_light = HAS_LIGHT ? mat3(1.0) : transpose(sun_frame(sun.to_sun));
-    first_rays = view_rays(first_pixel(), towards_light);
-    if (gl_LocalInvocationIndex == 0u) wide_count = narrow_count = 0u;
+    own_views.towards_light = HAS_LIGHT ? mat3(1.0) : transpose(sun_frame(sun.to_sun));
+    own_views.now = view_rays(first_pixel(), own_views.towards_light);
+    if (HAS_MOTION) own_views.before = previous_rays(own_views.towards_light);
+    if (gl_LocalInvocationIndex == 0u) {
+        if (!ON_CPU) shared_views = own_views;
+        wide_count = narrow_count = 0u;
+    }
     settle_cells();
     const uint lane = gl_LocalInvocationIndex, lanes = lanes_in_workgroup();
     for (uint i = lane; i < left_count; i += lanes) look_around(i, cell_of(left_cells[i]));
@@ -115,5 +128,7 @@ void main() {
     const uint wide = wide_count, n = wide + narrow_count;
     for (uint i = lane; i < n; i += lanes) ask_around(asking_pixels[i < wide ? i : i + MOST_PIXELS - n]);
     barrier();
-    for (uint i = lane; i < left_count; i += lanes) compare_cell(i, cell_of(left_cells[i]));
+    for (uint i = lane; i < left_count * uint(CELL); i += lanes) compare_row_of_left(i);
+    barrier();
+    for (uint i = lane; i < left_count; i += lanes) hand_on(i, cell_of(left_cells[i]));
 }

@@ -18,7 +18,7 @@ bool past_disagrees(ivec2 first, bool lit, out bool known) {
     bool idled = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 q = clamp(there + (CELL - 1) * corner(i), ivec2(0), last);
-        const uint word = idle_cells_prev[cell_index(q / CELL, frame.prev_size)];
+        const uint word = idle_word(idle_cells_prev[cell_index(q / CELL, frame.prev_size)]);
         idled = idled && idled_as(word, lit);
     }
     bool unlike = false;
@@ -52,7 +52,7 @@ bool is_settled(ivec2 cell, bool below_last) {
     uint lit = lit_or_sky(cell);
     if (HAS_RAY_WORDS && said != 0u) lit = (said & 0xffffu) != 0u ? lit | sunward : lit & ~sunward;
     const uint idle = pixels_of_cell(lit, cell) | pixels_of_cell(counted, cell) << 16;
-    idle_cells[cell_index(cell)] = works ? NOT_IDLE : idle;
+    idle_cells[cell_index(cell)] = idle_word(works ? NOT_IDLE : idle);
     if (!works) {  // nothing to doubt
         cells[2u * cell_index(cell)] = vec4(0.0);
         cells[2u * cell_index(cell) + 1u] = vec4(0.0);

@@ -48,7 +48,7 @@ Softening softening_of(ivec2 cell) {
 }
 
 bool is_settled(ivec2 cell, bool) {
-    const uint idle = idle_cells[cell_index(cell)];
+    const uint idle = idle_word(idle_cells[cell_index(cell)]);
     const Softening s = softening_of(cell);
     const bool settled = is_idle(idle) || (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0;
     if (!settled) return false;

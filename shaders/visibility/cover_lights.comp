@@ -57,7 +57,16 @@ shared vec3 normals[32], lux[32];
 
 #if HAS_MASKS || HAS_TRANSMITTANCES
 #define KEEPS_LAYERS
+int layer_count() {
+#if HAS_MASKS
+    return imageSize(masks).z;
+#else
+    return imageSize(transmittances).z;
+#endif
+}
+
 void keep(ivec2 tile, uint number, int layer, float share, vec3 through) {
+    if (layer >= layer_count()) return;  // of a host that has more lights than the plan
     const ivec3 at = ivec3(tile * TILE + pixel_of_lane(int(number)), layer);
 #if HAS_MASKS
     imageStore(masks, at, vec4(share));
@@ -227,6 +236,11 @@ void main() {
     const bool undone = rest != 0u || candidates != 0u || tested < light_count();
     count_left(undone ? uint(bitCount(surfaces)) : 0u);
     count_steps(steps);
+#ifdef KEEPS_LAYERS
+    for (int i = light_count(); i < layer_count(); ++i)  // of a host that has fewer lights than the plan now
+        for (uint number = share.first + share.lane; number < share.end; number += share.lanes)
+            if ((inside >> number & 1u) != 0u) keep(tile, number, i, 1.0, vec3(1.0));
+#endif
 #if HAS_ILLUMINANCE
     subgroupMemoryBarrierShared();
     subgroupBarrier();

@@ -264,6 +264,7 @@ TEST_F(HardCase, TexelsStayInPlaceUnderAMovingCamera) {
         const CascadeFit fit = fit_cascades(request(moved, 0.3 + 0.002 * step));
         ASSERT_EQ(fit.count, still.count);
         for (uint32_t i = 0; i < fit.count; ++i) {
+            ASSERT_EQ(fit.areas[i].texel_m, still.areas[i].texel_m);
             const glm::dvec3 change = texels_from_metres(fit, i, {}) * glm::dvec4(point, 1) -
                                       texels_from_metres(still, i, {}) * glm::dvec4(point, 1);
             // A map centred on the camera.

@@ -2,50 +2,30 @@
 #include "tests/hard_cases/hard_cases.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <glm/gtc/type_ptr.hpp>
-#include <map>
-#include <set>
 
-#include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
+#include "tests/scene_file.h"
 #include "tests/shipped.h"
 
 namespace penumbra::test {
 namespace {
 
-// Files of this process, removed with it.
-class SceneFiles {
-  public:
-    ~SceneFiles() {
-        std::error_code ignored;
-        for (const std::filesystem::path& file : files_) std::filesystem::remove(file, ignored);
-    }
-    std::filesystem::path file(const std::string& key, const std::vector<Placed>& shapes) {
-        const std::filesystem::path path =
-            std::filesystem::temp_directory_path() / fmt::format("penumbra_hard_{}_{}.glb", getpid(), key);
-        if (!files_.insert(path).second) return path;
-        Model model;
-        model.materials = {{{0.8f, 0.8f, 0.75f, 1}, -1}};
-        for (const Placed& placed : shapes) {
-            Mesh mesh;
-            mesh.parts.push_back(to_part(placed.shape, 0));
-            model.meshes.push_back(std::move(mesh));
-            Node& node = model.nodes.emplace_back();
-            node.name = placed.name;
-            node.mesh = static_cast<int>(model.meshes.size()) - 1;
-        }
-        write_file(path, to_glb(model));
-        return path;
-    }
-
-  private:
-    std::set<std::filesystem::path> files_;
-};
+// Written once per process, and removed with it.
+std::filesystem::path file_of(const std::string& key, const std::vector<Placed>& shapes) {
+    static const TestFolder folder;
+    const std::filesystem::path path = folder / (key + ".glb");
+    if (std::filesystem::exists(path)) return path;
+    Model model;
+    model.materials = {{{0.8f, 0.8f, 0.75f, 1}, -1}};
+    for (const Placed& placed : shapes) add(model, placed.name, placed.shape, 0);
+    write_file(path, to_glb(model));
+    return path;
+}
 
 struct Projected {
     glm::dvec2 uv{0};
@@ -67,10 +47,9 @@ void figure(const char* what, double naive, double ours) {
 }
 
 Shot scene_shot(const std::string& key, const std::vector<Placed>& shapes, std::array<uint32_t, 2> size) {
-    static SceneFiles files;
     Shot shot;
     shot.name = key;
-    shot.model = files.file(key, shapes);
+    shot.model = file_of(key, shapes);
     shot.size = size;
     shot.frames = 64;
     shot.camera = {{0, {0, 4, 4}, {0, 0, 0}, {0, 1, 0}}};

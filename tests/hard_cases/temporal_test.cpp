@@ -77,35 +77,7 @@ TEST_F(HardCase, AJumpOfACasterIsFollowedAtOnce) {
     EXPECT_GT(found.k90_naive, 2u);
 }
 
-// ---- 39, 40, 42: arithmetic of an average (41 and the long run of 42: soak_test.cpp)
-
-TEST(HardHistory, TheVarianceOfBitsNeedsNoDifferenceOfSquares) {
-    std::mt19937 random(39);
-    std::normal_distribution<float> noise(1e4f, 0.01f);
-    float sum = 0, squares = 0;
-    double exact_sum = 0;
-    std::vector<float> values(4096);
-    for (float& x : values) {
-        x = noise(random);
-        sum += x;
-        squares += x * x;
-        exact_sum += x;
-    }
-    double exact = 0;
-    for (const float x : values) exact += (x - exact_sum / 4096) * (x - exact_sum / 4096) / 4096;
-    const float mean = sum / 4096;
-    const double naive = std::abs(double(squares / 4096 - mean * mean) - exact) / exact;
-    // A mean of bits has the variance m (1 - m), whatever m is.
-    double ours = 0;
-    for (const uint32_t lit : {1u, 100u, 2048u, 4095u}) {
-        const float m = float(lit) / 4096;
-        const double of_bits = double(lit) / 4096 * (1 - double(lit) / 4096);
-        ours = std::max(ours, std::abs(double(m * (1 - m)) - of_bits) / of_bits);
-    }
-    figure("case 39, relative error of a variance", naive, ours);
-    EXPECT_GT(naive, 1);
-    EXPECT_LT(ours, 1e-6);
-}
+// ---- 40, 42: arithmetic of an average (41 and the long run of 42: soak_test.cpp)
 
 // A wall whose every block holds one pixel that stays dark, so that no block is skipped; the others are dark
 // for 8 frames, and lit from then on.

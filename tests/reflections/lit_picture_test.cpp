@@ -3,12 +3,12 @@
 #include "app/lit_picture.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <limits>
 
 #include "host/images/image_decode.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -48,8 +48,8 @@ TEST(LitPictureError, WhatIsNoNumberIsCountedAndSeen) {
 TEST(LitPictureError, AFileIsReadAsItWasWritten) {
     Picture picture = uniform(5, 3, {1, 2, 3});
     picture.rgb[7] = {0.25f, 0.5f, 8};
-    const auto file =
-        std::filesystem::temp_directory_path() / ("penumbra_lit_" + std::to_string(getpid()) + ".exr");
+    const test::TestFolder folder;
+    const auto file = folder / "lit.exr";
     write_exr(file, planar(picture));
     Diagnostics diagnostics;
     const auto read = read_picture(file, diagnostics);

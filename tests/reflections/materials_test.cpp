@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Materials through files, what rays hit, environments, and what is said where they are wrong.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <bit>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "host/models/glb_writer.h"
 #include "host/models/gltf.h"
 #include "host/models/model_builder.h"
+#include "tests/test_folder.h"
 
 namespace penumbra {
 namespace {
@@ -21,12 +21,6 @@ namespace fs = std::filesystem;
 
 class Materials : public ::testing::Test {
   protected:
-    void SetUp() override {
-        folder_ = fs::temp_directory_path() / ("penumbra_materials_" + std::to_string(getpid()));
-        fs::create_directories(folder_);
-    }
-    void TearDown() override { fs::remove_all(folder_); }
-
     std::optional<Model> read_back(const Model& model) {
         write_file(folder_ / "m.glb", to_glb(model));
         return load_gltf(folder_ / "m.glb", diagnostics_);
@@ -48,7 +42,7 @@ class Materials : public ::testing::Test {
         diagnostics_ = {};
     }
 
-    fs::path folder_;
+    test::TestFolder folder_;
     Diagnostics diagnostics_;
 };
 

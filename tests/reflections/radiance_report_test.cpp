@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What `penumbra report --signal` measures, on small images: brute force does what brute force must, figures
 // are those of the truth and of the passes that the signal needs.
-#include <unistd.h>
-
 #include <nlohmann/json.hpp>
 
 #include "app/report/radiance_page.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::report {
 namespace {
@@ -31,9 +30,8 @@ class RadianceReport : public test::GpuTest {
         study.timed_from = 2;
         study.brute_force = {1, 16};
     }
-    ~RadianceReport() override { fs::remove_all(folder_); }
 
-    fs::path folder_ = fs::temp_directory_path() / ("penumbra_radiance_report_" + std::to_string(getpid()));
+    test::TestFolder folder_;
     NodeSet nodes_ = shadow_nodes();
     Diagnostics diagnostics_;
     std::vector<std::string> warnings_;

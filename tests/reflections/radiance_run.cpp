@@ -2,7 +2,6 @@
 #include "tests/reflections/radiance_run.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <glm/gtc/type_ptr.hpp>
@@ -16,28 +15,16 @@
 #include "host/models/model_builder.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/test_folder.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
-namespace {
-
-namespace fs = std::filesystem;
-
-// Removed when the process ends.
-struct Folder {
-    fs::path path = fs::temp_directory_path() / fmt::format("penumbra_radiance_{}", getpid());
-    Folder() { fs::create_directories(path); }
-    ~Folder() { fs::remove_all(path); }
-};
-
-}  // namespace
-
 Shot night_shot(const Model& model, std::array<uint32_t, 2> size, uint32_t frames) {
-    static const Folder folder;
+    static const TestFolder folder;
     static int number = 0;
     Shot shot;
     shot.name = "night";
-    shot.model = folder.path / fmt::format("{}.glb", number++);
+    shot.model = folder / fmt::format("{}.glb", number++);
     write_file(shot.model, to_glb(model));
     shot.size = size;
     shot.frames = frames;
@@ -94,8 +81,8 @@ std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
     static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto pipeline =
-        load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
+    const auto pipeline = load_pipeline(
+        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
     const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
     SessionOptions options;
     options.size = shot.size;
@@ -126,6 +113,15 @@ ViewRunOptions radiance_host_options() {
                        {"material", Format::rg8}};
     options.facts = {{"moves", true}};
     return options;
+}
+
+void hand_over_guides(ViewRun& host, const Session& session) {
+    const GBufferImages& images = session.host().images();
+    for (const auto& [name, image] : {std::pair{"depth", &images.depth},
+                                      {"normal", &images.normal},
+                                      {"motion", &images.motion},
+                                      {"material", &images.material}})
+        host.set(name, read_image(gpu(), image->get(), image->format, image->extent, GBuffer::final_layout));
 }
 
 double mean_accumulated(const Session& session) {

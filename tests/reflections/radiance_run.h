@@ -41,6 +41,7 @@ std::unique_ptr<Session> open_shipped(const std::string& pipeline, const Shot& s
 
 // For a host that brings denoise_radiance.json what it traced, of a scene that moves.
 ViewRunOptions radiance_host_options();
+void hand_over_guides(ViewRun& host, const Session& session);  // of the session's frame
 
 // The mean over all pixels and channels of radiance that is kept in words
 // (shaders/reflections/radiance_word.glsl, past_texel.glsl): of `accumulated`, which has a tenth bit per

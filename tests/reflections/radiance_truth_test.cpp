@@ -3,8 +3,6 @@
 // under a linear sky, and mirrors that see triangles, against double precision.
 #include "app/radiance_truth.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -17,6 +15,7 @@
 #include "nodes/tables/environment_brdf.h"
 #include "tests/gpu_test.h"
 #include "tests/reflections/radiance_run.h"
+#include "tests/test_folder.h"
 
 namespace penumbra::test {
 namespace {
@@ -137,8 +136,8 @@ class BrightSpot {
             image.planes.push_back(
                 {name, PlaneType::real, std::vector<float>(size_t{width} * height, 0.0f), {}});
         for (Plane& plane : image.planes) plane.values[y * width + x] = radiance;
-        const auto file =
-            std::filesystem::temp_directory_path() / ("penumbra_spot_" + std::to_string(getpid()) + ".exr");
+        static const TestFolder folder;
+        const auto file = folder / "spot.exr";
         write_exr(file, image);
         return file;
     }

@@ -122,18 +122,10 @@ TEST_F(SparseRays, AHostMayCastWhereItLikes) {
         open_shipped("reflections", shot,
                      {"nodes.rays.params.hit_normals=false", "nodes.reconnect.params.hit_normals=false"},
                      {"radiance", "ray_direction"});
-    const ViewRunOptions options = radiance_host_options();
-    ViewRun host(shipped_pipeline("denoise_radiance"), {shot.size[0], shot.size[1]}, options);
-    const auto hand_over = [&](const char* name, const GpuImage& image) {
-        host.set(name, read_image(gpu(), image.get(), image.format, image.extent, GBuffer::final_layout));
-    };
+    ViewRun host(shipped_pipeline("denoise_radiance"), {shot.size[0], shot.size[1]}, radiance_host_options());
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
         session->run_frame(frame, frame == 0);
-        const GBufferImages& images = session->host().images();
-        hand_over("depth", images.depth);
-        hand_over("normal", images.normal);
-        hand_over("motion", images.motion);
-        hand_over("material", images.material);
+        hand_over_guides(host, *session);
         // Three pixels of five have none, mirrors as well.
         auto radiance = captured<std::array<uint16_t, 4>>(session->view(), "radiance");
         for (size_t i = 0; i < radiance.size(); ++i)
