@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr const char* colors[] = {"R", "G", "B"};
 
 // Per channel, over receivers; coloured are those of which the truth says that some channel is not the
-// visibility.
+// visibility. A value that is no number counts as the worst error that it can have, as in a mask.
 struct ColorErrors {
     struct Sum {
         uint64_t pixels = 0;
@@ -59,12 +59,12 @@ void add_colors(const fs::path& folder, const CompareArguments& arguments, uint3
         std::array<double, 3> error{};
         bool finite = true, coloured = false;
         for (size_t c = 0; c < 3; ++c) {
-            error[c] = double(seen[c][p]) - double(known[c][p]);
-            finite = finite && std::isfinite(error[c]);
-            coloured = coloured || std::abs(double(known[c][p]) - double(visibility[p])) > color_eps;
+            const double is = double(seen[c][p]), should = double(known[c][p]);
+            error[c] = std::isfinite(is) ? is - should : should > 0.5 ? -should : 1 - should;
+            finite = finite && std::isfinite(is);
+            coloured = coloured || std::abs(should - double(visibility[p])) > color_eps;
         }
-        if (!finite) ++sums.nonfinite;
-        if (!finite) continue;
+        sums.nonfinite += !finite;
         sums.all.add(error);
         if (coloured) sums.coloured.add(error);
     }

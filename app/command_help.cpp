@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
@@ -170,6 +171,16 @@ std::string fish_script(const CLI::App& app) {
     return text;
 }
 
+// An option that takes one value at a time, or a list with commas, is not shown as one that takes several.
+class Formatter : public CLI::Formatter {
+    std::string make_option_opts(const CLI::Option* option) const override {
+        std::string text = CLI::Formatter::make_option_opts(option);
+        const size_t several = text.find(" ...");
+        if (several == text.npos || option->get_allow_extra_args()) return text;
+        return text.replace(several, 4, option->get_delimiter() ? ",..." : " (may be repeated)");
+    }
+};
+
 }  // namespace
 
 std::string wrong_words(const CLI::App& app, const CLI::ParseError& error,
@@ -198,6 +209,7 @@ void add_examples(CLI::App& app) {
         const auto found = examples().find(command->get_name());
         if (found == examples().end()) throw std::logic_error("no example of " + command->get_name());
         ++given;
+        command->formatter(std::make_shared<Formatter>());
         std::string text = "\nExamples:\n";
         for (const Example& example : found->second)
             text += fmt::format("  {}\n      {}\n", example.line, example.what);

@@ -14,8 +14,8 @@ namespace penumbra {
 std::string wrong_words(const CLI::App& app, const CLI::ParseError& error,
                         const std::vector<std::string>& words);
 
-// Gives every command its examples. Throws std::logic_error where a command has none, or where there are
-// examples of one that does not exist.
+// Gives every command its examples, and what options take in the words of this program. Throws
+// std::logic_error where a command has none, or where there are examples of one that does not exist.
 void add_examples(CLI::App& app);
 
 // A script for "bash", "zsh" or "fish" that completes commands, options and their values.

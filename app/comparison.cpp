@@ -11,6 +11,7 @@
 #include "app/frame_range.h"
 #include "app/is_there.h"
 #include "app/progress.h"
+#include "app/signal_files.h"
 #include "host/images/triples.h"
 
 namespace penumbra {
@@ -346,6 +347,7 @@ Comparison conclude(const Sums& sums) {
 
 std::optional<Comparison> compare_folders(const CompareArguments& arguments, Diagnostics& diagnostics) {
     Loader loader(arguments, diagnostics);
+    check_folders(arguments, diagnostics);
     const auto info = read_reference_info(arguments.reference, diagnostics);
     const auto frames = choose_frames(arguments, loader.folders(), diagnostics);
     loader.read_mask();

@@ -50,6 +50,13 @@ bool can_hold_a_file(const fs::path& file) {
     return true;
 }
 
+bool is_named_as_written(const ExplainArguments& arguments) {
+    const char* ending = arguments.budget ? ".png" : ".svg";
+    if (fs::path(arguments.out).extension() == ending) return true;
+    return complain(fmt::format("--out: {} is written as {}: end its name in {}", arguments.out,
+                                arguments.budget ? "a PNG" : "an SVG", ending));
+}
+
 bool write_figure(const std::string& file, const std::string& svg) {
     try {
         write_text(file, svg);
@@ -372,7 +379,7 @@ int run_explain(const ExplainArguments& arguments) {
         complain("explain: give --shot or --model, or reports by --costs");
         return exit_wrong;
     }
-    if (!can_hold_a_file(arguments.out)) return exit_wrong;
+    if (!can_hold_a_file(arguments.out) || !is_named_as_written(arguments)) return exit_wrong;
     if (!arguments.costs.empty()) return explain_costs(arguments);
     return explain_pixel(arguments);
 }

@@ -18,6 +18,10 @@ std::optional<Facts> parse_facts(const std::string& text, const Domain& domain) 
             std::cerr << "--facts: there is no fact \"" << name << "\"" << did_you_mean(name, known) << "\n";
             return std::nullopt;
         }
+        if (facts.contains(name) && facts[name] == negated) {
+            std::cerr << "--facts: \"" << name << "\" is said to be true and to be false\n";
+            return std::nullopt;
+        }
         facts[name] = !negated;
     }
     return facts;

@@ -9,7 +9,7 @@
 
 namespace penumbra {
 
-// "a,!b"; nothing, and a message on stderr, where a name is no fact of the domain.
+// "a,!b"; nothing, and a message on stderr, where a name is no fact of the domain or stands there both ways.
 std::optional<Facts> parse_facts(const std::string& text, const Domain& domain);
 
 }  // namespace penumbra

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "host/scene/scene_alpha.h"
+
 namespace penumbra {
 namespace {
 
@@ -178,8 +180,24 @@ bool reads(const Plan& plan, std::string_view slot) {
     return std::ranges::find(plan.slots, slot, &HostSlot::name) != plan.slots.end();
 }
 
+std::vector<std::string> unknown_inputs_left_out(const CheckedPipeline& pipeline) {
+    std::vector<std::string> known, lines;
+    for (const KnownSlot& slot : known_slots)
+        if (slot.name.find('.') == slot.name.npos) known.emplace_back(slot.name);
+    for (const HostInput& input : pipeline.inputs)
+        if (input.optional && !standalone_has_input(input.name))
+            lines.push_back(to_string(Diagnostic{input.place, "inputs." + input.name,
+                                                 "the standalone host has no such input, and leaves it out" +
+                                                     did_you_mean(input.name, known)}));
+    return lines;
+}
+
 void check_slots(const Plan& plan, const std::string& file, const std::vector<std::string>& own_lights,
-                 Diagnostics& diagnostics) {
+                 const Scene& scene, Diagnostics& diagnostics) {
+    const auto is_alpha = [](const HostSlot& slot) { return slot.name.starts_with("scene.alpha_"); };
+    if (std::ranges::any_of(plan.slots, is_alpha) && !has_alpha(scene))
+        diagnostics.add({file}, "facts.alpha",
+                        "taken as true, and no triangle of the scene has a texture with holes");
     std::vector<std::string> known;
     for (const KnownSlot& slot : known_slots) known.emplace_back(slot.name);
     for (const std::string& light : own_lights) {

@@ -63,9 +63,14 @@ std::string slot_of_light(const std::string& light);
 
 bool reads(const Plan& plan, std::string_view slot);
 
-// A slot that the host does not know is an error; `own_lights` as above.
+// Of the optional inputs that the standalone host has never heard of, a line each: what reads them is left
+// out, which is what a wrong letter must not do without a word.
+std::vector<std::string> unknown_inputs_left_out(const CheckedPipeline& pipeline);
+
+// A slot that the host does not know is an error, and so is one of what `scene` has not; `own_lights` as
+// above.
 void check_slots(const Plan& plan, const std::string& file, const std::vector<std::string>& own_lights,
-                 Diagnostics& diagnostics);
+                 const Scene& scene, Diagnostics& diagnostics);
 
 // `host`: whose images and lights they are.
 std::vector<SlotBinding> bind_slots(const Plan& plan, const StandaloneHost& host,

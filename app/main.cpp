@@ -151,8 +151,7 @@ void add_compare(CLI::App& app, CompareArguments& a) {
     CLI::App* c = app.add_subcommand("compare", "measure a rendered visibility against a reference");
     c->add_option("image", a.image, "folder written by render")->required();
     c->add_option("reference", a.reference, "folder written by reference")->required();
-    c->add_option("--also", a.also, "the same images under another seed; may be repeated")
-        ->allow_extra_args(false);
+    c->add_option("--also", a.also, "the same images under another seed")->allow_extra_args(false);
     c->add_option("--frames", a.frames, "A..B (default: those that all folders have)");
     c->add_option(
          "--signal", a.signal,
@@ -362,9 +361,9 @@ int run(int argc, char** argv) {
     n->add_option("--format", nodes.format,
                   "text, json, md, schema, node-schema or plan-schema (JSON Schemas of pipelines, of "
                   "declarations and of plans), or "
-                  "vocabulary (a page of the keys of both), or page (docs/nodes.md)")
+                  "vocabulary (a page of the keys of both), or page (docs/nodes.md), or glsl (node.glsl)")
         ->check(CLI::IsMember(
-            {"text", "json", "md", "page", "schema", "node-schema", "plan-schema", "vocabulary"}));
+            {"text", "json", "md", "page", "schema", "node-schema", "plan-schema", "vocabulary", "glsl"}));
     add_node_folders(n, nodes.node_folders);
     app.add_subcommand("devices", "list the Vulkan devices");
     std::string shell;

@@ -3,6 +3,7 @@
 // declarations; and what declarations may say, as a JSON Schema or a page.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -13,11 +14,21 @@
 #include "app/reference_pages.h"
 #include "app/schema.h"
 #include "app/vocabulary_page.h"
+#include "graph/interface.h"
 
 namespace penumbra {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
+
+// Of whole numbers in whole numbers, as they are set.
+OrderedJson range_json(const Param& param) {
+    if (!param.range) return nullptr;
+    const auto [low, high] = *param.range;
+    if (param.type == ParamType::integer || param.type == ParamType::uint)
+        return {static_cast<int64_t>(low), static_cast<int64_t>(high)};
+    return {low, high};
+}
 
 OrderedJson declaration_json(const NodeType& type) {
     OrderedJson inputs = OrderedJson::object(), outputs = OrderedJson::object(),
@@ -38,7 +49,7 @@ OrderedJson declaration_json(const NodeType& type) {
         params[param.name] = {{"type", type_name(param.type)}, {"default", json_of(param.default_value)},
                               {"values", param.values},        {"unit", param.unit},
                               {"constant", param.constant},    {"doc", param.doc}};
-        params[param.name]["range"] = param.range ? OrderedJson(*param.range) : OrderedJson();
+        params[param.name]["range"] = range_json(param);
     }
     return {{"node", type.name},  {"doc", type.doc},  {"needs", type.needs},      {"inputs", inputs},
             {"outputs", outputs}, {"params", params}, {"counters", type.counters}};
@@ -53,6 +64,15 @@ void print_text(const NodeType& type) {
         fmt::print("  {} {:16} {}{}\n", param.constant ? "const" : "param", param.name, describe(param),
                    param.doc.empty() ? "" : "  (" + param.doc + ")");
     for (const std::string& counter : type.counters) fmt::print("  counts {}\n", counter);
+}
+
+// node.glsl of the variant with the most outputs.
+std::string glsl_of(const NodeType& type) {
+    const std::vector<Variant> all = all_variants(type);
+    const auto outputs = [](const Variant& variant) {
+        return std::ranges::count_if(variant.outputs, [](const auto& output) { return output.second; });
+    };
+    return generate_glsl(type, *std::ranges::max_element(all, {}, outputs));
 }
 
 }  // namespace
@@ -89,6 +109,10 @@ int run_nodes(const NodesArguments& arguments) {
         }
         names = {arguments.type};
     }
+    if (arguments.format == "glsl" && arguments.type.empty()) {
+        std::cerr << "--format glsl is about one type\n";
+        return exit_wrong;
+    }
     OrderedJson list = OrderedJson::array();
     for (const std::string& name : names) {
         const NodeType& type = nodes->find(name)->type;
@@ -96,6 +120,8 @@ int run_nodes(const NodesArguments& arguments) {
             list.push_back(declaration_json(type));
         else if (arguments.format == "md")
             std::cout << node_section(type);
+        else if (arguments.format == "glsl")
+            std::cout << glsl_of(type);
         else if (arguments.type.empty())
             fmt::print("{:12} {}\n", name, type.doc);
         else

@@ -10,8 +10,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "graph/fnv1a.h"
+#include "graph/read_text.h"
 #include "host/images/texels.h"
 
 namespace penumbra {
@@ -205,6 +207,28 @@ PlanarImage captured_image(const Session& session, const std::string& resource) 
 
 PlanarImage host_image(Device& device, const Session& session, const std::string& name) {
     return host_texels(device, session, name).image;
+}
+
+std::vector<std::filesystem::path> frames_of_report(const std::filesystem::path& folder) {
+    namespace fs = std::filesystem;
+    std::vector<fs::path> frames;
+    std::error_code failure;
+    const auto report = nlohmann::json::parse(read_text(folder / "report.json").value_or(""), nullptr, false);
+    const auto reported = fs::last_write_time(folder / "report.json", failure);
+    if (failure || !report.is_object() || !report.contains("penumbra") || !report.contains("outputs"))
+        return frames;
+    for (const auto& output : report["outputs"]) {
+        if (!output.is_object() || !output.contains("file") || !output["file"].is_string()) continue;
+        const fs::path name(output["file"].get<std::string>());
+        if (name != name.filename() || name.extension() != ".exr") continue;
+        for (const char* ending : {".exr", ".png"}) {
+            const fs::path file = folder / fs::path(name).replace_extension(ending);
+            if (fs::is_regular_file(fs::symlink_status(file, failure)) &&
+                fs::last_write_time(file, failure) <= reported && !failure)
+                frames.push_back(file);
+        }
+    }
+    return frames;
 }
 
 void OutputWriter::write(const Session& session, const std::string& resource, uint32_t frame) {

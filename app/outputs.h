@@ -33,6 +33,9 @@ PlanarImage captured_image(const Session& session, const std::string& resource);
 // A host image (see is_host_image) of that frame.
 PlanarImage host_image(Device& device, const Session& session, const std::string& name);
 
+// The images that a folder's report.json lists and that nobody has touched since it was written.
+std::vector<std::filesystem::path> frames_of_report(const std::filesystem::path& folder);
+
 class OutputWriter {
   public:
     OutputWriter(Device& device, std::filesystem::path folder)

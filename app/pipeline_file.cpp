@@ -30,9 +30,25 @@ bool has_lights(const Pipeline& pipeline) {
 void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted, Diagnostics& diagnostics) {
     if (!has_lights(pipeline)) return;
     const std::vector<std::string> names = choose_lights(shot, wanted, diagnostics);
-    std::erase_if(pipeline.instances,
-                  [](const PipelineInstance& instance) { return instance.family == lights_family; });
+    std::map<std::string, PipelineInstance> own;
+    std::erase_if(pipeline.instances, [&](const PipelineInstance& instance) {
+        if (instance.family != lights_family) return false;
+        own.emplace(instance.name, instance);
+        return true;
+    });
+    std::vector<std::string> known;
+    for (const auto& [name, light] : shot.lights) known.push_back(name);
+    const auto lights =
+        std::ranges::count_if(own, [&](const auto& o) { return shot.lights.contains(o.first); });
+    const bool chosen = lights == std::ssize(own);  // else they stand for whatever lights there are
+    if (lights && !chosen)
+        for (const auto& [name, instance] : own)
+            if (!shot.lights.contains(name))
+                diagnostics.add(
+                    instance.place, "instances." + name,
+                    "others here are lights of the shot, and this is none" + did_you_mean(name, known));
     for (const std::string& name : names) {
+        if (chosen && !own.contains(name)) continue;
         const ShotLight& light = shot.lights.at(name);
         if (!is_id(name))
             diagnostics.add(
@@ -41,12 +57,14 @@ void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted
                             "id ([a-z][a-z0-9_]*)",
                             pipeline.name));
         const bool unknown = light.kind == LightKind::model;
-        pipeline.instances.push_back({.name = name,
-                                      .family = lights_family,
-                                      .facts = {{"sun_up", {true, light.place}},
-                                                {"sun_disc", {unknown || has_size(light), light.place}},
-                                                {"sun_moves", {unknown || light_moves(light), light.place}}},
-                                      .place = light.place});
+        PipelineInstance& instance = pipeline.instances.emplace_back();
+        if (chosen) instance = own.at(name);  // whose facts hold
+        instance.name = name;
+        instance.family = lights_family;
+        instance.place = light.place;
+        instance.facts.insert({{"sun_up", {true, light.place}},
+                               {"sun_disc", {unknown || has_size(light), light.place}},
+                               {"sun_moves", {unknown || light_moves(light), light.place}}});
     }
 }
 

@@ -14,7 +14,8 @@
 namespace penumbra {
 
 // Puts a shot's lights into the place of those that a pipeline names of its family "lights", if it has one:
-// all, or the one that is wanted by its name.
+// all, or the one that is wanted by its name. Where it names lights of the shot, those alone, whose facts
+// hold.
 void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted, Diagnostics& diagnostics);
 
 // A file, or the name of a shipped one. `shot`: whose lights are named, all or `light` alone.

@@ -192,6 +192,10 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
         write_png_light(fs::path(file).replace_extension(".png"), truth.width, truth.height, rgb);
         write_exr(file, truth);
     }
+    // Whose truth it is. One of visibility that is there says that, and more.
+    Diagnostics none;
+    if (const auto there = read_reference_info(folder, none); !there || there->shot != shot.file.string())
+        write_reference_info(folder, {shot.file.string(), shot.size, false, arguments.rays, {}});
     progress.print(fmt::format("written to {}\n", (folder / "").string()));
     return exit_good;
 }

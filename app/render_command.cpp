@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
+#include "app/counted.h"
 #include "app/fact_list.h"
 #include "app/frame_range.h"
 #include "app/input_files.h"
@@ -33,7 +34,9 @@ struct Job {
     CheckedPipeline pipeline;
     Shot shot;
     MadeUpShot made_up;
+    std::string camera;  // of the model, where the shot is made up
     fs::path folder;
+    FileList earlier;  // frames in the folder that are none of this run's unless it writes them
     std::array<uint32_t, 2> size{};
     FrameRange frames{};
     Facts facts;
@@ -59,6 +62,9 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     const bool nobody_wrote = !made_up.text.empty();
     FileList written{folder / "report.json"};
     if (nobody_wrote) written.push_back(shot.file);
+    // Who asks for some frames alone may want them beside those that are there.
+    FileList earlier = arguments.frames.empty() ? frames_of_report(folder) : FileList{};
+    written.insert(written.end(), earlier.begin(), earlier.end());
     if (!spares(written,
                 {files_of_shot(shot, nobody_wrote), files_of_pipelines({pipeline->file}),
                  files_of_nodes(arguments.node_folders)},
@@ -74,7 +80,17 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     // A model that stands still is one picture, which the frames before it only make smooth.
     if (nobody_wrote && arguments.frames.empty() && !moves(shot) && shot.animation.empty())
         (*frames)[0] = (*frames)[1];
-    Job job{std::move(*pipeline), std::move(view->shot), made_up, folder, *size, *frames, *facts, {}, {}};
+    Job job{std::move(*pipeline),
+            std::move(view->shot),
+            made_up,
+            view->camera,
+            folder,
+            std::move(earlier),
+            *size,
+            *frames,
+            *facts,
+            {},
+            {}};
     job.graph_captures = job.pipeline.output_names();
     for (const std::string& name : arguments.captures) {
         if (!is_host_image(name) && !job.pipeline.resource(name)) {
@@ -94,8 +110,41 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
 std::string lamps_left_out(const Session& session, const std::vector<std::string>& lamps) {
     const auto takes = [](const HostSlot& slot) { return slot.name.starts_with("light"); };
     if (lamps.empty() || std::ranges::any_of(session.plan().slots, takes)) return "";
-    return fmt::format("{}: the light of {} is left out; `lights` draws it, and `lit` beside the sun's",
-                       session.plan().pipeline, fmt::join(lamps, ", "));
+    return fmt::format("{}: the light of \"{}\" is left out; `lights` draws it, and `lit` beside the sun's",
+                       session.plan().pipeline, fmt::join(lamps, "\", \""));
+}
+
+bool shows_something(Device& device, const Session& session) {
+    const std::vector<float> depth = host_image(device, session, "depth").planes.front().values;
+    return std::ranges::any_of(depth, [](float metres) { return metres > 0; });
+}
+
+// With the likely reason. What is framed is in the picture, unless it is drawn nowhere.
+std::string nothing_shown(const Scene& scene, const Job& job) {
+    std::string why;
+    if (!job.camera.empty()) why = fmt::format("; it is seen by the model's own camera, \"{}\"", job.camera);
+    if (scene.has_translucent()) why += "; what lets light through is not drawn";
+    if (why.empty() && !job.made_up.text.empty())
+        why = "; it is too small or too thin, or its single-sided triangles are seen from behind";
+    return "the picture shows nothing of the scene" + why;
+}
+
+// What an earlier run has left would pass for frames of this one. Only images of what this run writes, too.
+void remove_earlier(const FileList& earlier, const OutputWriter& outputs) {
+    size_t removed = 0;
+    for (const fs::path& file : earlier) {
+        const auto is_frame = [&](const WrittenOutput& o) { return fs::path(o.file).stem() == file.stem(); };
+        const auto is_of = [&](const WrittenOutput& o) {
+            return fs::path(o.file).stem().stem() == file.stem().stem();
+        };
+        std::error_code failure;
+        if (std::ranges::none_of(outputs.written(), is_frame) &&
+            std::ranges::any_of(outputs.written(), is_of))
+            removed += fs::remove(file, failure);
+    }
+    if (removed)
+        fmt::print("  {} of an earlier run removed, of frames that this one has not\n",
+                   counted(removed, "file"));
 }
 
 int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
@@ -136,6 +185,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     OutputWriter outputs(device, folder);
     RenderedFrames rendered{job.frames, arguments.cold ? job.frames[0] : 0, {}};
     std::vector<Finding> findings = no_findings(session->plan());
+    bool empty = true;
     const uint32_t start = rendered.start;
     {
         Progress progress(session->plan().pipeline, job.frames[1] - start + 1);
@@ -143,6 +193,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
             rendered.costs.push_back(session->run_frame(frame, frame == start));
             add_frame(findings, frame, rendered.costs.back().passes);
             if (frame >= job.frames[0] && (frame - job.frames[0]) % arguments.every == 0) {
+                empty = empty && !shows_something(device, *session);
                 for (const std::string& name : job.graph_captures) outputs.write(*session, name, frame);
                 for (const std::string& name : job.host_captures) outputs.write(*session, name, frame);
             }
@@ -150,6 +201,10 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         }
     }
     for (const std::string& message : device.messages()) std::cerr << message << "\n";
+    if (empty) {
+        warnings.push_back(nothing_shown(session->host().scene(), job));
+        print_warnings({&warnings.back(), 1});
+    }
     const std::string complaints = complaint(findings);
     std::cerr << complaints;
     const auto report = render_report(arguments, *session, job.pipeline, device.info(), rendered, findings,
@@ -157,7 +212,9 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     write_text(folder / "report.json", json_dump(report, 2) + "\n");
     print_summary(report);
     fmt::print("  written to {}/\n", folder.generic_string());
-    return device.message_count() == 0 && complaints.empty() ? exit_good : exit_failed;
+    if (device.message_count() != 0 || !complaints.empty()) return exit_failed;
+    remove_earlier(job.earlier, outputs);
+    return exit_good;
 }
 
 }  // namespace

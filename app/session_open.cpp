@@ -255,11 +255,12 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
         target.left_out.erase("emitters");
     }
     bring_moved_boxes(pipeline, host.shot(), options, target);
+    std::ranges::move(unknown_inputs_left_out(pipeline), std::back_inserter(warnings));
     if (!bring_environment(pipeline, environment, target, warnings, diagnostics)) return nullptr;
 
     doing("packing memory");
     std::optional<Plan> plan = make_plan(pipeline, nodes, target, options, diagnostics);
-    if (plan) check_slots(*plan, pipeline.file, lights->names, diagnostics);
+    if (plan) check_slots(*plan, pipeline.file, lights->names, host.scene(), diagnostics);
     if (plan) check_lights(*plan, pipeline, *lights, host.light(), diagnostics);
     if (plan) check_device_has(*plan, device, diagnostics);
     if (!plan || !diagnostics.empty()) return nullptr;

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "app/frame_range.h"
 #include "app/mask_folder.h"
@@ -56,7 +58,60 @@ std::vector<uint32_t> frames_there(const CompareArguments& arguments, Diagnostic
     return frames;
 }
 
+// Null where there is none, or none that can be read.
+nlohmann::json said_in(const fs::path& file) {
+    std::ifstream stream(file);
+    auto json = nlohmann::json::parse(stream, nullptr, false);
+    return json.is_object() ? json : nlohmann::json();
+}
+
+// The name of a shot's file: the way to it is another one from elsewhere, or nothing where a model stands for
+// one.
+std::string shot_of(const nlohmann::json& said, const char* key) {
+    const auto shot = said.find(key);
+    return shot != said.end() && shot->is_string() ? fs::path(shot->get<std::string>()).filename().string()
+                                                   : "";
+}
+
+// Nothing where they agree, or one of them does not say.
+std::string first_difference(const nlohmann::json& a, const nlohmann::json& b) {
+    for (const char* key : {"pipeline", "shot", "light", "size", "settings", "facts"})
+        if (a.contains(key) && b.contains(key) && a[key] != b[key]) return key;
+    return "";
+}
+
 }  // namespace
+
+void check_folders(const CompareArguments& arguments, Diagnostics& diagnostics) {
+    std::vector<std::string> folders{arguments.image};
+    folders.insert(folders.end(), arguments.also.begin(), arguments.also.end());
+    const std::string truth = shot_of(said_in(fs::path(arguments.reference) / "reference.json"), "shot");
+    std::vector<nlohmann::json> reports;
+    for (size_t i = 0; i < folders.size(); ++i) {
+        const auto refuse = [&](const char* key, const std::string& why) {
+            diagnostics.add({folders[i], 0, 0}, key, why);
+        };
+        const auto& report = reports.emplace_back(said_in(fs::path(folders[i]) / "report.json"));
+        const std::string shot = shot_of(report, "shot_file");
+        if (!shot.empty() && !truth.empty() && shot != truth)
+            refuse("", fmt::format("shows {}, the reference {} is of {}", shot, arguments.reference, truth));
+        if (i == 0) continue;
+        const std::string other = first_difference(reports[0], report);
+        if (!other.empty())
+            refuse(other.c_str(), fmt::format("is not that of {}: --also takes the same images under another "
+                                              "seed",
+                                              folders[0]));
+        for (size_t before = 0; before < i; ++before) {
+            std::error_code none;
+            if (fs::equivalent(folders[before], folders[i], none))
+                refuse("--also", "this folder is given twice");
+            else if (report.contains("seed") && reports[before].contains("seed") &&
+                     report["seed"] == reports[before]["seed"])
+                refuse("seed", fmt::format("is {} in {}, too: --also takes another seed",
+                                           report["seed"].dump(), folders[before]));
+        }
+    }
+}
 
 fs::path file_of(const fs::path& folder, const std::string& signal, uint32_t frame) {
     return folder / fmt::format("{}.{:04}.exr", signal, frame);
@@ -79,6 +134,7 @@ std::optional<std::vector<uint32_t>> frames_to_compare(const CompareArguments& a
         if (given) diagnostics.add({}, option, "is of visibility alone");
     if (!arguments.light.empty() && arguments.signal != "transmittance")
         diagnostics.add({}, "--light", "is of visibility and transmittance alone");
+    if (diagnostics.empty()) check_folders(arguments, diagnostics);
     if (!diagnostics.empty()) return std::nullopt;
     auto frames = frames_there(arguments, diagnostics);
     return diagnostics.empty() ? std::optional(std::move(frames)) : std::nullopt;

@@ -19,6 +19,11 @@ std::filesystem::path file_of(const std::filesystem::path& folder, const std::st
 std::filesystem::path file_of_image(const std::filesystem::path& folder, const CompareArguments& arguments,
                                     uint32_t frame);
 
+// What folders say of themselves is said against each other: the reference is of the images' shot, and those
+// of `--also` are the same images under other seeds. A folder without report.json or reference.json, which
+// another program may have written, says nothing.
+void check_folders(const CompareArguments& arguments, Diagnostics& diagnostics);
+
 // Those that are asked for, else those that both folders have. An option that is of visibility alone is an
 // error.
 std::optional<std::vector<uint32_t>> frames_to_compare(const CompareArguments& arguments,

@@ -108,11 +108,11 @@ std::optional<ViewSource> open_models(const std::vector<std::string>& files, boo
         return std::nullopt;
     }
     name_as_given(*shot, files);
-    for (const char* key : {"camera", "sun", "lights"}) tell(files[0], made, key);
+    for (const char* key : {"scene", "camera", "sun", "lights", "animation"}) tell(files[0], made, key);
     fmt::print(stderr, "{}: {} triangle{}, x {:.4g} .. {:.4g}, y {:.4g} .. {:.4g}, z {:.4g} .. {:.4g} m\n",
                fmt::join(files, ", "), model->triangle_count(), model->triangle_count() == 1 ? "" : "s",
                low.x, high.x, low.y, high.y, low.z, high.z);
-    return ViewSource{std::move(*shot), made.text, made.text};
+    return ViewSource{std::move(*shot), made.text, made.text, made.camera};
 }
 
 }  // namespace
@@ -230,7 +230,7 @@ std::optional<ViewSource> open_view(const ViewArguments& arguments, const fs::pa
     std::string text;
     auto shot = file ? read_completed_shot(*file, diagnostics, &text) : std::nullopt;
     if (!shot) return std::nullopt;
-    return ViewSource{std::move(*shot), "", std::move(text)};
+    return ViewSource{std::move(*shot), "", std::move(text), ""};
 }
 
 }  // namespace penumbra

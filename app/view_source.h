@@ -18,7 +18,8 @@ struct ViewSource {
     // Of a shot that was made up: its text, to be written as shot.file. It stands in the folder that was
     // given.
     std::string made_up;
-    std::string text;  // of any shot, with what of it was made up
+    std::string text;    // of any shot, with what of it was made up
+    std::string camera;  // of one that was made up: the model's node that it is seen from; else empty
 };
 
 // What somebody names without saying what it is: a pipeline, a model, or both, beside what --shot and --model

@@ -47,8 +47,17 @@ class Writer {
         }
         for (const ResourceSetting& setting : pipeline_.resources)
             each(family_of(setting.name), [&](const PipelineInstance* instance) {
-                out.resources.push_back(setting);
-                if (instance) out.resources.back().name = name_of(setting.name, *instance);
+                ResourceSetting own = setting;
+                if (instance) own.name = name_of(setting.name, *instance);
+                const auto other = std::ranges::find(out.resources, own.name, &ResourceSetting::name);
+                if (other == out.resources.end()) return out.resources.push_back(own);
+                // What is said of one member holds before what is said of all.
+                if (instance) std::swap(own, *other);
+                if (own.format) {
+                    other->format = own.format;
+                    other->format_place = own.format_place;
+                }
+                if (own.first) other->first = own.first;
             });
         for (const OutputName& output : pipeline_.outputs)
             each(family_of(output.name), [&](const PipelineInstance* instance) {

@@ -139,6 +139,7 @@ TEST_F(CliRobustness, AnInputIsNotWrittenOver) {
     for (const char* name : {"reference.json", "shots/edge_8px_+0.shot.json"}) file(name, edge);
     file("nodes/mine.json", "{}");
     file("wall.png", "a texture");
+    file("costs.svg", pipeline);
     file("wall.gltf", R"({ "asset": { "version": "2.0" }, "images": [{ "uri": "wall.png" }] })");
     file("wall.shot.json", R"({ "penumbra_shot": 1, "scene": "wall.gltf",
         "camera": { "keys": [{ "frame": 0, "position": [0, 1, 5], "target": [0, 0, 0] }] },
@@ -163,8 +164,8 @@ TEST_F(CliRobustness, AnInputIsNotWrittenOver) {
     refused("render " + in("report.json") + " --shot lamp" + here, "report.json");
     refused("reference --shot " + in("reference.json") + here, "reference.json");
     refused("reference --like " + in("rendered") + " --out " + in("rendered"), "rendered");
-    refused("explain --shot " + in("wall.shot.json") + " --out " + in("wall.gltf"), "wall.gltf");
-    refused("explain --costs " + in("mine.json") + " --out " + in("mine.json"), "mine.json");
+    refused("explain --budget --shot " + in("wall.shot.json") + " --out " + in("wall.png"), "wall.png");
+    refused("explain --costs " + in("costs.svg") + " --out " + in("costs.svg"), "costs.svg");
     const std::string report = "report --quick --size 64x48 --pipelines ";
     refused(report + in("results.json") + " --shots lamp" + here, "results.json");
     refused(report + "raw --shots " + in("shots/edge_8px_+0.shot.json") + here,

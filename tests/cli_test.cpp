@@ -75,6 +75,9 @@ TEST_F(Cli, ArgumentsThatMakeNoSenseAreTheCommandsMistake) {
         expect(run("plan pipelines/raw.json --size '" + std::string(size) + "'"), 2, "is not WIDTHxHEIGHT");
     expect(run("plan pipelines/raw.json --size 100000x8"), 2, "exceeds the device's largest image");
     expect(run("plan pipelines/raw.json --size 8x8 --facts moves,!alhpa"), 2, "did you mean \"alpha\"?");
+    for (const char* both : {"'!sun_up,sun_up'", "'sun_up,moves,!sun_up'"})
+        expect(run("plan raw --size 8x8 --facts " + std::string(both)), 2, "\"sun_up\" is said to be true");
+    EXPECT_EQ(run("plan raw --size 8x8 --facts sun_up,sun_up").code, 0);
     expect(run("plan pipelines/raw.json --size 8x8 --format xml"), 2, "xml");
     expect(run("plan pipelines/raw.json --size 8x8 --set nodes.trace"), 2, "expected PATH=VALUE");
     expect(run("nodes filtre"), 2, "did you mean \"filter\"?");
@@ -124,7 +127,17 @@ TEST_F(Cli, NodesAreListedDescribedAndMadeASchema) {
     EXPECT_NE(run("nodes").out.find("\ntrace "), std::string::npos);
     EXPECT_EQ(run("nodes trace").out.substr(0, 7), "trace: ");
     EXPECT_EQ(run("nodes filter --format md").out.substr(0, 11), "### filter\n");
+    const Result glsl = run("nodes trace --format glsl");
+    EXPECT_NE(glsl.out.find("layout(constant_id = "), std::string::npos);
+    EXPECT_NE(glsl.out.find("#define HAS_FRACTION 1\n"), std::string::npos) << "with all that it may write";
+    EXPECT_EQ(run("nodes --format glsl").code, 2);
     const Json nodes = Json::parse(run("nodes --format json").out);
+    for (const Json& node : nodes)
+        for (const auto& [name, param] : node["params"].items()) {
+            if (param["range"].is_null() || (param["type"] != "uint" && param["type"] != "int")) continue;
+            EXPECT_TRUE(param["range"][0].is_number_integer() && param["range"][1].is_number_integer())
+                << node["node"] << "." << name << ": " << param["range"];
+        }
     const Json schema = Json::parse(run("nodes --format schema").out);
     for (const Json& node : nodes) {
         const std::string name = node["node"];
@@ -142,6 +155,14 @@ TEST_F(Cli, NodesAreListedDescribedAndMadeASchema) {
     EXPECT_EQ(run("nodes --format vocabulary").out,
               read_file(fs::path(PENUMBRA_SOURCE_DIR) / "docs/vocabulary.md"));
     EXPECT_EQ(run("nodes trace --format vocabulary").code, 2);
+}
+
+TEST_F(Cli, HelpSaysHowManyValuesAnOptionTakes) {
+    const std::string compare = run("compare --help").out, bench = run("bench --help").out;
+    EXPECT_NE(compare.find("--also TEXT (may be repeated)"), std::string::npos) << compare;
+    EXPECT_NE(bench.find("--shots TEXT,... "), std::string::npos) << bench;
+    EXPECT_NE(bench.find("--sizes TEXT,... "), std::string::npos) << bench;
+    EXPECT_NE(bench.find("--set TEXT ..."), std::string::npos) << "which takes all that follow";
 }
 
 class CliRender : public Cli {};
@@ -330,6 +351,34 @@ TEST_F(CliRender, ANameThatIsNoUtf8IsReported) {
     EXPECT_TRUE(fs::exists(folder_ / "o/m\xff.shot.json"));
 }
 
+// Nodes that are gone for a wrong letter are missed.
+TEST_F(CliRender, AnOptionalInputThatNobodyKnowsIsNotLeftOutInSilence) {
+    const std::string pipeline = file("mine.json", R"({ "name": "mine",
+        "extends": ")" PENUMBRA_SOURCE_DIR R"(/pipelines/hybrid_shadows.json",
+        "inputs": { "moved_boxes": null, "moved_boxs": { "optional": true } },
+        "nodes": { "reuse": { "with": "moved_boxs", "in": { "moved_boxes": "moved_boxs" } },
+                   "retain": { "with": "moved_boxs" } } })");
+    const Result result = run("render " + pipeline + " --shot lamp --size 16x16 --frames 0 --out " + in("o"));
+    expect(result, 0, "warning: " + pipeline + ":");
+    expect(result, 0,
+           "inputs.moved_boxs: the standalone host has no such input, and leaves it out; did you mean "
+           "\"moved_boxes\"?\n");
+    const Json warnings = Json::parse(read_file(folder_ / "o/report.json"))["warnings"];
+    ASSERT_EQ(warnings.size(), 1u) << warnings;
+    EXPECT_NE(warnings[0].get<std::string>().find("moved_boxs"), std::string::npos);
+}
+
+TEST_F(CliRender, AFactThatTheSceneCannotBearOutIsTheCommandsMistake) {
+    for (const char* pipeline : {"raw", "shadows"})
+        expect(run("render " + std::string(pipeline) +
+                   " --shot colonnade --size 16x16 --frames 0 --facts alpha "
+                   "--out " +
+                   in("o")),
+               2, "facts.alpha: taken as true, and no triangle of the scene has a texture with holes");
+    EXPECT_FALSE(fs::exists(folder_ / "o"));
+    EXPECT_EQ(run("render raw --shot cards --size 16x16 --frames 0 --facts alpha --out " + in("o")).code, 0);
+}
+
 TEST_F(CliRender, AFolderThatCannotBeWrittenIsFailedWork) {
     const std::string plain = file("plain", "a file where the folder should be");
     expect(run(render("--size 16x16 --frames 0 --out " + plain + "/inside")), 1, plain);
@@ -347,7 +396,7 @@ TEST_F(CliRender, WishesThatCannotBeMetAreExplained) {
          std::initializer_list<std::string>{"gates shadows", "report --out " + (folder_ / "r").string(),
                                             "report --signal specular --out " + (folder_ / "r").string(),
                                             "reference --shot scenes/lamp.shot.json" + out, "bench shadows",
-                                            "explain --shot scenes/lamp.shot.json" + out})
+                                            "explain --shot scenes/lamp.shot.json" + out + ".svg"})
         expect(run(command + " --device nosuch"), 2, "no usable Vulkan device is named \"nosuch\" among:\n");
     expect(run(render("--capture visibilty --size 16x16 --frames 0" + out)), 2,
            "did you mean \"visibility\"?");

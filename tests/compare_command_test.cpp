@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.h"
@@ -257,6 +258,116 @@ TEST_F(Compare, PicturesOfALongShotAreFound) {
         << refused.err;
     Diagnostics diagnostics;
     EXPECT_TRUE(read_exr(a.picture, diagnostics)) << diagnostics.text();
+}
+
+// What folders say of themselves must fit. Those of another program say nothing.
+TEST_F(Compare, TheTruthOfAnotherShotIsRefused) {
+    const auto report = [&](const std::string& shot) {
+        std::ofstream(root_ / "a/report.json")
+            << R"({"shot_file": ")" + shot + R"(", "size": [8, 4], "by_frame": []})";
+    };
+    PlanarImage picture{8, 4, {}};
+    for (const char* name : {"R", "G", "B", "receiver", "visibility", "roughness", "ray_error", "noise"})
+        picture.planes.push_back({name, PlaneType::real, std::vector<float>(32, 1), {}});
+    for (const char* name : {"specular.0003.exr", "transmittance.0003.exr", "lit.0003.exr"})
+        for (const char* to : {"a", "truth"}) write_exr(root_ / to / name, picture);
+    CompareArguments a = arguments();
+    for (const char* signal : {"visibility", "specular", "transmittance", "lit"}) {
+        SCOPED_TRACE(signal);
+        a.signal = signal;
+        report("../../shots/x.shot.json");
+        EXPECT_EQ(run(a).code, exit_good) << "the way to a shot is another one from elsewhere";
+        report("../../shots/y.shot.json");
+        const Result result = run(a);
+        EXPECT_EQ(result.code, exit_wrong);
+        EXPECT_NE(result.err.find(folder("a") + ": shows y.shot.json, the reference " + folder("truth") +
+                                  " is of x.shot.json"),
+                  std::string::npos)
+            << result.err;
+        EXPECT_TRUE(result.out.empty());
+    }
+    fs::remove(root_ / "truth/reference.json");
+    a.signal = "specular";
+    EXPECT_EQ(run(a).code, exit_good);
+}
+
+TEST_F(Compare, AlsoTakesTheSameImagesUnderAnotherSeed) {
+    PlanarImage picture{8, 4, {}};
+    for (const char* name : {"R", "G", "B", "receiver", "visibility", "roughness", "ray_error", "noise"})
+        picture.planes.push_back({name, PlaneType::real, std::vector<float>(32, 1), {}});
+    fs::create_directories(root_ / "c");
+    write(folder("c"), 4, 8, 0.25f, false);
+    for (const char* name : {"specular.0004.exr", "transmittance.0004.exr"})
+        for (const char* to : {"a", "b", "c", "truth"}) write_exr(root_ / to / name, picture);
+    CompareArguments a = arguments();
+    a.also = {folder("b"), folder("c")};
+    const nlohmann::json first = {{"pipeline", "p"},
+                                  {"shot", "x"},
+                                  {"light", nullptr},
+                                  {"shot_file", "x.shot.json"},
+                                  {"size", {8, 4}},
+                                  {"by_frame", nlohmann::json::array()},
+                                  {"seed", 1},
+                                  {"settings", {{"s", 1}}},
+                                  {"facts", {{"alpha", false}}}};
+    const auto report = [&](const char* of, const nlohmann::json& json) {
+        std::ofstream(root_ / of / "report.json") << json.dump();
+    };
+    const auto with = [&](const char* key, const nlohmann::json& value) {
+        nlohmann::json json = first;
+        json["seed"] = 3;
+        json[key] = value;
+        return json;
+    };
+    for (const char* signal : {"visibility", "specular", "transmittance"}) {
+        SCOPED_TRACE(signal);
+        a.signal = signal;
+        const auto fails = [&](const std::string& because) {
+            const Result result = run(a);
+            EXPECT_EQ(result.code, exit_wrong);
+            EXPECT_NE(result.err.find(because), std::string::npos) << result.err;
+        };
+        report("a", first);
+        report("b", with("seed", 2));
+        fs::remove(root_ / "c/report.json");
+        EXPECT_EQ(run(a).code, exit_good) << "one of them says nothing";
+        report("c", with("seed", 3));
+        EXPECT_EQ(run(a).code, exit_good);
+        report("c", with("seed", 2));
+        fails(folder("c") + ": seed: is 2 in " + folder("b") + ", too");
+        report("c", with("pipeline", "q"));
+        fails(folder("c") + ": pipeline: is not that of " + folder("a"));
+        report("c", with("settings", nlohmann::json::object()));
+        fails(folder("c") + ": settings: is not that of");
+        report("c", with("facts", {{"alpha", true}}));
+        fails(folder("c") + ": facts: is not that of");
+        report("c", with("shot", "y"));
+        fails(folder("c") + ": shot: is not that of");
+        for (const char* of : {"a", "b", "c"}) fs::remove(root_ / of / "report.json");
+        a.also = {folder("b"), folder("b") + "/../b"};
+        fails("this folder is given twice");
+        a.also = {folder("a")};
+        fails("this folder is given twice");
+        a.also = {folder("b"), folder("c")};
+    }
+}
+
+// Left out, it would help.
+TEST_F(Compare, ColoursThatAreNoNumberAreTheWorstError) {
+    PlanarImage truth{8, 4, {}};
+    for (const char* name : {"R", "G", "B", "receiver", "visibility"})
+        truth.planes.push_back({name, PlaneType::real, std::vector<float>(32, 1), {}});
+    PlanarImage image = truth;
+    image.planes[1].values[5] = std::numeric_limits<float>::quiet_NaN();
+    write_exr(root_ / "truth/transmittance.0003.exr", truth);
+    write_exr(root_ / "a/transmittance.0003.exr", image);
+    CompareArguments a = arguments();
+    a.signal = "transmittance";
+    const auto json = nlohmann::json::parse(run(a).out);
+    EXPECT_EQ(json["nonfinite"], 1);
+    EXPECT_EQ(json["all"]["pixels"], 32);
+    EXPECT_NEAR(json["all"]["bias"]["G"].get<double>(), -1.0 / 32, 1e-9);
+    EXPECT_EQ(json["all"]["bias"]["R"], 0);
 }
 
 TEST_F(Compare, SizesMustAgree) {

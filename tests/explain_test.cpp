@@ -162,6 +162,13 @@ TEST_F(Explain, WhatCannotBeDrawnIsSaidAndLeavesNoFile) {
     point.replace(point.find("colonnade.glb"), 13, PENUMBRA_SOURCE_DIR "/scenes/colonnade.glb");
     expect_nothing(run("explain --shot " + file("point.shot.json", point) + " --out " + out()), 2,
                    "the sun is a point");
+    const std::string shown = "explain --shot scenes/colonnade.shot.json --size 96x54 ";
+    expect_nothing(run(shown + "--out " + in("a.png")), 2,
+                   "a.png is written as an SVG: end its name in .svg");
+    expect_nothing(run(shown + "--beams --out " + in("a")), 2, "is written as an SVG");
+    expect_nothing(run(shown + "--budget --out " + in("a.svg")), 2,
+                   "a.svg is written as a PNG: end its name in .png");
+    expect_nothing(run("explain --costs x.json --out " + in("a.txt")), 2, "is written as an SVG");
     expect_nothing(explain("--frame 64"), 2, "which has 64 frames");
     expect_nothing(explain("--samples 100"), 2, "samples");
     expect_nothing(explain("--costs x.json"), 2, "costs");

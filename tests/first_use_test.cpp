@@ -56,6 +56,8 @@ TEST_F(FirstUse, ReferenceLikeAFolderTakesItsFrames) {
     expect(run("reference --like " + in("a") + " --signal specular --rays 16 --out " + in("u")), 0, "");
     EXPECT_TRUE(fs::exists(folder_ / "u/specular.0005.exr"));
     EXPECT_FALSE(fs::exists(folder_ / "u/specular.0004.exr"));
+    const Json said = Json::parse(read_file(folder_ / "u/reference.json"));
+    EXPECT_EQ(fs::path(said["shot"].get<std::string>()).filename(), "colonnade.shot.json");
 }
 
 TEST_F(FirstUse, NamesOfShippedFilesAreLookedUp) {
@@ -304,7 +306,7 @@ TEST_F(FirstUse, TheSidesOfAWhiteBoxAreToldApart) {
         "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "name": "bulb"}]}},
         "nodes": [{"mesh": 0, "children": [1]}, {"translation": [2, 3, 2],
                    "extensions": {"KHR_lights_punctual": {"light": 0}}}]})");
-    const std::string left_out = "the light of bulb is left out";
+    const std::string left_out = R"(the light of "bulb" is left out)";
     expect(run("render raw " + lamp + " --size 48x32 --out " + in("c")), 0, left_out);
     const Result lit = run("render lights " + lamp + " --size 48x32 --out " + in("d"));
     ASSERT_EQ(lit.code, 0) << lit.err;

@@ -276,6 +276,35 @@ TEST_F(GBufferTest, AlbedoIsFactorTimesTextureInLinearLight) {
     EXPECT_EQ(image.albedo[centre].b, 0);
 }
 
+// A wall before the camera, the right half of which lets light through.
+TEST_F(GBufferTest, OfWhatIsBlendedOpaqueTexelsAreDrawn) {
+    const auto drawn = [&](uint8_t right, float transmission) {
+        Model model;
+        model.textures = {{2, 1, {255, 255, 255, 250, 255, 255, 255, right}}};
+        Material& material = model.materials.emplace_back();
+        material.texture = 0;
+        material.alpha_blend = true;
+        material.transmission = transmission;
+        Shape wall;
+        for (const glm::vec2 at : {glm::vec2(0, 1), glm::vec2(1, 1), glm::vec2(1, 0), glm::vec2(0, 0)}) {
+            wall.positions.emplace_back(20 * at.x - 10, 11 - 20 * at.y, 0);
+            wall.uv.push_back(at);
+        }
+        wall.indices = {0, 1, 2, 0, 2, 3};
+        model.meshes.push_back({{to_part(wall, 0)}});
+        model.nodes = {Node{.name = "wall", .mesh = 0}};
+        Shot shot;
+        shot.camera = {{.frame = 0, .position = {0, 1, 5}, .target = {0, 1, 0}}};
+        shot.sun = {{.frame = 0, .to_sun = {0, 1, 0}}};
+        const Rendered image = render(*device_, shot, model, 0);
+        const size_t middle = height / 2 * width;
+        return std::array{image.depth[middle + width / 4] > 0, image.depth[middle + 3 * width / 4] > 0};
+    };
+    EXPECT_EQ(drawn(255, 0), (std::array{true, true}));
+    EXPECT_EQ(drawn(99, 0), (std::array{true, false}));
+    EXPECT_EQ(drawn(255, 0.5f), (std::array{false, false}));
+}
+
 TEST_F(GBufferTest, EmptySceneIsSky) {
     Shot shot = boxes_shot();
     shot.objects.clear();

@@ -199,6 +199,89 @@ TEST(GltfFeatures, FactorsBeyondTheirBoundsAreTakenAtThem) {
     EXPECT_NE(diagnostics.text().find("emissiveFactor -1 is not a number from 0 on"), std::string::npos);
 }
 
+// Those of very many materials are one line.
+TEST(GltfFeatures, FactorsBeyondTheirBoundsAreToldOnce) {
+    Glb glb = square_file();
+    for (int i = 0; i < 60; ++i)
+        glb.json["materials"].push_back({{"name", fmt::format("m{}", i)},
+                                         {"emissiveFactor", {2, 2, 2}},
+                                         {"pbrMetallicRoughness", {{"metallicFactor", i == 7 ? 1.5 : 1}}}});
+    EXPECT_EQ(
+        loaded(glb, "many.glb").warnings,
+        (std::vector<std::string>{
+            "material \"m0\": emissiveFactor 2 is taken as 1 (one of 60 materials where it is too large)",
+            "material \"m7\": metallicFactor 1.5 is taken as 1"}));
+}
+
+// As a surface that is no metal; what the core says of its colour comes first.
+TEST(GltfFeatures, SpecularGlossinessHasAColour) {
+    Glb glb = square_file();
+    glb.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
+    glb.json["textures"] = {{{"source", 0}}};
+    const Json gloss = {{"diffuseFactor", {0.5, 0.25, 0.125, 1}}, {"glossinessFactor", 0.75}};
+    Json textured = gloss;
+    textured["diffuseTexture"] = {{"index", 0}};
+    const auto material = [](const Json& extension, const Json& core) {
+        return Json{{"extensions", {{"KHR_materials_pbrSpecularGlossiness", extension}}},
+                    {"pbrMetallicRoughness", core}};
+    };
+    const Json red = {{"baseColorFactor", {1, 0, 0, 1}}};
+    glb.json["materials"] = {material(gloss, Json::object()), material(gloss, red), material(textured, red)};
+    const Model model = loaded(glb, "gloss.glb");
+    EXPECT_EQ(model.materials[0].base_color, (std::array<float, 4>{0.5f, 0.25f, 0.125f, 1}));
+    EXPECT_EQ(model.materials[0].metallic, 0);
+    EXPECT_EQ(model.materials[0].roughness, 0.25f);
+    EXPECT_EQ(model.materials[1].base_color, (std::array<float, 4>{1, 0, 0, 1}));
+    EXPECT_EQ(model.materials[2].base_color, model.materials[0].base_color);
+    ASSERT_EQ(model.warnings.size(), 1u);
+    EXPECT_TRUE(model.warnings[0].starts_with("image 0 cannot be read")) << model.warnings[0];
+}
+
+TEST(GltfFeatures, WhatIsHiddenIsNotThere) {
+    Glb glb = square_file();
+    const Json hidden = {{"KHR_node_visibility", {{"visible", false}}}};
+    glb.json["extensionsRequired"] = {"KHR_node_visibility"};
+    glb.json["nodes"] = {{{"mesh", 0}, {"extensions", {{"KHR_node_visibility", {{"visible", true}}}}}},
+                         {{"translation", {9, 0, 0}}, {"children", {2}}, {"extensions", hidden}},
+                         {{"mesh", 0}, {"extensions", {{"KHR_node_visibility", {{"visible", true}}}}}}};
+    glb.json["scenes"] = {{{"nodes", {0, 1}}}};
+    const Scene scene(loaded(glb, "hidden.glb"), Shot{});
+    EXPECT_EQ(scene.instances().size(), 1u);
+    EXPECT_EQ(scene.bounds()[1].x, 1);
+    glb.json["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = 0;
+    Diagnostics diagnostics;
+    EXPECT_FALSE(load_gltf(glb.save("hidden.glb"), diagnostics));
+    EXPECT_NE(diagnostics.text().find("\"visible\" is no boolean"), std::string::npos) << diagnostics.text();
+}
+
+TEST(GltfFeatures, WhatIsNotDrawnIsTold) {
+    for (const char* mode : {"OPAQUE", "MASK"}) {
+        Glb glb = square_file();
+        primitive(glb)["attributes"]["COLOR_0"] =
+            glb.floats({1, 1, 1, 0.5, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}, "VEC4", 4);
+        primitive(glb)["material"] = 0;
+        glb.json["materials"] = {{{"alphaMode", mode}}};
+        const std::vector<std::string> told = loaded(glb, "clear.glb").warnings;
+        EXPECT_EQ(told, *mode == 'O' ? std::vector<std::string>{}
+                                     : std::vector<std::string>{"the alpha of vertex colours is ignored"});
+    }
+    Glb glb = square_file();
+    glb.json["images"] = {{{"uri", "data:image/png;base64,AAAA"}}};
+    glb.json["textures"] = {{{"source", 0}}};
+    glb.json["materials"] = {{{"normalTexture", {{"index", 0}}}}};
+    const std::vector<std::string> told = loaded(glb, "bumps.glb").warnings;
+    ASSERT_EQ(told.size(), 1u);
+    EXPECT_TRUE(told[0].starts_with("normal maps are not drawn")) << told[0];
+}
+
+// Section 3.6.2.1: numbers that are not stored are zeros.
+TEST(GltfFeatures, AccessorsWithoutDataAreZeros) {
+    Glb glb = square_file();
+    primitive(glb)["targets"] = {{{"POSITION", glb.accessor(-1, 5126, 4, "VEC3")}}};
+    const Model model = loaded(glb, "zeros.glb");
+    EXPECT_EQ(model.meshes.at(0).parts.at(0).targets.at(0), std::vector<glm::vec3>(4, glm::vec3(0)));
+}
+
 // What was translation, rotation and scale comes apart again, mirrored or not.
 TEST(GltfFeatures, NodesWithAMatrixCanBeMoved) {
     for (const double mirror : {1.0, -1.0}) {

@@ -183,6 +183,40 @@ TEST(GltfFeatures, KeysOfLampsAreWords) {
     EXPECT_EQ(many.warnings.count("lights"), 1u);
 }
 
+// A pose takes no time; what moves is played, and of several it is told which.
+TEST(GltfFeatures, AShotPlaysTheFirstAnimationThatMoves) {
+    Glb glb = square_file();
+    const auto animation = [&](const char* name, const std::vector<float>& times) {
+        std::vector<float> places(3 * times.size());
+        const int input = glb.floats(times, "SCALAR", 1), output = glb.floats(places, "VEC3", 3);
+        return Json{{"name", name},
+                    {"samplers", {{{"input", input}, {"output", output}}}},
+                    {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}}};
+    };
+    glb.json["animations"] = {animation("TPose", {0})};
+    const Json still = Json::parse(make_model_shot(loaded(glb, "pose.glb"), "pose.glb", "", false).text);
+    EXPECT_FALSE(still.contains("animation"));
+    EXPECT_EQ(still["frames"], 16);
+    glb.json["animations"].push_back(animation("Walk", {0, 1}));
+    const ModelShot made = make_model_shot(loaded(glb, "walk.glb"), "walk.glb", "", false);
+    EXPECT_EQ(Json::parse(made.text)["animation"], 1);
+    EXPECT_EQ(Json::parse(made.text)["frames"], 31);
+    ASSERT_EQ(made.warnings.count("animation"), 1u);
+    EXPECT_EQ(made.warnings.find("animation")->second, "of 2 animations \"Walk\" is played");
+}
+
+TEST(GltfFeatures, AShotTellsWhatIsNotDrawn) {
+    Glb glb = square_file();
+    glb.json["materials"] = {
+        {{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.5}}}}}};
+    primitive(glb)["material"] = 0;
+    glb.json["nodes"] = {{{"mesh", 0}, {"name", "glass"}}};
+    const ModelShot made = make_model_shot(loaded(glb, "glass.glb"), "glass.glb", "", false);
+    ASSERT_EQ(made.warnings.count("scene"), 1u);
+    EXPECT_EQ(made.warnings.find("scene")->second,
+              "2 triangles of \"glass\" let light through and are not drawn");
+}
+
 // A node that turns takes the sun along; what points nowhere is neither sun nor camera, and that is told.
 TEST(GltfFeatures, AShotsSunAndCameraGoWithTheirNodes) {
     Glb glb = square_file();

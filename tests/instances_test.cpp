@@ -104,6 +104,15 @@ TEST_F(Instances, SettingsAreForEach) {
     ASSERT_TRUE(checked) << diagnostics_.text();
     for (const char* name : {"half_a", "half_b"})
         EXPECT_EQ(checked->resource(name)->first, First::clear) << name;
+    for (const char* both : {R"("half": {"first": "clear", "format": "r16f"}, "half_a": {"first": "any"})",
+                             R"("half_a": {"first": "any"}, "half": {"first": "clear", "format": "r16f"})"}) {
+        const auto own = run(pipeline(std::string(R"(, "resources": {)") + both + "}"));
+        ASSERT_TRUE(own) << diagnostics_.text();
+        EXPECT_EQ(own->resource("half_a")->first, First::any) << both;
+        EXPECT_EQ(own->resource("half_b")->first, First::clear) << both;
+        for (const char* name : {"half_a", "half_b"})
+            EXPECT_EQ(own->resource(name)->format, Format::r16f) << both;
+    }
 }
 
 // What one member knows of itself holds for its nodes and their ports, and for nobody else's.

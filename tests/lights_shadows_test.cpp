@@ -34,6 +34,24 @@ TEST_F(LightsShadows, EachMaskIsTheOneOfItsLightAlone) {
     EXPECT_FALSE(fs::exists(folder_ / "tube/visibility_bulb.0002.exr"));
 }
 
+// Where its members are lights of the shot, it is of these, and their facts hold; first and second are none.
+TEST_F(LightsShadows, APipelineMayNameItsLights) {
+    const std::string two = R"({ "extends": ")" PENUMBRA_SOURCE_DIR R"(/pipelines/lights_shadows.json",
+        "instances": { "first": null, "second": null, "tube": { "of": "lights" },
+                       "panel": { "of": "lights", "facts": { "sun_disc": false } } } })";
+    render("'" + file("two.json", two) + "'", "two");
+    EXPECT_TRUE(fs::exists(folder_ / "two/visibility_tube.0002.exr"));
+    EXPECT_TRUE(fs::exists(folder_ / "two/visibility_panel.0002.exr"));
+    EXPECT_FALSE(fs::exists(folder_ / "two/visibility_bulb.0002.exr"));
+    EXPECT_NE(read_file(folder_ / "two/report.json").find("\"hard_panel\""), std::string::npos)
+        << "its disc is none";
+    expect(run("render lights_shadows --set 'instances={\"pannel\":{\"of\":\"lights\"},"
+               "\"tube\":{\"of\":\"lights\"}}'" +
+               std::string(shot) + "--out '" + in("mixed") + "'"),
+           2,
+           "instances.pannel: others here are lights of the shot, and this is none; did you mean \"panel\"?");
+}
+
 // The sum of the masks times what each light shines, as `illuminate` has it, on what is drawn.
 TEST_F(LightsShadows, ThereIsAPictureUnderAllOfThem) {
     render("lights_shadows --set 'outputs=[\"visibility\",\"lit\"]'", "all");

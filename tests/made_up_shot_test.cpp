@@ -41,6 +41,60 @@ TEST_F(MadeUpShot, ThatSomebodyChangedIsKept) {
     EXPECT_EQ(run("render raw " + model + " --size 48x32 --out " + in("p")).code, 0);
 }
 
+// Frames of another model of that name, or of a longer animation, would pass for this run's. What the program
+// has not written stays, and so does what somebody has written since.
+TEST_F(MadeUpShot, IsRenderedWithoutFramesOfAnEarlierRun) {
+    const std::string small = " --size 48x32 --out " + in("o"), render = "render raw scenes/lamp.glb";
+    const auto there = [&](const std::string& name) { return fs::exists(folder_ / "o" / name); };
+    ASSERT_EQ(run("render raw lamp --frames 0" + small).code, 0);
+    ASSERT_EQ(run("render raw lamp --frames 2..4 --capture depth" + small).code, 0);
+    EXPECT_TRUE(there("visibility.0000.exr")) << "who asks for some frames may want them beside others";
+    file("o/visibility.0099.exr", "mine");
+    fs::last_write_time(in("o/visibility.0002.exr"),
+                        fs::file_time_type::clock::now() + std::chrono::hours(1));
+    const Result second = run(render + small);
+    ASSERT_EQ(second.code, 0) << second.err;
+    EXPECT_NE(second.out.find(" of an earlier run removed"), std::string::npos) << second.out;
+    for (const char* gone :
+         {"visibility.0003.exr", "visibility.0003.png", "visibility.0004.exr", "lit.0002.png"})
+        EXPECT_FALSE(there(gone)) << gone;
+    for (const char* kept : {"visibility.0000.exr", "visibility.0002.exr", "visibility.0099.exr",
+                             "depth.0003.exr", "visibility.0015.exr", "visibility.0015.png", "report.json"})
+        EXPECT_TRUE(there(kept)) << kept;
+    const Result third = run(render + small);
+    ASSERT_EQ(third.code, 0) << third.err;
+    EXPECT_EQ(third.out.find("removed"), std::string::npos) << "all is written again";
+    EXPECT_TRUE(there("visibility.0015.png"));
+}
+
+TEST_F(MadeUpShot, SaysWhereItsPictureIsEmpty) {
+    const auto square = [&](const char* name, const std::string& more) {
+        return file(name, R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri":
+            "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],)" +
+                              more + "}");
+    };
+    const std::string nothing = "warning: the picture shows nothing of the scene; ",
+                      small = " --size 48x32 --out " + in("o");
+    expect(run("render raw " + small + " " +
+               square("glass.gltf", R"("materials": [{"alphaMode": "BLEND", "pbrMetallicRoughness":
+                   {"baseColorFactor": [1, 1, 1, 0.5]}}], "nodes": [{"mesh": 0}])")),
+           0, nothing + "what lets light through is not drawn");
+    expect(run("render raw " + small + " " +
+               square("away.gltf", R"("materials": [{}], "nodes": [{"mesh": 0, "children": [1]},
+                   {"name": "Eye", "camera": 0, "translation": [0, 0, -3]}],
+                   "cameras": [{"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}}])")),
+           0, nothing + "it is seen by the model's own camera, \"Eye\"");
+    expect(run("render raw " + small + " " +
+               square("back.gltf", R"("materials": [{}], "nodes": [{"mesh": 0, "rotation": [0, 1, 0, 0]}])")),
+           0, nothing + "it is too small or too thin");
+    const Result front = run("render raw " + small + " " +
+                             square("front.gltf", R"("materials": [{}], "nodes": [{"mesh": 0}])"));
+    EXPECT_EQ(front.err.find("shows nothing"), std::string::npos) << front.err;
+}
+
 // Without --out the shot stands in the current folder: both can be moved together.
 TEST_F(MadeUpShot, NamesItsModelAsSeenFromItsFolder) {
     fs::copy_file(PENUMBRA_SOURCE_DIR "/scenes/lamp.glb", in("m.glb"));

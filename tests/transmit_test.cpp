@@ -93,6 +93,27 @@ TEST(Translucency, IsOfMaterialsThatLetSomethingThrough) {
     EXPECT_FALSE(is_translucent(model, -1));
 }
 
+// What is not quite opaque is, as exporters write whole models of it; a factor counts as a texel does.
+TEST(Translucency, BeginsBelowAnAlphaThatIsNearlyOne) {
+    Model model;
+    model.textures = {{2, 1, {9, 9, 9, 255, 9, 9, 9, 250}}, {2, 1, {9, 9, 9, 250, 9, 9, 9, 249}}};
+    Material opaque = film(1), hair = film(1), faint = film(0.9f), tinted = film(1);
+    opaque.texture = tinted.texture = 0;
+    hair.texture = faint.texture = 1;
+    tinted.transmission = 0.5f;
+    model.materials = {opaque, film(0.99f), hair, faint, tinted};
+    const std::vector<bool> translucent{false, false, true, true, true},
+        seen{true, false, true, false, false};
+    for (size_t i = 0; i < translucent.size(); ++i) {
+        EXPECT_EQ(is_translucent(model, static_cast<int>(i)), translucent[i]) << i;
+        EXPECT_EQ(has_opaque_texels(model, model.materials[i]), seen[i]) << i;
+        EXPECT_FALSE(is_alpha_tested(model, static_cast<int>(i))) << i;
+    }
+    const TransmittanceMap map = transmittance_map(model, hair);
+    EXPECT_EQ(map.texels[0], 0u);
+    expect_near(unpack_transmittance(map.texels[1]), glm::dvec3(6 / 255.0), 0.5 / steps);
+}
+
 // A horizontal rectangle, u along x.
 Shape sheet(double x0, double x1, double y, double z0 = -30, double z1 = 30) {
     Shape shape;
@@ -470,6 +491,24 @@ TEST(TranslucentTruth, IsTheClosedForm) {
         const auto seen = counted.seen(point, {{0, 1, 0}, radius, 64, 7});
         EXPECT_NEAR(seen.visibility, right_of(x, 0), 2e-3);
         expect_near(seen.transmittance, right_of(x, 0) - (1.0 - color) * right_of(x, 0.1), 2e-3);
+    }
+}
+
+// A pixel may show an opaque texel of a translucent triangle, and nothing else of one.
+TEST(TranslucentTruth, KnowsTheOpaqueTexelsThatAreDrawn) {
+    for (const uint8_t alpha : {uint8_t{255}, uint8_t{200}}) {
+        Material hair = film(1);
+        hair.texture = 0;
+        Model model = floor_with({hair});
+        model.textures = {{2, 1, {255, 255, 255, alpha, 255, 255, 255, 99}}};
+        add(model, "card", sheet(-3, 3, 1), 1);
+        const Scene scene(std::move(model), Shot{});
+        const ViewRay ray{glm::dvec3(-1, 3, 0.2) - scene.bvh_origin(), {0, -1, 0}, 0, 1e-3};
+        const auto point = CountedVisibility(scene, 0).shown(ray, 2, {0, 1, 0});
+        EXPECT_EQ(point.has_value(), alpha == 255);
+        if (point) {
+            EXPECT_NEAR(point->at.y + scene.bvh_origin().y, 1, 1e-9);
+        }
     }
 }
 

@@ -45,7 +45,7 @@ std::vector<std::string> heads(const RadianceResults& results) {
             "N_eff",     "x brute force",
             "relMSE",    "bias",
             "FLIP, lit", "flicker",
-            "fireflies"};
+            "fireflies", "not finite"};
 }
 
 std::vector<std::string> figures(const RadianceResults& results, const RadianceRow& row) {
@@ -57,7 +57,8 @@ std::vector<std::string> figures(const RadianceResults& results, const RadianceR
             percent(row.moving.bias()),
             number(row.flip.mean),
             number_or_dash(row.still.back().flicker()),
-            std::to_string(row.moving.fireflies)};
+            std::to_string(row.moving.fireflies),
+            std::to_string(row.moving.nonfinite)};
 }
 
 std::string style_of(const RadianceResults& results, const RadianceRow& row) {

@@ -8,6 +8,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
+#include "host/models/translucency.h"
+
 namespace penumbra {
 
 namespace {
@@ -145,12 +147,15 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
         const auto mesh = static_cast<size_t>(instance.mesh);
         const std::vector<Part>& parts = scene.model().meshes[mesh].parts;
         for (size_t i = 0; i < parts.size(); ++i) {
-            if (scene.translucent(parts[i])) continue;  // drawn by whoever draws what is behind through it
             const int material = parts[i].material;
-            const uint32_t least_alpha =
-                is_alpha_tested(scene.model(), material)
-                    ? least_opaque_alpha(scene.model().materials[static_cast<size_t>(material)])
-                    : 0;
+            const bool translucent = scene.translucent(parts[i]);
+            uint32_t least_alpha = 0;
+            if (translucent || is_alpha_tested(scene.model(), material)) {
+                const Material& of = scene.model().materials[static_cast<size_t>(material)];
+                // The rest is drawn by whoever draws what is behind through it.
+                if (translucent && !has_opaque_texels(scene.model(), of)) continue;
+                least_alpha = least_opaque_alpha(of);
+            }
             DrawItem& item = items_.emplace_back();
             item = {instance, &parts[i], geometry.meshes[mesh][i], least_alpha, VK_NULL_HANDLE, {}, {}};
             if (!scene.deforms(instance, parts[i])) continue;

@@ -123,14 +123,17 @@ RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTru
                                                   false);
     RadianceErrorSums sums;
     for (size_t i = 0; i < size; ++i) {
-        const double e[] = {image.rgb[0][i], image.rgb[1][i], image.rgb[2][i]};
-        if (!finite(image, i)) {
-            ++sums.nonfinite;
-            continue;
-        }
+        const bool number = finite(image, i);
+        sums.nonfinite += !number;
         if (!(truth.receiver[i] > 0)) continue;
+        std::array<double, 3> e{};
         double square = 0;
-        for (size_t c = 0; c < 3; ++c) square += std::pow(e[c] - truth.signal.rgb[c][i], 2);
+        for (size_t c = 0; c < 3; ++c) {
+            if (number) e[c] = image.rgb[c][i];
+            square += std::pow(e[c] - truth.signal.rgb[c][i], 2);
+        }
+        // The truth may be black here, too.
+        if (!number) square = std::max(square + darkest_squared, double(truth.ray_error[i]));
         RadianceErrorSums::Class& c = sums.classes[roughness_class(truth.roughness[i])];
         const double is = luminance(e[0], e[1], e[2]),
                      should =
@@ -156,12 +159,16 @@ RadianceErrorSums radiance_errors(const RadiancePlanes& image, const RadianceTru
                 throw std::invalid_argument("radiance_errors: frames differ in size");
     const std::vector<float> should_be = luminances(truth.signal);
     for (size_t i = 0; i < should_be.size(); ++i) {
-        if (!(truth.receiver[i] > 0) || !finite(image, i) || !finite(image_before, i)) continue;
-        double square = 0;
-        for (size_t c = 0; c < 3; ++c)
-            square += std::pow(double(image.rgb[c][i]) - truth.signal.rgb[c][i] -
-                                   (double(image_before.rgb[c][i]) - truth_before.rgb[c][i]),
-                               2);
+        if (!(truth.receiver[i] > 0)) continue;
+        const bool numbers = finite(image, i) && finite(image_before, i);
+        double square = numbers ? 0 : darkest_squared;
+        for (size_t c = 0; c < 3; ++c) {
+            double change = truth.signal.rgb[c][i];
+            if (numbers)
+                change = double(image.rgb[c][i]) - change -
+                         (double(image_before.rgb[c][i]) - truth_before.rgb[c][i]);
+            square += std::pow(change, 2);
+        }
         sums.changes += square / (std::pow(double(should_be[i]), 2) + darkest_squared);
         ++sums.changed;
     }

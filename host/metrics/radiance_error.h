@@ -44,7 +44,9 @@ struct RadianceErrorSums {
     std::array<Class, roughness_classes> classes;
     double relative = 0;     // sum of squares over (luminance^2 + .01)
     uint64_t fireflies = 0;  // pixels of which is_firefly() holds
-    uint64_t nonfinite = 0;  // pixels of the whole image; they count nowhere else
+    // Pixels of the whole image that are no number. Where they are receivers they count as black, with an
+    // error that is no smaller than one ray's, than all of the truth, and than what darkest_squared is of it.
+    uint64_t nonfinite = 0;
     // Of what the error has changed since the frame before: squares over (luminance^2 + .01), and pixels.
     double changes = 0;
     uint64_t changed = 0;
@@ -56,7 +58,8 @@ struct RadianceErrorSums {
     std::optional<double> bias() const;    // of the mean luminance, relative
     std::optional<double> relmse() const;  // with the truth's noise in it
     // Root of the mean relative square by which the error changes from frame to frame: what a person sees
-    // crawl. An error that stays is none. Nothing without two frames in a row.
+    // crawl. An error that stays is none, but a pixel that is no number in either frame changes by all of the
+    // truth. Nothing without two frames in a row.
     std::optional<double> flicker() const;
     uint64_t pixels() const;
 };

@@ -36,7 +36,8 @@ bool is_harmless(std::string_view extension) {
         "KHR_lights_punctual",        "KHR_mesh_quantization",   "KHR_texture_transform",
         "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
         "KHR_texture_basisu",         "EXT_texture_webp",        "EXT_texture_avif",
-        "MSFT_texture_dds",           "KHR_animation_pointer",   "KHR_xmp_json_ld"};
+        "MSFT_texture_dds",           "KHR_animation_pointer",   "KHR_xmp_json_ld",
+        "KHR_node_visibility"};
     return extension.starts_with("KHR_materials_") || std::ranges::find(known, extension) != std::end(known);
 }
 
@@ -44,15 +45,43 @@ bool is_harmless(std::string_view extension) {
 constexpr std::pair<const char*, const char*> undrawn[] = {
     {"KHR_materials_unlit", "is drawn lit"},
     {"KHR_materials_volume", "is a thin wall"},
-    {"KHR_materials_pbrSpecularGlossiness", "is drawn in its base colour"},
+    {"KHR_materials_pbrSpecularGlossiness", "is drawn without its specular colour"},
     {"KHR_materials_variants", "is drawn in its first variant"},
-    {"KHR_texture_basisu", "is not read: the colour factor is used"},
-    {"EXT_texture_webp", "is not read: the colour factor is used"},
-    {"EXT_texture_avif", "is not read: the colour factor is used"},
-    {"MSFT_texture_dds", "is not read: the colour factor is used"},
     {"KHR_animation_pointer", "is not played"}};
 
-constexpr const char* transmission = "KHR_materials_transmission";
+constexpr const char *transmission = "KHR_materials_transmission",
+                     *specular_glossiness = "KHR_materials_pbrSpecularGlossiness",
+                     *node_visibility = "KHR_node_visibility";
+
+// With what KHR_materials_pbrSpecularGlossiness says of its colour and roughness, where the core's material
+// does not say it as well.
+tinygltf::Material in_core_terms(tinygltf::Material material) {
+    const auto found = material.extensions.find(specular_glossiness);
+    if (found == material.extensions.end()) return material;
+    const tinygltf::TextureInfo diffuse =
+        extension_texture(found->second, "diffuseTexture", specular_glossiness);
+    auto& core = material.pbrMetallicRoughness;
+    if (core.baseColorTexture.index >= 0 ||
+        (material.values.contains("baseColorFactor") && diffuse.index < 0))
+        return material;
+    core = {};
+    core.baseColorTexture = diffuse;
+    extension_numbers(found->second, "diffuseFactor", specular_glossiness, core.baseColorFactor);
+    const double gloss = extension_number(found->second, "glossinessFactor", specular_glossiness, 1);
+    core.metallicFactor = 0;
+    core.roughnessFactor = std::max(1 - gloss, 0.0);
+    return material;
+}
+
+// KHR_node_visibility: neither the node nor what hangs on it.
+bool is_hidden(const tinygltf::Node& node) {
+    const auto found = node.extensions.find(node_visibility);
+    if (found == node.extensions.end() || !found->second.IsObject() || !found->second.Has("visible"))
+        return false;
+    const tinygltf::Value& visible = found->second.Get("visible");
+    if (!visible.IsBool()) throw GltfError(fmt::format("{}: \"visible\" is no boolean", node_visibility));
+    return !visible.Get<bool>();
+}
 
 class Loader {
   public:
@@ -75,9 +104,13 @@ class Loader {
                 warn(fmt::format("what needs {} {}", extension, what));
         for (size_t image = 0; image < file_.images.size(); ++image) add_texture(image);
         for (const tinygltf::Material& material : file_.materials) {
-            add_material(material);
+            add_material(in_core_terms(material));
             count_transmittance(material.name, model_.materials.back());
         }
+        for (const auto& [what, beyond] : beyond_)
+            warn(beyond.second.size() == 1 ? beyond.first
+                                           : fmt::format("{} (one of {} materials where it is too large)",
+                                                         beyond.first, beyond.second.size()));
         for (const tinygltf::Mesh& mesh : file_.meshes) add_mesh(mesh);
         model_node_.assign(file_.nodes.size(), -1);
         add_scene();
@@ -112,19 +145,30 @@ class Loader {
         } catch (const GltfError& error) {
             throw GltfError(fmt::format("image {}: {}", image, error.what()));
         }
-        std::string& problem = image_problems_.emplace_back();
+        std::string& problem = image_problems_.emplace_back(files_.unread[image]);
+        if (!problem.empty()) return;
         try {
             RgbaImage decoded = decode_image(bytes, image_bytes_left_);
             image_bytes_left_ -= decoded.rgba.size();
             texture = {decoded.width, decoded.height, std::move(decoded.rgba)};
         } catch (const ImageError& error) {
-            problem = error.what();
+            problem = fmt::format("cannot be read ({})", error.what());
         }
     }
 
     std::string unread(int image, const char* kind) const {
-        return fmt::format("image {} cannot be read ({}): the {} factor is used", image,
-                           image_problems_[static_cast<size_t>(image)], kind);
+        const auto i = static_cast<size_t>(image);
+        return fmt::format("{} {}: the {} factor is used", image_name(file_, i), image_problems_[i], kind);
+    }
+
+    // What is beyond its bounds is told once, however many materials have it.
+    float material_factor(const tinygltf::Material& material, const std::string& what, double value,
+                          double most) {
+        const std::string name = fmt::format("material \"{}\": {}", material.name, what);
+        return static_cast<float>(factor(name, value, most, [&](const std::string& text) {
+            beyond_.try_emplace(what, text, std::set<size_t>{})
+                .first->second.second.insert(model_.materials.size());
+        }));
     }
 
     // Of two textures, a wide and a high one, what they let through is far larger than both.
@@ -144,17 +188,17 @@ class Loader {
     void add_material(const tinygltf::Material& material) {
         Material& out = model_.materials.emplace_back();
         const auto& pbr = material.pbrMetallicRoughness;
-        for (size_t i = 0; i < std::min<size_t>(4, pbr.baseColorFactor.size()); ++i) {
-            const std::string what = fmt::format("material \"{}\": base colour", material.name);
-            out.base_color[i] = static_cast<float>(factor(what, pbr.baseColorFactor[i], 1, tell_));
-        }
+        for (size_t i = 0; i < std::min<size_t>(4, pbr.baseColorFactor.size()); ++i)
+            out.base_color[i] = material_factor(material, "base colour", pbr.baseColorFactor[i], 1);
+        if (material.normalTexture.index >= 0)
+            warn("normal maps are not drawn: a surface is as flat as its triangles");
         read_alpha_mode(material, out);
         const TextureUse& use = texture_uses_.emplace_back(use_of(material));
         read_surface(material, use, out);
         if (pbr.baseColorTexture.index < 0) return;
         const tinygltf::Texture& texture = element(file_.textures, pbr.baseColorTexture.index, "texture");
         if (texture.source < 0) {
-            warn("textures without a core image are ignored: the factor is used");
+            warn("textures without a core image (a PNG or JPEG) are ignored: the colour factor is used");
             return;
         }
         element(file_.images, texture.source, "image");
@@ -175,8 +219,7 @@ class Loader {
     void read_surface(const tinygltf::Material& material, const TextureUse& use, Material& out) {
         const auto& pbr = material.pbrMetallicRoughness;
         const auto named = [&](const char* what, double value, double most) {
-            const std::string name = fmt::format("material \"{}\": {}", material.name, what);
-            return static_cast<float>(factor(name, value, most, tell_));
+            return material_factor(material, what, value, most);
         };
         out.metallic = named("metallicFactor", pbr.metallicFactor, 1);
         out.roughness = named("roughnessFactor", pbr.roughnessFactor, 1);
@@ -196,18 +239,10 @@ class Loader {
         out.transmission_texture = surface_image("transmission", transmission_info(material), use);
     }
 
-    // As tinygltf reads those of the core.
     static tinygltf::TextureInfo transmission_info(const tinygltf::Material& material) {
-        tinygltf::TextureInfo info;
         const auto found = material.extensions.find(transmission);
-        if (found == material.extensions.end() || !found->second.Has("transmissionTexture")) return info;
-        const tinygltf::Value& value = found->second.Get("transmissionTexture");
-        info.index = extension_integer(value, "index", transmission);
-        if (value.Has("texCoord")) info.texCoord = extension_integer(value, "texCoord", transmission);
-        if (value.Has("extensions"))
-            for (const std::string& name : value.Get("extensions").Keys())
-                info.extensions[name] = value.Get("extensions").Get(name);
-        return info;
+        if (found == material.extensions.end()) return {};
+        return extension_texture(found->second, "transmissionTexture", transmission);
     }
 
     // A vertex has one pair of coordinates here: those of the first texture that the material has.
@@ -291,9 +326,13 @@ class Loader {
 
     // Depth first with a stack of our own: a chain of 1e5 nodes must not exhaust the program's.
     void add_node(int root, int root_parent) {
-        std::vector<std::pair<int, int>> pending{{root, root_parent}};  // node, parent in the model
+        struct Pending {
+            int node, parent;  // the file's, the model's
+            bool hidden;
+        };
+        std::vector<Pending> pending{{root, root_parent, false}};
         while (!pending.empty()) {
-            const auto [index, parent] = pending.back();
+            const auto [index, parent, in_hidden] = pending.back();
             pending.pop_back();
             const tinygltf::Node& node = element(file_.nodes, index, "node");
             if (!visited_.insert(index).second) {
@@ -302,10 +341,11 @@ class Loader {
             Node& out = model_.nodes.emplace_back();
             out.name = node.name;
             out.parent = parent;
-            out.mesh = node.mesh;
+            const bool hidden = in_hidden || is_hidden(node);
             if (node.mesh >= 0) element(file_.meshes, node.mesh, "mesh");
             if (node.skin >= 0) element(file_.skins, node.skin, "skin");
-            out.skin = node.mesh >= 0 ? node.skin : -1;
+            out.mesh = hidden ? -1 : node.mesh;
+            out.skin = out.mesh >= 0 ? node.skin : -1;
             read_transform(node, out);
             const int self = static_cast<int>(model_.nodes.size()) - 1;
             model_node_[static_cast<size_t>(index)] = self;
@@ -315,10 +355,12 @@ class Loader {
             budget_.spend(weights.size() * sizeof(double));
             out.weights = weights;
             add_camera(node, self);
-            read_light(file_, node, self, model_, tell_);
-            add_instances(node, self);
+            if (!hidden) {
+                read_light(file_, node, self, model_, tell_);
+                add_instances(node, self);
+            }
             const std::vector<int> last_first(node.children.rbegin(), node.children.rend());
-            for (const int child : last_first) pending.emplace_back(child, self);
+            for (const int child : last_first) pending.push_back({child, self, hidden});
         }
     }
 
@@ -331,9 +373,9 @@ class Loader {
         }
         const double fov = glm::degrees(camera.perspective.yfov), near = camera.perspective.znear;
         if (!(fov > 0.01 && fov < 170 && near > 1e-6 && near < 1e6)) {
-            warn(
-                fmt::format("camera \"{}\" is not looked through: a field of view of {} degrees from {} m on",
-                            camera.name, fov, near));
+            warn(fmt::format(
+                "camera \"{}\" is not looked through: a field of view of {:.4g} degrees from {:.4g} m on",
+                camera.name, fov, near));
             return;
         }
         model_.cameras.push_back({self, fov, near});
@@ -413,6 +455,7 @@ class Loader {
     std::vector<int> model_node_;              // of the file's nodes; -1: not shown
     std::vector<TextureUse> texture_uses_;     // of materials
     std::vector<std::string> image_problems_;  // of images; empty: none
+    std::map<std::string, std::pair<std::string, std::set<size_t>>> beyond_;  // a text, materials; by factor
     const GltfTell tell_ = [this](const std::string& text) { warn(text); };
 };
 
@@ -426,7 +469,6 @@ std::optional<Model> load_gltf(const std::filesystem::path& path, Diagnostics& d
         ReadBudget budget(files->bytes);
         decode_meshopt(files->model, budget);
         Model model;
-        if (!files->warnings.empty()) model.warnings.push_back(files->warnings);
         Loader(*files, model).load();
         return model;
     } catch (const std::bad_alloc&) {

@@ -153,18 +153,13 @@ std::vector<float> AccessorReader::read_floats(int index, int width) {
                 load_component(from + c * step, accessor.componentType, accessor.normalized);
         }
     };
-    if (accessor.bufferView >= 0) {
-        const Elements elements = view_elements(file, accessor.bufferView, accessor.byteOffset,
-                                                accessor.count, element_bytes, true);
-        budget_.spend(accessor.count * static_cast<uint64_t>(width) * sizeof(float));
-        out.resize(accessor.count * static_cast<uint64_t>(width));
-        for (uint64_t i = 0; i < elements.count; ++i) copy(elements.at(i), i);
-    } else if (!accessor.sparse.isSparse) {
-        throw GltfError(fmt::format("accessor {} has no data", index));
-    } else {
-        budget_.spend(accessor.count * static_cast<uint64_t>(width) * sizeof(float));
-        out.resize(accessor.count * static_cast<uint64_t>(width));
-    }
+    Elements elements;
+    if (accessor.bufferView >= 0)
+        elements = view_elements(file, accessor.bufferView, accessor.byteOffset, accessor.count,
+                                 element_bytes, true);
+    budget_.spend(accessor.count * static_cast<uint64_t>(width) * sizeof(float));
+    out.resize(accessor.count * static_cast<uint64_t>(width));  // zeros, where nothing is stored
+    for (uint64_t i = 0; i < elements.count; ++i) copy(elements.at(i), i);
     if (!accessor.sparse.isSparse) return out;
 
     const auto& sparse = accessor.sparse;

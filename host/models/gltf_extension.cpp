@@ -31,6 +31,19 @@ int extension_integer(const tinygltf::Value& object, const char* key, const char
     throw GltfError(fmt::format("{}: \"{}\" is not a number", extension, key));
 }
 
+tinygltf::TextureInfo extension_texture(const tinygltf::Value& object, const char* key,
+                                        const char* extension) {
+    tinygltf::TextureInfo info;
+    if (!object.IsObject() || !object.Has(key)) return info;
+    const tinygltf::Value& value = object.Get(key);
+    info.index = extension_integer(value, "index", extension);
+    if (value.Has("texCoord")) info.texCoord = extension_integer(value, "texCoord", extension);
+    if (value.Has("extensions"))
+        for (const std::string& name : value.Get("extensions").Keys())
+            info.extensions[name] = value.Get("extensions").Get(name);
+    return info;
+}
+
 double extension_number(const tinygltf::Value& object, const char* key, const std::string& extension,
                         double otherwise) {
     if (!object.IsObject() || !object.Has(key)) return otherwise;

@@ -21,6 +21,9 @@ double factor(const std::string& what, double value, double most, const GltfTell
 
 // A whole number of an extension's object; GltfError, with the extension's name, where there is none.
 int extension_integer(const tinygltf::Value& object, const char* key, const char* extension);
+// A texture of an extension's object, as tinygltf reads those of the core; GltfError.
+tinygltf::TextureInfo extension_texture(const tinygltf::Value& object, const char* key,
+                                        const char* extension);
 // `otherwise` where there is none; GltfError, with the extension's name, where it is something else.
 double extension_number(const tinygltf::Value& object, const char* key, const std::string& extension,
                         double otherwise);

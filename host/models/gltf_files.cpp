@@ -7,6 +7,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstring>
 #include <fstream>
 #include <new>
 #include <string_view>
@@ -16,6 +19,8 @@
 #include "host/models/gltf_text.h"
 
 namespace penumbra {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -65,10 +70,111 @@ bool keep_image(tinygltf::Image* image, const int index, std::string*, std::stri
     return true;
 }
 
-std::string one_line(std::string text) {
-    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-    std::ranges::replace(text, '\n', ' ');
+// At most `most` bytes, and no part of a character.
+std::string cut(std::string_view text, size_t most) {
+    if (text.size() <= most) return std::string(text);
+    size_t end = most - 3;
+    while (end > 0 && (text[end] & 0xC0) == 0x80) --end;
+    return std::string(text.substr(0, end)) + "...";
+}
+
+// Without all of what a file may have in one word, a whole buffer among them.
+std::string one_line(std::string_view text) {
+    constexpr size_t longest_word = 200, quoted = 80, longest = 1000;
+    std::string out;
+    while (!text.empty()) {
+        const std::string_view word = text.substr(0, text.find_first_of(" \n"));
+        text.remove_prefix(std::min(word.size() + 1, text.size()));
+        if (!word.empty())
+            out += (out.empty() ? "" : " ") + cut(word, word.size() > longest_word ? quoted : longest_word);
+    }
+    return cut(out, longest);
+}
+
+// A URI's text, which has %20 where a name has a space.
+std::string percent_decoded(const std::string& uri) {
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        unsigned char value = 0;
+        const char *digits = uri.data() + i + 1, *end = digits + 2;
+        if (uri[i] == '%' && i + 2 < uri.size() && std::from_chars(digits, end, value, 16).ptr == end) {
+            out += static_cast<char>(value);
+            i += 2;
+        } else {
+            out += uri[i];
+        }
+    }
+    return out;
+}
+
+std::string lower(std::string text) {
+    std::ranges::transform(text, text.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return text;
+}
+
+// A file that is there and may be meant by a name that is none: in another case, with \ for /, or in the
+// model's own folder.
+std::string meant_by(std::string name, const fs::path& folder) {
+    std::ranges::replace(name, '\\', '/');
+    fs::path found;
+    std::error_code failure;
+    for (const fs::path& part : fs::path(name).relative_path()) {
+        fs::path next = fs::exists(folder / found / part, failure) ? part : fs::path();
+        for (fs::directory_iterator entry(folder / found, failure);
+             next.empty() && !failure && entry != fs::directory_iterator(); entry.increment(failure))
+            if (lower(entry->path().filename().string()) == lower(part.string()))
+                next = entry->path().filename();
+        if (next.empty()) break;
+        found /= next;
+    }
+    if (fs::is_regular_file(folder / found, failure)) return found.generic_string();
+    const size_t slash = name.rfind('/');
+    return slash == name.npos ? "" : meant_by(name.substr(slash + 1), folder);
+}
+
+// Why the files of images were not read, by image. The parser has its reasons for all of them in one text.
+std::vector<std::string> unread_images(const GltfFiles& files, const fs::path& folder) {
+    int hints_left = 32;  // each looks through folders
+    std::vector<std::string> out(files.model.images.size());
+    for (size_t i = 0; i < out.size(); ++i) {
+        const tinygltf::Image& image = files.model.images[i];
+        if (image.bufferView >= 0 || !files.loose_images[i].empty()) continue;
+        const std::string name = percent_decoded(image.uri);
+        std::error_code failure;
+        if (fs::is_regular_file(folder / name, failure)) {
+            out[i] = fs::file_size(folder / name, failure) == 0
+                         ? "is empty"
+                         : "cannot be read (it is locked, or the model's files are together " +
+                               over_input_limit() + ")";
+            continue;
+        }
+        out[i] = name.starts_with("data:") ? "cannot be read (its data: has no base64)" : "is not there";
+        const std::string meant = hints_left-- > 0 ? meant_by(name, folder) : "";
+        if (!meant.empty()) out[i] += fmt::format(" (did you mean \"{}\"?)", meant);
+    }
+    return out;
+}
+
+// What is wrong with a file that is no glTF, or not all of one; else nothing.
+std::string not_gltf(std::string_view bytes) {
+    if (bytes.empty()) return "is empty";
+    if (bytes.starts_with("glTF")) {
+        constexpr size_t header = 12;
+        uint32_t length = 0;
+        if (bytes.size() >= header) std::memcpy(&length, bytes.data() + 8, sizeof length);
+        if (bytes.size() >= std::max<size_t>(header, length)) return "";
+        return fmt::format("is cut off: {} bytes of the {} that its header says", bytes.size(),
+                           std::max<size_t>(header, length));
+    }
+    const size_t bom = bytes.starts_with("\xEF\xBB\xBF") ? 3 : 0,
+                 first = bytes.find_first_not_of(" \t\r\n", bom);
+    if (first != bytes.npos && bytes[first] == '{') return "";
+    constexpr size_t quoted = 48;
+    const std::string_view words = bytes.substr(0, quoted);
+    const auto end = std::ranges::find_if_not(words, [](char c) { return c >= ' ' && c <= '~'; });
+    if (end == words.begin()) return "is no glTF";
+    return fmt::format("begins with \"{}\", which is no glTF", std::string(words.begin(), end));
 }
 
 // tinygltf walks "extras" and extensions by recursion, on whatever stack there is.
@@ -87,13 +193,6 @@ bool is_nested_too_deep(std::string_view json) {
     return false;
 }
 
-bool is_binary(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".glb" || extension == ".vrm";
-}
-
 }  // namespace
 
 std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diagnostics& diagnostics) {
@@ -110,8 +209,10 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     std::vector<unsigned char> bytes;
     std::string error, warning;
     if (!read_whole(&bytes, &error, path.string(), &reading)) return refuse(error);
-    const std::string_view document =
-        document_of({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (const std::string why = not_gltf(all); !why.empty()) return refuse(why);
+    const bool is_binary = all.starts_with("glTF");
+    const std::string_view document = document_of(all);
     if (document.size() > largest_document())
         return refuse(fmt::format("its JSON of {} bytes would take {}", document.size(), over_input_limit()));
     if (is_nested_too_deep(document)) return refuse("its JSON is nested more than 256 levels deep");
@@ -127,18 +228,26 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     const auto size = static_cast<unsigned int>(bytes.size());
     if (size != bytes.size()) return refuse("a glTF has less than 4 GiB");
     const bool good =
-        is_binary(path)
-            ? loader.LoadBinaryFromMemory(&files.model, &error, &warning, bytes.data(), size, folder)
-            : loader.LoadASCIIFromString(&files.model, &error, &warning,
-                                         reinterpret_cast<const char*>(bytes.data()), size, folder);
+        is_binary ? loader.LoadBinaryFromMemory(&files.model, &error, &warning, bytes.data(), size, folder)
+                  : loader.LoadASCIIFromString(&files.model, &error, &warning,
+                                               reinterpret_cast<const char*>(bytes.data()), size, folder);
     // The library puts what its parser throws into words; what a file says may stand in those of others.
     if (!good && error == std::bad_alloc().what()) throw std::bad_alloc();
     if (!good) return refuse("not a valid glTF 2.0 file: " + one_line(error));
+    if (const std::string& least = files.model.asset.minVersion; least > "2.0")
+        return refuse(fmt::format("needs glTF {}; this program reads glTF 2.0", cut(least, 20)));
     files.loose_images = std::move(reading.loose_images);
     files.loose_images.resize(files.model.images.size());
     files.bytes = reading.bytes;
-    files.warnings = one_line(warning);
+    files.unread = unread_images(files, path.parent_path());
     return files;
+}
+
+std::string image_name(const tinygltf::Model& file, size_t image) {
+    const std::string &uri = file.images.at(image).uri, &name = file.images.at(image).name;
+    if (uri.empty() && name.empty()) return fmt::format("image {}", image);
+    constexpr size_t longest = 80;
+    return fmt::format("image \"{}\"", cut(uri.empty() ? name : percent_decoded(uri), longest));
 }
 
 std::span<const std::byte> encoded_image(const GltfFiles& files, size_t image) {

@@ -244,6 +244,11 @@ std::optional<Part> read_primitive(const tinygltf::Model& file, AccessorReader& 
         else
             for (const glm::vec3& color : read("COLOR_0", glm::vec3())) colors.emplace_back(color, 1);
         part.colors = to_bytes(colors);
+        const auto is_clear = [](const std::array<uint8_t, 4>& color) { return color[3] < 255; };
+        if (primitive.material >= 0 &&
+            file.materials[static_cast<size_t>(primitive.material)].alphaMode != "OPAQUE" &&
+            std::ranges::any_of(part.colors, is_clear))
+            tell("the alpha of vertex colours is ignored");
     }
     if (data.has("JOINTS_0") && data.has("WEIGHTS_0")) {
         if (data.has("JOINTS_1")) tell("of more than four joints per vertex the first four are used");

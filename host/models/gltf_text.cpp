@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "host/models/gltf_text.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -14,6 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char *meshopt = "EXT_meshopt_compression", *draco = "KHR_draco_mesh_compression";
+constexpr const char* octets = "data:application/octet-stream;base64,";
 constexpr uint32_t glb_magic = 0x46546C67, json_chunk = 0x4E4F534A;
 constexpr size_t glb_header = 12, chunk_header = 8;
 
@@ -36,14 +39,44 @@ bool has_extension(Json& object, const char* name) {
            object["extensions"].contains(name);
 }
 
+// Bytes before those of a data URI that tinygltf would take for the name of a file, since it does not know
+// that type of data; else 0.
+size_t unknown_data(std::string_view uri) {
+    constexpr std::string_view known[] = {"application/octet-stream",
+                                          "application/gltf-buffer",
+                                          "text/plain",
+                                          "image/jpeg",
+                                          "image/png",
+                                          "image/bmp",
+                                          "image/gif"};
+    constexpr std::string_view first = "data:", last = ";base64,";
+    constexpr size_t longest = 128;
+    const std::string_view head = uri.substr(0, uri.substr(0, longest).find(',') + 1);
+    if (!head.starts_with(first) || !head.ends_with(last)) return 0;
+    const std::string_view type = head.substr(first.size(), head.size() - first.size() - last.size());
+    return std::ranges::find(known, type) == std::end(known) ? head.size() : 0;
+}
+
 // Nothing where nothing is to be changed.
 std::string patched(std::string_view text) {
-    if (text.find(meshopt) == text.npos && text.find(draco) == text.npos) return "";
+    bool odd = text.find(meshopt) != text.npos || text.find(draco) != text.npos;
+    for (size_t at = text.find("\"data:"); at != text.npos && !odd; at = text.find("\"data:", at + 1))
+        odd = unknown_data(text.substr(at + 1)) > 0;
+    if (!odd) return "";
     Json json = Json::parse(text, nullptr, false);
     bool changed = false;
+    for (const char* list : {"buffers", "images"})
+        for (Json* item : items(json, list)) {
+            if (!item->is_object() || !item->contains("uri") || !(*item)["uri"].is_string()) continue;
+            std::string& uri = (*item)["uri"].get_ref<std::string&>();
+            if (const size_t head = unknown_data(uri)) {
+                uri.replace(0, head, octets);
+                changed = true;
+            }
+        }
     for (Json* buffer : items(json, "buffers")) {
         if (!has_extension(*buffer, meshopt) || buffer->contains("uri")) continue;
-        (*buffer)["uri"] = "data:application/octet-stream;base64,AA==";
+        (*buffer)["uri"] = std::string(octets) + "AA==";
         (*buffer)["byteLength"] = 1;
         changed = true;
     }

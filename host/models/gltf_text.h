@@ -24,8 +24,9 @@ inline uint64_t largest_document() {
 std::string_view document_of(std::string_view file);
 
 // Makes of a .gltf's or .glb's bytes what tinygltf takes: with a byte of data in every buffer that
-// EXT_meshopt_compression has as a place for decoded bytes alone, and without the indices of primitives that
-// Draco holds, whose accessors have no data. Bytes that are no glTF stay as they are.
+// EXT_meshopt_compression has as a place for decoded bytes alone, without the indices of primitives that
+// Draco holds, whose accessors have no data, and with a type of data that it knows in data URIs. Bytes that
+// are no glTF stay as they are.
 void make_readable(std::vector<unsigned char>& bytes);
 
 // "1.0" of a file of that version, whose scenes and meshes are objects instead of lists; nothing where it may

@@ -34,18 +34,19 @@ size_t Model::triangle_count() const {
 }
 
 uint32_t least_opaque_alpha(const Material& material) {
-    if (!material.alpha_cutoff) return 0;
+    if (!material.alpha_cutoff && !material.alpha_blend) return 0;
+    const double cutoff = material.alpha_cutoff.value_or(opaque_blend_alpha);
     // The factor is kept in single precision: that much below the cutoff still counts as at it.
     const double factor = static_cast<double>(material.base_color[3]), slack = 0x1p-23;
     for (uint32_t alpha = 0; alpha < 256; ++alpha)
-        if (alpha / 255.0 * factor >= *material.alpha_cutoff * (1 - slack)) return alpha;
+        if (alpha / 255.0 * factor >= cutoff * (1 - slack)) return alpha;
     return 256;
 }
 
 bool is_alpha_tested(const Model& model, int material) {
     if (material < 0) return false;
     const Material& m = model.materials[static_cast<size_t>(material)];
-    const uint32_t least = least_opaque_alpha(m);
+    const uint32_t least = m.alpha_cutoff ? least_opaque_alpha(m) : 0;
     if (least == 0) return false;
     if (m.texture < 0) return least > 255;
     const std::vector<uint8_t>& rgba = model.textures[static_cast<size_t>(m.texture)].rgba;

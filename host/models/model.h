@@ -140,9 +140,13 @@ struct Model {
     size_t triangle_count() const;  // each mesh once
 };
 
-// The smallest 8-bit alpha of a texture that passes the material's test: 0 where there is no test, 256 where
-// nothing passes. The one place where alpha meets the cutoff: at the cutoff is there (glTF 2.0,
-// section 3.9.4).
+// Texels of alphaMode BLEND whose alpha times base_color[3] is this or more are opaque: exporters choose
+// BLEND for whole models of which a few texels are not quite.
+inline constexpr double opaque_blend_alpha = 250 / 255.0;
+
+// The smallest 8-bit alpha of a texture that passes the material's test, or that is opaque under BLEND: 0
+// where all is opaque, 256 where nothing is. The one place where alpha meets the cutoff: at the cutoff is
+// there (glTF 2.0, section 3.9.4).
 uint32_t least_opaque_alpha(const Material& material);
 
 // Whether the material's test removes anything at all of its texture; -1, no material, is opaque.

@@ -70,9 +70,9 @@ TransmittanceMap transmittance_map(const Model& model, const Material& material)
     for (uint32_t y = 0; y < map.height; ++y)
         for (uint32_t x = 0; x < map.width; ++x) {
             const uint8_t alpha = base.at(x, y, map, 3);
-            const double a = material.alpha_cutoff  ? alpha >= least
-                             : material.alpha_blend ? alpha / 255.0 * double(material.base_color[3])
-                                                    : 1.0;
+            const double a = alpha >= least          ? 1.0
+                             : material.alpha_cutoff ? 0.0
+                                                     : alpha / 255.0 * double(material.base_color[3]);
             const double t = double(material.transmission) * transmission.at(x, y, map, 0) / 255.0 *
                              (1 - double(material.metallic) * metal.at(x, y, map, 2) / 255.0);
             uint32_t texel = 0;
@@ -93,6 +93,15 @@ bool is_translucent(const Model& model, int material) {
     if (material < 0 || !may_transmit(model.materials[static_cast<size_t>(material)])) return false;
     const TransmittanceMap map = transmittance_map(model, model.materials[static_cast<size_t>(material)]);
     return std::ranges::any_of(map.texels, [](uint32_t texel) { return texel != 0; });
+}
+
+bool has_opaque_texels(const Model& model, const Material& material) {
+    if (!material.alpha_blend || material.transmission > 0 || material.texture < 0) return false;
+    const std::vector<uint8_t>& rgba = model.textures[static_cast<size_t>(material.texture)].rgba;
+    const uint32_t least = least_opaque_alpha(material);
+    for (size_t i = 3; i < rgba.size(); i += 4)
+        if (rgba[i] >= least) return true;
+    return false;
 }
 
 }  // namespace penumbra

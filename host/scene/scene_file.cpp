@@ -63,10 +63,11 @@ std::optional<Scene> load_scene(const Shot& shot, Diagnostics& diagnostics,
     warnings.insert(warnings.end(), model->warnings.begin(), model->warnings.end());
     if (shot.ground) add_ground(*model, *shot.ground);
     Scene scene(std::move(*model), shot);
-    if (scene.dropped_instances()) {
+    if (const size_t dropped = scene.dropped_instances()) {
+        const bool one = dropped == 1;
         warnings.push_back(fmt::format(
-            "{}: {} nodes that are scaled to a line or a point, or beyond all numbers, are not shown", name,
-            scene.dropped_instances()));
+            "{}: {} that {} scaled to a line or a point, or beyond all numbers, {} not shown", name,
+            one ? "1 node" : fmt::format("{} nodes", dropped), one ? "is" : "are", one ? "is" : "are"));
     }
     return scene;
 }

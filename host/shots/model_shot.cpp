@@ -3,6 +3,7 @@
 #include "host/shots/model_shot.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/models/translucency.h"
 #include "host/scene/scene.h"
 #include "host/shots/shot_text.h"
 
@@ -137,13 +139,16 @@ OrderedJson camera_of(const Scene& scene, uint32_t frames, double size, ModelSho
     const Model& model = scene.model();
     for (const ModelCamera& camera : model.cameras) {
         const OrderedJson keys = view_keys(scene, camera, frames, size);
-        if (!keys.empty())
+        const std::string& name = model.nodes[static_cast<size_t>(camera.node)].name;
+        if (!keys.empty()) {
+            out.camera = name.empty() ? "unnamed" : name;
             return {{"vertical_fov_deg", rounded(camera.vertical_fov_deg, 100)},
                     {"near", rounded(camera.near, camera.near)},
                     {"keys", keys}};
+        }
         out.warnings.emplace("camera", fmt::format("the camera of node \"{}\" is not looked through: its "
                                                    "axes have no length",
-                                                   model.nodes[static_cast<size_t>(camera.node)].name));
+                                                   name));
     }
     return framing_camera(out.bounds, size);
 }
@@ -206,6 +211,53 @@ OrderedJson lights_of(const Model& model, ModelShot& out) {
     return lights;
 }
 
+// Which animation is played: the first that takes any time, for a pose is none.
+std::optional<size_t> animation_of(const Model& model, ModelShot& out) {
+    const auto played = std::ranges::find_if(model.animations, [](const Animation& animation) {
+        return !animation.channels.empty() && animation.duration_s > 0;
+    });
+    if (played == model.animations.end()) return std::nullopt;
+    const auto index = static_cast<size_t>(played - model.animations.begin());
+    if (model.animations.size() > 1)
+        out.warnings.emplace("animation",
+                             fmt::format("of {} animations {} is played", model.animations.size(),
+                                         played->name.empty() ? fmt::format("number {}", index)
+                                                              : fmt::format("\"{}\"", played->name)));
+    return index;
+}
+
+void tell_translucents(const Scene& scene, ModelShot& out) {
+    const Model& model = scene.model();
+    struct Group {
+        size_t triangles = 0;
+        std::vector<std::string> names;
+    };
+    std::array<Group, 2> groups;  // not drawn at all, and in part
+    for (const Instance& instance : scene.instances())
+        for (const Part& part : model.meshes[static_cast<size_t>(instance.mesh)].parts) {
+            if (!scene.translucent(part)) continue;
+            Group& group =
+                groups[has_opaque_texels(model, model.materials[static_cast<size_t>(part.material)])];
+            group.triangles += part.indices.size() / 3;
+            const std::string& name = model.nodes[static_cast<size_t>(instance.node)].name;
+            const std::string quoted = fmt::format("\"{}\"", name);
+            if (!name.empty() && std::ranges::find(group.names, quoted) == group.names.end())
+                group.names.push_back(quoted);
+        }
+    constexpr size_t most_names = 3;
+    for (size_t i = 0; i < groups.size(); ++i) {
+        auto& [triangles, names] = groups[i];
+        if (triangles == 0) continue;
+        const size_t others = names.size() - std::min(names.size(), most_names);
+        names.resize(names.size() - others);
+        std::string of = names.empty() ? "" : fmt::format(" of {}", fmt::join(names, ", "));
+        if (others) of += fmt::format(" and {} more", others);
+        out.warnings.emplace("scene", fmt::format("{} triangle{}{} let light through and are {}", triangles,
+                                                  triangles == 1 ? "" : "s", of,
+                                                  i ? "drawn where opaque alone" : "not drawn"));
+    }
+}
+
 }  // namespace
 
 std::string seen_from(const std::filesystem::path& file, const std::filesystem::path& folder) {
@@ -222,13 +274,15 @@ ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
     Shot shot;
     shot.fps = fps;
     uint32_t frames = still_frames;
-    if (!model.animations.empty() && !model.animations[0].channels.empty()) {
-        shot.animation = "0";
-        frames = static_cast<uint32_t>(
-            std::clamp(std::ceil(model.animations[0].duration_s * fps) + 1, 2.0, double(most_frames)));
+    ModelShot out;
+    const std::optional<size_t> animation = animation_of(model, out);
+    if (animation) {
+        shot.animation = std::to_string(*animation);
+        frames = static_cast<uint32_t>(std::clamp(
+            std::ceil(model.animations[*animation].duration_s * fps) + 1, 2.0, double(most_frames)));
     }
     const Scene scene(model, shot);
-    ModelShot out;
+    tell_translucents(scene, out);
     out.bounds = bounds_of(scene, frames);
     const auto& [low, high] = out.bounds;
     const double size = std::max(glm::length(high - low), 1e-6);
@@ -241,7 +295,7 @@ ModelShot make_model_shot(const Model& model, const std::filesystem::path& file,
     json["camera"] = camera_of(scene, frames, size, out);
     json["sun"] = sun_of(scene, frames, out);
     if (OrderedJson lights = lights_of(model, out); !lights.empty()) json["lights"] = std::move(lights);
-    if (!shot.animation.empty()) json["animation"] = 0;
+    if (animation) json["animation"] = *animation;
     if (ground) {
         const glm::dvec3 center = 0.5 * (low + high);
         json["ground"] = {{"height", rounded(low.y, size)},

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "host/generated/noise.h"
+#include "host/models/translucency.h"
 #include "host/truth/concentric_disc.h"
 #include "host/truth/tree_boxes.h"
 
@@ -172,6 +173,16 @@ CountedVisibility::CountedVisibility(const Scene& scene, double frame) {
     translucent_.triangles = scene.translucent_triangles(frame);
     translucent_.bvh = build_bvh(translucent_.triangles);
     translucents_ = make_scene_translucents(scene);
+    const Model& model = scene.model();
+    uint32_t index = 0;
+    for (const Instance& instance : scene.instances())
+        for (const Part& part : model.meshes[static_cast<size_t>(instance.mesh)].parts) {
+            const bool translucent = scene.translucent(part);
+            const bool drawn =
+                translucent && has_opaque_texels(model, model.materials[static_cast<size_t>(part.material)]);
+            for (size_t i = 0; i < part.indices.size(); i += 3, ++index)
+                if (translucent) drawn_.push_back(drawn ? std::optional(index) : std::nullopt);
+        }
 }
 
 template <class Touches, class Visit>
@@ -207,8 +218,8 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
     };
     double least = INFINITY;
     std::optional<SurfacePoint> out;
-    opaque_.walk(near_point, [&](uint32_t index) {
-        const Corners v = corners_from(opaque_.triangles[index], point);
+    const auto look = [&](const Triangle& triangle, uint32_t index) {
+        const Corners v = corners_from(triangle, point);
         const glm::dvec3 winding = glm::cross(v[1] - v[0], v[2] - v[0]);
         if (!(glm::dot(winding, winding) > 0)) return;
         const glm::dvec3 n = glm::normalize(winding), nearest = nearest_to_origin(v);
@@ -223,11 +234,16 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
         if (unlike >= least) return;
         least = unlike;
         const glm::dvec3 met = glm::dot(n, v[0]) / slope * ray.direction;  // from `point` along the ray
-        const Corners from_met = corners_from(opaque_.triangles[index], point + met);
+        const Corners from_met = corners_from(triangle, point + met);
         const bool inside = std::isfinite(met.x) && glm::length(met) <= 64 * margin.x &&
                             glm::length(nearest_to_origin(from_met)) <= 0x1p-40 * taxi(point);
         out = {point + (inside ? met : nearest), shown, index};
-    });
+    };
+    opaque_.walk(near_point, [&](uint32_t index) { look(opaque_.triangles[index], index); });
+    if (translucents_)
+        translucent_.walk(near_point, [&](uint32_t index) {
+            if (drawn_[index]) look(translucent_.triangles[index], *drawn_[index]);
+        });
     return out;
 }
 

@@ -84,6 +84,8 @@ class CountedVisibility {
     std::optional<SceneAlpha> alpha_;
     Tree translucent_;
     std::optional<SceneTranslucents> translucents_;
+    // Per translucent triangle which of Scene::triangles() it is, where its opaque texels are drawn.
+    std::vector<std::optional<uint32_t>> drawn_;
 };
 
 }  // namespace penumbra

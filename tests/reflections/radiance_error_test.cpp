@@ -70,14 +70,41 @@ TEST(RadianceError, ABiasCaps) {
     EXPECT_NEAR(*biased.sums().n_eff(), 12 / (1.0 + 1.21 + 1.44), 0.05);
 }
 
-TEST(RadianceError, WhatIsNoNumberIsCountedAlone) {
-    Experiment broken(4, 64, 0.2f);
-    const double before = *broken.sums().n_eff();
-    broken.image[1][5] = std::numeric_limits<float>::quiet_NaN();
-    broken.image[2][9] = std::numeric_limits<float>::infinity();
-    EXPECT_EQ(broken.sums().nonfinite, 2u);
-    EXPECT_EQ(broken.sums().pixels(), Experiment::pixels - 2);
-    EXPECT_NEAR(*broken.sums().n_eff(), before, 0.01);
+// A pipeline must not gain by what it leaves undone.
+TEST(RadianceError, WhatIsNoNumberIsTheWorstError) {
+    Experiment clean(4, 64, 0.2f), broken(4, 64, 0.2f);
+    for (size_t i = 0; i < Experiment::pixels; i += 2)
+        broken.image[i % 3][i] =
+            i % 4 ? std::numeric_limits<float>::quiet_NaN() : -std::numeric_limits<float>::infinity();
+    const RadianceErrorSums sums = broken.sums(), was = clean.sums();
+    EXPECT_EQ(sums.nonfinite, Experiment::pixels / 2);
+    EXPECT_EQ(sums.pixels(), Experiment::pixels);
+    EXPECT_NEAR(*sums.n_eff(), 12 / (365 / 2.0), 0.01) << "half of the pixels are off by 10, 11 and 12";
+    EXPECT_GT(*sums.relmse(), 0.5);
+    EXPECT_NEAR(*sums.bias(), -0.5, 0.01);
+    EXPECT_NEAR(*was.bias(), 0, 0.01);
+    const auto flicker = [&](const Experiment& now, const Experiment& before) {
+        return *radiance_errors(now.shown(), now.known(), before.shown(), before.known().signal).flicker();
+    };
+    EXPECT_GT(flicker(broken, clean), 0.7);
+    EXPECT_GT(flicker(clean, broken), 0.7);
+    EXPECT_GT(flicker(broken, broken), 0.7);
+    EXPECT_NEAR(flicker(clean, clean), 0, 1e-6);
+}
+
+TEST(RadianceError, NorDoesItHelpWhereTheTruthIsBlack) {
+    Experiment black(4, 64, 0.2f);
+    for (size_t i = 0; i < Experiment::pixels; ++i)
+        for (int c = 0; c < 3; ++c) {
+            black.truth[c][i] = 0;
+            black.image[c][i] = std::numeric_limits<float>::quiet_NaN();
+        }
+    EXPECT_LE(*black.sums().n_eff(), 1.1) << "no better than one ray";
+    for (float& error : black.ray_error) error = 0;
+    EXPECT_NEAR(*black.sums().relmse(), 1, 1e-6);
+    black.receiver[7] = 0;
+    EXPECT_EQ(black.sums().pixels(), Experiment::pixels - 1) << "the sky counts in no error";
+    EXPECT_EQ(black.sums().nonfinite, Experiment::pixels);
 }
 
 TEST(RadianceError, SkyIsNoReceiver) {

@@ -76,6 +76,9 @@ TEST_F(RadianceReport, BruteForceGainsWithEveryRayAndCostsMore) {
         EXPECT_NE(page.find(c.id), std::string::npos);
         EXPECT_NE(tables.find("| " + c.id + " |"), std::string::npos);
     }
+    results_.rows[0].moving.nonfinite = 987;
+    EXPECT_NE(radiance_page(results_, folder_).find(">987<"), std::string::npos);
+    EXPECT_NE(markdown_tables(results_).find("| not finite |"), std::string::npos);
 }
 
 TEST_F(RadianceReport, WhatDoesNotMakeTheSignalIsAnError) {
