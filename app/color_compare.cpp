@@ -57,14 +57,16 @@ void add_colors(const fs::path& folder, const CompareArguments& arguments, uint3
     for (size_t p = 0; p < receiver.size(); ++p) {
         if (!(receiver[p] > 0.5f)) continue;
         std::array<double, 3> error{};
-        bool finite = true, coloured = false;
+        bool finite = true, coloured = false, known_here = true;
         for (size_t c = 0; c < 3; ++c) {
             const double is = double(seen[c][p]), should = double(known[c][p]);
             error[c] = std::isfinite(is) ? is - should : should > 0.5 ? -should : 1 - should;
             finite = finite && std::isfinite(is);
             coloured = coloured || std::abs(should - double(visibility[p])) > color_eps;
+            known_here = known_here && std::isfinite(should);
         }
-        sums.nonfinite += !finite;
+        sums.nonfinite += !finite || !known_here;
+        if (!known_here) continue;  // by what is there an error?
         sums.all.add(error);
         if (coloured) sums.coloured.add(error);
     }

@@ -209,9 +209,9 @@ PlanarImage host_image(Device& device, const Session& session, const std::string
     return host_texels(device, session, name).image;
 }
 
-std::vector<std::filesystem::path> frames_of_report(const std::filesystem::path& folder) {
+WrittenFrames frames_of_report(const std::filesystem::path& folder) {
     namespace fs = std::filesystem;
-    std::vector<fs::path> frames;
+    WrittenFrames frames;
     std::error_code failure;
     const auto report = nlohmann::json::parse(read_text(folder / "report.json").value_or(""), nullptr, false);
     const auto reported = fs::last_write_time(folder / "report.json", failure);
@@ -223,9 +223,9 @@ std::vector<std::filesystem::path> frames_of_report(const std::filesystem::path&
         if (name != name.filename() || name.extension() != ".exr") continue;
         for (const char* ending : {".exr", ".png"}) {
             const fs::path file = folder / fs::path(name).replace_extension(ending);
-            if (fs::is_regular_file(fs::symlink_status(file, failure)) &&
-                fs::last_write_time(file, failure) <= reported && !failure)
-                frames.push_back(file);
+            if (!fs::is_regular_file(fs::symlink_status(file, failure))) continue;
+            const auto time = fs::last_write_time(file, failure);
+            if (!failure && time <= reported) frames.emplace(file, time);
         }
     }
     return frames;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,8 +34,10 @@ PlanarImage captured_image(const Session& session, const std::string& resource);
 // A host image (see is_host_image) of that frame.
 PlanarImage host_image(Device& device, const Session& session, const std::string& name);
 
-// The images that a folder's report.json lists and that nobody has touched since it was written.
-std::vector<std::filesystem::path> frames_of_report(const std::filesystem::path& folder);
+// The images that a folder's report.json lists and that nobody has touched since it was written, with their
+// times.
+using WrittenFrames = std::map<std::filesystem::path, std::filesystem::file_time_type>;
+WrittenFrames frames_of_report(const std::filesystem::path& folder);
 
 class OutputWriter {
   public:

@@ -33,14 +33,20 @@ void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted
     std::map<std::string, PipelineInstance> own;
     std::erase_if(pipeline.instances, [&](const PipelineInstance& instance) {
         if (instance.family != lights_family) return false;
-        own.emplace(instance.name, instance);
+        std::error_code none;  // those of pipelines that ship stand for whatever lights there are
+        const std::filesystem::path folder = std::filesystem::path(instance.place.file).parent_path();
+        if (!std::filesystem::equivalent(folder, shipped_root() / shipped_pipelines.folder, none))
+            own.emplace(instance.name, instance);
         return true;
     });
     std::vector<std::string> known;
     for (const auto& [name, light] : shot.lights) known.push_back(name);
     const auto lights =
         std::ranges::count_if(own, [&](const auto& o) { return shot.lights.contains(o.first); });
-    const bool chosen = lights == std::ssize(own);  // else they stand for whatever lights there are
+    const bool chosen = lights && lights == std::ssize(own);  // else they stand for them, too
+    if (chosen && !wanted.empty() && !own.contains(wanted))
+        diagnostics.add({}, "--light",
+                        fmt::format("\"{}\" is none of the lights that \"{}\" names", wanted, pipeline.name));
     if (lights && !chosen)
         for (const auto& [name, instance] : own)
             if (!shot.lights.contains(name))

@@ -192,9 +192,10 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
         write_png_light(fs::path(file).replace_extension(".png"), truth.width, truth.height, rgb);
         write_exr(file, truth);
     }
-    // Whose truth it is. One of visibility that is there says that, and more.
+    // Whose truth it is. One of visibility that is there says that of each of its frames, and is kept.
     Diagnostics none;
-    if (const auto there = read_reference_info(folder, none); !there || there->shot != shot.file.string())
+    const auto there = read_reference_info(folder, none);
+    if (!there || (there->frames.empty() && fs::path(there->shot).filename() != shot.file.filename()))
         write_reference_info(folder, {shot.file.string(), shot.size, false, arguments.rays, {}});
     progress.print(fmt::format("written to {}\n", (folder / "").string()));
     return exit_good;

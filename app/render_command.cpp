@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/commands.h"
 #include "app/counted.h"
@@ -36,7 +37,8 @@ struct Job {
     MadeUpShot made_up;
     std::string camera;  // of the model, where the shot is made up
     fs::path folder;
-    FileList earlier;  // frames in the folder that are none of this run's unless it writes them
+    FileList read;
+    WrittenFrames earlier;  // in the folder, and none of this run's unless it writes them
     std::array<uint32_t, 2> size{};
     FrameRange frames{};
     Facts facts;
@@ -63,13 +65,13 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
     FileList written{folder / "report.json"};
     if (nobody_wrote) written.push_back(shot.file);
     // Who asks for some frames alone may want them beside those that are there.
-    FileList earlier = arguments.frames.empty() ? frames_of_report(folder) : FileList{};
-    written.insert(written.end(), earlier.begin(), earlier.end());
-    if (!spares(written,
-                {files_of_shot(shot, nobody_wrote), files_of_pipelines({pipeline->file}),
-                 files_of_nodes(arguments.node_folders)},
-                diagnostics) ||
-        !made_up.may_be_written(diagnostics)) {
+    const bool all = arguments.frames.empty() && arguments.every == 1;
+    WrittenFrames earlier = all ? frames_of_report(folder) : WrittenFrames{};
+    FileList read = files_of_shot(shot, nobody_wrote);
+    for (const FileList& more :
+         {files_of_pipelines({pipeline->file}), files_of_nodes(arguments.node_folders)})
+        read.insert(read.end(), more.begin(), more.end());
+    if (!spares(written, {read}, diagnostics) || !made_up.may_be_written(diagnostics)) {
         std::cerr << diagnostics.text();
         return std::nullopt;
     }
@@ -85,6 +87,7 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
             made_up,
             view->camera,
             folder,
+            std::move(read),
             std::move(earlier),
             *size,
             *frames,
@@ -129,18 +132,22 @@ std::string nothing_shown(const Scene& scene, const Job& job) {
     return "the picture shows nothing of the scene" + why;
 }
 
-// What an earlier run has left would pass for frames of this one. Only images of what this run writes, too.
-void remove_earlier(const FileList& earlier, const OutputWriter& outputs) {
+// What an earlier run has left would pass for frames of this one. Only images of what this run writes, too;
+// what has been written since, or was read, stays.
+void remove_earlier(const Job& job, const OutputWriter& outputs) {
+    std::set<fs::path> frames, images;
+    for (const WrittenOutput& output : outputs.written()) {
+        const fs::path frame = fs::path(output.file).stem();
+        frames.insert(frame);
+        images.insert(frame.stem());
+    }
     size_t removed = 0;
-    for (const fs::path& file : earlier) {
-        const auto is_frame = [&](const WrittenOutput& o) { return fs::path(o.file).stem() == file.stem(); };
-        const auto is_of = [&](const WrittenOutput& o) {
-            return fs::path(o.file).stem().stem() == file.stem().stem();
-        };
+    for (const auto& [file, time] : job.earlier) {
+        if (frames.contains(file.stem()) || !images.contains(file.stem().stem())) continue;
         std::error_code failure;
-        if (std::ranges::none_of(outputs.written(), is_frame) &&
-            std::ranges::any_of(outputs.written(), is_of))
-            removed += fs::remove(file, failure);
+        const auto is_it = [&](const fs::path& other) { return fs::equivalent(file, other, failure); };
+        if (std::ranges::any_of(job.read, is_it)) continue;
+        if (fs::last_write_time(file, failure) == time) removed += fs::remove(file, failure);
     }
     if (removed)
         fmt::print("  {} of an earlier run removed, of frames that this one has not\n",
@@ -213,7 +220,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     print_summary(report);
     fmt::print("  written to {}/\n", folder.generic_string());
     if (device.message_count() != 0 || !complaints.empty()) return exit_failed;
-    remove_earlier(job.earlier, outputs);
+    remove_earlier(job, outputs);
     return exit_good;
 }
 

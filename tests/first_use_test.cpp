@@ -45,6 +45,14 @@ TEST_F(FirstUse, ReferenceLikeAFolderTakesItsFrames) {
     for (int frame = 0; frame < 6; ++frame)
         EXPECT_EQ(fs::exists(folder_ / "t" / ("visibility.000" + std::to_string(frame) + ".exr")),
                   frame % 2 == 1);
+    // The truth of radiance beside it leaves what is said of its frames, however the shot's path is spelled.
+    const std::string frames = read_file(folder_ / "t/reference.json");
+    expect(run("reference --shot scenes/colonnade.shot.json --size 48x32 --frames 1 --rays 16 "
+               "--signal specular --out " +
+               in("t")),
+           0, "");
+    EXPECT_TRUE(fs::exists(folder_ / "t/specular.0001.exr"));
+    EXPECT_EQ(read_file(folder_ / "t/reference.json"), frames);
     expect(run("reference --like " + in("a") + " --shot colonnade --out " + in("u")), 2, "--like");
     expect(run("reference --like " + folder_.string() + " --out " + in("u")), 2, "report.json");
     expect(run("reference --like " + in("a") + " --frames 2 --out " + in("u")), 2, "--frames");

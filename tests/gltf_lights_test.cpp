@@ -215,6 +215,11 @@ TEST(GltfFeatures, AShotTellsWhatIsNotDrawn) {
     ASSERT_EQ(made.warnings.count("scene"), 1u);
     EXPECT_EQ(made.warnings.find("scene")->second,
               "2 triangles of \"glass\" let light through and are not drawn");
+    glb.json["accessors"][primitive(glb)["indices"].get<size_t>()]["count"] = 3;
+    const ModelShot one = make_model_shot(loaded(glb, "pane.glb"), "pane.glb", "", false);
+    ASSERT_EQ(one.warnings.count("scene"), 1u);
+    EXPECT_EQ(one.warnings.find("scene")->second,
+              "1 triangle of \"glass\" lets light through and is not drawn");
 }
 
 // A node that turns takes the sun along; what points nowhere is neither sun nor camera, and that is told.

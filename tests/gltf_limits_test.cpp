@@ -138,6 +138,22 @@ TEST_F(Gltf, WhatIsSharedCountsForEachThatHasIt) {
         EXPECT_NE(text(many).find("a thousand times what"), std::string::npos);
 }
 
+// A text is not gone through again for each that names it, nor taken apart as a path that it cannot be.
+TEST_F(Gltf, LongNamesOfImagesAreNotReadForEachMaterial) {
+    std::string folders;
+    for (int i = 0; i < 500'000; ++i) folders += "a/";
+    write_png_color(folder_ / "good.png", 1, 1, std::vector<float>{1, 0, 0});
+    Json materials, material = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}};
+    for (int i = 0; i < 4000; ++i) materials.push_back(material);
+    const std::string file =
+        positions_file(5, R"(,"textures":[{"source":0}],"materials":)" + materials.dump() +
+                              R"(,"images":[{"uri":")" + folders + R"(good.png"}])");
+    const auto model = load(file);
+    ASSERT_TRUE(model) << diagnostics_.text();
+    EXPECT_EQ(model->warnings, std::vector<std::string>{"image \"" + folders.substr(0, 77) +
+                                                        "...\" is not there: the colour factor is used"});
+}
+
 // A wide texture and a high one of few texels make a map of many.
 TEST_F(Gltf, AMapOfWhatIsLetThroughIsNoLargerThanAFile) {
     write_png_color(folder_ / "wide.png", 600, 1, std::vector<float>(1800, 1));

@@ -219,6 +219,20 @@ TEST_F(Gltf, ImagesThatAreNotThereAreNamed) {
     }
 }
 
+// A name is shown in a terminal, which takes some bytes as commands.
+TEST_F(Gltf, NamesOfImagesAreShownWithoutControlCharacters) {
+    write_png_color(folder_ / "a\x1b[2J.png", 1, 1, std::vector<float>{1, 0, 0});
+    const auto model = load(positions_file(
+        5,
+        R"(,"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}},{"pbrMetallicRoughness":{"baseColorTexture":{"index":1}}}],"textures":[{"source":0},{"source":1}])"
+        R"(,"images":[{"uri":"A%1B[2J.png"},{"uri":"\u007f\n.png"}])"));
+    ASSERT_TRUE(model) << diagnostics_.text();
+    EXPECT_EQ(model->warnings,
+              (std::vector<std::string>{
+                  R"(image "A?[2J.png" is not there (did you mean "a?[2J.png"?): the colour factor is used)",
+                  R"(image "??.png" is not there: the colour factor is used)"}));
+}
+
 // tinygltf knows seven.
 TEST_F(Gltf, DataMayBeOfAnyType) {
     write_png_color(folder_ / "good.png", 1, 1, std::vector<float>{1, 0, 0});
@@ -273,6 +287,11 @@ TEST_F(Gltf, FilesAreKnownByTheirFirstBytes) {
     expect_error(R"({"asset":{"version":"2.0","minVersion":"2.1"}})",
                  "needs glTF 2.1; this program reads glTF 2.0");
     EXPECT_TRUE(load(R"({"asset":{"version":"2.1","minVersion":"2.0"}})")) << diagnostics_.text();
+    for (const std::string least : {"10.0", "2.10", "3", "99999999999.0", "2.0.1", "two"})
+        expect_error(R"({"asset":{"version":"2.0","minVersion":")" + least + R"("}})",
+                     "needs glTF " + least + ";");
+    for (const std::string least : {"", "1.10", "2", "02.0"})
+        EXPECT_TRUE(load(R"({"asset":{"version":"2.0","minVersion":")" + least + R"("}})")) << least;
 }
 
 // An error is a line to be read, and no place for a buffer.

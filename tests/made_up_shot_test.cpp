@@ -65,6 +65,22 @@ TEST_F(MadeUpShot, IsRenderedWithoutFramesOfAnEarlierRun) {
     ASSERT_EQ(third.code, 0) << third.err;
     EXPECT_EQ(third.out.find("removed"), std::string::npos) << "all is written again";
     EXPECT_TRUE(there("visibility.0015.png"));
+
+    ASSERT_EQ(run("render raw lamp --frames 2..4" + small).code, 0);
+    ASSERT_EQ(run(render + " --every 2" + small).code, 0);
+    EXPECT_TRUE(there("visibility.0003.exr")) << "--every asks for some frames, too";
+
+    // What is read stays, whatever its name in the folder, and is no reason to refuse.
+    const std::string model = in("m.glb"), frame = in("o/visibility.0003.exr");
+    ASSERT_EQ(run("render raw lamp --frames 2..4" + small).code, 0);
+    fs::copy_file(PENUMBRA_SOURCE_DIR "/scenes/lamp.glb", model);
+    fs::last_write_time(model, fs::file_time_type::clock::now() - std::chrono::hours(1));
+    fs::remove(frame);
+    fs::create_hard_link(model, frame);
+    const Result linked = run("render raw " + model + small);
+    EXPECT_EQ(linked.code, 0) << linked.err;
+    EXPECT_TRUE(there("visibility.0003.exr"));
+    EXPECT_FALSE(there("visibility.0004.exr"));
 }
 
 TEST_F(MadeUpShot, SaysWhereItsPictureIsEmpty) {

@@ -8,8 +8,6 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
-#include "host/models/translucency.h"
-
 namespace penumbra {
 
 namespace {
@@ -153,7 +151,7 @@ GBuffer::GBuffer(Device& device, const Scene& scene, VkExtent2D extent, uint32_t
             if (translucent || is_alpha_tested(scene.model(), material)) {
                 const Material& of = scene.model().materials[static_cast<size_t>(material)];
                 // The rest is drawn by whoever draws what is behind through it.
-                if (translucent && !has_opaque_texels(scene.model(), of)) continue;
+                if (translucent && !scene.has_opaque_texels(parts[i])) continue;
                 least_alpha = least_opaque_alpha(of);
             }
             DrawItem& item = items_.emplace_back();

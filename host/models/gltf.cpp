@@ -53,26 +53,6 @@ constexpr const char *transmission = "KHR_materials_transmission",
                      *specular_glossiness = "KHR_materials_pbrSpecularGlossiness",
                      *node_visibility = "KHR_node_visibility";
 
-// With what KHR_materials_pbrSpecularGlossiness says of its colour and roughness, where the core's material
-// does not say it as well.
-tinygltf::Material in_core_terms(tinygltf::Material material) {
-    const auto found = material.extensions.find(specular_glossiness);
-    if (found == material.extensions.end()) return material;
-    const tinygltf::TextureInfo diffuse =
-        extension_texture(found->second, "diffuseTexture", specular_glossiness);
-    auto& core = material.pbrMetallicRoughness;
-    if (core.baseColorTexture.index >= 0 ||
-        (material.values.contains("baseColorFactor") && diffuse.index < 0))
-        return material;
-    core = {};
-    core.baseColorTexture = diffuse;
-    extension_numbers(found->second, "diffuseFactor", specular_glossiness, core.baseColorFactor);
-    const double gloss = extension_number(found->second, "glossinessFactor", specular_glossiness, 1);
-    core.metallicFactor = 0;
-    core.roughnessFactor = std::max(1 - gloss, 0.0);
-    return material;
-}
-
 // KHR_node_visibility: neither the node nor what hangs on it.
 bool is_hidden(const tinygltf::Node& node) {
     const auto found = node.extensions.find(node_visibility);
@@ -169,6 +149,28 @@ class Loader {
             beyond_.try_emplace(what, text, std::set<size_t>{})
                 .first->second.second.insert(model_.materials.size());
         }));
+    }
+
+    // With what KHR_materials_pbrSpecularGlossiness says of its colour and roughness, where the core's
+    // material does not say it as well.
+    tinygltf::Material in_core_terms(tinygltf::Material material) {
+        const auto found = material.extensions.find(specular_glossiness);
+        if (found == material.extensions.end()) return material;
+        const tinygltf::TextureInfo diffuse =
+            extension_texture(found->second, "diffuseTexture", specular_glossiness);
+        auto& core = material.pbrMetallicRoughness;
+        if (core.baseColorTexture.index >= 0 ||
+            (material.values.contains("baseColorFactor") && diffuse.index < 0))
+            return material;
+        core = {};
+        core.baseColorTexture = diffuse;
+        extension_numbers(found->second, "diffuseFactor", specular_glossiness, core.baseColorFactor);
+        constexpr const char* gloss = "glossinessFactor";
+        core.metallicFactor = 0;
+        core.roughnessFactor =
+            1 - material_factor(material, gloss,
+                                extension_number(found->second, gloss, specular_glossiness, 1), 1);
+        return material;
     }
 
     // Of two textures, a wide and a high one, what they let through is far larger than both.

@@ -13,6 +13,8 @@
 #include <fstream>
 #include <new>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "host/images/input_limit.h"
 #include "host/models/gltf_accessor.h"
@@ -29,9 +31,12 @@ struct Reading {
     std::vector<std::vector<std::byte>> loose_images;
 };
 
+// A path takes far more memory than its text: of a URI that is too long to be one, none is made.
+constexpr size_t longest_path = 4096;
+
 bool is_file(const std::string& name, void*) {
     std::error_code failure;
-    return std::filesystem::is_regular_file(name, failure);
+    return name.size() <= longest_path && std::filesystem::is_regular_file(name, failure);
 }
 
 std::string as_it_is(const std::string& name, void*) {
@@ -70,12 +75,20 @@ bool keep_image(tinygltf::Image* image, const int index, std::string*, std::stri
     return true;
 }
 
+// Without what a terminal would take as a command.
+std::string printable(std::string_view text) {
+    std::string out(text);
+    std::ranges::replace_if(
+        out, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+    return out;
+}
+
 // At most `most` bytes, and no part of a character.
 std::string cut(std::string_view text, size_t most) {
-    if (text.size() <= most) return std::string(text);
+    if (text.size() <= most) return printable(text);
     size_t end = most - 3;
     while (end > 0 && (text[end] & 0xC0) == 0x80) --end;
-    return std::string(text.substr(0, end)) + "...";
+    return printable(text.substr(0, end)) + "...";
 }
 
 // Without all of what a file may have in one word, a whole buffer among them.
@@ -141,8 +154,9 @@ std::vector<std::string> unread_images(const GltfFiles& files, const fs::path& f
         const tinygltf::Image& image = files.model.images[i];
         if (image.bufferView >= 0 || !files.loose_images[i].empty()) continue;
         const std::string name = percent_decoded(image.uri);
+        const bool may_be_path = name.size() <= longest_path;
         std::error_code failure;
-        if (fs::is_regular_file(folder / name, failure)) {
+        if (may_be_path && fs::is_regular_file(folder / name, failure)) {
             out[i] = fs::file_size(folder / name, failure) == 0
                          ? "is empty"
                          : "cannot be read (it is locked, or the model's files are together " +
@@ -150,8 +164,8 @@ std::vector<std::string> unread_images(const GltfFiles& files, const fs::path& f
             continue;
         }
         out[i] = name.starts_with("data:") ? "cannot be read (its data: has no base64)" : "is not there";
-        const std::string meant = hints_left-- > 0 ? meant_by(name, folder) : "";
-        if (!meant.empty()) out[i] += fmt::format(" (did you mean \"{}\"?)", meant);
+        const std::string meant = may_be_path && hints_left-- > 0 ? meant_by(name, folder) : "";
+        if (!meant.empty()) out[i] += fmt::format(" (did you mean \"{}\"?)", printable(meant));
     }
     return out;
 }
@@ -175,6 +189,17 @@ std::string not_gltf(std::string_view bytes) {
     const auto end = std::ranges::find_if_not(words, [](char c) { return c >= ' ' && c <= '~'; });
     if (end == words.begin()) return "is no glTF";
     return fmt::format("begins with \"{}\", which is no glTF", std::string(words.begin(), end));
+}
+
+// Of an asset's minVersion, which is there or empty. What is no version is none that is read.
+bool is_beyond_2_0(std::string_view version) {
+    if (version.empty()) return false;
+    unsigned major = 0, minor = 0;
+    const char* const end = version.data() + version.size();
+    auto read = std::from_chars(version.data(), end, major);
+    if (read.ec == std::errc() && read.ptr != end && *read.ptr == '.')
+        read = std::from_chars(read.ptr + 1, end, minor);
+    return read.ec != std::errc() || read.ptr != end || std::pair(major, minor) > std::pair(2u, 0u);
 }
 
 // tinygltf walks "extras" and extensions by recursion, on whatever stack there is.
@@ -234,7 +259,7 @@ std::optional<GltfFiles> read_gltf_files(const std::filesystem::path& path, Diag
     // The library puts what its parser throws into words; what a file says may stand in those of others.
     if (!good && error == std::bad_alloc().what()) throw std::bad_alloc();
     if (!good) return refuse("not a valid glTF 2.0 file: " + one_line(error));
-    if (const std::string& least = files.model.asset.minVersion; least > "2.0")
+    if (const std::string& least = files.model.asset.minVersion; is_beyond_2_0(least))
         return refuse(fmt::format("needs glTF {}; this program reads glTF 2.0", cut(least, 20)));
     files.loose_images = std::move(reading.loose_images);
     files.loose_images.resize(files.model.images.size());
@@ -247,7 +272,9 @@ std::string image_name(const tinygltf::Model& file, size_t image) {
     const std::string &uri = file.images.at(image).uri, &name = file.images.at(image).name;
     if (uri.empty() && name.empty()) return fmt::format("image {}", image);
     constexpr size_t longest = 80;
-    return fmt::format("image \"{}\"", cut(uri.empty() ? name : percent_decoded(uri), longest));
+    // Asked for each material, of a text that may be long: no more of it is decoded than is shown.
+    const std::string start = (uri.empty() ? name : uri).substr(0, 3 * longest + 3);
+    return fmt::format("image \"{}\"", cut(uri.empty() ? start : percent_decoded(start), longest));
 }
 
 std::span<const std::byte> encoded_image(const GltfFiles& files, size_t image) {

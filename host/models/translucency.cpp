@@ -99,6 +99,7 @@ bool has_opaque_texels(const Model& model, const Material& material) {
     if (!material.alpha_blend || material.transmission > 0 || material.texture < 0) return false;
     const std::vector<uint8_t>& rgba = model.textures[static_cast<size_t>(material.texture)].rgba;
     const uint32_t least = least_opaque_alpha(material);
+    if (least > 255) return false;
     for (size_t i = 3; i < rgba.size(); i += 4)
         if (rgba[i] >= least) return true;
     return false;

@@ -110,8 +110,11 @@ Scene::Scene(Model model, const Shot& shot)
       animation_(find_animation(model_, shot.animation)),
       fps_(shot.fps),
       objects_(shot.objects) {
-    for (size_t i = 0; i < model_.materials.size(); ++i)
+    for (size_t i = 0; i < model_.materials.size(); ++i) {
         translucent_.push_back(is_translucent(model_, static_cast<int>(i)));
+        opaque_texels_.push_back(translucent_.back() &&
+                                 penumbra::has_opaque_texels(model_, model_.materials[i]));
+    }
     for (const Node& node : model_.nodes) {
         const auto found = objects_.find(node.name);
         motions_.push_back(found == objects_.end() ? nullptr : &found->second);

@@ -63,6 +63,10 @@ class Scene {
     bool translucent(const Part& part) const {
         return part.material >= 0 && translucent_[static_cast<size_t>(part.material)];
     }
+    // Of a translucent part, texels that are opaque and are drawn.
+    bool has_opaque_texels(const Part& part) const {
+        return part.material >= 0 && opaque_texels_[static_cast<size_t>(part.material)];
+    }
     bool has_translucent() const;
     // Box of all triangles at the first frame, without the shot's origin.
     const std::array<glm::dvec3, 2>& bounds() const { return bounds_; }
@@ -94,7 +98,7 @@ class Scene {
     }
 
     Model model_;
-    std::vector<bool> translucent_;  // by material
+    std::vector<bool> translucent_, opaque_texels_;  // by material
     int animation_ = -1;
     double fps_ = 60;
     std::vector<const ObjectMotion*> motions_;  // per node, null where it stands still

@@ -230,7 +230,7 @@ void tell_translucents(const Scene& scene, ModelShot& out) {
     const Model& model = scene.model();
     struct Group {
         size_t triangles = 0;
-        std::vector<std::string> names;
+        std::set<std::string> names;
     };
     std::array<Group, 2> groups;  // not drawn at all, and in part
     for (const Instance& instance : scene.instances())
@@ -240,21 +240,21 @@ void tell_translucents(const Scene& scene, ModelShot& out) {
                 groups[has_opaque_texels(model, model.materials[static_cast<size_t>(part.material)])];
             group.triangles += part.indices.size() / 3;
             const std::string& name = model.nodes[static_cast<size_t>(instance.node)].name;
-            const std::string quoted = fmt::format("\"{}\"", name);
-            if (!name.empty() && std::ranges::find(group.names, quoted) == group.names.end())
-                group.names.push_back(quoted);
+            if (!name.empty()) group.names.insert(name);
         }
     constexpr size_t most_names = 3;
     for (size_t i = 0; i < groups.size(); ++i) {
-        auto& [triangles, names] = groups[i];
+        const auto& [triangles, names] = groups[i];
         if (triangles == 0) continue;
-        const size_t others = names.size() - std::min(names.size(), most_names);
-        names.resize(names.size() - others);
-        std::string of = names.empty() ? "" : fmt::format(" of {}", fmt::join(names, ", "));
-        if (others) of += fmt::format(" and {} more", others);
-        out.warnings.emplace("scene", fmt::format("{} triangle{}{} let light through and are {}", triangles,
-                                                  triangles == 1 ? "" : "s", of,
-                                                  i ? "drawn where opaque alone" : "not drawn"));
+        const size_t told = std::min(names.size(), most_names);
+        const auto end = std::next(names.begin(), static_cast<ptrdiff_t>(told));
+        std::string of = told ? fmt::format(" of \"{}\"", fmt::join(names.begin(), end, "\", \"")) : "";
+        if (names.size() > told) of += fmt::format(" and {} more", names.size() - told);
+        const bool one = triangles == 1;
+        out.warnings.emplace("scene",
+                             fmt::format("{} triangle{}{} {} {}", triangles, one ? "" : "s", of,
+                                         one ? "lets light through and is" : "let light through and are",
+                                         i ? "drawn where opaque alone" : "not drawn"));
     }
 }
 

@@ -10,7 +10,6 @@
 #include <span>
 
 #include "host/generated/noise.h"
-#include "host/models/translucency.h"
 #include "host/truth/concentric_disc.h"
 #include "host/truth/tree_boxes.h"
 
@@ -178,8 +177,7 @@ CountedVisibility::CountedVisibility(const Scene& scene, double frame) {
     for (const Instance& instance : scene.instances())
         for (const Part& part : model.meshes[static_cast<size_t>(instance.mesh)].parts) {
             const bool translucent = scene.translucent(part);
-            const bool drawn =
-                translucent && has_opaque_texels(model, model.materials[static_cast<size_t>(part.material)]);
+            const bool drawn = translucent && scene.has_opaque_texels(part);
             for (size_t i = 0; i < part.indices.size(); i += 3, ++index)
                 if (translucent) drawn_.push_back(drawn ? std::optional(index) : std::nullopt);
         }
