@@ -235,11 +235,11 @@ TEST(GltfFeatures, SpecularGlossinessHasAColour) {
     EXPECT_EQ(model.materials[2].base_color, model.materials[0].base_color);
     ASSERT_EQ(model.warnings.size(), 1u);
     EXPECT_TRUE(model.warnings[0].starts_with("image 0 cannot be read")) << model.warnings[0];
-    glb.json["materials"] = {material({{"glossinessFactor", 4}}, Json::object())};
+    glb.json["materials"] = Json::array({material({{"glossinessFactor", 4}}, Json::object())});
     const Model mirror = loaded(glb, "gloss.glb");
     EXPECT_EQ(mirror.materials[0].roughness, 0);
     EXPECT_EQ(mirror.warnings, std::vector<std::string>{"material \"\": glossinessFactor 4 is taken as 1"});
-    glb.json["materials"] = {material({{"glossinessFactor", -3}}, Json::object())};
+    glb.json["materials"] = Json::array({material({{"glossinessFactor", -3}}, Json::object())});
     Diagnostics diagnostics;
     EXPECT_FALSE(load_gltf(glb.save("gloss.glb"), diagnostics));
     EXPECT_NE(diagnostics.text().find("glossinessFactor -3 is not a number from 0 on"), std::string::npos)
