@@ -66,7 +66,7 @@ void add_colors(const fs::path& folder, const CompareArguments& arguments, uint3
             known_here = known_here && std::isfinite(should);
         }
         sums.nonfinite += !finite || !known_here;
-        if (!known_here) continue;  // by what is there an error?
+        if (!known_here) continue;  // nothing to hold it against
         sums.all.add(error);
         if (coloured) sums.coloured.add(error);
     }

@@ -5,7 +5,7 @@
 set(SANITIZED_TESTS
   broken_input_test.cpp c_bvh_test.cpp check_conditions_test.cpp check_test.cpp compile_inputs_test.cpp compile_order_test.cpp compile_test.cpp
   compile_text.cpp gltf_animation_test.cpp gltf_features_test.cpp gltf_limits_test.cpp gltf_test.cpp image_decode_test.cpp
-  image_file_test.cpp json_text_test.cpp node_type_test.cpp pipeline_test.cpp shot_test.cpp)
+  image_file_test.cpp json_text_test.cpp node_type_test.cpp pipeline_test.cpp scene_test.cpp shot_test.cpp)
 set(SANITIZED_SOURCES fuzz/changed_pipeline.cpp fuzz/fuzz_c_api.cpp fuzz/fuzz_files.cpp fuzz/fuzz_json.cpp plan_checks.cpp)
 foreach(LIBRARY penumbra_bvh penumbra_diagnostic penumbra_graph penumbra_capi penumbra_models)
   get_target_property(FILES ${LIBRARY} SOURCES)
