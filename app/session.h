@@ -35,6 +35,7 @@ struct SessionOptions {
     bool always_jitter = false;  // whether one does or not
     bool validate = false;       // look at everything that the pipeline reads and writes (app/validate.h)
     std::optional<uint32_t> poison;
+    bool timestamps = true;
     Facts facts;           // instead of what the scene says
     bool optimum = true;   // search for the smallest possible heap, for the report
     bool steered = false;  // somebody will steer(): facts promise neither a still camera nor a sun that is up
@@ -110,7 +111,7 @@ class Session {
   private:
     Session(Device& device, const SessionOptions& options, uint32_t seed)
         : device_(device), seed_(seed), pass_costs_(options.pass_costs), hold_(options.hold) {}
-    void make_view(Plan plan, std::optional<uint32_t> poison);
+    void make_view(Plan plan, const SessionOptions& options);
     // What the plan's slots ask for; `environment`: what is read of it.
     void make_resources(const SessionOptions& options, KeptScene& kept, const SessionLights& lights,
                         TexelsAs as, const EnvironmentInput& environment);

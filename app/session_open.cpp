@@ -170,10 +170,10 @@ std::set<std::string> features_of(const Device& device) {
     return features;
 }
 
-void Session::make_view(Plan plan, std::optional<uint32_t> poison) {
+void Session::make_view(Plan plan, const SessionOptions& options) {
     const auto before = std::chrono::steady_clock::now();
     auto program = std::make_shared<Program>(handles_of(device_), std::make_shared<Plan>(std::move(plan)));
-    view_ = std::make_unique<View>(program, ViewOptions{1, poison});
+    view_ = std::make_unique<View>(program, ViewOptions{1, options.poison, options.timestamps});
     program_ms_ =
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - before).count();
     set_param("seed", seed_);
@@ -270,7 +270,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     host.set_jitter(options.jitter && (plan->jitter || options.always_jitter));
 
     doing("compiling shaders");
-    session->make_view(std::move(*plan), options.poison);
+    session->make_view(std::move(*plan), options);
     const bool words = table.max_texel_elements < large_texel_buffer;  // as compile() decided
     session->make_resources(options, kept, *lights, words ? TexelsAs::words : TexelsAs::texels, environment);
     return session;

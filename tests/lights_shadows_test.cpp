@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // lights_shadows.json through the program: light_shadows.json for each light of a shot, in one plan. With a
 // budget for each it is that to the bit; what one for all gives is in lights_budget_test.cpp.
+#include <map>
+
 #include "tests/cli_run.h"
 #include "tests/gpu_test.h"
 
@@ -32,6 +34,29 @@ TEST_F(LightsShadows, EachMaskIsTheOneOfItsLightAlone) {
     render("lights_shadows --light tube", "tube");
     EXPECT_TRUE(fs::exists(folder_ / "tube/visibility_tube.0002.exr"));
     EXPECT_FALSE(fs::exists(folder_ / "tube/visibility_bulb.0002.exr"));
+}
+
+// Boxes around what tiles show and places of the past are the same for all lights: spots and spheres that end
+// before most of what is seen, a camera and a car that move.
+TEST_F(LightsShadows, WhatTheyHaveInCommonChangesNoBit) {
+    const std::string street =
+        " --shot scenes/lights/street.shot.json --size 160x90 --frames 0..5 --every 5 ";
+    const auto written = [&](const std::string& settings, const std::string& folder) {
+        const Result result = run("render lights_shadows" + settings + street + "--out '" + in(folder) + "'");
+        EXPECT_EQ(result.code, 0) << result.err;
+        std::map<std::string, std::string> masks;
+        for (const auto& entry : fs::directory_iterator(folder_ / folder))
+            if (const std::string name = entry.path().filename(); name.starts_with("visibility_"))
+                masks[name] = read_file(entry.path());
+        return masks;
+    };
+    const auto together = written("", "together"),
+               apart = written(
+                   " --set nodes.classify.in.tile_boxes=null --set nodes.survey.in.nearest_places=null"
+                   " --set nodes.worth.in.nearest_places=null",
+                   "apart");
+    EXPECT_EQ(together.size(), 48u) << "twelve lights, two frames, EXR and PNG";
+    EXPECT_EQ(together, apart);
 }
 
 // Where its members are lights of the shot, it is of these, and their facts hold. Those of the pipeline that

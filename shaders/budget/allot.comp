@@ -41,16 +41,18 @@ void for_tile(ivec2 tile, Threshold t) {
     const uvec4 pixels = in_grid ? classes[tile_index(tile)] : uvec4(0u);
     const uint steps_less = HAS_LIGHT_SHARES && in_grid ? light_shares[tile_index(tile)] : 0u;
     const bool chosen = place_of(tile) < t.share;
-    for (uint c = 0u; c < CLASSES; ++c) {
-        uint level = 0u;
-        if (pixels[c] != 0u)
-            for (uint i = 0u; i + 1u < LEVELS; ++i) {
-                const uint bin = gain_bin(EXPECTED[c], i, steps_less);
-                if (bin > t.bin || bin == t.bin && chosen) level = i + 1u;
-            }
-        append_tile(level != 0u, with_rays(pack_tile(tile, pixels[c], 0.0, WHOLE_RAY_M), RAYS_AT[level]));
-        count_allotted(uint(bitCount(pixels[c])) * (RAYS_AT[level] - 1u));
-    }
+    // All of a subgroup or none: a list is appended to together.
+    if (subgroupOr(pixels.x | pixels.y | pixels.z | pixels.w) != 0u)
+        for (uint c = 0u; c < CLASSES; ++c) {
+            uint level = 0u;
+            if (pixels[c] != 0u)
+                for (uint i = 0u; i + 1u < LEVELS; ++i) {
+                    const uint bin = gain_bin(EXPECTED[c], i, steps_less);
+                    if (bin > t.bin || bin == t.bin && chosen) level = i + 1u;
+                }
+            append_tile(level != 0u, with_rays(pack_tile(tile, pixels[c], 0.0, WHOLE_RAY_M), RAYS_AT[level]));
+            count_allotted(uint(bitCount(pixels[c])) * (RAYS_AT[level] - 1u));
+        }
 }
 
 void main() {

@@ -66,7 +66,14 @@ uint beside_others(ivec2 tile, uint sunward) {
     return ~(from_left & from_right & (sunward << 8 | above >> 24) & (sunward >> 8 | below << 24));
 }
 
-void main() {
+// What each kind of pixel gets.
+struct Shares {
+    float budget;               // rays
+    float of_unsure, of_others; // factors of a light's weight, or WHOLE
+    bool enough, for_everyone, one_first;
+};
+
+Shares shares_of_the_budget() {
     float unsure[SHARE_CLASSES], rest[SHARE_CLASSES], first = 0.0, others = 0.0, pixels_of_all = 0.0;
     for (uint c = 0u; c < SHARES; ++c) {
         unsure[c] = pixels_that_are(UNSURE, c);
@@ -75,18 +82,34 @@ void main() {
         others += pixels_that_are(OTHERS, c);
         pixels_of_all += unsure[c] + pixels_that_are(OTHERS, c) + pixels_that_are(IDLE, c);
     }
-    const float budget = params.rays_per_frame * (pixels_of_all + float(HAS_POOLED ? 0u : pixel_counts[PROVED_PIXELS]));
-    const bool enough = budget >= first, for_everyone = HAS_SUNWARD_WORDS && budget >= pixels_of_all;
+    Shares s;
+    s.budget = params.rays_per_frame * (pixels_of_all + float(HAS_POOLED ? 0u : pixel_counts[PROVED_PIXELS]));
+    s.enough = s.budget >= first;
+    s.for_everyone = HAS_SUNWARD_WORDS && s.budget >= pixels_of_all;
     const float tiles = float(candidate_args[3]);
     // Tiles are rounded up and down, and some more of them up in one frame than in another: rays that are kept for that.
-    const float dealt = enough || HAS_POOLED ? budget : max(budget - sqrt(tiles), 0.0);
-    const float of_unsure = enough ? WHOLE : factor_for(FOR_THE_UNSURE * dealt, unsure);
-    const float left = dealt - cast_by(of_unsure, unsure);
-    float of_others = enough ? WHOLE : factor_for(left, rest);
+    const float dealt = s.enough || HAS_POOLED ? s.budget : max(s.budget - sqrt(tiles), 0.0);
+    s.of_unsure = s.enough ? WHOLE : factor_for(FOR_THE_UNSURE * dealt, unsure);
+    const float left = dealt - cast_by(s.of_unsure, unsure);
+    s.of_others = s.enough ? WHOLE : factor_for(left, rest);
     // Less than a pixel of a tile would be none: then one comes first, if there are as many rays as tiles.
-    const bool one_first = !HAS_POOLED && params.trickle > 0.0 && params.trickle * min(of_others, 1.0) < LEAST_SHARE && left >= tiles;
-    if (one_first) of_others = (left - tiles) / max(others, 1.0);
+    s.one_first = !HAS_POOLED && params.trickle > 0.0 && params.trickle * min(s.of_others, 1.0) < LEAST_SHARE && left >= tiles;
+    if (s.one_first) s.of_others = (left - tiles) / max(others, 1.0);
+    return s;
+}
 
+uint asked_in(ivec2 tile, uint candidates_here, Shares s) {
+    const uvec4 tile_known = known[tile_index(tile)];
+    const float weight = HAS_LIGHT_SHARES ? weight_of(share_class(light_shares[tile_index(tile)])) : 1.0;
+    const float others_here = min(s.of_others * weight, 1.0), idle_here = s.one_first ? LEAST_SHARE : params.trickle * others_here;
+    const bool counted = HAS_POOLED || !s.enough;
+    const uint idle = tile_known.y & ~(s.for_everyone ? beside_others(tile, candidates_here) : 0u);
+    return asked_of(UNSURE, candidates_here & tile_known.x, s.of_unsure * weight, tile, counted) |
+           asked_of(IDLE, candidates_here & idle, idle_here, tile, counted && !s.one_first) |
+           asked_of(OTHERS, candidates_here & ~(tile_known.x | idle), others_here, tile, counted);
+}
+
+void main() {
     uvec4 record = uvec4(0u);
     const uint index = gl_GlobalInvocationID.y * gl_NumWorkGroups.x * gl_WorkGroupSize.x + gl_GlobalInvocationID.x;
     if (index < candidate_args[3]) record = candidates[index];
@@ -94,20 +117,16 @@ void main() {
     const ivec2 tile = tile_of(record);
     const bool proof = record.y != 0u && is_proved(tile);
     if (proof) ray_words[tile_index(tile)] = record.y;
-    if (record.y != 0u && !proof) {
-        const uvec4 tile_known = known[tile_index(tile)];
-        const float weight = HAS_LIGHT_SHARES ? weight_of(share_class(light_shares[tile_index(tile)])) : 1.0;
-        const float others_here = min(of_others * weight, 1.0), idle_here = one_first ? LEAST_SHARE : params.trickle * others_here;
-        const bool counted = HAS_POOLED || !enough;
-        const uint idle = tile_known.y & ~(for_everyone ? beside_others(tile, record.y) : 0u);
-        pixels = asked_of(UNSURE, record.y & tile_known.x, of_unsure * weight, tile, counted) |
-                 asked_of(IDLE, record.y & idle, idle_here, tile, counted && !one_first) |
-                 asked_of(OTHERS, record.y & ~(tile_known.x | idle), others_here, tile, counted);
-        ray_words[tile_index(tile)] = pixels;
+    if (index == 0u || record.y != 0u && !proof) {
+        const Shares shares = shares_of_the_budget();
+        if (index == 0u) ray_budget[0] = uint(min(shares.budget, 4294967040.0));
+        if (record.y != 0u && !proof) {
+            pixels = asked_in(tile, record.y, shares);
+            ray_words[tile_index(tile)] = pixels;
+        }
     }
     const uint rays = subgroupAdd(uint(bitCount(pixels)));
     if (subgroupElect() && rays != 0u) atomicAdd(ray_budget[1], rays);
-    if (index == 0u) ray_budget[0] = uint(min(budget, 4294967040.0));
     count_sunward(uint(bitCount(record.y)));
     append_tile(pixels != 0u, uvec4(record.x, pixels, record.zw));
 }

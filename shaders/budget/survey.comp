@@ -17,6 +17,7 @@ const bool MANY_RAYS = true;
 #include "common/cell_before.glsl"
 #include "common/sun_change.glsl"
 #include "common/another_sun.glsl"
+#include "budget/nearest_place.glsl"
 #include "budget/nearest_past.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/light_share.glsl"

@@ -19,6 +19,7 @@ const bool MANY_RAYS = true;
 #include "common/light.glsl"
 #include "common/light_axes.glsl"
 #include "common/light_change.glsl"
+#include "budget/nearest_place.glsl"
 #include "budget/nearest_past.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/expected_error.glsl"
@@ -67,10 +68,22 @@ ivec2 tile_of_lane(uint lane) {
     return ivec2(gl_WorkGroupID.xy * gl_WorkGroupSize.xy) + ivec2(lane % gl_WorkGroupSize.x, lane / gl_WorkGroupSize.x);
 }
 
+// Whether any of a workgroup's tiles has a ray. Each subgroup asks for itself, so that none waits for another.
+bool anything_traced() {
+    uint words = 0u;
+    for (uint i = gl_SubgroupInvocationID; i < TILES; i += gl_SubgroupSize)
+        words |= ray_words[tile_index(min(tile_of_lane(i), tile_grid() - 1))];
+    return subgroupOr(words) != 0u;
+}
+
 void main() {
     const uint lane = gl_LocalInvocationIndex;
     const ivec2 tile = tile_of_lane(lane), grid = tile_grid();
     const bool in_grid = all(lessThan(tile, grid));
+    if (!anything_traced()) {
+        if (in_grid) classes[tile_index(tile)] = uvec4(0u);
+        return;
+    }
     const uint traced = in_grid ? ray_words[tile_index(tile)] : 0u;
     if (lane == 0u) asked_count = 0u;
     for (uint c = 0u; c < CLASSES; ++c) class_masks[CLASSES * lane + c] = 0u;

@@ -28,14 +28,21 @@ uint by_near_light(ivec2 p, float z, vec3 n) {
     return light_is_below(n, to_centre, GUIDE_NORMAL_ERROR) ? SHADOWED : UNDECIDED;
 }
 
+// Whether the light reaches nothing that the tile shows.
+bool is_out_of_reach(ivec2 tile) {
+    if (!HAS_LIGHT || !HAS_TILE_BOXES) return false;
+    const uint box = 2u * tile_index(tile);
+    return !light_may_reach(tile_boxes[box].xyz - light.centre, tile_boxes[box + 1u].xyz - light.centre);
+}
+
 void main() {
     const ivec2 tile = ivec2(gl_GlobalInvocationID.xy);
     const bool in_grid = all(lessThan(tile, tile_grid()));
-    const uint pixels = in_grid ? inside_mask(tile) : 0u;
+    const uint pixels = in_grid && !is_out_of_reach(tile) ? inside_mask(tile) : 0u;
     const float limit = shadowed_below();
 
     uint receivers = 0u, shadowed = 0u;
-    for (int i = 0; i < 32; ++i) {
+    for (int i = 0; i < (pixels != 0u ? 32 : 0); ++i) {
         const ivec2 p = tile * TILE + ivec2(i & 7, i >> 3);
         const float z = (pixels >> i & 1u) != 0u ? imageLoad(view_depth, p).x : 0.0;
         if (z > 0.0) {

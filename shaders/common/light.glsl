@@ -33,6 +33,21 @@ bool light_reaches(vec3 from_centre) {
     return distance_m > light.u.x && (light.cos_outer <= -1.0 || height_m > light.cos_outer * distance_m);
 }
 
+// Whether it may reach a point of a box, which is empty if `lower` is above `upper`, from its middle as well. A hundred-thousandth is left
+// to rounding.
+bool light_may_reach(vec3 lower, vec3 upper) {
+    const vec3 middle = 0.5 * (lower + upper), half_size = 0.5 * (upper - lower);
+    const float margin = 1e-5 * (length(middle) + length(half_size));
+    if (light.on == 0u || !(lower.x <= upper.x) || length(max(abs(middle) - half_size, 0.0)) > light.range + margin) return false;
+    const float height = dot(middle, light.facing);
+    if (light_is_flat()) return height + dot(half_size, abs(light.facing)) + margin > 0.0;
+    if (light.kind != LIGHT_SPHERE || light.cos_outer <= -1.0) return true;
+    // How far the ball around the box is beside the cone.
+    const float across = sqrt(max(dot(middle, middle) - height * height, 0.0));
+    const float beside = light.cos_outer * across - sqrt(max(1.0 - light.cos_outer * light.cos_outer, 0.0)) * height;
+    return beside <= length(half_size) + margin;
+}
+
 // Whether no point of it is above a receiver's horizon, whose normal is off by at most `normal_error`.
 bool light_is_below(vec3 n, vec3 to_centre, float normal_error) {
     const float bound = light_bound_m();

@@ -31,7 +31,7 @@ float excess_at(ivec2 cell) {
     for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x) {
             const ivec2 q = cell + ivec2(x, y);
-            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, grid))) continue;
+            if (any(lessThan(q, ivec2(0))) || any(greaterThanEqual(q, grid)) || is_idle(idle_word(idle_cells[cell_index(q)]))) continue;
             const vec4 first = cells[2u * cell_index(q)], second = cells[2u * cell_index(q) + 1u];
             const float w = (x == 0 ? 1.0 : 0.5) * (y == 0 ? 1.0 : 0.5);
             d += w * first.x;

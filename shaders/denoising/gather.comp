@@ -114,6 +114,10 @@ void ask_around(uint asking) {
 #include "denoising/compared_cell.glsl"
 
 void main() {
+    if (!anything_looks()) {
+        settle_unasked_cells();
+        return;
+    }
     own_views.towards_light = HAS_LIGHT ? mat3(1.0) : transpose(sun_frame(sun.to_sun));
     own_views.now = view_rays(first_pixel(), own_views.towards_light);
     if (HAS_MOTION) own_views.before = previous_rays(own_views.towards_light);

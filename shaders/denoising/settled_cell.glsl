@@ -31,6 +31,24 @@ bool past_disagrees(ivec2 first, bool lit, out bool known) {
     return unlike;
 }
 
+// Whether anything that a workgroup's cells have in reach looks at the light. Of a light that is near most have nothing. Each subgroup asks for
+// itself, so that none waits for another.
+bool anything_looks() {
+    const ivec2 first = cell_of(0u) * CELL / TILE - 1, last = cell_of(MOST_CELLS - 1u) * CELL / TILE + 1, across = last - first + 1;
+    uint words = 0u;
+    for (int i = int(gl_SubgroupInvocationID); i < across.x * across.y; i += int(gl_SubgroupSize))
+        words |= sunward_words[tile_index(clamp(first + ivec2(i % across.x, i / across.x), ivec2(0), tile_grid() - 1))];
+    return subgroupOr(words) != 0u;
+}
+
+// Where nothing does: lit or not, nobody counts.
+void settle_unasked_cells() {
+    for (uint i = gl_LocalInvocationIndex; i < MOST_CELLS; i += lanes_in_workgroup()) {
+        const ivec2 cell = cell_of(i);
+        if (all(lessThan(cell, cell_grid()))) idle_cells[cell_index(cell)] = idle_word(pixels_of_cell(lit_or_sky(cell), cell));
+    }
+}
+
 bool is_settled(ivec2 cell, bool below_last) {
     const ivec2 first = cell * CELL;
     if (below_last)
@@ -53,9 +71,5 @@ bool is_settled(ivec2 cell, bool below_last) {
     if (HAS_RAY_WORDS && said != 0u) lit = (said & 0xffffu) != 0u ? lit | sunward : lit & ~sunward;
     const uint idle = pixels_of_cell(lit, cell) | pixels_of_cell(counted, cell) << 16;
     idle_cells[cell_index(cell)] = idle_word(works ? NOT_IDLE : idle);
-    if (!works) {  // nothing to doubt
-        cells[2u * cell_index(cell)] = vec4(0.0);
-        cells[2u * cell_index(cell) + 1u] = vec4(0.0);
-    }
     return !works;
 }

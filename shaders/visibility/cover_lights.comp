@@ -26,27 +26,14 @@ const bool HAS_LIGHT = true;
 ConeSlabs slabs_to(SeenLight seen) { return seen.slabs; }
 #endif
 
-// Whether it may reach a point of a box, which is empty if `lower` is above `upper`. A hundred-thousandth is left to rounding.
-bool light_may_reach(vec3 lower, vec3 upper) {
-    const vec3 centre = light.centre + scene.camera_from_origin, middle = 0.5 * (lower + upper) - centre, half_size = 0.5 * (upper - lower);
-    const float margin = 1e-5 * (length(middle) + length(half_size));
-    if (light.on == 0u || !(lower.x <= upper.x) || length(max(abs(middle) - half_size, 0.0)) > light.range + margin) return false;
-    const float height = dot(middle, light.facing);
-    if (light_is_flat()) return height + dot(half_size, abs(light.facing)) + margin > 0.0;
-    if (light.kind != LIGHT_SPHERE || light.cos_outer <= -1.0) return true;
-    // How far the ball around the box is beside the cone.
-    const float across = sqrt(max(dot(middle, middle) - height * height, 0.0));
-    const float beside = light.cos_outer * across - sqrt(max(1.0 - light.cos_outer * light.cos_outer, 0.0)) * height;
-    return beside <= length(half_size) + margin;
-}
-
 // Of the 32 lights from the first one on, a bit for each that may.
 uint lights_that_reach(TileShare share, int first, vec3 lower, vec3 upper) {
     uint found = 0u;
     for (uint k = share.lane; k < 32u; k += share.lanes) {
         const int i = first + int(k);
         light = light_at(min(i, light_count() - 1));
-        if (i < light_count() && light_may_reach(lower, upper)) found |= 1u << k;
+        const vec3 centre = light.centre + scene.camera_from_origin;
+        if (i < light_count() && light_may_reach(lower - centre, upper - centre)) found |= 1u << k;
     }
     return subgroupOr(found);
 }
