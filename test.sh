@@ -36,7 +36,7 @@ if [[ $# -gt 0 && $* != --all ]]; then
 fi
 
 # Longer than ten seconds each, and none of them the only one that kills a mutant of tests/source_mutants.txt.
-long='Allocation\.EachMayFailInC|SubgroupsOf|HardCase\.ATurnedOr|HardCase\.ASunOnAnAxis|HardCase\.TheNoiseTile'
+long='Allocation\.EachMayFailInC|Accuracy\.Published|SubgroupsOf|HardCase\.ATurnedOr|HardCase\.ASunOnAnAxis|HardCase\.TheNoiseTile'
 long+='|LightsBudget\.IsKeptByAll|ShadowsOfShots\.StandingStill|ReportMeasure\.(AnInterrupted|AMaskWithout)'
 long+='|Drivers\.NumbersOfThreads|Denoise\.TakesRaysForSome|SchemaAndLoader\.AgreeOnWrong|CoverageTwin\.OnShippedScenes'
 long+='|Recall\.ChangesWho|RadianceReport\.BruteForce|Explain\.DrawsThePixel|Denoise\.WithAllThatIsKnown'

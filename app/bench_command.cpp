@@ -36,25 +36,26 @@ void make_unique(std::vector<bench::Contender>& contenders) {
 }
 
 std::vector<CheckedPipeline> for_lights(const std::vector<Pipeline>& pipelines, const Shot& shot,
-                                        const NodeSet& nodes, Diagnostics& diagnostics) {
+                                        const std::string& light, const NodeSet& nodes,
+                                        Diagnostics& diagnostics) {
     std::vector<CheckedPipeline> checked;
     for (Pipeline pipeline : pipelines) {
         const size_t before = diagnostics.size();
-        name_lights(pipeline, shot, {}, diagnostics);
+        name_lights(pipeline, shot, light, diagnostics);
         auto c = diagnostics.size() == before ? check(pipeline, nodes, diagnostics) : std::nullopt;
         if (c) checked.push_back(std::move(*c));
     }
     return checked;
 }
 
-bench::Subject subject_of(Shot shot, const std::vector<Pipeline>& pipelines, const NodeSet& nodes,
-                          Diagnostics& diagnostics) {
+bench::Subject subject_of(Shot shot, const std::vector<Pipeline>& pipelines, const std::string& light,
+                          const NodeSet& nodes, Diagnostics& diagnostics) {
     bench::Subject subject;
-    subject.pipelines = for_lights(pipelines, shot, nodes, diagnostics);
-    if (shot.lights.size() > 1) {
+    subject.pipelines = for_lights(pipelines, shot, light, nodes, diagnostics);
+    if (light.empty() && shot.lights.size() > 1) {
         subject.fewer = shot;
         subject.fewer->lights.erase(std::prev(shot.lights.end())->first);
-        subject.for_fewer = for_lights(pipelines, *subject.fewer, nodes, diagnostics);
+        subject.for_fewer = for_lights(pipelines, *subject.fewer, {}, nodes, diagnostics);
     }
     subject.shot = std::move(shot);
     return subject;
@@ -67,6 +68,7 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
     job.bench.options.still = arguments.still;
     job.bench.options.still_camera = arguments.still_camera;
     job.bench.options.rounds = arguments.rounds;
+    job.bench.options.light = arguments.light;
     const auto frames = parse_frames(arguments.frames);
     if (!frames) return std::nullopt;
     job.bench.options.frames = *frames;
@@ -95,7 +97,7 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
                                                   : arguments.still_camera
                                                       ? bench::with_still_camera(std::move(*shot))
                                                       : std::move(*shot),
-                                                  pipelines, nodes, diagnostics));
+                                                  pipelines, arguments.light, nodes, diagnostics));
             }
     return diagnostics.empty() ? std::optional(std::move(job)) : std::nullopt;
 }

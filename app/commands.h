@@ -142,6 +142,7 @@ struct BenchArguments {
     uint32_t rounds = 5;
     bool still = false, still_camera = false;
     std::string format = "table";
+    std::string light;  // of the shots, where they have several; empty: the only one, or all
     std::vector<std::string> settings, node_folders;
     std::string device;
     std::string command_line;  // as it was given, for the JSON

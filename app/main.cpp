@@ -287,6 +287,7 @@ void add_bench(CLI::App& app, BenchArguments& a) {
     c->add_flag("--still", a.still, "shots cut to their first keys: nothing moves but the jitter");
     c->add_flag("--still-camera", a.still_camera, "the camera stays where a shot begins")
         ->excludes("--still");
+    c->add_option("--light", a.light, "which of the shots' lights, where they have several");
     c->add_option("--format", a.format, "table (Markdown) or json")->check(CLI::IsMember({"table", "json"}));
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipelines");
     add_node_folders(c, a.node_folders);

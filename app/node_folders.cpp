@@ -3,6 +3,7 @@
 
 #include <iostream>
 
+#include "app/progress.h"
 #include "penumbra/shadow_nodes.h"
 #include "penumbra/user_nodes.h"
 
@@ -10,8 +11,7 @@ namespace penumbra {
 
 std::optional<NodeSet> read_nodes(const std::vector<std::string>& folders, Diagnostics& diagnostics) {
     NodeSet nodes = shadow_nodes();
-    const auto warn = [](const std::string& message) { std::cerr << "warning: " << message << "\n"; };
-    const auto cache = open_shader_cache(default_shader_cache(), warn);
+    const auto cache = open_shader_cache(default_shader_cache(), print_warning);
     for (const std::string& folder : folders) add_user_nodes(nodes, folder, diagnostics, cache);
     return diagnostics.empty() ? std::optional(std::move(nodes)) : std::nullopt;
 }

@@ -9,6 +9,8 @@
 #include <set>
 #include <string_view>
 
+#include "penumbra/diagnostic.h"
+
 namespace penumbra {
 
 std::string duration_text(double seconds) {
@@ -89,7 +91,11 @@ void Progress::draw() const {
 void print_warnings(std::span<const std::string> warnings) {
     std::set<std::string_view> said;
     for (const std::string& warning : warnings)
-        if (said.insert(warning).second) std::cerr << "warning: " << warning << "\n";
+        if (said.insert(warning).second) print_warning(warning);
+}
+
+void print_warning(const std::string& warning) {
+    std::cerr << "warning: " << to_string(Diagnostic{{}, {}, warning}) << "\n";
 }
 
 }  // namespace penumbra

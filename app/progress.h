@@ -51,7 +51,9 @@ class Doing {
     std::chrono::steady_clock::time_point start_;
 };
 
-// A line each, the same text once.
+// A line; names in it come from files and may hold anything, which a terminal must not see.
+void print_warning(const std::string& warning);
+// The same text once.
 void print_warnings(std::span<const std::string> warnings);
 
 // "40 s", "12 min", "3.0 h"

@@ -182,8 +182,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
-    if (const std::string left = lamps_left_out(*session, lamps); !left.empty())
-        std::cerr << "warning: " << left << "\n";
+    if (const std::string left = lamps_left_out(*session, lamps); !left.empty()) print_warning(left);
     const fs::path& folder = job.folder;
     fs::create_directories(folder);
     fs::remove(folder / "report.json");

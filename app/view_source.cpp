@@ -57,7 +57,7 @@ std::string why_not(const std::array<glm::dvec3, 2>& bounds, const Diagnostics& 
 
 void tell(const std::string& file, const ModelShot& made, const char* key) {
     for (auto [warning, end] = made.warnings.equal_range(key); warning != end; ++warning)
-        fmt::print(stderr, "warning: {}: {}\n", file, warning->second);
+        print_warning(file + ": " + warning->second);
 }
 
 // Of several models each is where its file puts it, known by the file's name, and a number where two have it.

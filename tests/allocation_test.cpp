@@ -96,7 +96,7 @@ TEST(Allocation, EachMayFailFromAPipelineToItsPlan) {
     expect_all_said(
         "raw", [] { return plan_of("pipelines/raw.json"); }, 1);
     expect_all_said(
-        "hybrid_shadows", [] { return plan_of("pipelines/hybrid_shadows.json"); }, 1);
+        "hybrid_shadows", [] { return plan_of("pipelines/hybrid_shadows.json"); }, 7);
 }
 
 // While what is wrong is put into words.

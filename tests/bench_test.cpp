@@ -110,6 +110,17 @@ TEST_F(Cli, BenchSaysWhatALightTakes) {
                     .is_null());
 }
 
+// As render has it: of several lights one is chosen, by a pipeline for one or for all of them.
+TEST_F(Cli, BenchIsOfTheLightThatIsAskedFor) {
+    const std::string shot = " --shots lights/interior --sizes 96x54 --frames 0..1 --rounds 1";
+    expect(run("bench light" + shot), 2, "--light: the shot has several lights");
+    expect(run("bench light" + shot + " --light pannel"), 2, "did you mean \"panel\"?");
+    const Result one = run("bench light lights_shadows" + shot + " --light panel --format json");
+    ASSERT_EQ(one.code, 0) << one.err;
+    EXPECT_NE(one.out.find("\"gather_panel\""), std::string::npos);
+    EXPECT_EQ(one.out.find("\"gather_bulb\""), std::string::npos);
+}
+
 TEST_F(Cli, BenchFindsMistakesBeforeItRuns) {
     expect(run("bench"), 2, "pipelines");
     expect(run("bench one_rays"), 2, "did you mean \"one_ray\"?");

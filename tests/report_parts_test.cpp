@@ -182,6 +182,13 @@ TEST(ReportProgress, ForetellsTheTimeThatIsLeft) {
     EXPECT_EQ(time_left(10, 100, 100), "");
 }
 
+// Names of materials and nodes are a file's.
+TEST(ReportProgress, WarnsInPrintableLinesAndOnce) {
+    testing::internal::CaptureStderr();
+    print_warnings(std::vector<std::string>{"\x1b[31mred", "\x1b[31mred", "two\nlines"});
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: \\x1b[31mred\nwarning: two\\x0alines\n");
+}
+
 class ReportPart : public ::testing::Test {
   protected:
     void SetUp() override {

@@ -224,6 +224,7 @@ std::optional<Scene> measure(Device& device, const NodeSet& nodes, const Subject
     SessionOptions session_options;
     session_options.size = size;
     session_options.hold = options.still;
+    session_options.light = options.light;
     // On a processor they are wall times, and what waits for them is a part of the frame's cost.
     session_options.timestamps = !device.info().is_cpu;
     const auto open = [&](const CheckedPipeline& pipeline, const Shot& shot) {

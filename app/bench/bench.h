@@ -35,6 +35,7 @@ struct Options {
     uint32_t rounds = 5;
     bool still = false;  // the shots are standing_still(): a pipeline that has settled is not run again
     bool still_camera = false;  // the shots are with_still_camera()
+    std::string light;          // as SessionOptions has it
 };
 
 // A figure of each round: the median over its timed frames.

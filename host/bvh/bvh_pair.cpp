@@ -79,10 +79,10 @@ std::vector<uint32_t> position_numbers(std::span<const std::array<float, 3>> pos
 
 namespace {
 
-struct Edge {
+struct TriangleSide {
     uint64_t key;
     uint32_t opposite;  // triangle * 3 + the corner opposite to the edge
-    friend auto operator<=>(const Edge&, const Edge&) = default;
+    friend auto operator<=>(const TriangleSide&, const TriangleSide&) = default;
 };
 
 struct Candidate {
@@ -113,7 +113,7 @@ std::vector<Corners> pair_triangles(std::span<const Triangle> triangles, std::sp
 
     const std::vector<uint32_t> number = position_numbers(
         {reinterpret_cast<const std::array<float, 3>*>(triangles.data()), count * size_t{3}});
-    std::vector<Edge> edges;
+    std::vector<TriangleSide> edges;
     edges.reserve(size_t(count) * 3);
     for (uint32_t c = 0; c < count * 3; ++c) {
         if (done[c / 3]) continue;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the previous frame knew of the surface that a pixel shows, by the nearest texel: enough to allot rays by, not to shade by. It is asked whether
-// that showed the same plane and face, as gather asks: whose past gather does not believe has to have a ray.
+// What the previous frame knew of the surface that a pixel shows, by the nearest texel: enough to allot rays by, not to shade by.
 //
 // Includer has nearest_place.glsl and shadow_state.glsl and declares the image history and, of several lights that have it in common, nearest_places.
 

@@ -71,7 +71,7 @@ ivec2 tile_of_lane(uint lane) {
 // Whether any of a workgroup's tiles has a ray. Each subgroup asks for itself, so that none waits for another.
 bool anything_traced() {
     uint words = 0u;
-    for (uint i = gl_SubgroupInvocationID; i < TILES; i += gl_SubgroupSize)
+    for (uint i = gl_SubgroupInvocationID; i < TILES; i += TILES / gl_NumSubgroups)
         words |= ray_words[tile_index(min(tile_of_lane(i), tile_grid() - 1))];
     return subgroupOr(words) != 0u;
 }

@@ -34,9 +34,10 @@ bool past_disagrees(ivec2 first, bool lit, out bool known) {
 // Whether anything that a workgroup's cells have in reach looks at the light. Of a light that is near most have nothing. Each subgroup asks for
 // itself, so that none waits for another.
 bool anything_looks() {
-    const ivec2 first = cell_of(0u) * CELL / TILE - 1, last = cell_of(MOST_CELLS - 1u) * CELL / TILE + 1, across = last - first + 1;
+    const ivec2 around = ivec2(1, TILES_ABOVE), first = cell_of(0u) * CELL / TILE - around,
+                across = cell_of(MOST_CELLS - 1u) * CELL / TILE + around - first + 1;
     uint words = 0u;
-    for (int i = int(gl_SubgroupInvocationID); i < across.x * across.y; i += int(gl_SubgroupSize))
+    for (int i = int(gl_SubgroupInvocationID); i < across.x * across.y; i += int(lanes_in_workgroup() / gl_NumSubgroups))
         words |= sunward_words[tile_index(clamp(first + ivec2(i % across.x, i / across.x), ivec2(0), tile_grid() - 1))];
     return subgroupOr(words) != 0u;
 }
