@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Memory ends at each allocation in turn, on the way from a pipeline's text to a plan: whoever called is
-// told, nothing is lost, and afterwards all is as before. PENUMBRA_EVERY_ALLOCATION=1: also where a run takes
-// some of them.
+// Memory ends at one allocation after the other, on the way from a pipeline's text to a plan: whoever called
+// is told, nothing is lost, and afterwards all is as before. PENUMBRA_EVERY_ALLOCATION=1: also where a run
+// takes some of them.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -37,12 +37,11 @@ TEST_F(LightsShadows, EachMaskIsTheOneOfItsLightAlone) {
 }
 
 // Boxes around what tiles show and places of the past are the same for all lights: spots and spheres that end
-// before most of what is seen, a camera and a car that move.
+// before most of what is seen, a camera and a car that move; a panel, a tube and bulbs in a room.
 TEST_F(LightsShadows, WhatTheyHaveInCommonChangesNoBit) {
-    const std::string street =
-        " --shot scenes/lights/street.shot.json --size 160x90 --frames 0..5 --every 5 ";
-    const auto written = [&](const std::string& settings, const std::string& folder) {
-        const Result result = run("render lights_shadows" + settings + street + "--out '" + in(folder) + "'");
+    const auto written = [&](const std::string& settings, const std::string& of, const std::string& folder) {
+        const Result result = run("render lights_shadows" + settings + " --shot lights/" + of +
+                                  " --size 160x90 --frames 0..5 --every 5 --out '" + in(folder) + "'");
         EXPECT_EQ(result.code, 0) << result.err;
         std::map<std::string, std::string> masks;
         for (const auto& entry : fs::directory_iterator(folder_ / folder))
@@ -50,13 +49,15 @@ TEST_F(LightsShadows, WhatTheyHaveInCommonChangesNoBit) {
                 masks[name] = read_file(entry.path());
         return masks;
     };
-    const auto together = written("", "together"),
-               apart = written(
-                   " --set nodes.classify.in.tile_boxes=null --set nodes.survey.in.nearest_places=null"
-                   " --set nodes.worth.in.nearest_places=null",
-                   "apart");
-    EXPECT_EQ(together.size(), 48u) << "twelve lights, two frames, EXR and PNG";
-    EXPECT_EQ(together, apart);
+    const std::string none =
+        " --set nodes.classify.in.tile_boxes=null --set nodes.survey.in.nearest_places=null"
+        " --set nodes.worth.in.nearest_places=null";
+    for (const auto& [name, lights] : {std::pair{"street", 12u}, {"interior", 4u}}) {
+        const std::string of = name;
+        const auto together = written("", of, of), apart = written(none, of, of + "_apart");
+        EXPECT_EQ(together.size(), 4 * lights) << "two frames of each, EXR and PNG";
+        EXPECT_EQ(together, apart) << of;
+    }
 }
 
 // Where its members are lights of the shot, it is of these, and their facts hold. Those of the pipeline that

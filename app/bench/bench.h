@@ -50,7 +50,7 @@ struct PassFigures {
     std::string node, type;
     bool mask = false;   // visibility depends on it
     Rounds cpu_ms;       // of the process, in a submission of its own; CPU devices only
-    Rounds ms;           // by the device's timestamps, as part of the frame's one submission
+    Rounds ms;           // by a GPU's timestamps, as part of the frame's one submission
     uint64_t bytes = 0;  // of the images, buffers and tables bound to it, each once; not the trees
 
     // 10^9 bytes per second, were each of them moved once.
@@ -61,7 +61,7 @@ struct Figures {
     size_t contender = 0;
     std::vector<PassFigures> passes;
     Rounds pass_cpu_ms;     // the sum over passes
-    Rounds pass_ms;         // the same by the device's timestamps
+    Rounds pass_ms;         // the same by a GPU's timestamps
     Rounds frame_cpu_ms;    // the frame as one submission, recording included; CPU devices only
     Rounds wall_ms;         // the same from submission to completion
     Rounds record_us;       // CPU time of recording, per pass

@@ -19,6 +19,6 @@ PixelPast nearest_past(ivec2 p, ViewRays before) {
         place = unpack_place(p, imageLoad(nearest_places, p).x);
     else
         place = nearest_place(p, before);
-    const uint word = imageLoad(history, place.texel).x;
+    const uint word = imageLoad(history, clamp(place.texel, ivec2(0), ivec2(frame.prev_size) - 1)).x;  // p may lie beside the frame
     return PixelPast(place.known && has_count(word), visibility_in(word), count_in(word), residual_in(word), place.resampled, place.beside_step);
 }

@@ -87,7 +87,7 @@ void main() {
     const uvec3 counts = uvec3(bitCount(masks.x), bitCount(record.y & ~masks.x & ~masks.y), bitCount(masks.y) - proved_pixels);
     const uint decided = subgroupAdd(proved_pixels);
     if (subgroupElect() && decided != 0u) atomicAdd(pixel_counts[PROVED_PIXELS], decided);
-    // None where a subgroup has no tile, as most have of one light of many. A loop, since software devices walk through branches in any case.
+    // None where a subgroup has no tile, as most have of one light of many. A loop, since Mesa 22 walks through branches in any case.
     const uint counted = subgroupOr(record.y) == 0u ? 0u : HAS_TILE_LUX ? SHARE_CLASSES : 1u;
     for (uint c = 0u; c < counted; ++c)
         for (uint i = 0u; i < 3u; ++i) {

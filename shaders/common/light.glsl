@@ -33,8 +33,8 @@ bool light_reaches(vec3 from_centre) {
     return distance_m > light.u.x && (light.cos_outer <= -1.0 || height_m > light.cos_outer * distance_m);
 }
 
-// Whether it may reach a point of a box, which is empty if `lower` is above `upper`, from its middle as well. A hundred-thousandth is left
-// to rounding.
+// Whether it may reach a point of a box, from its middle as well: metres, empty if `lower` is above `upper`. A hundred-thousandth is left to
+// rounding.
 bool light_may_reach(vec3 lower, vec3 upper) {
     const vec3 middle = 0.5 * (lower + upper), half_size = 0.5 * (upper - lower);
     const float margin = 1e-5 * (length(middle) + length(half_size));
@@ -43,7 +43,7 @@ bool light_may_reach(vec3 lower, vec3 upper) {
     if (light_is_flat()) return height + dot(half_size, abs(light.facing)) + margin > 0.0;
     if (light.kind != LIGHT_SPHERE || light.cos_outer <= -1.0) return true;
     // How far the ball around the box is beside the cone.
-    const float across = sqrt(max(dot(middle, middle) - height * height, 0.0));
+    const float across = length(middle - height * light.facing);
     const float beside = light.cos_outer * across - sqrt(max(1.0 - light.cos_outer * light.cos_outer, 0.0)) * height;
     return beside <= length(half_size) + margin;
 }

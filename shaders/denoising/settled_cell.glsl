@@ -2,7 +2,7 @@
 // First phase of gather: cells with nothing but equal bits in reach, whose past has said nothing else, are what these say.
 //
 // Includer has working_cells.glsl, bit_rows.glsl, corners.glsl, shadow_state.glsl, sun_change.glsl and lit_or_sky(), and declares the images history and,
-// where things move, motion, and the buffers idle_cells, idle_cells_prev and cells.
+// where things move, motion, and the buffers idle_cells, idle_cells_prev and sunward_words.
 #include "common/another_sun.glsl"
 #include "common/cell_before.glsl"
 

@@ -49,8 +49,11 @@ Softening softening_of(ivec2 cell) {
 
 bool is_settled(ivec2 cell, bool) {
     const uint idle = idle_word(idle_cells[cell_index(cell)]);
-    const Softening s = softening_of(cell);
-    const bool settled = is_idle(idle) || (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0;
+    bool settled = is_idle(idle);
+    if (!settled) {  // else there is nothing in cells
+        const Softening s = softening_of(cell);
+        settled = (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0;
+    }
     if (!settled) return false;
     for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 p = cell * CELL + in_cell(i);
