@@ -114,11 +114,7 @@ std::vector<std::byte> of_working(std::vector<std::byte> cells, const std::vecto
 // in shared memory, a leaf's planes decided before its lines. Both trace in our tree: a GPU that has ray
 // queries would take those, whose first hit of several is another. What a compiler fuses depends on the code
 // around it, so `color` may be rounded another way, which its history keeps: two steps of a half a frame.
-class DeviceClass : public GpuTest, public ::testing::WithParamInterface<Case> {};
-
-TEST_P(DeviceClass, DoesNotShow) {
-    const Shot shot = plaza_shot({203, 117}, 3);
-    const Case& c = GetParam();
+void expect_same_of_either_class(const Case& c, const Shot& shot) {
     const Images gpu = run(c, shot, 0, false), cpu = run(c, shot, 0, true);
     EXPECT_NE(gpu.constants, cpu.constants) << "both are of the same class";
     ASSERT_EQ(gpu.frames.size(), cpu.frames.size());
@@ -137,7 +133,22 @@ TEST_P(DeviceClass, DoesNotShow) {
     }
 }
 
+class DeviceClass : public GpuTest, public ::testing::WithParamInterface<Case> {};
+
+TEST_P(DeviceClass, DoesNotShow) {
+    expect_same_of_either_class(GetParam(), plaza_shot({203, 117}, 3));
+}
+
 const std::string by_tree = "nodes.trace.params.backend=bvh";
+
+// Its light ends within the picture: workgroups of either shape have tiles with work beside tiles without.
+TEST_F(Lanes, ALampsReachDoesNotShowInWhoWorksTogether) {
+    Shot shot = plaza_shot({203, 117}, 3);
+    shot.lights.at("lamp").range = 3.4;
+    expect_same_of_either_class({"light_shadows", {by_tree}, {"hits", "ray_bits", "idle_cells", "lit"}},
+                                shot);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Of, DeviceClass,
     ::testing::Values(
