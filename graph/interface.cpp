@@ -385,10 +385,12 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "layout(constant_id = {}) const uint PER_THREAD_X = 1u;\n"
         "layout(constant_id = {}) const uint PER_THREAD_Y = 1u;\n"
         "layout(constant_id = {}) const bool ON_CPU = false;\n"
+        "layout(constant_id = {}) const bool IN_STEP = false;\n"
+        "void group_barrier() {{\n    if (IN_STEP) subgroupMemoryBarrierShared();\n    else barrier();\n}}\n"
         "layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
         uint32_t{frame_reset}, uint32_t{frame_orthographic}, uint32_t{frame_depth_at_centres}, group_constant,
         group_constant + 1, group_constant + 2, per_thread_constant, per_thread_constant + 1, on_cpu_constant,
-        frame_binding);
+        in_step_constant, frame_binding);
     if (variant.cpu) text += fmt::format("#define CLASS_CPU {:d}\n", *variant.cpu);
     for (const auto& [name, exists] : variant.outputs)
         text += fmt::format("#define HAS_{} {:d}\n", upper(name), exists);

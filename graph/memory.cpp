@@ -34,16 +34,20 @@ VkBufferCreateInfo buffer_info(uint64_t bytes, VkBufferUsageFlags usage) {
     return create;
 }
 
-// Lavapipe calls a function for every access. What a fetch answers goes through memory, and its caller waits
-// for that; what a load answers stays in registers. Mesa 22 calls no functions, and fetches a tenth faster.
-// The version of the driver is 1 in all of them.
-bool loads_texels(const GraphDevice& device) {
-    VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+// What is known of a driver beyond what Vulkan asks of it.
+void add_habits(const GraphDevice& device, DeviceTable& table) {
+    VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+    VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES, &subgroup};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
     device.vk().vkGetPhysicalDeviceProperties2(device.handles().physical, &properties);
+    if (driver.driverID != VK_DRIVER_ID_MESA_LLVMPIPE) return;
+    // Lavapipe calls a function for every access. What a fetch answers goes through memory, and its caller
+    // waits for that; what a load answers stays in registers. Mesa 22 calls no functions, and fetches a tenth
+    // faster. The version of the driver is 1 in all of them.
     int mesa = 0;
-    return driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE &&
-           std::sscanf(driver.driverInfo, "Mesa %d", &mesa) == 1 && mesa >= 25;
+    table.loads_texels = std::sscanf(driver.driverInfo, "Mesa %d", &mesa) == 1 && mesa >= 25;
+    // A subgroup is a vector of one thread; a barrier, of a subgroup too, makes a coroutine of it.
+    table.lanes_in_step = subgroup.subgroupSize;
 }
 
 // What debuggers show: "color@1".
@@ -61,7 +65,7 @@ DeviceTable device_table(const DeviceHandles& handles) {
     table.cpu = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     table.max_image_extent = properties.limits.maxImageDimension2D;
     table.max_texel_elements = properties.limits.maxTexelBufferElements;
-    table.loads_texels = loads_texels(*device);
+    add_habits(*device, table);
     table.max_storage_bytes = properties.limits.maxStorageBufferRange;
     table.limits = limits_of(handles.physical, device->vk());
     VkPhysicalDeviceMemoryProperties memory{};

@@ -2,7 +2,7 @@
 // Rays per second of one core: bvh.glsl on the first Vulkan device (a CPU device is meant), the reference
 // traversal, and Embree's rtcOccluded1, on the same coherent sun rays and in turns, so that a busy machine
 // slows all of them alike. CPU time of the process, not wall time. Usage: bvh_bench [shader.spv]...
-// (docs/bvh.md)
+// (docs/bvh.md). Texels are fetched or loaded as plans do on this device; of a shader that is named, fetched.
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
@@ -13,6 +13,7 @@
 #include <limits>
 #include <memory>
 
+#include "app/session.h"
 #include "tests/bvh_scenes.h"
 #include "tests/vulkan_compute.h"
 
@@ -110,7 +111,7 @@ struct View {
     Vec eye, target;
 };
 
-void bench(RTCDevice device, const View& view, const std::vector<std::string>& shaders) {
+void bench(RTCDevice device, const View& view, std::vector<std::string> shaders) {
     const RTCScene scene = embree_scene(device, view.triangles);
     const double before = cpu_seconds();
     const Bvh bvh = build_bvh(view.triangles);
@@ -136,10 +137,6 @@ void bench(RTCDevice device, const View& view, const std::vector<std::string>& s
     const std::span<const std::byte> contents[] = {
         std::as_bytes(std::span(bvh.nodes)), std::as_bytes(std::span(bvh.leaves)),
         std::as_bytes(std::span(gpu_rays)), std::as_bytes(std::span(zeros))};
-    const VkDescriptorType bindings[] = {
-        VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
-        VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
-
     std::vector<Tracer> tracers{{"Embree rtcOccluded1", [&] { return embree_hits(scene, rays); }},
                                 {"bvh.cpp, the reference", [&] {
                                      uint64_t hits = 0;
@@ -148,6 +145,12 @@ void bench(RTCDevice device, const View& view, const std::vector<std::string>& s
                                  }}};
     Device vulkan({});
     std::vector<std::unique_ptr<Compute>> devices;
+    const bool loaded = shaders.empty() && penumbra::device_table(handles_of(vulkan)).loads_texels;
+    if (shaders.empty()) shaders = {loaded ? BVH_RAYS_LOADED_SPV : BVH_RAYS_SPV};
+    const VkDescriptorType texels =
+        loaded ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+    const VkDescriptorType bindings[] = {texels, texels, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                         VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
     for (const std::string& shader : shaders) {
         devices.push_back(std::make_unique<Compute>(vulkan));
         Compute* gpu = devices.back().get();
@@ -159,7 +162,7 @@ void bench(RTCDevice device, const View& view, const std::vector<std::string>& s
                                return uint64_t(std::count(answers, answers + rays.size(), 1u));
                            }});
     }
-    for (int round = 0; round < 10; ++round)  // the first compiles and warms up
+    for (int round = 0; round < 40; ++round)  // the first compiles and warms up
         for (Tracer& t : tracers) {
             const double start = cpu_seconds();
             t.hits = t.trace();
@@ -174,8 +177,7 @@ void bench(RTCDevice device, const View& view, const std::vector<std::string>& s
 }  // namespace
 
 int main(int argc, char** argv) {
-    std::vector<std::string> shaders(argv + 1, argv + argc);
-    if (shaders.empty()) shaders.push_back(BVH_RAYS_SPV);
+    const std::vector<std::string> shaders(argv + 1, argv + argc);
     RTCDevice device = rtcNewDevice("threads=1");
     bench(device, {"terrain", terrain(354), {-9, 9, -9}, {0, 0, 0}}, shaders);
     bench(device, {"colonnade", colonnade(64, 60, 32), {-13, 4.5f, -15}, {0, 0, 0}}, shaders);

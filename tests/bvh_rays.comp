@@ -1,10 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // SPDX-License-Identifier: MIT
-// Answers a list of rays with shaders/common/bvh.glsl: tests/bvh_gpu_test.cpp compares them, tests/bvh_bench.cpp times them.
+// Answers a list of rays with shaders/common/bvh.glsl: tests/bvh_gpu_test.cpp compares them, tests/bvh_bench.cpp times them. With
+// LOADED from storage texel buffers.
 layout(local_size_x = 64) in;
+#ifdef LOADED
+layout(rgba32ui, set = 0, binding = 0) uniform readonly uimageBuffer scene_nodes;
+layout(rgba32ui, set = 0, binding = 1) uniform readonly uimageBuffer scene_leaves;
+#else
 layout(set = 0, binding = 0) uniform usamplerBuffer scene_nodes;
 layout(set = 0, binding = 1) uniform usamplerBuffer scene_leaves;
+#endif
 struct Ray {
     vec4 origin_t_min, direction_t_max;
 };
@@ -13,6 +19,11 @@ layout(std430, set = 0, binding = 3) writeonly buffer Answers { uint answers[]; 
 layout(push_constant) uniform Push { uint count; };
 
 #define NO_SCENE_ALPHA
+#ifdef LOADED  // in place of scene_words.glsl
+#define SCENE_WORDS_GLSL
+uvec4 scene_node_texel(int texel) { return imageLoad(scene_nodes, texel); }
+uvec4 scene_leaf_texel(int texel) { return imageLoad(scene_leaves, texel); }
+#endif
 #define NO_SCENE_WORDS
 #include "../shaders/common/bvh.glsl"
 

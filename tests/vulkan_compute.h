@@ -57,7 +57,8 @@ class Compute {
     const VkPhysicalDeviceProperties& properties() const { return properties_; }
 
     // The shader's bindings 0.. in set 0 have these types: VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, or
-    // VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER (read as rgba32ui). Push constants: one uint.
+    // VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER or _STORAGE_TEXEL_BUFFER (read as rgba32ui). Push constants:
+    // one uint.
     void load(const std::string& spirv_file, std::span<const VkDescriptorType> bindings) {
         std::ifstream file(spirv_file, std::ios::binary);
         const std::string bytes((std::istreambuf_iterator<char>(file)), {});
@@ -103,10 +104,11 @@ class Compute {
         check(made, "vkCreateComputePipelines");
 
         const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 16},
-                                              {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 16}};
+                                              {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, 16},
+                                              {VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER, 16}};
         VkDescriptorPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
         pool_info.maxSets = 1;
-        pool_info.poolSizeCount = 2;
+        pool_info.poolSizeCount = uint32_t(std::size(sizes));
         pool_info.pPoolSizes = sizes;
         check(vkCreateDescriptorPool(device_, &pool_info, nullptr, &descriptors_), "vkCreateDescriptorPool");
         VkDescriptorSetAllocateInfo set{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
@@ -120,12 +122,13 @@ class Compute {
     void bind(std::span<const std::span<const std::byte>> contents) {
         release_buffers();
         for (uint32_t i = 0; i < contents.size(); ++i) {
-            const bool texels = bindings_[i] == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;
+            const bool texels = bindings_[i] != VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
             Buffer& buffer = buffers_.emplace_back();
             VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
             info.size = contents[i].size();
             info.usage =
-                texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+                texels ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_TEXEL_BUFFER_BIT
+                       : VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
             check(vkCreateBuffer(device_, &info, nullptr, &buffer.buffer), "vkCreateBuffer");
             VkMemoryRequirements needs;
             vkGetBufferMemoryRequirements(device_, buffer.buffer, &needs);

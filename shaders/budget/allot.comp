@@ -27,7 +27,7 @@ Threshold threshold() {
     uint sum = 0u;
     for (uint i = 1u; i <= BINS_PER_LANE; ++i) sum += wanted_at(top - i);
     wanted_by_part[lane] = sum;
-    barrier();
+    group_barrier();
     uint left = ray_budget[0] - min(ray_budget[0], HAS_POOLED ? pooled[POOLED_FIRST_RAYS] : ray_budget[1]), part = 0u;
     while (part < LANES && wanted_by_part[part] <= left) left -= wanted_by_part[part++];
     if (part == LANES) return Threshold(0u, 1.0);

@@ -88,7 +88,7 @@ void main() {
     if (lane == 0u) asked_count = 0u;
     for (uint c = 0u; c < CLASSES; ++c) class_masks[CLASSES * lane + c] = 0u;
     for (uint i = 0u; i < 16u; ++i) asked[TILES * i + lane] = 0u;
-    barrier();
+    group_barrier();
     if (traced != 0u && !is_proved(tile)) {
         const uvec2 edges = near_an_edge(tile) & traced;
         const uvec4 past = known[tile_index(tile)];
@@ -107,7 +107,7 @@ void main() {
             neighbours_worth[lane] = worth_of_neighbours(tile, imageLoad(view_depth, tile * TILE + ivec2(i & 7, i >> 3)).x);
         }
     }
-    barrier();
+    group_barrier();
     ViewRays before;
     if (HAS_MOTION) before = previous_rays(mat3(1.0));
     for (uint i = lane; i < asked_count; i += TILES) {
@@ -119,7 +119,7 @@ void main() {
         while (c < CLASSES && error < LEAST_OF[c]) ++c;
         if (c < CLASSES) atomicOr(class_masks[CLASSES * of + c], 1u << number);
     }
-    barrier();
+    group_barrier();
     uvec4 masks;
     const uint steps_less = HAS_LIGHT_SHARES && in_grid ? light_shares[tile_index(tile)] : 0u;
     [[unroll]] for (uint c = 0u; c < CLASSES; ++c) {

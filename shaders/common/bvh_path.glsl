@@ -75,7 +75,8 @@ BvhVisit bvh_visit(BvhPath path) {
 
 void bvh_fetch(BvhPath path, inout BvhVisit visit) {
     visit.bit = bvh_lowest_bit(path.group);
-    const int texel = int(((path.group >> 6) + (bvh_bit_index(visit.bit) ^ (path.group >> 4 & 3u))) * 3u);
+    const uint number = (path.group >> 6) + (bvh_bit_index(visit.bit) ^ (path.group >> 4 & 3u));
+    const int texel = int((number << 1) + number);
     visit.n0 = scene_node_texel(texel);
     visit.n1 = scene_node_texel(texel + 1);
     visit.n2 = scene_node_texel(texel + 2);

@@ -128,11 +128,11 @@ void main() {
     settle_cells();
     const uint lane = gl_LocalInvocationIndex, lanes = lanes_in_workgroup();
     for (uint i = lane; i < left_count; i += lanes) look_around(i, cell_of(left_cells[i]));
-    barrier();
+    group_barrier();
     const uint wide = wide_count, n = wide + narrow_count;
     for (uint i = lane; i < n; i += lanes) ask_around(asking_pixels[i < wide ? i : i + MOST_PIXELS - n]);
-    barrier();
+    group_barrier();
     for (uint i = lane; i < left_count * uint(CELL); i += lanes) compare_row_of_left(i);
-    barrier();
+    group_barrier();
     for (uint i = lane; i < left_count; i += lanes) hand_on(i, cell_of(left_cells[i]));
 }

@@ -27,11 +27,11 @@ uint lanes_in_workgroup() { return gl_WorkGroupSize.x * gl_WorkGroupSize.y; }
 void settle_cells() {
     const uint lane = gl_LocalInvocationIndex, lanes = lanes_in_workgroup();
     if (lane == 0u) left_count = 0u;
-    barrier();
+    group_barrier();
     for (uint i = lane; i < MOST_CELLS; i += lanes) {
         const ivec2 cell = cell_of(i);
         if (all(lessThan(cell, cell_grid())) && !is_settled(cell, i != lane && lanes == CELLS_ACROSS))
             left_cells[atomicAdd(left_count, 1u)] = i;
     }
-    barrier();
+    group_barrier();
 }

@@ -56,7 +56,7 @@ void main() {
 #if HAS_GIVEN_UP
     if (gl_LocalInvocationIndex == 0u) tile_rest = 0u;
     if (hopeless(tile)) asked = 0u;
-    barrier();
+    group_barrier();
 #endif
     const uint turn_of_noise = CYCLE == 0u ? frame.frame_index : frame.frame_index % max(CYCLE, 1u);
     const TileShare share = tile_share(asked);
@@ -66,7 +66,7 @@ void main() {
     const ConeSlabs slabs = cone_slabs(axes[2], sun_as_seen.radius, 0.0);
     if (!ON_CPU && !HAS_LIGHT) {
         if (gl_LocalInvocationIndex == 0u) sun_slabs = slabs;
-        barrier();
+        group_barrier();
     }
 
     uint shadowed = 0u, partly = 0u, done = 0u, steps_taken = 0u;
@@ -109,7 +109,7 @@ void main() {
 #endif
 #if HAS_GIVEN_UP
     if (subgroupElect() && rest != 0u) atomicOr(tile_rest, lanes_of_pixels(rest));
-    barrier();
+    group_barrier();
     const bool leader = gl_LocalInvocationIndex == 0u;
     const uint left = tile_rest | record.y ^ asked;
     append_tile(leader && left != 0u, uvec4(record.x, left, record.zw));
