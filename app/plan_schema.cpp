@@ -159,7 +159,10 @@ Schema pass() {
          {"module", or_null(number)},
          {"entry", or_null(text)},
          {"workgroup", or_null(use("groups"))},
-         {"constants", doc(list_of(word32), "specialisation constants 0, 1, 2, ..., as bits")},
+         {"constants",
+          doc(list_of(word32),
+              "specialisation constants 0, 1, 2, ..., as bits: three of the workgroup, two of pixels per "
+              "thread, whether the device is a processor, lanes in step, then the node's own")},
          {"push", doc(list_of(word32), "push constants, as bits, with the parameters' first values")},
          {"params",
           list_of(object({{"name", text},

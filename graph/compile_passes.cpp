@@ -128,9 +128,13 @@ void Compiler::fill_constants(const SelectedNode& selected) {
     PlanPass& pass = plan_.passes.back();
     const auto group = overrides(node).group.value_or(type.dispatch.group);
     const auto per_thread = overrides(node).per_thread.value_or(type.dispatch.per_thread);
-    const bool in_step = group[0] * group[1] * group[2] <= target_.device.lanes_in_step;
-    pass.constants = {group[0],      group[1],           group[2], per_thread[0],
-                      per_thread[1], target_.device.cpu, in_step};
+    pass.constants = {group[0],
+                      group[1],
+                      group[2],
+                      per_thread[0],
+                      per_thread[1],
+                      target_.device.cpu,
+                      target_.device.lanes_in_step};
     const PushConstants layout = push_constants(type);
     pass.push.resize(layout.size);
     pass.mip_level = layout.mip_level;

@@ -385,8 +385,13 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         "layout(constant_id = {}) const uint PER_THREAD_X = 1u;\n"
         "layout(constant_id = {}) const uint PER_THREAD_Y = 1u;\n"
         "layout(constant_id = {}) const bool ON_CPU = false;\n"
-        "layout(constant_id = {}) const bool IN_STEP = false;\n"
-        "void group_barrier() {{\n    if (IN_STEP) subgroupMemoryBarrierShared();\n    else barrier();\n}}\n"
+        "layout(constant_id = {}) const uint LANES_IN_STEP = 1u;\n"
+        "// Order shared memory. To wait is dear on devices where these lanes wait for nobody.\n"
+        "void group_barrier() {{\n"
+        "    if (gl_WorkGroupSize.x <= LANES_IN_STEP && gl_WorkGroupSize.y * gl_WorkGroupSize.z == 1u)\n"
+        "        subgroupMemoryBarrierShared();\n    else\n        barrier();\n}}\n"
+        "void subgroup_barrier() {{\n"
+        "    subgroupMemoryBarrierShared();\n    if (LANES_IN_STEP == 1u) subgroupBarrier();\n}}\n"
         "layout(set = 1, binding = {}, std140) uniform frame_block {{ FrameBlock frame; }};\n",
         uint32_t{frame_reset}, uint32_t{frame_orthographic}, uint32_t{frame_depth_at_centres}, group_constant,
         group_constant + 1, group_constant + 2, per_thread_constant, per_thread_constant + 1, on_cpu_constant,

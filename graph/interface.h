@@ -29,7 +29,7 @@ inline constexpr uint32_t first_port_binding = 2;
 inline constexpr uint32_t group_constant = 0;       // 0, 1, 2: workgroup size
 inline constexpr uint32_t per_thread_constant = 3;  // 3, 4
 inline constexpr uint32_t on_cpu_constant = 5;      // whether the device is of the class cpu
-inline constexpr uint32_t in_step_constant = 6;     // whether all of a workgroup runs in step
+inline constexpr uint32_t in_step_constant = 6;     // DeviceTable::lanes_in_step
 inline constexpr uint32_t first_param_constant = 7;
 
 // An output with a mip chain takes two bindings: the level that a dispatch writes, and NAME_finer, the level

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "graph/interface.h"
@@ -17,6 +18,12 @@
 namespace penumbra {
 
 namespace {
+
+// What generate_glsl() names in every node, in lower case, since constant parameters are in capitals there.
+constexpr auto generated_names = std::to_array<std::string_view>(
+    {"class_cpu", "counters", "frame_block", "frame_depth_at_centres", "frame_orthographic", "frame_reset",
+     "group_barrier", "group_x", "group_y", "lanes_in_step", "on_cpu", "params", "per_thread_x",
+     "per_thread_y", "subgroup_barrier"});
 
 class DeclarationReader {
   public:
@@ -233,6 +240,9 @@ class DeclarationReader {
             error(place, path, "\"counter_base\" is taken: it tells a node where its counters are");
         else if (name == "frame")
             error(place, path, "\"frame\" names the frame block and its extent");
+        else if (in_glsl && std::ranges::find(generated_names, name) != generated_names.end())
+            error(place, path,
+                  fmt::format("\"{}\" is taken: the generated GLSL names something else so", name));
         else if (problem)
             error(place, path, fmt::format("\"{}\" is {}", name, problem));
         else if (const auto [other, added] = claimed_.try_emplace(name, path); !added)

@@ -43,9 +43,13 @@ TEST(CompileClasses, TheDeviceClassOverridesWhatThePipelineDoesNotSet) {
     const std::string body = R"("outputs": ["value"], "nodes": { "source": { "type": "source" } })";
     const Plan gpu = *compile_text(set, body, target_of({640, 480})).plan;
     const Plan cpu = *compile_text(set, body, target_of({640, 480}, true)).plan;
-    // Workgroup, pixels per thread, ON_CPU, IN_STEP, taps.
-    EXPECT_EQ(gpu.passes[0].constants, (std::vector<uint32_t>{8, 8, 1, 1, 1, 0, 0, 4}));
-    EXPECT_EQ(cpu.passes[0].constants, (std::vector<uint32_t>{64, 1, 1, 1, 2, 1, 0, 9}));
+    // Workgroup, pixels per thread, ON_CPU, LANES_IN_STEP, taps.
+    EXPECT_EQ(gpu.passes[0].constants, (std::vector<uint32_t>{8, 8, 1, 1, 1, 0, 1, 4}));
+    EXPECT_EQ(cpu.passes[0].constants, (std::vector<uint32_t>{64, 1, 1, 1, 2, 1, 1, 9}));
+    Target in_step = target_of({640, 480}, true);
+    in_step.device.lanes_in_step = 8;
+    EXPECT_EQ(compile_text(set, body, in_step).plan->passes[0].constants,
+              (std::vector<uint32_t>{64, 1, 1, 1, 2, 1, 8, 9}));
     EXPECT_EQ(gpu.passes[0].groups, (std::array<uint32_t, 3>{80, 60, 1}));
     EXPECT_EQ(cpu.passes[0].groups, (std::array<uint32_t, 3>{10, 240, 1}));
     const Plan set_by_user = *compile_text(set, R"("outputs": ["value"], "nodes": {
@@ -53,21 +57,6 @@ TEST(CompileClasses, TheDeviceClassOverridesWhatThePipelineDoesNotSet) {
                                            target_of({640, 480}, true))
                                   .plan;
     EXPECT_EQ(set_by_user.passes[0].constants.back(), 2u);
-}
-
-// Only a workgroup that is no larger runs in step: of what is, some would read what others have yet to write.
-TEST(CompileClasses, OnlyWhatIsNoLargerThanWhatRunsInStepWaitsAtNoBarrier) {
-    const NodeSet set = small_set();
-    for (const uint32_t lanes : {63u, 64u}) {
-        SCOPED_TRACE(lanes);
-        Target target = target_of({640, 480}, true);
-        target.device.lanes_in_step = lanes;
-        const Plan plan =
-            *compile_text(set, R"("outputs": ["value"], "nodes": { "source": { "type": "source" } })", target)
-                 .plan;
-        EXPECT_EQ(plan.passes[0].constants[0], 64u);
-        EXPECT_EQ(plan.passes[0].constants[6], lanes == 64 ? 1u : 0u);
-    }
 }
 
 TEST(CompileConstants, PushConstantsFollowStd430) {

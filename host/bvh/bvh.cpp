@@ -298,6 +298,8 @@ bool hits_leaf(const RaySetup& ray, const Bvh& bvh, uint32_t index, const AlphaT
            (inside(ray, bd, dc, -bc, c, b, d, leaf, 2, 1, 3) && (!alpha || alpha(index, 1, {bd, dc, -bc})));
 }
 
+constexpr int32_t slack = 34;  // SLACK of shaders/common/bvh_boxes.glsl
+
 uint32_t hit_children(const RaySetup& ray, const Texel* node) {
     float near[4], far[4];
     for (int k = 0; k < 4; ++k) {
@@ -317,7 +319,7 @@ uint32_t hit_children(const RaySetup& ray, const Texel* node) {
     }
     uint32_t hits = 0;
     for (uint32_t k = 0; k < 4; ++k)
-        if (near[k] <= far[k] * 1.000002f) hits |= 1u << k;
+        if (std::bit_cast<int32_t>(near[k]) <= std::bit_cast<int32_t>(far[k]) + slack) hits |= 1u << k;
     return hits;
 }
 

@@ -50,7 +50,7 @@ struct DeviceTable {
     uint32_t max_image_extent = 16384;  // pixels per axis
     uint32_t max_texel_elements = 1u << 27;
     bool loads_texels = false;              // imageLoad() of a texel buffer takes it less than texelFetch()
-    uint32_t lanes_in_step = 1;             // a workgroup of no more runs in step, and waits at no barrier
+    uint32_t lanes_in_step = 1;             // of a workgroup's row or a subgroup: need no barrier
     uint32_t max_storage_bytes = 1u << 27;  // of one buffer binding
     // The rest of its limits, by the names of their members in Vulkan's structs; what is not named bounds
     // nothing.

@@ -8,10 +8,14 @@ vec4 bvh_planes(uint word, float step, float base) {
     return vec4(uvec4(word, word >> 8, word >> 16, word >> 24) & 255u) * step + base;
 }
 
-// Bit k: whether what lies in the k-th box from `near` on, which is not negative, lies before `far`, or behind it by 2 to 4 millionths:
-// 34 steps of a float. Ize 2013, "Robust BVH Ray Traversal", widened to cover the shear's rounding too.
+// Steps of a float by which an interval is taken to be longer, 2 to 4 millionths of its end. Ize 2013, "Robust BVH Ray Traversal", widened to
+// cover the shear's rounding too.
+const int SLACK = 34;
+
+// Bit k: whether the k-th box has anything between `near`, which is not negative, and `far`. One that ends at -0 has nothing, which is right of
+// what lies in it: boxes keep a distance from their planes (host/bvh/bvh.cpp).
 uint bvh_hits(vec4 near, vec4 far) {
-    const uvec4 hit = mix(uvec4(1, 2, 4, 8), uvec4(0), greaterThan(floatBitsToInt(near), floatBitsToInt(far) + 34));
+    const uvec4 hit = mix(uvec4(1, 2, 4, 8), uvec4(0), greaterThan(floatBitsToInt(near), floatBitsToInt(far) + SLACK));
     return hit.x | hit.y | hit.z | hit.w;
 }
 

@@ -43,7 +43,7 @@ ConeSlabs cone_slabs(vec3 axis, float spread, float radius) {
     const vec3 tilt = sqrt(max(1.0 - axis * axis, vec3(0.0)));
     const vec3 across = (spread * 1.0001 + 1e-6) * tilt;
     ConeSlabs slabs = slabs_of_slopes(axis - across, axis + across);
-    slabs.thickness = radius == 0.0 ? vec3(0.0) : radius * (tilt + 1e-3);
+    slabs.thickness = radius == 0.0 ? vec3(0.0) : radius * (tilt + 1e-3);  // compilers leave a constant 0 out, but no product
     return slabs;
 }
 
@@ -74,5 +74,5 @@ uint cone_hit_children(ConeSlabs slabs, vec3 apex, uvec4 n0, uvec4 n1, uvec4 n2)
     const vec4 other_x = second_flank(x), other_y = second_flank(y), other_z = second_flank(z);
     if (!slabs.crosses) return bvh_hits(near, bit_min(bit_min(vec4(slabs.reach), other_x), bit_min(other_y, other_z)));
     return bvh_hits(bit_max(bit_max(near, other_x + slabs.also_near.x), bit_max(other_y + slabs.also_near.y, other_z + slabs.also_near.z)),
-                     bit_min(bit_min(vec4(slabs.reach), other_x + slabs.not_far.x), bit_min(other_y + slabs.not_far.y, other_z + slabs.not_far.z)));
+                    bit_min(bit_min(vec4(slabs.reach), other_x + slabs.not_far.x), bit_min(other_y + slabs.not_far.y, other_z + slabs.not_far.z)));
 }

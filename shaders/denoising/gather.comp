@@ -3,7 +3,8 @@
 // previous frame knew about the same surface (shadow_past.glsl), and how the two differ, summed over cells of 4x4
 // pixels for the drift test. Cells with nothing but equal bits in reach are what these say. The others are looked at
 // (what blocks, which bits are around), then their pixels ask their neighbours, dealt out one by one because a cell has one
-// that asks or sixteen, and then compare, row by row of a cell; invocations wait for each other in between.
+// that asks or sixteen, and then compare, row by row of a cell; those of a workgroup that do not run in step wait for each
+// other in between.
 #include "node.glsl"
 #include "common/tiles.glsl"
 #include "common/rounded.glsl"

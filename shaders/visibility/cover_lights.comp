@@ -147,8 +147,7 @@ void main() {
         }
         lux[number] = vec3(0.0);
     }
-    subgroupMemoryBarrierShared();
-    subgroupBarrier();
+    subgroup_barrier();
 
     lower = subgroupMin(lower);
     upper = subgroupMax(upper);
@@ -211,8 +210,7 @@ void main() {
             steps += seen.steps;
         }
         rest &= ~subgroupOr(own ? 1u << number : 0u);
-        subgroupMemoryBarrierShared();
-        subgroupBarrier();
+        subgroup_barrier();
     }
     count_reached(reached);
     count_walked(walked);
@@ -229,8 +227,7 @@ void main() {
             if ((inside >> number & 1u) != 0u) keep(tile, number, i, 1.0, vec3(1.0));
 #endif
 #if HAS_ILLUMINANCE
-    subgroupMemoryBarrierShared();
-    subgroupBarrier();
+    subgroup_barrier();
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes)
         if ((inside >> number & 1u) != 0u)
             imageStore(illuminance, tile * TILE + pixel_of_lane(int(number)), vec4(storable(lux[number]), 0.0));

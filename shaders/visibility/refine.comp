@@ -25,7 +25,7 @@ void main() {
     const TileShare share = tile_share(record.y);
     const uint rays = rays_of(record), further = rays - 1u, ray_count = uint(bitCount(share.wanted)) * further;
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes) blocked[number] = 0u;
-    subgroupBarrier();
+    subgroup_barrier();
     for (uint first = 0u; first < ray_count; first += share.lanes) {
         const uint index = first + share.lane;
         if (index < ray_count) {
@@ -34,7 +34,7 @@ void main() {
             if (ray.into_surface || occluded(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max)) atomicOr(blocked[number], 1u << k);
         }
     }
-    subgroupBarrier();
+    subgroup_barrier();
     const uint first_hits = hits[tile_index(tile)];
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes)
         if ((share.wanted >> number & 1u) != 0u) {

@@ -62,7 +62,7 @@ void clear_rays(TileShare share) {
         least[number] = ~0u;
         most[number] = 0u;
     }
-    subgroupBarrier();
+    subgroup_barrier();
 }
 
 // Those of whose rays it matters which arrive.
@@ -98,7 +98,7 @@ uint cast_rays(TileShare share, ivec2 tile, bool arriving) {
         atomicMin(least[number], steps);
         atomicMax(most[number], steps);
     }
-    subgroupBarrier();
+    subgroup_barrier();
     return count;
 }
 
