@@ -195,6 +195,8 @@ const std::set<std::string> beyond_schemas = {
     "settings_bad_paths.json",
     "settings_bad_type.json",
     "settings_bad_values.json",
+    // which names the generated GLSL has already
+    "decl_generated_names.node.json",
     // sums over all ports or parameters of a node, and ports that depend on others
     "decl_layers.node.json",
     "decl_push_constants.node.json",

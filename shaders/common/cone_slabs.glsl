@@ -72,7 +72,7 @@ uint cone_hit_children(ConeSlabs slabs, vec3 apex, uvec4 n0, uvec4 n1, uvec4 n2)
                    z = cone_slab(slabs, 2, n2.z, n2.w, grid_step.z, base.z);
     const vec4 near = bit_max(bit_max(vec4(0.0), first_flank(x)), bit_max(first_flank(y), first_flank(z)));
     const vec4 other_x = second_flank(x), other_y = second_flank(y), other_z = second_flank(z);
-    if (!slabs.crosses) return bvh_hits(near, bit_min(bit_min(vec4(slabs.reach), other_x), bit_min(other_y, other_z)));
+    if (ON_CPU && !slabs.crosses) return bvh_hits(near, bit_min(bit_min(vec4(slabs.reach), other_x), bit_min(other_y, other_z)));
     return bvh_hits(bit_max(bit_max(near, other_x + slabs.also_near.x), bit_max(other_y + slabs.also_near.y, other_z + slabs.also_near.z)),
                     bit_min(bit_min(vec4(slabs.reach), other_x + slabs.not_far.x), bit_min(other_y + slabs.not_far.y, other_z + slabs.not_far.z)));
 }
