@@ -43,7 +43,7 @@ ConeSlabs cone_slabs(vec3 axis, float spread, float radius) {
     const vec3 tilt = sqrt(max(1.0 - axis * axis, vec3(0.0)));
     const vec3 across = (spread * 1.0001 + 1e-6) * tilt;
     ConeSlabs slabs = slabs_of_slopes(axis - across, axis + across);
-    slabs.thickness = radius == 0.0 ? vec3(0.0) : radius * (tilt + 1e-3);  // compilers leave a constant 0 out, but no product
+    slabs.thickness = radius * (tilt + 1e-3);
     return slabs;
 }
 
