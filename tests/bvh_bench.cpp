@@ -145,7 +145,7 @@ void bench(RTCDevice device, const View& view, std::vector<std::string> shaders)
                                  }}};
     Device vulkan({});
     std::vector<std::unique_ptr<Compute>> devices;
-    const bool loaded = shaders.empty() && penumbra::device_table(handles_of(vulkan)).loads_texels;
+    const bool loaded = shaders.empty() && device_table(handles_of(vulkan)).loads_texels;
     if (shaders.empty()) shaders = {loaded ? BVH_RAYS_LOADED_SPV : BVH_RAYS_SPV};
     const VkDescriptorType texels =
         loaded ? VK_DESCRIPTOR_TYPE_STORAGE_TEXEL_BUFFER : VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER;

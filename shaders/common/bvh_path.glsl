@@ -76,7 +76,7 @@ BvhVisit bvh_visit(BvhPath path) {
 void bvh_fetch(BvhPath path, inout BvhVisit visit) {
     visit.bit = bvh_lowest_bit(path.group);
     const uint number = (path.group >> 6) + (bvh_bit_index(visit.bit) ^ (path.group >> 4 & 3u));
-    const int texel = int((number << 1) + number);
+    const int texel = int((number << 1) + number);  // three texels each; a product takes longer, and all waits for it
     visit.n0 = scene_node_texel(texel);
     visit.n1 = scene_node_texel(texel + 1);
     visit.n2 = scene_node_texel(texel + 2);
