@@ -89,7 +89,7 @@ TEST_F(HostAsksGpu, RequirementsSayWhatAndWhy) {
     ASSERT_TRUE(queries) << diagnostics.text();
     const auto query = requirements(*queries);
     ASSERT_TRUE(need_of(query, "VK_KHR_ray_query"));
-    EXPECT_EQ(need_of(query, "rayQuery")->why, "trace refine");
+    EXPECT_EQ(need_of(query, "rayQuery")->why, "trace refine transmit");
 
     Plan huge = *plan;
     huge.resources.front().extent = {1u << 20, 1};

@@ -150,25 +150,33 @@ TEST(TranslucentGltf, ComesBackAsItWasWritten) {
 
 // Without the fact the plan is, but for saying so, byte for byte that of the pipeline without the node.
 TEST(TranslucentFact, CostsNothingWhereItDoesNotHold) {
-    const auto plan_text = [&](const CheckedPipeline& pipeline, bool translucent) {
+    const auto plan_of = [&](const CheckedPipeline& pipeline, bool translucent) {
         Target target;
         target.extent = {640, 360};
         target.device = reference_device();
         target.facts["translucent"] = translucent;
         Diagnostics diagnostics;
-        const auto plan = compile(pipeline, target, {}, diagnostics);
+        auto plan = compile(pipeline, target, {}, diagnostics);
         if (!plan) throw std::runtime_error(diagnostics.text());
-        std::string text = to_text(*plan);
+        return std::move(*plan);
+    };
+    const auto text_of = [](const Plan& plan) {
+        std::string text = to_text(plan);
         const std::string culled = "  culled transmit (if sun_up & translucent)\n";
         if (const size_t at = text.find(culled); at != std::string::npos) text.erase(at, culled.size());
         return text;
     };
-    const CheckedPipeline with = shipped_pipeline("hybrid_shadows"),
-                          without = shipped_pipeline("hybrid_shadows",
-                                                     {"nodes.transmit=null", "inputs.translucents=null",
-                                                      "inputs.translucent_texels=null"});
-    EXPECT_EQ(plan_text(with, false), plan_text(without, false));
-    EXPECT_NE(plan_text(with, true).find("transmit"), std::string::npos);
+    for (const char* name : {"hybrid_shadows", "one_ray", "shadows", "many_rays"}) {
+        SCOPED_TRACE(name);
+        const CheckedPipeline with = shipped_pipeline(name),
+                              without =
+                                  shipped_pipeline(name, {"nodes.transmit=null", "inputs.translucents=null",
+                                                          "inputs.translucent_texels=null"});
+        const Plan holds_not = plan_of(with, false), never = plan_of(without, false);
+        EXPECT_EQ(text_of(holds_not), text_of(never));
+        EXPECT_TRUE(holds_not.modules == never.modules);
+        EXPECT_NE(text_of(plan_of(with, true)).find("transmit"), std::string::npos);
+    }
 }
 
 constexpr uint32_t width = 160, height = 48;
