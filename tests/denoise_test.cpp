@@ -89,7 +89,8 @@ class ForeignRays {
         }
         if (budget) settings.emplace_back("inputs.ray_bits={}");
         settings.push_back("nodes.gather.params.rays=" + knows);
-        if (knows != "bits") settings.emplace_back("inputs.blockers={}");
+        if (knows != "bits")
+            settings.insert(settings.end(), {"inputs.blockers={}", "nodes.prepare.params.blocks=true"});
         if (knows == "known") settings.emplace_back("inputs.ray_points={}");
         return shipped_pipeline("denoise", settings);
     }

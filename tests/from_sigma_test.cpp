@@ -99,7 +99,8 @@ class Wall {
 class FromSigma : public GpuTest {};
 
 TEST_F(FromSigma, TheSameRaysInBothFormsAreTheSamePicture) {
-    const std::vector<std::string> distances{"inputs.blockers={}", "nodes.gather.params.rays=distances"};
+    const std::vector<std::string> distances{"inputs.blockers={}", "nodes.prepare.params.blocks=true",
+                                             "nodes.gather.params.rays=distances"};
     Wall words("denoise", distances), others("denoise", distances), radii("denoise_sigma");
     for (uint32_t index = 0; index < 3; ++index) {
         const Rays rays = rays_of(index);

@@ -27,11 +27,12 @@ constexpr double middle_m = 10;  // view depth of the image's centre
 
 constexpr const char* gather_alone = R"({
   "penumbra": 1, "name": "gather_alone",
-  "inputs": { "depth": {}, "normal": {}, "motion": {}, "sun": {}, "visibility_words": {}, "receiver_words": {},
+  "inputs": { "depth": {}, "normal": {}, "motion": {}, "sun": {}, "hits": {}, "receiver_words": {},
               "sunward_words": {}, "blockers": {}, "ray_points": {} },
   "outputs": ["state"],
   "nodes": {
     "guides": { "type": "guides" },
+    "prepare": { "type": "prepare", "params": { "blocks": true } },
     "gather": { "type": "gather", "params": { "radius": RADIUS },
                 "in": { "history": "state@-1", "idle_cells_prev": "idle_cells@-1",
                         "view_depth_prev": "view_depth@-1", "guide_normal_prev": "guide_normal@-1" } },
@@ -133,7 +134,7 @@ inline ViewRun run_with(int radius, bool cpu = true) {
     text.replace(text.find("RADIUS"), 6, std::to_string(radius));
     ViewRunOptions options;
     options.cpu = cpu;
-    options.captures = {"gathered", "idle_cells"};
+    options.captures = {"gathered", "idle_cells", "cells", "block_blockers"};
     options.formats = {{"depth", Format::r32f}, {"normal", Format::rgba16f}};
     return ViewRun(shadow_pipeline(text), extent, options);
 }
@@ -161,8 +162,8 @@ inline Result gather(ViewRun& run, const Setting& setting) {
     Result result{
         {}, {}, std::vector<double>(pixels), std::vector<bool>(pixels), std::vector<bool>(pixels, true)};
     std::vector<float> depth(pixels);
-    std::vector<uint32_t> lit(size_t{across} * (extent.height / 4)), receivers(lit.size(), ~0u),
-        sunward(lit.size()), blockers(3 * lit.size());
+    std::vector<uint32_t> hits(size_t{across} * (extent.height / 4), ~0u), receivers(hits.size(), ~0u),
+        sunward(hits.size()), blockers(3 * hits.size());
     for (uint32_t y = 0; y < extent.height; ++y)
         for (uint32_t x = 0; x < extent.width; ++x) {
             const size_t i = size_t{y} * extent.width + x, word = size_t{y / 4} * across + x / 8;
@@ -207,7 +208,7 @@ inline Result gather(ViewRun& run, const Setting& setting) {
             }
             sunward[word] |= bit;
             result.bit[i] = !hit;
-            if (!hit) lit[word] |= bit;
+            if (!hit) hits[word] &= ~bit;
             if (hit_m > 0) {  // the receiver itself is no blocker
                 const auto steps = static_cast<uint32_t>((std::log2(hit_m) + 32) * 64 + 0.5);
                 blockers[3 * word] += 1;
@@ -220,7 +221,7 @@ inline Result gather(ViewRun& run, const Setting& setting) {
     run.set("motion", std::vector<uint64_t>(pixels, 0));
     const blocks::Sun block{{{float(sun.x), float(sun.y), float(sun.z)}}, float(sun_radius)};
     run.set("sun", std::as_bytes(std::span(&block, 1)));
-    run.set("visibility_words", lit);
+    run.set("hits", hits);
     run.set("receiver_words", receivers);
     run.set("sunward_words", sunward);
     run.set("blockers", blockers);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The estimator of node gather alone: how many rays its answers are worth, and where they are exact.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <random>
 
 #include "tests/gather_run.h"
@@ -39,9 +41,29 @@ TEST_F(Gather, CountsItsNeighboursRaysAtEveryAngle) {
 // Which invocation works on which cell depends on the workgroup's shape and on the order of its list.
 TEST_F(Gather, SaysTheSameInEveryWorkgroup) {
     ViewRun narrow = run_with(4), square = run_with(4, false);
-    const Setting setting{.edges = {{distance_for(12), 17}},
-                          .averted = [](int x, int y) { return (x / 5 + y / 3) % 4 == 0; }};
-    EXPECT_EQ(penumbra::test::gather(narrow, setting).now, penumbra::test::gather(square, setting).now);
+    Setting setting{.edges = {{distance_for(12), 17}},
+                    .averted = [](int x, int y) { return (x / 5 + y / 3) % 4 == 0; }};
+    for (setting.frame = 0; setting.frame < 2; ++setting.frame)
+        EXPECT_EQ(penumbra::test::gather(narrow, setting).now, penumbra::test::gather(square, setting).now);
+
+    const auto of = [](ViewRun& run) { return captured<std::array<uint32_t, 8>>(run.view(), "cells"); };
+    const auto cells = of(narrow), in_squares = of(square);
+    const auto idle = captured<uint32_t>(narrow.view(), "idle_cells");
+    size_t working = 0;
+    for (size_t i = 0; i < cells.size(); ++i) {
+        if (idle[i] != 0) continue;  // there is nothing in the others
+        ++working;
+        EXPECT_EQ(cells[i], in_squares[i]) << i;
+    }
+    EXPECT_GT(working, 50u);
+}
+
+// Both tiles of a block of 8x8 pixels say what their rays have hit.
+TEST_F(Gather, IsToldOfEveryBlocker) {
+    ViewRun run = run_with(4);
+    const Result r = penumbra::test::gather(run, {.edges = {{distance_for(12), 17}}});
+    const std::vector<float> hits = captured_planes(run.view(), "block_blockers").at(0);
+    EXPECT_EQ(std::accumulate(hits.begin(), hits.end(), 0.0), std::ranges::count(r.bit, false));
 }
 
 TEST_F(Gather, AsksMoreNeighboursWhereItIsToldTo) {

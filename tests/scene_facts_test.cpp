@@ -106,7 +106,8 @@ Needed needed_by(const std::string& pipeline, const FactScene& row) {
     if (shadow == Shadow::hard) also("hard", "", "", "", "");
     if (shadow == Shadow::soft) {
         also("prepare gather drift soften",
-             "visibility_words sunward_words ray_points blockers gathered cells idle_cells state",
+             "visibility_words sunward_words ray_points blockers block_blockers gathered cells idle_cells "
+             "state",
              "state idle_cells", "", "edge_patterns");
         if (moves) also("", "", "guide_normal", "", "");
         if (sun_moves) also("", "", "", "sun_prev", "");

@@ -105,6 +105,17 @@ double Soak::n_eff_kept() const {
     return last / first;
 }
 
+double Soak::kept_noise() const {
+    double squares = 0, sum = windows.front().n_eff;
+    for (size_t i = 1; i < windows.size(); ++i) {
+        squares += std::pow(windows[i].n_eff - windows[i - 1].n_eff, 2);
+        sum += windows[i].n_eff;
+    }
+    const auto n = static_cast<double>(windows.size()), third = std::floor(n / 3);
+    const double of_a_window = std::sqrt(squares / (n - 1) / 2) / (sum / n);
+    return of_a_window * std::sqrt(2 / third);
+}
+
 long Soak::grown_kib() const {
     return windows.back().resident_kib - windows.front().resident_kib;
 }
@@ -114,7 +125,7 @@ long Soak::more_files() const {
 }
 
 bool soak_holds(const Soak& result) {
-    return result.drift() <= 1e-4 && result.n_eff_kept() >= 0.95 &&
+    return result.drift() <= 1e-4 && result.n_eff_kept() >= 0.95 - 2 * result.kept_noise() &&
            result.left <= result.left_of_young + 0.01 && result.nonfinite == 0 &&
            result.grown_kib() < 8 * 1024 && result.more_files() == 0;
 }

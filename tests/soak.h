@@ -39,6 +39,7 @@ struct Soak {
     // limits.
     double drift() const;       // of the mean
     double n_eff_kept() const;  // quotient
+    double kept_noise() const;  // its deviation, by what neighbouring windows differ
 
     // Since the end of the first window.
     long grown_kib() const;
@@ -47,9 +48,9 @@ struct Soak {
 
 Soak soak(Device& device, const SoakOptions& options);
 
-// The limits: the mean drifts by no more than 1e-4, .95 of N_eff are kept, the jump is followed as a young
-// history follows it, everything is finite, and the process has neither 8 MiB nor an open file more than at
-// the end of the first window.
+// The limits: the mean drifts by no more than 1e-4, .95 of N_eff are kept, less two deviations of the
+// windows' noise, the jump is followed as a young history follows it, everything is finite, and the process
+// has neither 8 MiB nor an open file more than at the end of the first window.
 bool soak_holds(const Soak& result);
 
 }  // namespace penumbra::test

@@ -36,10 +36,12 @@ int main(int argc, char** argv) {
             fmt::print("| {} | {:.1f} | {:.6f} | {} | {} |\n", w.first, w.n_eff, w.mean, w.resident_kib,
                        w.open_files);
         fmt::print(
-            "\nlast third against the first: drift of the mean {:.2g}, N_eff kept {:.3f}; left 3 frames "
+            "\nlast third against the first: drift of the mean {:.2g}, N_eff kept {:.3f} +- {:.3f}; left 3 "
+            "frames "
             "after a "
             "jump {:.4f} (young history {:.4f}), not finite {}\n\n",
-            result.drift(), result.n_eff_kept(), result.left, result.left_of_young, result.nonfinite);
+            result.drift(), result.n_eff_kept(), result.kept_noise(), result.left, result.left_of_young,
+            result.nonfinite);
         std::fflush(stdout);
         held = held && soak_holds(result);
     }

@@ -15,9 +15,9 @@ Soak printed_soak(const SoakOptions& options) {
     for (const SoakWindow& w : result.windows)
         std::printf("%s from %u: N_eff %.1f, mean %.6f\n", options.pipeline.c_str(), w.first, w.n_eff,
                     w.mean);
-    std::printf("%s: drift %.2g, N_eff kept %.3f, left after a jump %.4f (young %.4f)\n",
-                options.pipeline.c_str(), result.drift(), result.n_eff_kept(), result.left,
-                result.left_of_young);
+    std::printf("%s: drift %.2g, N_eff kept %.3f +- %.3f, left after a jump %.4f (young %.4f)\n",
+                options.pipeline.c_str(), result.drift(), result.n_eff_kept(), result.kept_noise(),
+                result.left, result.left_of_young);
     return result;
 }
 

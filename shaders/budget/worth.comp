@@ -76,6 +76,17 @@ bool anything_traced() {
     return subgroupOr(words) != 0u;
 }
 
+// What further rays of so many pixels of a tile would gain. Tiles under one light alone are counted together.
+void count_gains(uint c, uint pixels, uint steps_less) {
+    if (!HAS_LIGHT_SHARES) {
+        const uint all = subgroupAdd(pixels);
+        pixels = subgroupElect() ? all : 0u;
+    }
+    if (pixels != 0u)
+        for (uint level = 0u; level + 1u < LEVELS; ++level)
+            atomicAdd(gains[gain_bin(EXPECTED[c], level, steps_less)], pixels * (RAYS_AT[level + 1u] - RAYS_AT[level]));
+}
+
 void main() {
     const uint lane = gl_LocalInvocationIndex;
     const ivec2 tile = tile_of_lane(lane), grid = tile_grid();
@@ -124,10 +135,7 @@ void main() {
     const uint steps_less = HAS_LIGHT_SHARES && in_grid ? light_shares[tile_index(tile)] : 0u;
     [[unroll]] for (uint c = 0u; c < CLASSES; ++c) {
         masks[c] = class_masks[CLASSES * lane + c];
-        const uint pixels = uint(bitCount(masks[c]));
-        if (pixels != 0u)
-            for (uint level = 0u; level + 1u < LEVELS; ++level)
-                atomicAdd(gains[gain_bin(EXPECTED[c], level, steps_less)], pixels * (RAYS_AT[level + 1u] - RAYS_AT[level]));
+        count_gains(c, uint(bitCount(masks[c])), steps_less);
     }
     if (in_grid) classes[tile_index(tile)] = masks;
 }

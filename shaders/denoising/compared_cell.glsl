@@ -17,8 +17,7 @@ const float LEAST_REACH = 0.5;   // pixels, from which on a quarter of the penum
 // How far apart soften's taps are along an axis.
 int step_for(float reach) { return reach >= 1.0 ? int(reach) : reach >= LEAST_REACH ? NEAR_STEP : 0; }
 
-// What is added up over the pixels of a cell: first over those of a row, then over the rows, so that the sum is the same
-// whether a lane has one row or all.
+// What is added up over the pixels of a cell: first over those of a row, then over the rows in their order.
 struct CellSums {
     Sums sums;
     Bias bias;
@@ -32,8 +31,6 @@ struct CellSums {
 const CellSums NOTHING_YET = CellSums(NO_SUMS, Bias(0.0, 0.0, 0.0, 0.0), vec2(1e9), 0.0, 0.0, 0.0, 0.0, 0.0, 0u);
 const uint PAST = 1u << 8, TESTED_PIXEL = 1u << 16, RESAMPLED = 1u << 24;
 
-shared CellSums row_sums[MOST_CELLS * uint(CELL)];
-
 void add(inout CellSums a, CellSums b) {
     a.sums = Sums(a.sums.d + b.sums.d, a.sums.e + b.sums.e, a.sums.v + b.sums.v, a.sums.d2 + b.sums.d2, a.sums.e2 + b.sums.e2, a.sums.c + b.sums.c);
     a.bias = Bias(a.bias.differences + b.bias.differences, a.bias.noise + b.bias.noise, a.bias.past_noise + b.bias.past_noise, a.bias.n + b.bias.n);
@@ -46,11 +43,41 @@ void add(inout CellSums a, CellSums b) {
     a.counts += b.counts;
 }
 
+#if CLASS_CPU
+// A cell's rows are four lanes of a subgroup that stand side by side: a software device shuffles in a tenth of the time of a
+// load from shared memory, which it does lane by lane.
+float of_row(float own, uint row) { return subgroupShuffle(own, (gl_SubgroupInvocationID & ~3u) + row); }
+uint of_row(uint own, uint row) { return subgroupShuffle(own, (gl_SubgroupInvocationID & ~3u) + row); }
+vec2 of_row(vec2 own, uint row) { return vec2(of_row(own.x, row), of_row(own.y, row)); }
+
+void recall_rows_together(uint at, uint row) {
+    const int EACH = (ROWS + CELL - 1) / CELL;
+    uint own[EACH];
+    [[unroll]] for (int i = 0; i < EACH; ++i) own[i] = cell_rows[at * uint(ROWS) + min(row + uint(CELL * i), uint(ROWS - 1))];
+    [[unroll]] for (int i = 0; i < ROWS; ++i) rows[i] = of_row(own[i / CELL], uint(i % CELL));
+}
+
+CellSums of_row(CellSums own, uint row) {
+    return CellSums(Sums(of_row(own.sums.d, row), of_row(own.sums.e, row), of_row(own.sums.v, row), of_row(own.sums.d2, row),
+                         of_row(own.sums.e2, row), of_row(own.sums.c, row)),
+                    Bias(of_row(own.bias.differences, row), of_row(own.bias.noise, row), of_row(own.bias.past_noise, row),
+                         of_row(own.bias.n, row)),
+                    of_row(own.steps, row), of_row(own.largest, row), of_row(own.seen_m2, row), of_row(own.flips_per_pair, row),
+                    of_row(own.radii, row), of_row(own.by_counts, row), of_row(own.counts, row));
+}
+#else
+shared CellSums row_sums[MOST_CELLS * uint(CELL)];
+
+void recall_rows_together(uint at, uint row) { recall_rows(at); }
+#endif
+
 CellSums compare_row(uint at, ivec2 cell, int row) {
     const ivec2 first = cell * CELL;
     const uint asking = cell_asking[at];
-    recall_rows(at);
-    const uint lit = lit_or_sky(cell), sunward = sunward_words[tile_index(cell * CELL / TILE)];
+    recall_rows_together(at, uint(row));
+    const uint tile = tile_index(cell * CELL / TILE), lit = lit_or_sky(cell), sunward = sunward_words[tile];
+    uint traced = ~0u;
+    if (HAS_RAY_WORDS) traced = ray_words[tile];
     const Penumbra penumbra = penumbra_of(at);
     const float rho = radius_m(penumbra);
 
@@ -61,7 +88,7 @@ CellSums compare_row(uint at, ivec2 cell, int row) {
         Gathered g = Gathered(bit, bit, 0.0, 0.0, 0.0, false, NO_RAYS);
         float worth = 1.0;  // of this frame, in frames of one ray
         if ((sunward & pixel_bit(p)) != 0u) {
-            const bool tested = has_ray(p);
+            const bool tested = (traced & pixel_bit(p)) != 0u;
             const uint further = tested ? further_at(p) : 0u;
             const float z = imageLoad(view_depth, p).x;
             const vec3 n = normal_at(p), n_light = views().towards_light * n;
@@ -143,15 +170,8 @@ CellSums compare_row(uint at, ivec2 cell, int row) {
     return all;
 }
 
-void compare_row_of_left(uint number) {
-    const uint at = number / uint(CELL);
-    row_sums[number] = compare_row(at, cell_of(left_cells[at]), int(number % uint(CELL)));
-}
-
-void hand_on(uint at, ivec2 cell) {
-    CellSums all = NOTHING_YET;
-    for (uint row = 0u; row < uint(CELL); ++row) add(all, row_sums[uint(CELL) * at + row]);
-    recall_rows(at);
+void hand_on(uint at, CellSums all) {
+    const ivec2 cell = cell_of(left_cells[at]);
     const float rho = radius_m(penumbra_of(at));
     const int pairs = int(all.counts & 0xffu);
     const uint pasts = all.counts >> 8 & 0xffu, tested_pixels = all.counts >> 16 & 0xffu;
@@ -173,6 +193,29 @@ void hand_on(uint at, ivec2 cell) {
         sums = NO_SUMS;  // nothing can have changed, so nothing says that it has
     }
     cells[2u * cell_index(cell)] = vec4(sums.d, sums.e, sums.v, sums.d2);
-    const uint softening = pack_softening(ivec2(step_for(reach.x), step_for(reach.y)), past_kind, has_both(said_within(1)), tests, mean_bias(all.bias));
+    const uint softening = pack_softening(ivec2(step_for(reach.x), step_for(reach.y)), past_kind, (cell_asking[at] & UNLIKE) != 0u, tests, mean_bias(all.bias));
     cells[2u * cell_index(cell) + 1u] = vec4(sums.e2, sums.c, radius_px, uintBitsToFloat(softening));
+}
+
+void compare_cells() {
+    const uint lanes = lanes_in_workgroup(), n = left_count * uint(CELL);
+    for (uint i = gl_LocalInvocationIndex; i < n; i += lanes) {
+        const uint at = i / uint(CELL), row = i % uint(CELL);
+        const CellSums own = compare_row(at, cell_of(left_cells[at]), int(row));
+#if CLASS_CPU
+        CellSums all = NOTHING_YET;
+        [[unroll]] for (uint r = 0u; r < uint(CELL); ++r) add(all, of_row(own, r));
+        if (row == 0u) hand_on(at, all);
+#else
+        row_sums[i] = own;
+#endif
+    }
+#if !CLASS_CPU
+    group_barrier();
+    for (uint at = gl_LocalInvocationIndex; at < left_count; at += lanes) {
+        CellSums all = NOTHING_YET;
+        for (uint r = 0u; r < uint(CELL); ++r) add(all, row_sums[uint(CELL) * at + r]);
+        hand_on(at, all);
+    }
+#endif
 }

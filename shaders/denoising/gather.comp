@@ -5,6 +5,7 @@
 // (what blocks, which bits are around), then their pixels ask their neighbours, dealt out one by one because a cell has one
 // that asks or sixteen, and then compare, row by row of a cell; those of a workgroup that do not run in step wait for each
 // other in between.
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
 #include "common/tiles.glsl"
 #include "common/rounded.glsl"
@@ -54,12 +55,13 @@ ivec2 first_pixel() { return cell_of(0u) * CELL & ~31; }
 ViewRays rays_of(ivec2 p) { return moved(views().now, vec2(p - first_pixel())); }
 vec3 normal_at(ivec2 p) { return unit_or_zero(decode_normal(imageLoad(guide_normal, p))); }
 
-// What is found out about the cells of the list, `at` their places in it; with row_sums 500 bytes of a cell at most:
-// of a GPU's 16 cells half of what every device has, of a CPU's 64 all but 760 bytes of what lavapipe and SwiftShader have.
+// What is found out about the cells of the list, `at` their places in it: 180 bytes of a cell, on a GPU with row_sums 500 at most, of whose 16
+// cells that is half of what every device has.
 const uint PIXELS = uint(CELL * CELL), MOST_PIXELS = MOST_CELLS * PIXELS;
 shared vec3 cell_penumbrae[MOST_CELLS];
 shared uint cell_rows[MOST_CELLS * uint(ROWS)];
-shared uint cell_asking[MOST_CELLS];  // pixels that ask their neighbours, and what they are told:
+const uint UNLIKE = 0x10000u;         // unlike pixels are among a cell's own and those next to it
+shared uint cell_asking[MOST_CELLS];  // that, and in the lower half the pixels that ask their neighbours, and what they are told:
 shared uint estimates[MOST_PIXELS];
 shared uint wide_count, narrow_count;
 shared uint asking_pixels[MOST_PIXELS];  // 16 cell + pixel; in wide penumbrae from the front, in narrow ones from the back
@@ -96,7 +98,7 @@ void look_around(uint at, ivec2 cell) {
     const Penumbra penumbra = penumbra_of_cell(cell, foot);
     cell_penumbrae[at] = vec3(penumbra.distance_m, penumbra.tangent, penumbra.spread);
     uint asking = pixels_with_both() & pixels_of_cell(sunward_words[tile_index(cell * CELL / TILE)], cell);
-    cell_asking[at] = asking;
+    cell_asking[at] = asking | (has_both(said_within(1)) ? UNLIKE : 0u);
     const uint n = uint(bitCount(asking));
     const bool wide = radius_m(penumbra) >= OWN_RAY_PX * foot.s.s2;  // it takes many rays; only who works beside whom depends on it
     uint next = wide ? atomicAdd(wide_count, n) : MOST_PIXELS - n - atomicAdd(narrow_count, n);
@@ -105,9 +107,9 @@ void look_around(uint at, ivec2 cell) {
 
 void ask_around(uint asking) {
     const uint at = asking / PIXELS, pixel = asking % PIXELS;
-    recall_rows(at);
     const ivec2 offset = in_cell(int(pixel)), p = cell_of(left_cells[at]) * CELL + offset;
-    const Receiver r = receiver_at(p, offset, imageLoad(view_depth, p).x, views().towards_light * normal_at(p), rays_of(p));
+    [[unroll]] for (int i = 0; i <= 2 * R; ++i) rows[i] = cell_rows[at * uint(ROWS) + uint(offset.y + i)];
+    const Receiver r = receiver_at(p, ivec2(offset.x, 0), imageLoad(view_depth, p).x, views().towards_light * normal_at(p), rays_of(p));
     const Estimate e = this_frame(r, penumbra_of(at));
     estimates[asking] = MANY_RAYS ? pack_estimate_of_many(e) : pack_estimate(e);
 }
@@ -134,7 +136,5 @@ void main() {
     const uint wide = wide_count, n = wide + narrow_count;
     for (uint i = lane; i < n; i += lanes) ask_around(asking_pixels[i < wide ? i : i + MOST_PIXELS - n]);
     group_barrier();
-    for (uint i = lane; i < left_count * uint(CELL); i += lanes) compare_row_of_left(i);
-    group_barrier();
-    for (uint i = lane; i < left_count; i += lanes) hand_on(i, cell_of(left_cells[i]));
+    compare_cells();
 }

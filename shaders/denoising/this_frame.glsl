@@ -107,7 +107,7 @@ Estimate agreement(Receiver r, ivec2 box, bool by_chance) {
     }
     const bool sure = flat_box && !by_chance && !(HAS_RAY_BITS && further_disagree(further_at(r.p), lit != 0u));
     const float n = sure ? max(EQUAL_SHARE * float(tests), 1.0) : 1.0;
-    const bool told = has_ray(r.p) || flat_box && tests != 0;
+    const bool told = !HAS_RAY_WORDS || has_ray(r.p) || flat_box && tests != 0;
     return Estimate(lit != 0u ? 1.0 : 0.0, told ? n : 0.0, max(0.4, min(1.0, 3.0 / n)), 1.0);
 }
 
