@@ -2,6 +2,7 @@
 // Exact coverage of several lights that are near. A workgroup has a tile: it reads its pixels once and goes from light to light, and those of
 // its pixels that a light can reach walk the tree with their cone to it, as in cover.comp. A light that is off, out of range, behind or below
 // all of them costs a test per pixel. docs/lights.md.
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/receiver_normal.glsl"

@@ -142,8 +142,7 @@ void decide_sides(Receiver r, BvhLeaf corners, vec3 a, vec3 b, vec3 c, vec3 d, v
 }
 
 // Adds to `hidden` what the leaf hides, where it is `wanted`.
-void hide_by_leaf(Receiver r, LightShape shape, uint leaf, bool wanted, inout LightMask hidden) {
-    const BvhLeaf corners = bvh_leaf(leaf);
+void hide_by_leaf(Receiver r, LightShape shape, uint leaf, BvhLeaf corners, bool wanted, inout LightMask hidden) {
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
     const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
     const vec3 ab_line = edge_line(a, b), bc_line = edge_line(b, c), ca_line = edge_line(c, a), bd_line = edge_line(b, d), dc_line = edge_line(d, c);

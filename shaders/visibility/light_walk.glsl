@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The walk of one pixel through the tree, with the cone to its light: what triangles hide of the light is united. Each lane walks by
-// itself, towards leaves until all of a subgroup have one, since looking at a leaf is the dearest step.
+// The walk of one pixel through the tree, with the cone to its light: what triangles hide of the light is united. On a GPU each lane walks by
+// itself, towards leaves until all of a subgroup have one, since looking at a leaf is the dearest step. On a CPU they walk together.
 //
 // Includer has common/bvh.glsl, common/cone_slabs.glsl, light_mask.glsl, leaf_cover.glsl and seen_light.glsl; slabs_to(), where a light's are;
 // WALK_BUDGET, where a walk may be given up: nodes and leaves that it may look at.
@@ -17,7 +17,50 @@ struct Walk {
     uint steps;
 };
 
+#if CLASS_CPU
+#include "visibility/bvh_together.glsl"
+
+// A turn costs the less, and what a lane waits for is what its neighbours look at.
+Walk walk_together(SeenLight seen, bool own, inout LightMask hidden) {
+    bool live = own && !mask_is_full(hidden);
+    BvhSharedPath path = bvh_shared_path(seen.span[2], live);
+    const ConeSlabs slabs = slabs_to(seen);
+    uint steps = 0u;
+    bool given_up = false;
+    bool ended = or_of_lanes(live ? 1u : 0u) == 0u;
+    while (!ended) {
+        bool asks;
+        if (bvh_at_leaf(path)) {
+            uint leaf;
+            const BvhLeaf corners = bvh_take_leaf(path, leaf, asks);
+            asks = asks && live;
+            hide_by_leaf(seen.receiver, seen.shape, leaf, corners, asks, hidden);
+            if (asks) ++steps;
+            if (mask_is_full(hidden)) live = false;
+#ifdef WALK_BUDGET
+            if (asks && live && steps >= WALK_BUDGET) {
+                live = false;
+                given_up = bvh_has_own(path);
+            }
+#endif
+        } else {
+            const BvhTexels node = bvh_take_node(path, asks);
+            const uint hits = cone_hit_children(slabs, seen.receiver.start, node.n0, node.n1, node.n2);
+            asks = asks && live;
+            bvh_go_on(path, node, asks ? hits : 0u);
+            if (asks) ++steps;
+        }
+        ended = bvh_ended(path) || or_of_lanes(live ? 1u : 0u) == 0u;
+    }
+    return Walk(own && !given_up && (mask_is_full(hidden) || !bvh_has_own(path)), steps);
+}
+#endif
+
 Walk walk_to_light(SeenLight seen, bool own, inout LightMask hidden) {
+#if CLASS_CPU
+    // Not on a driver that executes both sides of every branch, as Mesa 22's does, which fetches texels.
+    if (LANES_IN_STEP >= 4u && HAS_SCENE_LOADED_NODES) return walk_together(seen, own, hidden);
+#endif
     BvhPath path = bvh_path(seen.span[2]);
     uint steps = 0u;
     bool ended = !own || mask_is_full(hidden);
@@ -33,7 +76,7 @@ Walk walk_to_light(SeenLight seen, bool own, inout LightMask hidden) {
         uint leaf = 0u;
         const bool at_leaf = !ended;
         if (at_leaf) leaf = bvh_take_leaf(path);
-        hide_by_leaf(seen.receiver, seen.shape, leaf, at_leaf, hidden);
+        hide_by_leaf(seen.receiver, seen.shape, leaf, bvh_leaf(leaf), at_leaf, hidden);
         ++steps;
         if (mask_is_full(hidden) || bvh_ended(path)) ended = true;
 #ifdef WALK_BUDGET

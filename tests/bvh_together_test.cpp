@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Lanes that walk through the tree together (shaders/visibility/bvh_together.glsl): each sees what it would
+// have seen alone, as all do in the form for GPUs.
+#include "app/session.h"
+#include "tests/cover_run.h"
+#include "tests/gpu_test.h"
+#include "tests/shipped.h"
+#include "tests/view_run.h"
+
+namespace penumbra::test {
+namespace {
+
+std::vector<float> seen(bool together, const std::string& pipeline, const std::string& shot,
+                        const std::string& light, std::vector<std::string> settings) {
+    settings.emplace_back("outputs=[\"visibility\"]");
+    SessionOptions options;
+    options.size = {160, 90};
+    options.cpu = together;
+    options.optimum = false;
+    options.captures = {"visibility"};
+    options.light = light;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session = Session::open(gpu(), cover_nodes(), shipped_pipeline(pipeline, settings),
+                                       shipped_shot(shot, options.size), options, diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    session->run_frame(0, true);
+    return captured_planes(session->view(), "visibility").at(0);
+}
+
+class BvhTogether : public GpuTest {
+  protected:
+    static void expect_as_alone(const std::string& pipeline, const std::string& shot,
+                                const std::string& light = {},
+                                const std::vector<std::string>& settings = {}) {
+        const auto together = seen(true, pipeline, shot, light, settings),
+                   alone = seen(false, pipeline, shot, light, settings);
+        EXPECT_GT(std::ranges::count_if(alone, [](float v) { return v > 0 && v < 1; }), 100);
+        EXPECT_EQ(together, alone) << pipeline << " " << shot << " " << light;
+    }
+};
+
+TEST_F(BvhTogether, LanesSeeWhatEachWouldAlone) {
+    for (const char* shot : {"trees", "cards", "lamp"}) expect_as_alone("covered", shot);
+}
+
+TEST_F(BvhTogether, AndGiveUpWhereEachWould) {
+    for (const char* budget : {"20", "60"})
+        expect_as_alone("hybrid_shadows", "trees", {}, {std::string("nodes.cover.params.budget=") + budget});
+}
+
+// Straight below it children lie to either side, and lanes would take them in different orders.
+TEST_F(BvhTogether, AlsoBelowALamp) {
+    for (const char* light : {"panel", "bulb", "tube"}) expect_as_alone("light", "lights/interior", light);
+}
+
+}  // namespace
+}  // namespace penumbra::test
