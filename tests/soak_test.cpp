@@ -26,6 +26,7 @@ class SoakRun : public GpuTest, public ::testing::WithParamInterface<const char*
 TEST_P(SoakRun, LosesNothingIn2000Frames) {
     const Soak result = printed_soak({.pipeline = GetParam(), .frames = 2000});
     EXPECT_TRUE(soak_holds(result));
+    EXPECT_LT(result.kept_noise(), 0.06) << "too noisy to say what is kept";
     EXPECT_GT(result.windows.front().n_eff, 50) << "no picture to lose anything of";
     EXPECT_LT(result.left, 0.1) << "the jump is not followed";
 }
@@ -37,6 +38,17 @@ class SoakLimits : public GpuTest {};
 
 TEST_F(SoakLimits, ArePassedByThePublishedDenoiser) {
     EXPECT_FALSE(soak_holds(printed_soak({.pipeline = "fidelityfx", .frames = 1300})));
+}
+
+// Of seven windows, as 2000 frames have: what falls steadily is lost, what goes up and down is not.
+TEST(SoakNoise, IsNoExcuseForWhatIsLost) {
+    const auto run_of = [](std::initializer_list<double> n_eff) {
+        Soak soak;
+        for (const double n : n_eff) soak.windows.push_back({.n_eff = n, .mean = 0.5});
+        return soak;
+    };
+    EXPECT_TRUE(soak_holds(run_of({109, 103, 103, 95, 95, 98, 98})));
+    EXPECT_FALSE(soak_holds(run_of({109, 106, 103, 100, 97, 94, 91})));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Exact coverage: instead of rays, each pixel that nothing proves lit or shadowed walks the tree once with the cone to its light and
 // unites what the triangles hide of it, as a mask of samples: none hidden is lit, all is shadowed, and between lies the visibility. No
-// noise, so no denoiser and no past. One workgroup per listed tile, whose lanes each walk by themselves. docs/coverage.md.
+// noise, so no denoiser and no past. One workgroup per listed tile. docs/coverage.md.
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
 #if HAS_GIVEN_UP
