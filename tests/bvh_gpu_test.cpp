@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // bvh.glsl on the first Vulkan device against the reference traversal in C++: the same arithmetic, so the
-// same answers, ray for ray. A compiler that fuses multiply-add, or a driver that loses a value set inside a
-// divergent loop, shows here.
+// same answers, ray for ray; and rays_together.glsl against it, where eight lanes are a vector of one thread.
+// A compiler that fuses multiply-add, or a driver that loses a value set inside a divergent loop, shows here.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -49,10 +49,14 @@ class BvhGpu : public GpuTest {
             VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
         compute.load(BVH_RAYS_SPV, bindings);
+        together.load(BVH_RAYS_TOGETHER_SPV, bindings);
         cpu_device = compute.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
         VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
-        VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
+        VkPhysicalDeviceSubgroupProperties lanes{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+                                                 &driver};
+        VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &lanes};
         vkGetPhysicalDeviceProperties2(gpu().physical(), &all);
+        walks_together = cpu_device && lanes.subgroupSize == 8;
         keeps_denormals = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;  // which does not promise it
         std::printf("device: %s\n", compute.properties().deviceName);
     }
@@ -70,6 +74,7 @@ class BvhGpu : public GpuTest {
         }
         ++asked;
         const std::vector<uint32_t> gpu = answers(compute, bvh, rays);
+        EXPECT_TRUE(!walks_together || answers(together, bvh, rays) == gpu) << name;
         size_t differ = 0, hits = 0;
         for (size_t i = 0; i < rays.size(); ++i) {
             ASSERT_LE(gpu[i], 1u) << "ray " << i << " was not answered";
@@ -86,8 +91,8 @@ class BvhGpu : public GpuTest {
         EXPECT_GT(hits, 0u) << name;
     }
 
-    Compute compute{gpu()};
-    bool cpu_device = false, keeps_denormals = false;
+    Compute compute{gpu()}, together{gpu()};
+    bool cpu_device = false, keeps_denormals = false, walks_together = false;
     size_t asked = 0;  // scenes
 };
 

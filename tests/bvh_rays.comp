@@ -2,7 +2,17 @@
 #extension GL_GOOGLE_include_directive : require
 // SPDX-License-Identifier: MIT
 // Answers a list of rays with shaders/common/bvh.glsl: tests/bvh_gpu_test.cpp compares them, tests/bvh_bench.cpp times them. With
-// LOADED from storage texel buffers.
+// LOADED from storage texel buffers. With TOGETHER the lanes of a subgroup, eight of them, walk together.
+#ifdef TOGETHER
+#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_EXT_control_flow_attributes : require
+const uint LANES_IN_STEP = 8u;
+const bool HAS_SCENE_LOADED_NODES = true;
+#define CLASS_CPU 1
+#define SEVERAL_RAYS 1
+#define BACKEND 0
+#define BACKEND_RAY_QUERY 1
+#endif
 layout(local_size_x = 64) in;
 #ifdef LOADED
 layout(rgba32ui, set = 0, binding = 0) uniform readonly uimageBuffer scene_nodes;
@@ -25,11 +35,21 @@ uvec4 scene_node_texel(int texel) { return imageLoad(scene_nodes, texel); }
 uvec4 scene_leaf_texel(int texel) { return imageLoad(scene_leaves, texel); }
 #endif
 #define NO_SCENE_WORDS
+#ifdef TOGETHER
+#include "../shaders/visibility/rays_together.glsl"
+#else
 #include "../shaders/common/bvh.glsl"
+#endif
 
 void main() {
-    uint i = gl_GlobalInvocationID.x;
-    if (i >= count) return;
-    Ray ray = rays[i];
-    answers[i] = uint(occluded(ray.origin_t_min.xyz, ray.direction_t_max.xyz, ray.origin_t_min.w, ray.direction_t_max.w));
+    const uint i = gl_GlobalInvocationID.x;
+    const bool own = i < count;
+    const Ray ray = rays[own ? i : 0u];
+#ifdef TOGETHER
+    float unread = 0.0;
+    const bool met = occluded_beside(ray.origin_t_min.xyz, ray.direction_t_max.xyz, ray.origin_t_min.w, ray.direction_t_max.w, own, unread);
+#else
+    const bool met = own && occluded(ray.origin_t_min.xyz, ray.direction_t_max.xyz, ray.origin_t_min.w, ray.direction_t_max.w);
+#endif
+    if (own) answers[i] = uint(met);
 }

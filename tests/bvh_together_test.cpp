@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Lanes that walk through the tree together (shaders/visibility/bvh_together.glsl): each sees what it would
 // have seen alone, as all do in the form for GPUs.
+#include <bit>
+
 #include "app/session.h"
 #include "tests/cover_run.h"
 #include "tests/gpu_test.h"
@@ -10,21 +12,28 @@
 namespace penumbra::test {
 namespace {
 
-std::vector<float> seen(bool together, const std::string& pipeline, const std::string& shot,
-                        const std::string& light, std::vector<std::string> settings) {
+std::unique_ptr<Session> first_frame(bool together, const std::string& pipeline, const std::string& shot,
+                                     const std::string& light, std::vector<std::string> settings,
+                                     const std::string& capture) {
     settings.emplace_back("outputs=[\"visibility\"]");
     SessionOptions options;
     options.size = {160, 90};
     options.cpu = together;
     options.optimum = false;
-    options.captures = {"visibility"};
+    options.captures = {capture};
     options.light = light;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), cover_nodes(), shipped_pipeline(pipeline, settings),
-                                       shipped_shot(shot, options.size), options, diagnostics, warnings);
+    auto session = Session::open(gpu(), cover_nodes(), shipped_pipeline(pipeline, settings),
+                                 shipped_shot(shot, options.size), options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
     session->run_frame(0, true);
+    return session;
+}
+
+std::vector<float> seen(bool together, const std::string& pipeline, const std::string& shot,
+                        const std::string& light, const std::vector<std::string>& settings) {
+    const auto session = first_frame(together, pipeline, shot, light, settings, "visibility");
     return captured_planes(session->view(), "visibility").at(0);
 }
 
@@ -52,6 +61,26 @@ TEST_F(BvhTogether, AndGiveUpWhereEachWould) {
 // Straight below it children lie to either side, and lanes would take them in different orders.
 TEST_F(BvhTogether, AlsoBelowALamp) {
     for (const char* light : {"panel", "bulb", "tube"}) expect_as_alone("light", "lights/interior", light);
+}
+
+// Several of a pixel, also through holes, and to a lamp, where rays end.
+TEST_F(BvhTogether, SoDoRaysOfAPixel) {
+    for (const char* shot : {"trees", "cards", "lamp"})
+        expect_as_alone("raw", shot, {}, {"nodes.trace.params.rays_per_pixel=5"});
+    expect_as_alone("light_raw", "lights/interior", "panel", {"nodes.trace.params.rays_per_pixel=16"});
+}
+
+TEST_F(BvhTogether, AndFurtherRays) {
+    for (const char* shot : {"trees", "cards"}) {
+        const auto bits_of = [&](bool together) {
+            const auto session = first_frame(together, "shadows_best", shot, {}, {}, "ray_bits");
+            return captured_values<uint32_t>(*session, "ray_bits");
+        };
+        const auto together = bits_of(true);
+        EXPECT_GT(std::ranges::count_if(together, [](uint32_t word) { return std::popcount(word) > 2; }),
+                  100);
+        EXPECT_EQ(together, bits_of(false)) << shot;
+    }
 }
 
 }  // namespace

@@ -12,8 +12,7 @@
 #include "common/bvh_triangle.glsl"
 
 // `unsure`: bit 0 and 1, the triangles of which bvh_plane_ahead() has to say whether they are hit, if none is for sure.
-bool bvh_hits_leaf(BvhRay ray, uint leaf, inout float t_hit, out uint unsure) {
-    BvhLeaf corners = bvh_leaf(leaf);
+bool bvh_hits_leaf(BvhRay ray, uint leaf, BvhLeaf corners, inout float t_hit, out uint unsure) {
     vec3 a = bvh_shear(ray, corners.a), b = bvh_shear(ray, corners.b), c = bvh_shear(ray, corners.c), d = bvh_shear(ray, corners.d);
     float ab = bvh_edge(a, b), bc = bvh_edge(b, c), ca = bvh_edge(c, a), bd = bvh_edge(b, d), dc = bvh_edge(d, c);
     uint first, second;
@@ -67,7 +66,7 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
     while (true) {
         if (bvh_at_leaf(path)) {
             uint leaf = bvh_take_leaf(path), unsure;
-            if (bvh_hits_leaf(ray, leaf, t_hit, unsure)) found = true;
+            if (bvh_hits_leaf(ray, leaf, bvh_leaf(leaf), t_hit, unsure)) found = true;
             if (unsure != 0u) unsure_leaves = uvec4(leaf << 2 | unsure, unsure_leaves.xyz);
         }
         BvhVisit visit = bvh_visit(path);

@@ -23,36 +23,37 @@ struct Walk {
 // A turn costs the less, and what a lane waits for is what its neighbours look at.
 Walk walk_together(SeenLight seen, bool own, inout LightMask hidden) {
     bool live = own && !mask_is_full(hidden);
-    BvhSharedPath path = bvh_shared_path(seen.span[2], live);
+    BvhSharedPath path = bvh_shared_path(seen.span[2]);
+    BvhOwn asked = bvh_own(live);
     const ConeSlabs slabs = slabs_to(seen);
     uint steps = 0u;
     bool given_up = false;
-    bool ended = or_of_lanes(live ? 1u : 0u) == 0u;
+    bool ended = !any_of_lanes(live);
     while (!ended) {
-        bool asks;
+        uint bit;
         if (bvh_at_leaf(path)) {
             uint leaf;
-            const BvhLeaf corners = bvh_take_leaf(path, leaf, asks);
-            asks = asks && live;
+            const BvhLeaf corners = bvh_take_leaf(path, bit, leaf);
+            const bool asks = live && (asked.leaves & bit) != 0u;
             hide_by_leaf(seen.receiver, seen.shape, leaf, corners, asks, hidden);
             if (asks) ++steps;
             if (mask_is_full(hidden)) live = false;
 #ifdef WALK_BUDGET
             if (asks && live && steps >= WALK_BUDGET) {
                 live = false;
-                given_up = bvh_has_own(path);
+                given_up = bvh_has_own(path, asked);
             }
 #endif
         } else {
-            const BvhTexels node = bvh_take_node(path, asks);
-            const uint hits = cone_hit_children(slabs, seen.receiver.start, node.n0, node.n1, node.n2);
-            asks = asks && live;
-            bvh_go_on(path, node, asks ? hits : 0u);
+            const BvhTexels node = bvh_take_node(path, bit);
+            const bool asks = live && (asked.group & bit) != 0u;
+            const uint all_hits = cone_hit_children(slabs, seen.receiver.start, node.n0, node.n1, node.n2), hits = asks ? all_hits : 0u;
+            bvh_go_on(asked, bvh_go_on(path, node, hits), hits);
             if (asks) ++steps;
         }
-        ended = bvh_ended(path) || or_of_lanes(live ? 1u : 0u) == 0u;
+        ended = bvh_ended(path) || !any_of_lanes(live);
     }
-    return Walk(own && !given_up && (mask_is_full(hidden) || !bvh_has_own(path)), steps);
+    return Walk(own && !given_up && (mask_is_full(hidden) || !bvh_has_own(path, asked)), steps);
 }
 #endif
 

@@ -24,7 +24,7 @@ bool nearest_hit(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
             const uint pending = path.leaf_mask;
             uint leaf = bvh_take_leaf(path), unsure;
             float t = ray.t_max;
-            if (bvh_hits_leaf(ray, leaf, t, unsure)) {
+            if (bvh_hits_leaf(ray, leaf, bvh_leaf(leaf), t, unsure)) {
                 found = true;
                 if (t < ray.t_max) path.leaf_mask = pending;  // again: the other triangle of the two may be nearer still
                 ray.t_max = min(t, ray.t_max);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Further shadow rays where pixels are worth them: together with the first, which `trace` has cast, as many as a record says, to
 // points that lie evenly over the sun. One workgroup per record.
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/receiver_normal.glsl"
@@ -9,11 +10,8 @@
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
-#if BACKEND == BACKEND_RAY_QUERY
-#include "common/ray_query.glsl"
-#else
-#include "common/bvh.glsl"
-#endif
+#define SEVERAL_RAYS 1
+#include "visibility/rays_together.glsl"
 
 shared uint blocked[32];  // of the pixel with this number: bit k - 1 is ray k
 
@@ -27,12 +25,13 @@ void main() {
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes) blocked[number] = 0u;
     subgroup_barrier();
     for (uint first = 0u; first < ray_count; first += share.lanes) {
-        const uint index = first + share.lane;
-        if (index < ray_count) {
-            const uint number = wanted_number(share, index / further), k = index % further;  // a pixel's rays lie side by side
-            const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k + 1u, rays);
-            if (ray.into_surface || occluded(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max)) atomicOr(blocked[number], 1u << k);
-        }
+        const bool own = first + share.lane < ray_count;
+        const uint index = own ? first + share.lane : first;
+        const uint number = wanted_number(share, index / further), k = index % further;  // a pixel's rays lie side by side
+        const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k + 1u, rays);
+        float unread = 0.0;
+        const bool met = occluded_beside(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, own && !ray.into_surface, unread);
+        if (met || own && ray.into_surface) atomicOr(blocked[number], 1u << k);
     }
     subgroup_barrier();
     const uint first_hits = hits[tile_index(tile)];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Shadow rays of undecided pixels: one workgroup per listed tile.
+#extension GL_KHR_shader_subgroup_shuffle : require
 #include "node.glsl"
 #if HAS_FRACTION
 const uint RAYS = RAYS_PER_PIXEL;
@@ -20,11 +21,8 @@ const uint RAYS = 1u;
 #include "common/rounded.glsl"
 #include "common/blockers.glsl"
 #endif
-#if BACKEND == BACKEND_RAY_QUERY
-#include "common/ray_query.glsl"
-#else
-#include "common/bvh.glsl"
-#endif
+#define SEVERAL_RAYS HAS_FRACTION
+#include "visibility/rays_together.glsl"
 
 void main() {
     uvec4 record;
@@ -41,23 +39,20 @@ void main() {
 #endif
     uint blocked = 0u;  // pixels whose first ray hits
     for (uint first = 0u; first < ray_count; first += share.lanes) {
-        const uint index = first + share.lane;
-        if (index < ray_count) {
-            const uint number = wanted_number(share, index / RAYS), k = index % RAYS;  // a pixel's rays lie side by side
-            const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k, RAYS);
-            bool hit = ray.into_surface;
-            if (!hit) {
-                float t = 0.0;
-                hit = occluded_at(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, t);
+        const bool own = first + share.lane < ray_count;
+        const uint index = own ? first + share.lane : first;
+        const uint number = wanted_number(share, index / RAYS), k = index % RAYS;  // a pixel's rays lie side by side
+        const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k, RAYS);
+        float t = 0.0;
+        const bool met = occluded_beside(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, own && !ray.into_surface, t);
 #if HAS_BLOCKERS
-                if (hit && k == 0u) add_blocker(sums, HAS_LIGHT ? way_to_blocker(t, ray.t_plane) : t);
+        if (met && k == 0u) add_blocker(sums, HAS_LIGHT ? way_to_blocker(t, ray.t_plane) : t);
 #endif
-            }
-            if (hit && k == 0u) blocked |= 1u << number;
+        const bool hit = own && ray.into_surface || met;
+        if (hit && k == 0u) blocked |= 1u << number;
 #if HAS_FRACTION
-            if (!hit) count_as_lit(number);
+        if (own && !hit) count_as_lit(number);
 #endif
-        }
     }
     blocked = subgroupOr(blocked);
     if (subgroupElect() && blocked != 0u) atomicOr(hits[tile_index(tile)], lanes_of_pixels(blocked));
