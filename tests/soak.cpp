@@ -112,7 +112,9 @@ double Soak::kept_noise() const {
         sum += windows[i].n_eff;
     }
     const auto n = static_cast<double>(windows.size()), third = std::floor(n / 3);
-    const double of_a_window = std::sqrt(squares / (n - 1) / 2) / (sum / n);
+    // What is lost steadily is the mean of the differences, and no noise.
+    squares -= std::pow(windows.back().n_eff - windows.front().n_eff, 2) / (n - 1);
+    const double of_a_window = std::sqrt(squares / (n - 2) / 2) / (sum / n);
     return of_a_window * std::sqrt(2 / third);
 }
 

@@ -49,6 +49,7 @@ TEST(SoakNoise, IsNoExcuseForWhatIsLost) {
     };
     EXPECT_TRUE(soak_holds(run_of({109, 103, 103, 95, 95, 98, 98})));
     EXPECT_FALSE(soak_holds(run_of({109, 106, 103, 100, 97, 94, 91})));
+    EXPECT_FALSE(soak_holds(run_of({109, 107.5, 106, 104.5, 103, 101.5, 100})));
 }
 
 }  // namespace

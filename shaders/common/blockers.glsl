@@ -7,7 +7,7 @@
 // Of a light that is near it is not the distance but the way to the blocker over the way from there on to the light: what makes the
 // penumbra as wide as it is, as the distance does from a sun.
 //
-// Includer has rounded.glsl and declares: buffer uint blockers[].
+// Includer declares: buffer uint blockers[]; who writes them has rounded.glsl.
 const float BLOCKER_STEPS = 64.0;   // per octave
 const float BLOCKER_OCTAVES = 32.0; // below and above 1 m
 

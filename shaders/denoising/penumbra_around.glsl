@@ -3,7 +3,7 @@
 // nobody has measured them it is as the parameter distance_m says, or narrower than a pixel: to take it for wider
 // than it is blurs details, and how much the bits vary does not tell noise from leaves.
 //
-// Includer has tiles.glsl, shadow_state.glsl, rounded.glsl and this_frame.glsl, and declares the block sun.
+// Includer has tiles.glsl, shadow_state.glsl and this_frame.glsl, and declares the block sun and, perhaps, the image block_blockers.
 
 Penumbra penumbra_by_blockers(ivec2 cell) {
     const vec2 centre = (vec2(cell * CELL) + 0.5 * float(CELL)) / vec2(BLOCK);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The walk of one pixel through the tree, with the cone to its light: what triangles hide of the light is united. On a GPU each lane walks by
-// itself, towards leaves until all of a subgroup have one, since looking at a leaf is the dearest step. On a CPU they walk together.
+// itself, towards leaves until all of a subgroup have one, since looking at a leaf is the dearest step. On some CPUs they walk together.
 //
 // Includer has common/bvh.glsl, common/cone_slabs.glsl, light_mask.glsl, leaf_cover.glsl and seen_light.glsl; slabs_to(), where a light's are;
 // WALK_BUDGET, where a walk may be given up: nodes and leaves that it may look at.
@@ -59,8 +59,7 @@ Walk walk_together(SeenLight seen, bool own, inout LightMask hidden) {
 
 Walk walk_to_light(SeenLight seen, bool own, inout LightMask hidden) {
 #if CLASS_CPU
-    // Not on a driver that executes both sides of every branch, as Mesa 22's does, which fetches texels.
-    if (LANES_IN_STEP >= 4u && HAS_SCENE_LOADED_NODES) return walk_together(seen, own, hidden);
+    if (LANES_WALK_TOGETHER) return walk_together(seen, own, hidden);
 #endif
     BvhPath path = bvh_path(seen.span[2]);
     uint steps = 0u;

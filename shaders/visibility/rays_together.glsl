@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The shadow rays of a subgroup's lanes, by either backend. Where a pixel has several, which lie side by side, a CPU's lanes walk through the
-// tree together; those of one ray per pixel, each from a surface of its own to another point of the sun, have too little in common
-// (docs/notes/2026-11-29-what-lanes-can-say.md).
+// The shadow rays of a subgroup's lanes, by either backend. Where a pixel has several, which lie side by side, the lanes of some CPUs walk
+// through the tree together; those of one ray per pixel, each from a surface of its own to another point of the sun, have too little in
+// common (docs/notes/2026-11-29-what-lanes-can-say.md).
 //
 // Includer has the parameter backend, the extension GL_KHR_shader_subgroup_shuffle and SEVERAL_RAYS, and is compiled by class.
 #if BACKEND == BACKEND_RAY_QUERY
@@ -47,8 +47,7 @@ bool occluded_together(vec3 origin, vec3 direction, float t_min, float t_max, bo
 // As occluded_at(), of who is `own`; false for the others. All lanes take part.
 bool occluded_beside(vec3 origin, vec3 direction, float t_min, float t_max, bool own, inout float t_hit) {
 #if CLASS_CPU && SEVERAL_RAYS && BACKEND != BACKEND_RAY_QUERY
-    // Not on a driver that executes both sides of every branch, as Mesa 22's does, which fetches texels.
-    if (LANES_IN_STEP >= 4u && HAS_SCENE_LOADED_NODES) return occluded_together(origin, direction, t_min, t_max, own, t_hit);
+    if (LANES_WALK_TOGETHER) return occluded_together(origin, direction, t_min, t_max, own, t_hit);
 #endif
     return own && occluded_at(origin, direction, t_min, t_max, t_hit);
 }
