@@ -27,8 +27,10 @@ const bool HAS_LIGHT = true;
 ConeSlabs slabs_to(SeenLight seen) { return seen.slabs; }
 #endif
 
-// Of the 32 lights from the first one on, a bit for each that may.
+// Of the 32 lights from the first one on, a bit for each that may. Each lane asks others, and then all have the same again, which a GPU keeps in
+// scalar registers.
 uint lights_that_reach(TileShare share, int first, vec3 lower, vec3 upper) {
+    const Light before = light;
     uint found = 0u;
     for (uint k = share.lane; k < 32u; k += share.lanes) {
         const int i = first + int(k);
@@ -36,6 +38,7 @@ uint lights_that_reach(TileShare share, int first, vec3 lower, vec3 upper) {
         const vec3 centre = light.centre + scene.camera_from_origin;
         if (i < light_count() && light_may_reach(lower - centre, upper - centre)) found |= 1u << k;
     }
+    light = before;
     return subgroupOr(found);
 }
 
