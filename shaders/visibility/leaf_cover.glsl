@@ -145,12 +145,16 @@ void decide_sides(Receiver r, BvhLeaf corners, vec3 a, vec3 b, vec3 c, vec3 d, v
 void hide_by_leaf(Receiver r, LightShape shape, uint leaf, BvhLeaf corners, bool wanted, inout LightMask hidden) {
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
     const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
-    const vec3 ab_line = edge_line(a, b), bc_line = edge_line(b, c), ca_line = edge_line(c, a), bd_line = edge_line(b, d), dc_line = edge_line(d, c);
-    // Most do, before all pixels of a subgroup where that is small, and the rest is dear.
-    if (!wanted || ON_CPU && lies_beside(shape, ab_line, bc_line, ca_line) && lies_beside(shape, bd_line, dc_line, -bc_line)) return;
+    const vec3 bc_line = edge_line(b, c);
     Height first, second;
-    // Before the lines, which need registers: a GPU has few. A leaf of one triangle has d in c, whose side is never sure.
-    if (!ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, bvec2(true, corners.d != corners.c), first, second);
+    // Before the other lines, which need registers: a GPU has few. A leaf of one triangle has d in c, whose side is never sure.
+    if (!ON_CPU) {
+        if (!wanted) return;
+        decide_sides(r, corners, a, b, c, d, bc_line, bvec2(true, corners.d != corners.c), first, second);
+    }
+    const vec3 ab_line = edge_line(a, b), ca_line = edge_line(c, a), bd_line = edge_line(b, d), dc_line = edge_line(d, c);
+    // Most do, before all pixels of a subgroup where that is small, and the rest is dear.
+    if (ON_CPU && (!wanted || lies_beside(shape, ab_line, bc_line, ca_line) && lies_beside(shape, bd_line, dc_line, -bc_line))) return;
     // Whether d is on one side of both outer edges of the first triangle. Here, where the corners are still in registers.
     precise vec2 at_d = vec2(dot(ab_line, d), dot(ca_line, d));
     const bool d_above = min(at_d.x, at_d.y) >= 0.0, d_below = max(at_d.x, at_d.y) <= 0.0;
