@@ -148,6 +148,15 @@ std::optional<Plan> make_plan(const CheckedPipeline& pipeline, const NodeSet& no
     return validating ? compile(*validating, target, how, diagnostics) : std::nullopt;
 }
 
+// Whether each pixel keeps what its neighbours' rays have said, and nobody would ask of which surface. A
+// jittered pixel may show another one in every frame, and those at outlines would go by the wrong one for
+// good.
+bool confuses_surfaces(const Plan& plan) {
+    const auto moves = plan.facts.find("moves");
+    return plan.jitter && moves != plan.facts.end() && !moves->second &&
+           std::ranges::any_of(plan.passes, [](const PlanPass& pass) { return pass.type == "gather"; });
+}
+
 // What the device lacks of what the plan's shaders need.
 void check_device_has(const Plan& plan, const Device& device, Diagnostics& diagnostics) {
     for (const Requirement& r : unmet(plan, handles_of(device)))
@@ -260,6 +269,10 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 
     doing("packing memory");
     std::optional<Plan> plan = make_plan(pipeline, nodes, target, options, diagnostics);
+    if (plan && options.jitter && !options.facts.contains("moves") && confuses_surfaces(*plan)) {
+        target.facts["moves"] = true;
+        plan = make_plan(pipeline, nodes, target, options, diagnostics);
+    }
     if (plan) check_slots(*plan, pipeline.file, lights->names, host.scene(), diagnostics);
     if (plan) check_lights(*plan, pipeline, *lights, host.light(), diagnostics);
     if (plan) check_device_has(*plan, device, diagnostics);

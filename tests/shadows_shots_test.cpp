@@ -85,6 +85,62 @@ TEST_F(ShadowsOfShots, StandingStillReachWhatManyRaysSay) {
     }
 }
 
+// Frames 32 to 39 under jitter, of a camera and things that stand still.
+std::vector<float> jittered(const Shot& shot, const char* pipeline, const Facts& facts, bool& moves) {
+    SessionOptions options;
+    options.size = shot.size;
+    options.captures = {"visibility"};
+    options.facts = facts;
+    options.optimum = false;
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto session =
+        Session::open(gpu(), test_nodes(), shipped_pipeline(pipeline), shot, options, diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    moves = session->plan().facts.at("moves");
+    std::vector<float> out;
+    for (uint32_t frame = 0; frame < 40; ++frame) {
+        session->run_frame(frame, frame == 0);
+        if (frame >= 32)
+            std::ranges::copy(captured_planes(session->view(), "visibility").at(0), std::back_inserter(out));
+    }
+    return out;
+}
+
+// A pixel at an outline shows one surface in one frame and another one in the next: each is lit or dark as it
+// is, which the mask of coverage has no past to confuse.
+TEST_F(ShadowsOfShots, AnOutlineUnderJitterIsOfWhatItShows) {
+    Model model;
+    model.materials = {{}};
+    add(model, "floor", ground(8, 8, 4, 4), 0);
+    for (int i = 0; i < 12; ++i) {
+        const double x = -3 + 2 * (i % 4) + 0.3 * (i / 4), z = -3 + 2.5 * (i / 4), h = 0.6 + 0.15 * (i % 5);
+        add(model, "box", box({x, 0, z}, {x + 0.9, h, z + 0.8}), 0);
+    }
+    const SceneFile file("boxes.glb", to_glb(model));
+    Shot shot;
+    shot.name = "boxes";
+    shot.model = file.path();
+    shot.size = {160, 90};
+    shot.camera = {{0, {1, 4, 9}, {0, 0, 0}, {0, 1, 0}}};
+    shot.sun_angular_radius_deg = 0.5;
+    shot.sun = {{0, {-0.4, 1, -0.7}}};
+    bool moves = false;
+    const std::vector<float> exact = jittered(shot, "hybrid_shadows", {}, moves);
+    EXPECT_FALSE(moves);
+    const auto error = [&](const std::vector<float>& mask) {
+        double sum = 0;
+        for (size_t i = 0; i < mask.size(); ++i) sum += (mask[i] - exact[i]) * (mask[i] - exact[i]);
+        return sum;
+    };
+    const double as_shipped = error(jittered(shot, "shadows", {}, moves));
+    EXPECT_TRUE(moves);
+    const double per_pixel = error(jittered(shot, "shadows", {{"moves", false}}, moves));
+    EXPECT_FALSE(moves) << "what was said stands";
+    std::printf("squared error: %.3g, of a past per pixel %.3g\n", as_shipped, per_pixel);
+    EXPECT_LT(10 * as_shipped, per_pixel);
+}
+
 // A part of the sun is below the floor, whose rays to it are dark here and there although nothing is in
 // their way: no sign that anything has changed, where it may, nor that all is lit, where they happen to
 // agree.

@@ -108,9 +108,14 @@ double height_over_origin(const Corners& v) {
     return glm::dot(glm::cross(v[1] - v[0], v[2] - v[0]), v[0]);
 }
 
-// Within what double precision makes of a plane through the origin, with room.
+// Within what corners' rounding to single precision makes of a plane through the origin: surfaces that were
+// meant to lie in one plane do not hide each other, whatever turned them. Each of a corner's coordinates is
+// off by 2^-24 of itself, and so is the surface that the origin lies on.
 bool in_plane_of_origin(const Corners& v, double height, const glm::dvec3& origin) {
-    return std::abs(height) <= 0x1p-46 * taxi(v[1] - v[0]) * taxi(v[2] - v[0]) * (taxi(v[0]) + taxi(origin));
+    double farthest = 0;
+    for (const glm::dvec3& corner : v)
+        for (int k = 0; k < 3; ++k) farthest = std::max(farthest, std::abs(corner[k] + origin[k]));
+    return std::abs(height) <= 0x1p-23 * farthest * taxi(glm::cross(v[1] - v[0], v[2] - v[0]));
 }
 
 glm::dmat3 frame_around(const glm::dvec3& axis) {
