@@ -55,8 +55,8 @@ ivec2 first_pixel() { return cell_of(0u) * CELL & ~31; }
 ViewRays rays_of(ivec2 p) { return moved(views().now, vec2(p - first_pixel())); }
 vec3 normal_at(ivec2 p) { return unit_or_zero(decode_normal(imageLoad(guide_normal, p))); }
 
-// What is found out about the cells of the list, `at` their places in it: 200 bytes of a cell at most, on a GPU with row_sums 500 at most, of whose 16
-// cells that is half of what every device has.
+// What is found out about the cells of the list, `at` their places in it: 200 bytes of a cell at most, on a GPU with row_sums 500, of whose
+// 16 cells that is half of what every device has.
 const uint PIXELS = uint(CELL * CELL), MOST_PIXELS = MOST_CELLS * PIXELS;
 shared vec3 cell_penumbrae[MOST_CELLS];
 shared uint cell_rows[MOST_CELLS * uint(ROWS)];

@@ -7,8 +7,8 @@
 // Includer has the extension GL_KHR_shader_subgroup_shuffle, common/bvh_leaf.glsl and common/bvh_path.glsl, and is compiled by class. All
 // lanes take part.
 
-// Not on a driver that executes both sides of every branch, as Mesa 22's does, which fetches texels. A lane has a word of four groups for each
-// of the 16 that may be pending.
+// Not on a driver that executes both sides of every branch, as Mesa 22's does, which fetches texels. Four words of each of four lanes hold the
+// groups that may be pending, and or_of_lanes() knows 16 lanes.
 const bool LANES_WALK_TOGETHER = HAS_SCENE_LOADED_NODES && LANES_IN_STEP >= 4u && LANES_IN_STEP <= 16u &&
                                  LANES_IN_STEP <= gl_WorkGroupSize.x * gl_WorkGroupSize.y;
 
