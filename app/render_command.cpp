@@ -113,8 +113,10 @@ std::optional<Job> prepare(const RenderArguments& arguments, const NodeSet& node
 std::string lamps_left_out(const Session& session, const std::vector<std::string>& lamps) {
     const auto takes = [](const HostSlot& slot) { return slot.name.starts_with("light"); };
     if (lamps.empty() || std::ranges::any_of(session.plan().slots, takes)) return "";
-    return fmt::format("{}: the light of \"{}\" is left out; `lights` draws it, and `lit` beside the sun's",
-                       session.plan().pipeline, fmt::join(lamps, "\", \""));
+    const size_t named = std::min<size_t>(lamps.size(), 5), unnamed = lamps.size() - named;
+    return fmt::format("{}: the light of \"{}\"{} is left out; `lights` draws it, and `lit` beside the sun's",
+                       session.plan().pipeline, fmt::join(lamps.begin(), lamps.begin() + named, "\", \""),
+                       unnamed ? fmt::format(" and {} more", unnamed) : "");
 }
 
 bool shows_something(Device& device, const Session& session) {

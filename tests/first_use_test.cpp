@@ -319,6 +319,14 @@ TEST_F(FirstUse, TheSidesOfAWhiteBoxAreToldApart) {
     const Result lit = run("render lights " + lamp + " --size 48x32 --out " + in("d"));
     ASSERT_EQ(lit.code, 0) << lit.err;
     EXPECT_EQ(lit.err.find(left_out), std::string::npos);
+    Json seven = {{"extensionsUsed", {"KHR_lights_punctual"}}};
+    seven["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}, {"name", "bulb"}}};
+    seven["nodes"] = {{{"mesh", 0}, {"children", {1, 2, 3, 4, 5, 6, 7}}}};
+    for (int i = 0; i < 7; ++i)
+        seven["nodes"].push_back(
+            {{"translation", {2, 3, i}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
+    expect(run("render raw " + box_of(1, "lamps.glb", seven.dump()) + " --size 48x32 --out " + in("e")), 0,
+           "and 2 more is left out");
 }
 
 TEST_F(FirstUse, FilesWithoutAPictureAreRefused) {
