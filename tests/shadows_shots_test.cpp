@@ -35,21 +35,26 @@ Truth truth_of(const Shot& shot) {
     return counted_truth(*session, 0, 400);
 }
 
-// Of the last of 48 frames, every eighth: one frame is as good as its luck. `facts`: what the pipeline is
-// told whatever the scene says.
-double n_eff(const Shot& shot, const Truth& truth, const Facts& facts, const char* pipeline) {
-    constexpr uint32_t frames = 48, judged = 16;
+// `facts`: what the pipeline is told whatever the scene says.
+std::unique_ptr<Session> open(const Shot& shot, const char* pipeline, const Facts& facts, bool jitter) {
     SessionOptions options;
     options.size = shot.size;
     options.captures = {"visibility"};
-    options.jitter = false;
+    options.jitter = jitter;
     options.facts = facts;
     options.optimum = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
-    const auto session =
+    auto session =
         Session::open(gpu(), test_nodes(), shipped_pipeline(pipeline), shot, options, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
+    return session;
+}
+
+// Of the last of 48 frames, every eighth: one frame is as good as its luck.
+double n_eff(const Shot& shot, const Truth& truth, const Facts& facts, const char* pipeline) {
+    constexpr uint32_t frames = 48, judged = 16;
+    const auto session = open(shot, pipeline, facts, false);
     double signal = 0, error = 0;
     for (uint32_t frame = 0; frame < frames; ++frame) {
         session->run_frame(frame, frame == 0);
@@ -87,16 +92,7 @@ TEST_F(ShadowsOfShots, StandingStillReachWhatManyRaysSay) {
 
 // Frames 32 to 39 under jitter, of a camera and things that stand still.
 std::vector<float> jittered(const Shot& shot, const char* pipeline, const Facts& facts, bool& moves) {
-    SessionOptions options;
-    options.size = shot.size;
-    options.captures = {"visibility"};
-    options.facts = facts;
-    options.optimum = false;
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), test_nodes(), shipped_pipeline(pipeline), shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open(shot, pipeline, facts, true);
     moves = session->plan().facts.at("moves");
     std::vector<float> out;
     for (uint32_t frame = 0; frame < 40; ++frame) {
