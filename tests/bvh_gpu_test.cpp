@@ -49,7 +49,6 @@ class BvhGpu : public GpuTest {
             VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
             VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER};
         compute.load(BVH_RAYS_SPV, bindings);
-        together.load(BVH_RAYS_TOGETHER_SPV, bindings);
         cpu_device = compute.properties().deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
         VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
         VkPhysicalDeviceSubgroupProperties lanes{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
@@ -57,6 +56,7 @@ class BvhGpu : public GpuTest {
         VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &lanes};
         vkGetPhysicalDeviceProperties2(gpu().physical(), &all);
         walks_together = cpu_device && lanes.subgroupSize == 8;
+        if (walks_together) together.load(BVH_RAYS_TOGETHER_SPV, bindings);
         keeps_denormals = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;  // which does not promise it
         std::printf("device: %s\n", compute.properties().deviceName);
     }

@@ -12,9 +12,9 @@
 namespace penumbra::test {
 namespace {
 
-constexpr double plate_height = 1;
+constexpr double plate_height = 1e-3;
 
-// Two floors in one plane, and a plate that covers half of them.
+// Two floors in one plane, and a plate a millimetre above half of them.
 Model floors(const glm::dmat4& turn) {
     Model model;
     model.materials = {{}};
