@@ -64,7 +64,7 @@ struct ViewCommandArguments {
 struct PlanArguments {
     std::string pipeline, size, facts, format = "text", device, out;
     std::vector<std::string> settings, node_folders;
-    bool no_alias = false, optimum = false, on_device = false;
+    bool no_jitter = false, no_alias = false, optimum = false, on_device = false;
 };
 
 struct StaticsArguments {

@@ -332,7 +332,7 @@ int explain_pixel(const ExplainArguments& arguments) {
                        : arguments.gather
                            ? RayGatherer::captures()
                            : std::vector<std::string>{"view_depth", "receiver_normal", "visibility"};
-    options.jitter = !arguments.no_jitter;
+    if (arguments.no_jitter) options.jitter = false;
     options.optimum = false;
     options.pass_costs = false;
     Doing doing;

@@ -202,7 +202,7 @@ std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, cons
     SessionOptions options;
     options.size = shot.size;
     options.captures = {"view_depth", "receiver_normal"};
-    options.jitter = options.always_jitter = jitter;
+    options.jitter = jitter;
     options.optimum = false;
     options.light = light;
     options.kept = kept;

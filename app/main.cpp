@@ -112,6 +112,7 @@ void add_plan(CLI::App& app, PlanArguments& a) {
                   "made-up one")
         ->each([&a](const std::string&) { a.on_device = true; });
     add_node_folders(c, a.node_folders);
+    c->add_flag("--no-jitter", a.no_jitter, "for images that nobody jitters, whoever asks for it");
     c->add_flag("--no-alias", a.no_alias, "give every resource memory of its own");
     c->add_flag("--optimum", a.optimum, "search for the smallest possible heap, up to half a minute");
 }

@@ -51,8 +51,9 @@ OrderedJson declaration_json(const NodeType& type) {
                               {"constant", param.constant},    {"doc", param.doc}};
         params[param.name]["range"] = range_json(param);
     }
-    return {{"node", type.name},  {"doc", type.doc},  {"needs", type.needs},      {"inputs", inputs},
-            {"outputs", outputs}, {"params", params}, {"counters", type.counters}};
+    return {{"node", type.name},         {"doc", type.doc},          {"needs", type.needs},
+            {"inputs", inputs},          {"outputs", outputs},       {"params", params},
+            {"counters", type.counters}, {"jittered", type.jittered}};
 }
 
 void print_text(const NodeType& type) {

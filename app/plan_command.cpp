@@ -70,6 +70,7 @@ int run_plan(const PlanArguments& arguments) {
     Target target;
     target.extent = {(*size)[0], (*size)[1]};
     target.facts = *facts;
+    if (arguments.no_jitter) target.jitters = false;
     target.device = reference_device();
     std::unique_ptr<Device> device;  // which the table asks until the plan is there
     if (arguments.on_device) {

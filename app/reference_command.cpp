@@ -281,7 +281,8 @@ int run_reference(const ReferenceArguments& arguments) {
     if (arguments.signal == "visibility") return write_reference(arguments, *job);
     if (!job->jitter) return write_radiance(arguments, *job);
     std::cerr << arguments.like << ": was rendered with jitter, and the truth of " << arguments.signal
-              << " is that of pixel centres: render with --no-jitter\n";
+              << " is that of pixel centres: render with --no-jitter"
+              << (arguments.signal == "lit" ? " --capture lit\n" : "\n");
     return exit_wrong;
 }
 

@@ -58,6 +58,9 @@ std::string node_section(const NodeType& type) {
     std::string out = fmt::format("### {}\n\n{}\n\n", type.name, paragraph(type.doc));
     if (!type.needs.empty())
         out += fmt::format("Runs where the device has {}.\n\n", joined(type.needs, ", "));
+    if (!type.jittered.empty())
+        out += fmt::format("Where the host jitters, a plan with this node takes `{}` for true.\n\n",
+                           joined(type.jittered, "`, `"));
     out += "| | name | what | |\n|---|---|---|---|\n";
     for (const Port& port : type.ports)
         out += fmt::format("| {} | `{}` | {} | {} |\n", port.output ? "out" : "in", port.name,

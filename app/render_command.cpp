@@ -168,7 +168,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
     options.light = arguments.light;
     options.cascade_size = arguments.cascade_size;
     options.alias = !arguments.no_alias;
-    options.jitter = !arguments.no_jitter;
+    if (arguments.no_jitter) options.jitter = false;
     options.validate = arguments.validate;
     options.facts = job.facts;
     std::vector<std::string> lamps;

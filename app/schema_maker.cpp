@@ -184,6 +184,7 @@ Schema Maker::plain(const Key& key) const {
     if (key.holds == Holds::ids) return different(list_of(use("id"), key.min_items, 0));
     if (key.holds == Holds::kind) return words(kind_words(domain_));
     if (key.holds == Holds::needs) return different(list_of(words(need_words(domain_)), 0, 0));
+    if (key.holds == Holds::truths) return different(list_of(words(domain_.fact_list()), 0, 0));
     return key.holds == Holds::objects ? members(key) : always.at(key.holds);
 }
 

@@ -31,8 +31,7 @@ struct SessionOptions {
     std::string
         light;  // of the shot, that masks are of; empty: the only one, or all where a pipeline takes several
     bool alias = true;
-    bool jitter = true;          // where a node of the plan needs it
-    bool always_jitter = false;  // whether one does or not
+    std::optional<bool> jitter;  // whether frames are; absent: where a node of the plan asks for it
     bool validate = false;       // look at everything that the pipeline reads and writes (app/validate.h)
     std::optional<uint32_t> poison;
     bool timestamps = true;

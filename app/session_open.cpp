@@ -63,7 +63,6 @@ std::unique_ptr<StandaloneHost> make_host(Device& device, const CheckedPipeline&
                                           std::shared_ptr<const Scene> scene, const SessionLights& lights,
                                           const SessionOptions& options) {
     StandaloneOptions host{options.size, 1, false, options.cascade_size};
-    host.jitter = options.jitter;
     host.light = lights.chosen.name;
     host.lights = lights.names;
     host.steered = options.steered;
@@ -148,13 +147,14 @@ std::optional<Plan> make_plan(const CheckedPipeline& pipeline, const NodeSet& no
     return validating ? compile(*validating, target, how, diagnostics) : std::nullopt;
 }
 
-// Whether each pixel keeps what its neighbours' rays have said, and nobody would ask of which surface. A
-// jittered pixel may show another one in every frame, and those at outlines would go by the wrong one for
-// good.
-bool confuses_surfaces(const Plan& plan) {
-    const auto moves = plan.facts.find("moves");
-    return plan.jitter && moves != plan.facts.end() && !moves->second &&
-           std::ranges::any_of(plan.passes, [](const PlanPass& pass) { return pass.type == "gather"; });
+// Facts that were given and are none of the plan's.
+std::vector<std::string> facts_not_taken(const Plan& plan, const Facts& given) {
+    std::vector<std::string> warnings;
+    for (const auto& [fact, holds] : given)
+        if (plan.facts.at(fact) != holds)
+            warnings.push_back(fmt::format(
+                "\"{}\" is taken for true all the same, since frames are jittered (--no-jitter)", fact));
+    return warnings;
 }
 
 // What the device lacks of what the plan's shaders need.
@@ -263,16 +263,14 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
                                      {2 * static_cast<uint32_t>(host.emitters().size()), 1}};
         target.left_out.erase("emitters");
     }
+    target.jitters = options.jitter;
     bring_moved_boxes(pipeline, host.shot(), options, target);
     std::ranges::move(unknown_inputs_left_out(pipeline), std::back_inserter(warnings));
     if (!bring_environment(pipeline, environment, target, warnings, diagnostics)) return nullptr;
 
     doing("packing memory");
     std::optional<Plan> plan = make_plan(pipeline, nodes, target, options, diagnostics);
-    if (plan && options.jitter && !options.facts.contains("moves") && confuses_surfaces(*plan)) {
-        target.facts["moves"] = true;
-        plan = make_plan(pipeline, nodes, target, options, diagnostics);
-    }
+    if (plan) std::ranges::move(facts_not_taken(*plan, options.facts), std::back_inserter(warnings));
     if (plan) check_slots(*plan, pipeline.file, lights->names, host.scene(), diagnostics);
     if (plan) check_lights(*plan, pipeline, *lights, host.light(), diagnostics);
     if (plan) check_device_has(*plan, device, diagnostics);
@@ -280,7 +278,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
     if (!fits_memory(options.size, plan->memory.heap_bytes, "the G-buffer and the pipeline", table,
                      diagnostics))
         return nullptr;
-    host.set_jitter(options.jitter && (plan->jitter || options.always_jitter));
+    host.set_jitter(plan->jitter);
 
     doing("compiling shaders");
     session->make_view(std::move(*plan), options);

@@ -52,6 +52,11 @@ std::vector<uint32_t> frames_there(const CompareArguments& arguments, Diagnostic
             {}, "--light",
             fmt::format("chooses among images of several lights, and {} has {} of one: leave it out",
                         arguments.image, arguments.signal));
+    else if (truths->contains(arguments.signal) &&
+             std::ranges::none_of(names_of_image(arguments),
+                                  [&](const std::string& name) { return images->contains(name); }))
+        diagnostics.add({arguments.image, 0, 0}, arguments.signal,
+                        "there is no image of it: render with --capture " + arguments.signal);
     else
         diagnostics.add({arguments.reference, 0, 0}, arguments.signal,
                         "shares no frame of this signal with " + arguments.image);

@@ -78,7 +78,7 @@ std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostic
     SessionOptions options;
     options.size = shot.size;
     options.captures = checked->output_names();
-    options.jitter = options.always_jitter = jitter;
+    options.jitter = jitter;
     options.light = "sun";
     options.optimum = false;
     options.kept = kept;

@@ -52,6 +52,7 @@ std::string plain(const Key& key, const Domain& domain) {
     if (key.holds == Holds::whole || key.holds == Holds::wholes) return numbers(key);
     if (key.holds == Holds::kind) return quoted(kind_words(domain));
     if (key.holds == Holds::needs) return "list of " + quoted(need_words(domain));
+    if (key.holds == Holds::truths) return "list of " + quoted(domain.fact_list());
     if (key.holds == Holds::objects) return fmt::format("{{ id: [{0}](#{0}) }}", key.object->name);
     return always.at(key.holds);
 }

@@ -41,6 +41,8 @@ Plan make_plan(const penumbra_plan_request& r) {
     target.device = r.device ? device_table(handles_of(r.device)) : reference_device();
     for (std::string& feature : texts(r.features, r.feature_count, "request.features"))
         target.device.features.insert(std::move(feature));
+    if (r.jitters > PENUMBRA_JITTERS_NEVER) misuse("request.jitters", "is none of penumbra_jitters");
+    if (r.jitters != PENUMBRA_JITTERS_AS_ASKED) target.jitters = r.jitters == PENUMBRA_JITTERS_ALWAYS;
     for_each(r.facts, r.fact_count, "request.facts", [&](const penumbra_fact& fact) {
         target.facts[named(fact.name, "request.facts.name")] = fact.holds;
     });

@@ -56,9 +56,8 @@ std::optional<Plan> Compiler::run() {
             error({pipeline_.file}, "features",
                   fmt::format("the host speaks of \"{}\", which is no feature that nodes ask for{}", feature,
                               did_you_mean(feature, features)));
-    facts_ = read_facts();
-    const std::vector<bool> left_out = inputs_left_out(pipeline_, target_, diagnostics_);
-    auto selection = select(pipeline_, facts_, left_out, options_.captures, diagnostics_);
+    read_facts();
+    auto selection = select_nodes(inputs_left_out(pipeline_, target_, diagnostics_));
     if (!selection) return std::nullopt;
     plan_.culled = std::move(selection->culled);
     inputs_ = resolve_inputs(pipeline_, *selection, target_, diagnostics_);
@@ -124,18 +123,46 @@ void Compiler::error(const Place& place, const std::string& path, const std::str
     diagnostics_.add(place, path, message);
 }
 
-size_t Compiler::read_facts() {
+void Compiler::read_facts() {
     for (const auto& [fact, holds] : target_.facts)
         if (const auto problem = fact_problem(*pipeline_.domain, fact))
             error({pipeline_.file}, "facts", *problem);
-    size_t facts = 0;
     for (size_t i = 0; i < pipeline_.domain->facts.size(); ++i) {
         const std::string& fact = pipeline_.domain->facts[i].name;
         const auto given = target_.facts.find(fact);
         plan_.facts[fact] = given == target_.facts.end() || given->second;
-        if (plan_.facts[fact]) facts |= size_t{1} << i;
+        if (plan_.facts[fact]) facts_ |= size_t{1} << i;
     }
-    return facts;
+}
+
+// Facts become true at most, so that this ends. What is captured may be there only because of them.
+std::optional<Selection> Compiler::select_nodes(const std::vector<bool>& left_out) {
+    std::optional<Selection> selection;
+    for (const std::vector<std::string>& captures : {std::vector<std::string>{}, options_.captures}) {
+        do {
+            selection = select(pipeline_, facts_, left_out, captures, diagnostics_);
+        } while (selection && take_for_jittered(*selection));
+    }
+    return selection;
+}
+
+bool Compiler::take_for_jittered(const Selection& selection) {
+    const auto asks = [](const SelectedNode& s) {
+        return s.node && std::ranges::find(s.node->type().needs, "jitter") != s.node->type().needs.end();
+    };
+    plan_.jitter = target_.jitters.value_or(std::ranges::any_of(selection.nodes, asks));
+    const size_t before = facts_;
+    for (size_t i = 0; plan_.jitter && i < pipeline_.domain->facts.size(); ++i) {
+        const std::string& fact = pipeline_.domain->facts[i].name;
+        const auto takes = [&](const SelectedNode& s) {
+            return s.node &&
+                   std::ranges::find(s.node->type().jittered, fact) != s.node->type().jittered.end();
+        };
+        if (!std::ranges::any_of(selection.nodes, takes)) continue;
+        plan_.facts[fact] = true;
+        facts_ |= size_t{1} << i;
+    }
+    return facts_ != before;
 }
 
 // Outputs that are put into the host's own images become slots, before anything is bound to them.

@@ -41,7 +41,10 @@ class Compiler {
     void check_limits(const Selection& selection);
 
     // Facts and outputs, by the host's names.
-    size_t read_facts();
+    void read_facts();
+    std::optional<Selection> select_nodes(const std::vector<bool>& left_out);
+    // Says whether the plan jitters, and what holds because of that; whether something did not before.
+    bool take_for_jittered(const Selection& selection);
     void lend_outputs();
     void read_outputs();
 

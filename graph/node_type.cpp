@@ -43,6 +43,7 @@ class DeclarationReader {
         type_.host = reader_.flag("host");
         if (!type_.host) type_.shader = reader_.text("shader");
         read_needs();
+        read_jittered();
         if (const Json* params = reader_.find("params")) parse_params(*params, type_, diagnostics_);
         if (const Json* tables = reader_.find("tables")) read_tables(*tables);
         if (const Json* inputs = reader_.find("inputs")) parse_ports(*inputs, false, type_, diagnostics_);
@@ -94,6 +95,15 @@ class DeclarationReader {
                                   did_you_mean(need.text, words)));
             else
                 type_.needs.push_back(need.text);
+        }
+    }
+
+    void read_jittered() {
+        for (const ObjectReader::Item& fact : reader_.list("jittered")) {
+            if (const auto problem = fact_problem(*type_.domain, fact.text))
+                error(fact.place, fact.path, *problem);
+            else
+                type_.jittered.push_back(fact.text);
         }
     }
 

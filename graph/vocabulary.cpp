@@ -30,6 +30,8 @@ constexpr auto declaration_keys = std::to_array<Key>({
     {"shader", Holds::shader, "the compute shader beside the declaration"},
     {"host", Holds::yes, "a program's callback records the node instead of a shader"},
     {"needs", Holds::needs, "what the device must have, and what the host must do"},
+    {"jittered", Holds::truths,
+     "what a plan with this node takes for true where its host jitters, whatever the host says"},
     {"inputs", Holds::objects,
      "read only; a port's name is its name in GLSL and the resource it binds to by default",
      {.object = &port}},

@@ -36,6 +36,7 @@ enum class Holds : uint8_t {
     word,     // one of `words`
     kind,     // one of kind_words()
     needs,    // a list of different need_words()
+    truths,   // a list of different facts
     node_type,
     format,
     storable,   // a format that is no depth format

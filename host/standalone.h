@@ -24,7 +24,7 @@ namespace penumbra {
 struct StandaloneOptions {
     std::array<uint32_t, 2> size{1280, 720};
     uint32_t frames_in_flight = 2;
-    bool jitter = true;               // whether frames are jittered where the pipeline wants it
+    bool jitter = true;               // whether frames are jittered
     uint32_t cascade_size = 1024;     // texels along a side of a shadow map
     std::string light = "sun";        // a name of the shot's: which one masks are of
     std::vector<std::string> lights;  // names of the shot's: those that a pipeline takes together

@@ -323,6 +323,16 @@ TEST_F(CPlanGpu, WhetherToJitterAndWhenToStop) {
     EXPECT_GT(info.settles, 16u) << "jitter's places";
     EXPECT_NE(info.settles, UINT32_MAX);
     penumbra_plan_destroy(std::exchange(plan_, nullptr));
+    request.jitters = PENUMBRA_JITTERS_NEVER;
+    ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+    ASSERT_EQ(penumbra_plan_read(plan_, &info, &error_), PENUMBRA_OK);
+    EXPECT_FALSE(info.jitter);
+    penumbra_plan_destroy(std::exchange(plan_, nullptr));
+    request.jitters = static_cast<penumbra_jitters>(3);
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "request.jitters");
+    request.jitters = PENUMBRA_JITTERS_AS_ASKED;
+    penumbra_plan_destroy(std::exchange(plan_, nullptr));
     request.file = PENUMBRA_SOURCE_DIR "/pipelines/fidelityfx.json";
     ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
     ASSERT_EQ(penumbra_plan_read(plan_, &info, &error_), PENUMBRA_OK);

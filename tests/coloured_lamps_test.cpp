@@ -55,7 +55,8 @@ std::unique_ptr<Session> shown(const Shot& shot, const char* pipeline, std::vect
     const CheckedPipeline checked = shipped_pipeline(pipeline, settings, test_nodes());
     SessionOptions options;
     options.size = shot.size;
-    options.jitter = options.optimum = false;
+    options.jitter = false;
+    options.optimum = false;
     options.captures = std::move(captures);
     options.facts = facts;
     std::vector<std::string> warnings;

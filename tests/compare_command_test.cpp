@@ -289,6 +289,9 @@ TEST_F(Compare, TheTruthOfAnotherShotIsRefused) {
     fs::remove(root_ / "truth/reference.json");
     a.signal = "specular";
     EXPECT_EQ(run(a).code, exit_good);
+    fs::remove(root_ / "a/lit.0003.exr");
+    a.signal = "lit";
+    EXPECT_NE(run(a).err.find("there is no image of it: render with --capture lit"), std::string::npos);
 }
 
 TEST_F(Compare, AlsoTakesTheSameImagesUnderAnotherSeed) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What compile() decides, on node sets made for each question and without a device: which variants, formats,
 // sizes and constants, and what is refused.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -210,6 +211,59 @@ TEST(CompileNodeSet, HasOneDomain) {
     EXPECT_THROW(set.add(foreign), std::invalid_argument);
     NodeSet told(std::make_shared<Domain>());  // which has no facts, but is one
     EXPECT_THROW(told.add(foreign), std::invalid_argument);
+}
+
+// A past per pixel is that of whatever a pixel shows: where frames are jittered, who keeps one where nothing
+// moves asks for one of surfaces, for the whole plan. `past` runs only where what `camera` makes is read.
+TEST(CompileJitter, FactsHoldForWhoIsJittered) {
+    NodeSet set = small_set();
+    set.add({.type = parse_toy(R"({ "node": "past", "doc": "d", "shader": "s.comp", "jittered": ["moves"],
+      "inputs": { "value": { "kind": "image", "format": "r16f" },
+                  "moved": { "kind": "image", "format": "r16f", "if": "moves" } },
+      "outputs": { "kept": { "kind": "image", "format": "r16f" } }, "dispatch": { "over": "frame" } })",
+                               "past")});
+    set.add({.type = parse_toy(R"({ "node": "camera", "doc": "d", "shader": "s.comp",
+      "outputs": { "moved": { "kind": "image", "format": "r16f" } }, "dispatch": { "over": "frame" } })",
+                               "camera")});
+    set.add({.type = parse_toy(R"({ "node": "smooth", "doc": "d", "shader": "s.comp", "needs": ["jitter"],
+      "inputs": { "kept": { "kind": "image", "format": "r16f" } },
+      "outputs": { "smoothed": { "kind": "image", "format": "r16f" } }, "dispatch": { "over": "frame" } })",
+                               "smooth")});
+    const std::string nodes = R"("nodes": { "source": { "type": "source" }, "camera": { "type": "camera" },
+        "past": { "type": "past" }, "smooth": { "type": "smooth" } })";
+    const auto plan = [&](const char* output, std::optional<bool> jitters, bool moves,
+                          const CompileOptions& options = {}) {
+        Target target = target_of({64, 64});
+        target.facts["moves"] = moves;
+        target.jitters = jitters;
+        CompiledText result =
+            compile_text(set, fmt::format(R"("outputs": ["{}"], {})", output, nodes), target, options);
+        if (!result.plan) throw std::runtime_error(result.errors);
+        return std::move(*result.plan);
+    };
+    struct Case {
+        const char* output;
+        std::optional<bool> jitters;
+        bool moves, plan_jitters, plan_moves;
+    };
+    for (const Case& c : std::vector<Case>{{"smoothed", {}, false, true, true},
+                                           {"smoothed", false, false, false, false},
+                                           {"smoothed", {}, true, true, true},
+                                           {"kept", {}, false, false, false},
+                                           {"kept", true, false, true, true},
+                                           {"value", true, false, true, false}}) {
+        SCOPED_TRACE(fmt::format("{} {} {}", c.output,
+                                 c.jitters ? *c.jitters ? "jitters" : "does not" : "as asked", c.moves));
+        const Plan made = plan(c.output, c.jitters, c.moves);
+        EXPECT_EQ(made.jitter, c.plan_jitters);
+        EXPECT_EQ(made.facts.at("moves"), c.plan_moves);
+        EXPECT_EQ(made.pass("camera") != nullptr, c.plan_moves && made.pass("past"));
+    }
+    CompileOptions captured;
+    captured.captures = {"moved"};
+    EXPECT_TRUE(plan("smoothed", {}, false, captured).pass("camera")) << "it is there once the fact holds";
+    captured.captures = {"smoothed"};
+    EXPECT_TRUE(plan("value", {}, false, captured).pass("camera")) << "what is captured is jittered, too";
 }
 
 // A declaration alone can be planned with; nothing else's shader stands in for its own.

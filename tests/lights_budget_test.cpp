@@ -47,7 +47,8 @@ class LightsRun {
         SessionOptions options;
         options.size = frame_size;
         options.captures = captures;
-        options.optimum = options.jitter = false;
+        options.optimum = false;
+        options.jitter = false;
         options.facts = facts;
         std::vector<std::string> warnings;
         session_ = Session::open(gpu(), shipped_nodes(), pipeline_for(shot, pipeline, settings), shot,

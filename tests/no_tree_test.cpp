@@ -70,7 +70,8 @@ std::vector<float> visibility_of(const char* name, bool tree) {
     options.size = {96, 54};
     options.captures = {"visibility"};
     options.facts = {{"tree", tree}};
-    options.optimum = options.pass_costs = options.jitter = false;
+    options.optimum = options.pass_costs = false;
+    options.jitter = false;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session = Session::open(gpu(), test_nodes(), shipped_pipeline(name),

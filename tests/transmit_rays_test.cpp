@@ -52,7 +52,8 @@ class TransmitRays : public GpuTest, public ::testing::WithParamInterface<const 
         shot.sun = {{0, {0, 1, 0}}};
         SessionOptions options;
         options.size = shot.size;
-        options.optimum = options.jitter = false;
+        options.optimum = false;
+        options.jitter = false;
         options.captures = std::move(captures);
         Diagnostics diagnostics;
         std::vector<std::string> warnings;

@@ -210,7 +210,8 @@ Seen render(const Model& model, const std::vector<std::string>& settings = {},
     shot.objects = moving;
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = options.jitter = false;
+    options.optimum = false;
+    options.jitter = false;
     options.poison = poison;
     options.captures = {"transmittance", "visibility", "view_depth"};
     Diagnostics diagnostics;
@@ -355,7 +356,8 @@ TEST_F(Transmit, TheFirstPaneIsTheNearestThoughOneBeyondIsBlack) {
     const Shot shot = shot_of(file.path());
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = options.jitter = false;
+    options.optimum = false;
+    options.jitter = false;
     options.captures = {"penumbra", "translucency"};
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
@@ -444,7 +446,8 @@ TEST_F(Transmit, ForSigmaGlassIsABlockerWithAColour) {
     const CheckedPipeline checked = shipped_pipeline("sigma_translucency");
     SessionOptions options;
     options.size = shot.size;
-    options.optimum = options.jitter = false;
+    options.optimum = false;
+    options.jitter = false;
     options.captures = {"penumbra", "translucency", "transmittance", "view_depth"};
     std::vector<std::string> warnings;
     const auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);

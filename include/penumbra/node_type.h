@@ -137,7 +137,8 @@ struct NodeType {
     std::string shader;  // file name; empty for host nodes
     bool host = false;   // recorded by a C++ callback
     std::vector<std::string> needs;
-    std::vector<Port> ports;  // inputs, then outputs, each in the declaration's order
+    std::vector<std::string> jittered;  // facts that hold for a plan with it whose host jitters
+    std::vector<Port> ports;            // inputs, then outputs, each in the declaration's order
     std::vector<Table> tables;
     std::vector<Param> params;
     Dispatch dispatch;

@@ -129,6 +129,13 @@ typedef struct penumbra_output_use {
     VkAccessFlags2 access;
 } penumbra_output_use;
 
+/* Whether the caller jitters its images (Target::jitters). */
+typedef enum penumbra_jitters {
+    PENUMBRA_JITTERS_AS_ASKED = 0, /* where penumbra_plan_info.jitter says so */
+    PENUMBRA_JITTERS_ALWAYS = 1,
+    PENUMBRA_JITTERS_NEVER = 2
+} penumbra_jitters;
+
 typedef struct penumbra_plan_request {
     uint32_t struct_size;
     uint32_t width, height;
@@ -150,6 +157,7 @@ typedef struct penumbra_plan_request {
      * name. Without it they are read from the disk. */
     const char* (*read)(void* read_user, const char* file);
     void* read_user;
+    penumbra_jitters jitters;
 } penumbra_plan_request;
 
 PENUMBRA_API penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbra_plan** plan,
@@ -184,7 +192,7 @@ typedef struct penumbra_slot {
 
 typedef struct penumbra_plan_info {
     uint32_t struct_size;
-    VkBool32 jitter;  /* a node asks the caller to jitter */
+    VkBool32 jitter;  /* the caller is to jitter: it said that it does, or a node asks it to */
     uint32_t settles; /* UNCHANGED frames after which no output gets better; UINT32_MAX: never */
 } penumbra_plan_info;
 

@@ -82,6 +82,9 @@ struct Target {
     std::map<std::string, HostResource> inputs;
     std::set<std::string> left_out;  // optional inputs that the host does not bring at all
     Facts facts;
+    // Whether the host jitters its images; absent: where a node asks it to. Nodes whose past is each pixel's
+    // own where nothing moves make facts true where it does (Plan::facts).
+    std::optional<bool> jitters;
     DeviceTable device;
 };
 
@@ -342,7 +345,7 @@ struct Plan {
     std::vector<ResetAction> reset;
     std::array<Dependency, 2> end;      // makes the outputs visible to the host
     std::vector<std::string> counters;  // "node.counter", in the counter buffer's order
-    bool jitter = false;                // a node asks the host to jitter
+    bool jitter = false;                // the host is to jitter (Target::jitters)
     // Number of frames, alike but for jitter and index, after which one more improves no output: histories
     // settle one after another. Empty: one of them never does.
     std::optional<uint32_t> settles;

@@ -79,7 +79,7 @@ SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& opt
     session_options.captures = options.captures;
     session_options.captures.emplace_back("visibility");
     session_options.seed = options.seed;
-    session_options.jitter = options.jitter;
+    if (!options.jitter) session_options.jitter = false;
     session_options.facts = options.facts;
     session_options.cascade_size = options.cascade_size;
     session_options.optimum = false;

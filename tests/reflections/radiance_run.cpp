@@ -88,7 +88,7 @@ std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
     options.size = shot.size;
     options.optimum = false;
     options.facts = facts;
-    options.jitter = jitter;
+    if (!jitter) options.jitter = false;
     if (checked) options.captures = checked->output_names();
     options.captures.insert(options.captures.end(), also.begin(), also.end());
     auto session =
