@@ -90,6 +90,20 @@ class CoverRun {
     glm::dvec3 start(uint32_t x, uint32_t y) const {
         return maker_->start(x, y, depth_[at(x, y)], normals_[at(x, y)]);
     }
+    // Where coverage is asked from.
+    glm::dvec3 off_surface(uint32_t x, uint32_t y) const {
+        return maker_->start(x, y, depth_[at(x, y)], normals_[at(x, y)], 0);
+    }
+    glm::dvec3 to_camera(const glm::dvec3& from) const {
+        return glm::dvec3(glm::make_vec3(standalone_.scene.camera_from_origin.v)) - from;
+    }
+    // What the rasteriser's grid moves outlines by, metres at a view depth of a metre.
+    double grid_angle() const {
+        const FrameDescription& frame = standalone_.description;
+        return 2 / (size_[1] * std::abs(frame.camera.clip_from_view[5])) *
+               std::ldexp(0.5, -int(frame.sub_pixel_bits));
+    }
+    double view_depth(uint32_t x, uint32_t y) const { return double(depth_[at(x, y)]); }
     // The second of the pixel's numbers rounds; the first turns the light's axes.
     double dither(uint32_t x, uint32_t y) const { return 0.002 + 0.996 * maker_->sample(x, y).y; }
     glm::dmat3 turned_axes(uint32_t x, uint32_t y) const {

@@ -79,6 +79,24 @@ double height_of(const glm::dvec3& start, const glm::dvec3 (&p)[3], const glm::d
     return std::abs(height) > 2 * u * std::max({reach.x, reach.y, reach.z}) * taxi(n) ? height : 0;
 }
 
+// Whether the camera sees the start through the triangle, whose plane is so close above it that the pixel may
+// show its own triangle past that one's end: within the grid of the triangle as it is drawn, and within a
+// tenth of that where it rises far.
+bool is_looked_through(const CoverRun& run, uint32_t x, uint32_t y, const glm::dvec3& start,
+                       const glm::dvec3 (&p)[3]) {
+    const glm::dvec3 way = run.to_camera(start), n = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+    const double below = glm::dot(n, p[0] - start), to_camera = glm::dot(n, way);
+    const double facing = std::abs(glm::dot(run.normal(x, y), glm::normalize(way)));
+    const double past = run.grid_angle() * run.view_depth(x, y) / std::max(facing, 1.0 / 64);
+    if (below * to_camera <= 0 || std::abs(below) > past) return false;
+    double outside = -1e300;  // metres, across the view
+    for (int k = 0; k < 3; ++k) {
+        const glm::dvec3 a = p[k] - start, b = p[(k + 1) % 3] - start, across = glm::cross(b - a, way);
+        outside = std::max(outside, -std::copysign(1.0, to_camera) * glm::dot(a, glm::normalize(across)));
+    }
+    return outside <= run.grid_angle() * glm::length(way) * std::max(1.5 - 6 * std::abs(below) / past, 0.1);
+}
+
 struct SeenTriangle {
     glm::dvec3 v[3];
     double height = 0;  // 0: it hides nothing
@@ -94,22 +112,23 @@ struct SeenPair : SeenTriangle {
     int apart = -1, mate_apart = -1;  // corners that the other does not have
 };
 
-SeenTriangle see(const CoverRun& run, const glm::dvec3& start, const glm::dmat3& axes, uint32_t index) {
+SeenTriangle see(const CoverRun& run, uint32_t x, uint32_t y, const glm::dvec3& start, const glm::dmat3& axes,
+                 uint32_t index) {
     const Triangle& t = run.triangles[index];
     const glm::dvec3 p[3] = {corner(t, 0), corner(t, 1), corner(t, 2)};
     SeenTriangle seen{{axes * (p[0] - start), axes * (p[1] - start), axes * (p[2] - start)}};
-    seen.height = height_of(start, p, seen.v);
+    seen.height = is_looked_through(run, x, y, start, p) ? 0 : height_of(start, p, seen.v);
     return seen;
 }
 
 // Those that hide a sample by the table or in truth, at least.
 std::vector<SeenPair> seen_from(const CoverRun& run, const TrianglesAcross& across, uint32_t x, uint32_t y) {
-    const glm::dvec3 start = run.start(x, y);
+    const glm::dvec3 start = run.off_surface(x, y);
     const glm::dmat3 axes = glm::transpose(run.turned_axes(x, y));
     const double radius = std::tan(run.angular_radius());
     std::vector<SeenPair> out;
     for (const uint32_t i : across.near(start)) {
-        SeenPair seen{see(run, start, axes, i), {}, -1, -1};
+        SeenPair seen{see(run, x, y, start, axes, i), {}, -1, -1};
         if (seen.height == 0) continue;
         bool beside = false;
         for (int k = 0; k < 3; ++k) {
@@ -118,7 +137,7 @@ std::vector<SeenPair> seen_from(const CoverRun& run, const TrianglesAcross& acro
         }
         if (beside) continue;
         if (const CoverRun::Mate& mate = run.mates[i]; mate.apart >= 0) {
-            seen.mate = see(run, start, axes, mate.triangle);
+            seen.mate = see(run, x, y, start, axes, mate.triangle);
             seen.apart = mate.apart;
             seen.mate_apart = mate.its_apart;
         }

@@ -46,8 +46,9 @@ class RayMaker {
         return ray;
     }
 
-    // Where a pixel's rays start, in the scene's frame.
-    glm::dvec3 start(uint32_t x, uint32_t y, float depth, NormalTexel normal_texel) const {
+    // Where a pixel's rays start, in the scene's frame; `lead`: the share of how far ahead rays do, of which
+    // coverage has none.
+    glm::dvec3 start(uint32_t x, uint32_t y, float depth, NormalTexel normal_texel, double lead = 1) const {
         const Camera& camera = frame_.description.camera;
         const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
         const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
@@ -58,7 +59,7 @@ class RayMaker {
         const glm::dvec3 relative = world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
         const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
         const glm::dvec3 n = normal(normal_texel);
-        return start(n, relative, in_scene, z);
+        return start(n, relative, in_scene, z, lead);
     }
 
     // Cosine between a ray and its surface's normal: one that is not positive points into the surface.
@@ -93,8 +94,8 @@ class RayMaker {
     static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
     // Of a depth that is of the pixel's centre.
-    glm::dvec3 start(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene,
-                     double z) const {
+    glm::dvec3 start(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene, double z,
+                     double lead) const {
         const glm::dvec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
         const double span = 2.0 * z / (size_[1] * std::abs(frame_.description.camera.clip_from_view[5]));
         const double facing = std::abs(glm::dot(n, -glm::normalize(relative)));
@@ -103,7 +104,7 @@ class RayMaker {
         const double grid_px = std::ldexp(0.5, -int(frame_.description.sub_pixel_bits));
         const glm::dvec3 to_sun = vector(frame_.sun.to_sun.v);
         const double cosine = glm::dot(n, to_sun);
-        const double ahead = cosine > 0 ? std::min(0.25 / cosine, 1.0) : 0.0;
+        const double ahead = cosine > 0 ? lead * std::min(0.25 / cosine, 1.0) : 0.0;
         return in_scene + n * offset + ahead * span * grid_px / std::max(facing, 1.0 / 64) * to_sun;
     }
 

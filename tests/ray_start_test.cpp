@@ -10,6 +10,7 @@
 #include "host/models/shapes.h"
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
+#include "tests/scene_file.h"
 #include "tests/shipped.h"
 #include "tests/test_folder.h"
 #include "tests/view_run.h"
@@ -162,6 +163,46 @@ TEST_F(TerrainStart, NobodyIsSeenFromBelow) {
         EXPECT_GT(receivers, 200'000u) << name;
         EXPECT_EQ(dark, 0u) << name;
     }
+}
+
+// A corrugated roof of 45 degrees under a high sun: in its valleys pixels start under the slope that rises
+// there, and coverage knows that the camera looks through it.
+TEST_F(TerrainStart, CoverageIsNotHiddenByWhatIsLookedThrough) {
+    Shape roof;
+    constexpr int folds = 240;
+    for (int i = 0; i <= folds; ++i)
+        for (const double z : {-6.0, 6.0})
+            roof.positions.push_back(glm::vec3(0.05 * (i - folds / 2), i % 2 ? 0.05 : 0, z + 0.003 * i));
+    for (uint32_t i = 0; i < folds; ++i)
+        for (const uint32_t k : {0u, 1u, 2u, 2u, 1u, 3u}) roof.indices.push_back(2 * i + k);
+    Model model;
+    model.materials = {{{1, 1, 1, 1}}};
+    add(model, "roof", std::move(roof), 0);
+    write_file(path_, to_glb(model));
+    shot_.camera = {{0, {0.3, 9, 8}, {0, 0, 0}, {0, 1, 0}}, {7, {-0.4, 9, 8}, {0.2, 0, 0}, {0, 1, 0}}};
+    shot_.sun = {{0, {0.1, 1, 0.2}}};
+    Diagnostics diagnostics;
+    const CheckedPipeline checked = shipped_pipeline("covered");
+    SessionOptions options;
+    options.size = {320, 180};
+    options.optimum = false;
+    options.captures = {"view_depth", "visibility"};
+    std::vector<std::string> warnings;
+    const auto session =
+        Session::open(gpu(), shipped_nodes(), checked, shot_, options, diagnostics, warnings);
+    ASSERT_TRUE(session) << diagnostics.text();
+    size_t receivers = 0, dark = 0;
+    for (uint32_t frame = 0; frame < 8; ++frame) {
+        session->run_frame(frame, true);
+        const auto depth = captured_values<float>(*session, "view_depth");
+        const auto visibility = captured_planes(session->view(), "visibility")[0];
+        for (size_t i = 0; i < depth.size(); ++i) {
+            receivers += depth[i] > 0;
+            dark += depth[i] > 0 && visibility[i] < 1;
+        }
+    }
+    EXPECT_GT(receivers, 100'000u);
+    EXPECT_EQ(dark, 0u);
 }
 
 // The truth looks for what a pixel shows as far away as the rasteriser's grid may have moved it: by 4 bits of

@@ -61,17 +61,28 @@ class Surface {
             3 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) + 8 * depth_rounding() * facing(n);
         return in_scene + n * offset;
     }
-    // Metres along the unit vector `towards`, by which a ray leaves behind what its pixel may show beyond a
-    // triangle's end.
+    // Metres along the surface that its pixel may show beyond a triangle's end.
+    double beyond_edge_m(const glm::dvec3& n) const {
+        return grid_per_m() * (orthographic() ? 1 : depth_) / std::max(facing(n), 1.0 / 64);
+    }
+    // Metres along the unit vector `towards`, by which a ray leaves that behind.
     double ahead(const glm::dvec3& n, const glm::dvec3& towards) const {
         const double cosine = glm::dot(n, towards);
-        const double span = 2 / (frame_.size[1] * std::abs(clip_[1].y)) * (orthographic() ? 1 : depth_);
-        const double beyond =
-            span * std::ldexp(0.5, -int(frame_.sub_pixel_bits)) / std::max(facing(n), 1.0 / 64);
-        return cosine > 0 ? beyond * std::min(0.25 / cosine, 1.0) : 0.0;
+        return cosine > 0 ? beyond_edge_m(n) * std::min(0.25 / cosine, 1.0) : 0.0;
+    }
+    // From a place in the scene.
+    glm::dvec3 to_viewer(const glm::dvec3& camera, const glm::dvec3& from) const {
+        return orthographic() ? world_[2] : camera - from;
+    }
+    double grid_m(const glm::dvec3& way) const {
+        return grid_per_m() * (orthographic() ? 1 : glm::length(way));
     }
 
   private:
+    double grid_per_m() const {
+        return 2 / (frame_.size[1] * std::abs(clip_[1].y)) * std::ldexp(0.5, -int(frame_.sub_pixel_bits));
+    }
+
     bool orthographic() const { return (frame_.flags & frame_orthographic) != 0; }
 
     double facing(const glm::dvec3& n) const {
@@ -112,6 +123,20 @@ bool plane_in_doubt(double height, const glm::dvec3& a, const glm::dvec3& b, con
     return !(std::abs(height) > 2 * unit_rounding * extent * taxi(glm::cross(b - a, c - a)));
 }
 
+// is_looked_through() of leaf_cover.glsl; corners relative to the start.
+bool is_looked_through(const CoverageReceiver& r, const glm::dvec3& a, const glm::dvec3& b,
+                       const glm::dvec3& c) {
+    const glm::dvec3 n = glm::cross(b - a, c - a);
+    const double above = glm::dot(n, a), depth = std::abs(above) / glm::length(n), side = above < 0 ? -1 : 1;
+    if (!(depth <= r.beyond_edge_m) || !(side * glm::dot(n, r.to_viewer) > 0)) return false;
+    const auto inside_m = [&](const glm::dvec3& from, const glm::dvec3& to) {
+        const glm::dvec3 outwards = glm::cross(to - from, r.to_viewer);
+        return side * glm::dot(from, outwards) / std::max(glm::length(outwards), 1e-30);
+    };
+    const double grids = std::max(1.5 * (1 - depth / (0.25 * r.beyond_edge_m)), 0.1);
+    return std::min({inside_m(a, b), inside_m(b, c), inside_m(c, a)}) >= -grids * r.grid_m;
+}
+
 }  // namespace
 
 glm::dmat3 sun_frame(const glm::dvec3& s) {
@@ -139,7 +164,10 @@ CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
     const glm::dvec3 to_sun = vector(frame.sun.to_sun.v),
                      off_surface = surface.off_surface(
                          r.normal, surface.relative() + vector(frame.scene.camera_from_origin.v));
-    r.start = glm::vec3(off_surface + surface.ahead(r.normal, to_sun) * to_sun);  // floats, as the node's
+    r.start = glm::vec3(off_surface);  // floats, as the node's
+    r.to_viewer = surface.to_viewer(vector(frame.scene.camera_from_origin.v), r.start);
+    r.beyond_edge_m = surface.beyond_edge_m(r.normal);
+    r.grid_m = surface.grid_m(r.to_viewer);
     const auto [turn, dither] = noise(blue_noise, pixel.at, frame.description.index, seed);
     const glm::dmat3 axes = sun_frame(to_sun);
     const double c = std::cos(2 * pi * turn), s = std::sin(2 * pi * turn);
@@ -192,7 +220,8 @@ std::optional<CoverageScene::Sides> CoverageScene::see(const SampledSun& sun,
     const glm::dvec3 a = vector(corners.v[0]) - receiver.start, b = vector(corners.v[1]) - receiver.start,
                      c = vector(corners.v[2]) - receiver.start;
     const double height = glm::dot(glm::cross(b - a, c - a), a);
-    if (height == 0 || plane_in_doubt(height, a, b, c)) return std::nullopt;
+    if (height == 0 || plane_in_doubt(height, a, b, c) || is_looked_through(receiver, a, b, c))
+        return std::nullopt;
     const glm::dmat3 to_axes = glm::transpose(receiver.axes);
     const glm::dvec3 seen[3] = {to_axes * a, to_axes * b, to_axes * c};
     Sides sides;

@@ -32,6 +32,10 @@ struct CoverageReceiver {
     glm::dmat3 axes{1};  // columns: two across the sun, turned by the pixel's noise, and the one towards it
     double dither = 0;   // 0 to 1: rounds a share of the samples up or down
     double angular_radius = 0;  // radians
+    // Of what is looked through (leaf_cover.glsl): the way to the viewer, how far the start may lie past the
+    // end of what it is on, and the rasteriser's grid there, metres.
+    glm::dvec3 to_viewer{0, 0, 1};
+    double beyond_edge_m = 0, grid_m = 0;
 };
 
 struct CoveragePixel {

@@ -79,7 +79,7 @@ void work_on(ivec2 cell) {
         const bool softens = own.count > 0.0 && (steps.x | steps.y) != 0;
         if (softens) v = softened(p, steps, own, rays);
         if (bias > 0.0)
-            v += trust(own.count) * bias / (bias + mean_variance(own.own) + 1e-9) * (own.own.visibility - own.visibility);
+            v = clamp(v + trust(own.count) * bias / (bias + mean_variance(own.own) + 1e-9) * (own.own.visibility - own.visibility), 0.0, 1.0);
         const bool tested = has_ray(p);
         const uint further = tested && fade > 0.0 ? further_at(p) : 0u;
         const float said = further == 0u ? s.rays : s.rays * even_worth(further);  // by this frame

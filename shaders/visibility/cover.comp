@@ -65,8 +65,9 @@ void main() {
     const mat3 axes = sun_frame(sun.to_sun);
     const LightShape sun_as_seen = sun_shape(sun.angular_radius);
     const ConeSlabs slabs = cone_slabs(axes[2], sun_as_seen.radius, 0.0);
-    if (!ON_CPU && !HAS_LIGHT) {
-        if (gl_LocalInvocationIndex == 0u) sun_slabs = slabs;
+    see_viewer();
+    if (!ON_CPU) {
+        if (!HAS_LIGHT && gl_LocalInvocationIndex == 0u) sun_slabs = slabs;
         group_barrier();
     }
 
@@ -79,13 +80,13 @@ void main() {
         const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
         SeenLight seen;
         if (HAS_LIGHT)
-            seen = seen_light(ray_origin_to(ray_start(p, n), n, light.centre + scene.camera_from_origin), noise);
+            seen = seen_light(ray_start(p, n), noise);
         else
-            seen = seen_sun(ray_origin(p, n, sun.to_sun), axes, sun_as_seen, slabs, noise);
+            seen = seen_sun(ray_start(p, n), axes, sun_as_seen, slabs, noise);
         LightMask hidden = below_horizon(seen, n);
         const Walk walk = walk_to_light(seen, own, hidden);
         const bool finished = walk.ended;
-        hidden = with_samples_by_ray(seen, HAS_LIGHT ? 1.0 : WHOLE_RAY_M, finished && last_samples(hidden), hidden);
+        hidden = with_samples_by_ray(seen, seen.receiver.start, HAS_LIGHT ? 1.0 : WHOLE_RAY_M, finished && last_samples(hidden), hidden);
         const uint count = mask_count(hidden);
         steps_taken += own ? walk.steps : 0u;
         if (finished) done |= 1u << number;

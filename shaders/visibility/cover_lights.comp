@@ -82,7 +82,7 @@ vec2 point_of_ray(ivec2 p, uint k, uint rays) {
 }
 
 #if BACKEND == BACKEND_RAY_QUERY
-Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
+Seen look(ivec2 p, RayStart surface, vec3 start, vec3 normal, vec3 to_light, bool own) {
     const uint rays = rays_to_light(RAYS);
     uint lit = 0u;
     for (uint k = 0u; own && k < rays; ++k) {
@@ -93,12 +93,12 @@ Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
 }
 #else
 // A walk that was given up leaves samples that nothing hides yet: rays say what the rest of it would have.
-Seen look(ivec2 p, vec3 start, vec3 normal, vec3 to_light, bool own) {
-    const SeenLight seen = seen_light(start, noise_unit(noise_fixed(p, frame.frame_index, params.seed)));
+Seen look(ivec2 p, RayStart surface, vec3 start, vec3 normal, vec3 to_light, bool own) {
+    const SeenLight seen = seen_light(surface, noise_unit(noise_fixed(p, frame.frame_index, params.seed)));
     LightMask hidden = below_horizon(seen, normal);
     const Walk walk = walk_to_light(seen, own, hidden);
     const bool given_up = own && !walk.ended;
-    hidden = with_samples_by_ray(seen, 1.0, given_up || (own && last_samples(hidden)), hidden);
+    hidden = with_samples_by_ray(seen, start, 1.0, given_up || (own && last_samples(hidden)), hidden);
     return Seen(float(LIGHT_SAMPLES - mask_count(hidden)) / float(LIGHT_SAMPLES), given_up, walk.steps);
 }
 #endif
@@ -151,6 +151,10 @@ void main() {
         }
         lux[number] = vec3(0.0);
     }
+#if BACKEND != BACKEND_RAY_QUERY
+    see_viewer();
+    if (!ON_CPU) group_barrier();
+#endif
     subgroup_barrier();
 
     lower = subgroupMin(lower);
@@ -196,8 +200,9 @@ void main() {
         const uint number = bit_number(rest, own ? share.lane : 0u);
         const ivec2 p = tile * TILE + pixel_of_lane(int(number));
         const vec3 centre = light.centre + scene.camera_from_origin, normal = normals[number];
-        const vec3 start = ray_origin_to(RayStart(starts[number].xyz, starts[number].w), normal, centre), to_light = centre - start;
-        const Seen seen = look(p, start, normal, to_light, own);
+        const RayStart surface = RayStart(starts[number].xyz, starts[number].w);
+        const vec3 start = ray_origin_to(surface, normal, centre), to_light = centre - start;
+        const Seen seen = look(p, surface, start, normal, to_light, own);
         vec3 through = vec3(1.0);
         if (HAS_TRANSLUCENTS) through = mean_transmittance(p, start, normal, to_light, seen.share, own && seen.share > 0.0);
         if (own) {

@@ -19,6 +19,7 @@ const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
 // at right angles (seen_light.glsl).
 struct Receiver {
     vec3 start;
+    float beyond_edge_m;  // that the start may lie past the end of what it is on (common/ray_offset.glsl)
     vec3 x, y, z;
     float dither;
     // Of what is near alone: whether the axes are left-handed; along z, before what every triangle hides the light, and behind what none does.
@@ -117,6 +118,49 @@ LightMask before_light(Receiver r, LightShape shape, vec3 sum, float det, vec2 e
     return sure;
 }
 
+// Where the viewer is, and the rasteriser's grid per metre of the way to it; of an orthographic view the way, and less the grid in metres.
+vec4 viewer_now() {
+    const float grid = frame.grid_px * frame.pixel_angle;
+    return (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? vec4(frame.world_from_view[2], -grid) : vec4(scene.camera_from_origin, grid);
+}
+
+#if CLASS_CPU
+vec4 viewer;
+#else
+shared vec4 viewer;  // of scalar registers a GPU has few
+#endif
+
+// Before the first leaf, and a barrier.
+void see_viewer() {
+    if (CLASS_CPU == 1 || gl_LocalInvocationIndex == 0u) viewer = viewer_now();
+}
+
+// How far inside of an edge the viewer sees what lies at 0, metres; the edge's ends in the order of a triangle that faces the viewer.
+float inside_m(vec3 from, vec3 to, vec3 to_viewer) {
+    const vec3 outwards = cross(to - from, to_viewer);
+    return dot(from, outwards) * inversesqrt(max(dot(outwards, outwards), 1e-37));
+}
+
+// Whether the viewer looks through a triangle: then the pixel's centre is past the end of its own triangle, whose plane goes on below this one
+// that rises there. What rises little is looked through by all of the grid, since it may not be the one that a ray meets.
+const float GRIDS = 1.5, RISES_LITTLE = 0.25, LEAST_GRIDS = 0.1;
+
+bool is_looked_through(Receiver r, vec3 a, vec3 b, vec3 c) {
+    const vec3 n = cross(b - a, c - a), to_a = a - r.start, to_b = b - r.start, to_c = c - r.start;
+    const float above = dot(n, to_a), depth = abs(above) * inversesqrt(max(dot(n, n), 1e-37));
+    if (!(depth <= r.beyond_edge_m)) return false;
+    const vec3 to_viewer = viewer.xyz - (viewer.w < 0.0 ? vec3(0.0) : r.start);
+    const float grid_m = viewer.w < 0.0 ? -viewer.w : viewer.w * length(to_viewer), side = above < 0.0 ? -1.0 : 1.0;
+    const float rise = depth / max(RISES_LITTLE * r.beyond_edge_m, 1e-30);
+    const float inside = min(min(side * inside_m(to_a, to_b, to_viewer), side * inside_m(to_b, to_c, to_viewer)), side * inside_m(to_c, to_a, to_viewer));
+    return side * dot(n, to_viewer) > 0.0 && inside >= -grid_m * max(GRIDS * (1.0 - rise), LEAST_GRIDS);
+}
+
+bvec2 looked_through(Receiver r, BvhLeaf corners, bvec2 matters) {
+    return bvec2(matters.x && is_looked_through(r, corners.a, corners.b, corners.c),
+                 matters.y && is_looked_through(r, corners.c, corners.b, corners.d));
+}
+
 // On which side of the planes of a leaf's two triangles the receiver is, where that `matters`.
 void decide_sides(Receiver r, BvhLeaf corners, vec3 a, vec3 b, vec3 c, vec3 d, vec3 bc_line, bvec2 matters, out Height first, out Height second) {
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
@@ -143,6 +187,8 @@ void decide_sides(Receiver r, BvhLeaf corners, vec3 a, vec3 b, vec3 c, vec3 d, v
 
 // Adds to `hidden` what the leaf hides, where it is `wanted`.
 void hide_by_leaf(Receiver r, LightShape shape, uint leaf, BvhLeaf corners, bool wanted, inout LightMask hidden) {
+    // Before all that needs registers, of which a GPU has few.
+    const bvec2 transparent = ON_CPU ? bvec2(false) : looked_through(r, corners, bvec2(wanted));
     precise vec3 to_a = corners.a - r.start, to_b = corners.b - r.start, to_c = corners.c - r.start, to_d = corners.d - r.start;
     const vec3 a = along_axes(r, to_a), b = along_axes(r, to_b), c = along_axes(r, to_c), d = along_axes(r, to_d);
     const vec3 bc_line = edge_line(b, c);
@@ -150,7 +196,8 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, BvhLeaf corners, bool
     // Before the other lines, which need registers: a GPU has few. A leaf of one triangle has d in c, whose side is never sure.
     if (!ON_CPU) {
         if (!wanted) return;
-        decide_sides(r, corners, a, b, c, d, bc_line, bvec2(true, corners.d != corners.c), first, second);
+        decide_sides(r, corners, a, b, c, d, bc_line, bvec2(!transparent.x, !transparent.y && corners.d != corners.c), first, second);
+        if (transparent.x) first.value = 0.0;
     }
     const vec3 ab_line = edge_line(a, b), ca_line = edge_line(c, a), bd_line = edge_line(b, d), dc_line = edge_line(d, c);
     // Most do, before all pixels of a subgroup where that is small, and the rest is dear.
@@ -171,6 +218,12 @@ void hide_by_leaf(Receiver r, LightShape shape, uint leaf, BvhLeaf corners, bool
         matters = bvec2(matters.x && min(a.z, nearest) < r.behind, matters.y && min(d.z, nearest) < r.behind);
     }
 
+    if (ON_CPU) {
+        const float close = 2.0 * r.beyond_edge_m * taxi(r.z);  // along z, nearer than which one of its corners is then
+        const bvec2 close_ones = bvec2(min(a.z, min(b.z, c.z)) < close, min(d.z, min(b.z, c.z)) < close);
+        const bvec2 through = looked_through(r, corners, bvec2(matters.x && close_ones.x, matters.y && close_ones.y));
+        matters = bvec2(matters.x && !through.x, matters.y && !through.y);
+    }
     if (ON_CPU) decide_sides(r, corners, a, b, c, d, bc_line, matters, first, second);
     bvec2 below = bvec2(first.value < 0.0, second.value < 0.0);
     if (HAS_LIGHT && r.mirrored) below = not(below);

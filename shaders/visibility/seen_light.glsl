@@ -14,13 +14,13 @@ struct SeenLight {
 
 const float UNBOUNDED_M = 3e38;
 
-Receiver sun_receiver(vec3 start, mat3 axes, vec2 noise) {
+Receiver sun_receiver(RayStart start, mat3 axes, vec2 noise) {
     const float angle = 6.283185307179586 * noise.x, c = cos(angle), s = sin(angle);
-    return Receiver(start, c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2], line_dither(noise.y), false, UNBOUNDED_M, UNBOUNDED_M);
+    return Receiver(start.off_surface, start.beyond_edge_m, c * axes[0] + s * axes[1], c * axes[1] - s * axes[0], axes[2], line_dither(noise.y), false, UNBOUNDED_M, UNBOUNDED_M);
 }
 
 // A point is a disc of a millionth of a radian.
-SeenLight seen_sphere(vec3 start, vec3 to_centre, vec2 noise) {
+SeenLight seen_sphere(RayStart start, vec3 to_centre, vec2 noise) {
     const float distance_m = length(to_centre), sine = clamp(light.u.x / distance_m, 1e-6, 0.9999), cosine = sqrt(1.0 - sine * sine);
     SeenLight seen;
     seen.receiver = sun_receiver(start, sun_frame(to_centre / distance_m), noise);
@@ -53,7 +53,7 @@ ConeSlabs pyramid_slabs(vec3 axis, vec3 u, vec3 v, vec3 to_centre) {
     return slabs;
 }
 
-SeenLight seen_plane(vec3 start, vec3 to_centre, vec2 noise) {
+SeenLight seen_plane(RayStart start, vec3 to_centre, vec2 noise) {
     vec3 u = light.u, v = light.v;
     if (light.kind == LIGHT_TUBE) v = tube_side(light, to_centre);
     SeenLight seen;
@@ -78,7 +78,8 @@ SeenLight seen_plane(vec3 start, vec3 to_centre, vec2 noise) {
     seen.receiver.mirrored = height_m < 0.0;
     if (seen.receiver.mirrored) away = -away;
     height_m = max(abs(height_m), 1e-6 * length(to_centre));
-    seen.receiver.start = start;
+    seen.receiver.start = start.off_surface;
+    seen.receiver.beyond_edge_m = start.beyond_edge_m;
     seen.receiver.x = (u - away * (dot(to_centre, u) / height_m)) / max(dot(u, u), 1e-30);
     seen.receiver.y = (v - away * (dot(to_centre, v) / height_m)) / max(dot(v, v), 1e-30);
     seen.receiver.z = away / height_m;
@@ -95,15 +96,15 @@ SeenLight seen_plane(vec3 start, vec3 to_centre, vec2 noise) {
 }
 
 // `noise`: what turns the samples, and rounds.
-SeenLight seen_light(vec3 start, vec2 noise) {
-    const vec3 to_centre = light.centre + scene.camera_from_origin - start;
+SeenLight seen_light(RayStart start, vec2 noise) {
+    const vec3 to_centre = light.centre + scene.camera_from_origin - start.off_surface;
     SeenLight seen;
     if (light.kind == LIGHT_SPHERE) seen = seen_sphere(start, to_centre, noise);
     if (light.kind != LIGHT_SPHERE) seen = seen_plane(start, to_centre, noise);
     return seen;
 }
 
-SeenLight seen_sun(vec3 start, mat3 axes, LightShape shape, ConeSlabs slabs, vec2 noise) {
+SeenLight seen_sun(RayStart start, mat3 axes, LightShape shape, ConeSlabs slabs, vec2 noise) {
     const Receiver r = sun_receiver(start, axes, noise);
     return SeenLight(r, shape, slabs, mat3(r.x, r.y, r.z));
 }
