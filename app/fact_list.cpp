@@ -27,4 +27,13 @@ std::optional<Facts> parse_facts(const std::string& text, const Domain& domain) 
     return facts;
 }
 
+std::vector<std::string> facts_not_taken(const Plan& plan, const Facts& given) {
+    std::vector<std::string> warnings;
+    for (const auto& [fact, holds] : given)
+        if (plan.facts.at(fact) != holds)
+            warnings.push_back("\"" + fact +
+                               "\" is taken for true all the same, since frames are jittered (--no-jitter)");
+    return warnings;
+}
+
 }  // namespace penumbra

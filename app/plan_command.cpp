@@ -97,6 +97,7 @@ int run_plan(const PlanArguments& arguments) {
         std::cerr << diagnostics.text();
         return exit_wrong;
     }
+    print_warnings(facts_not_taken(*plan, *facts));
     if (!arguments.out.empty()) {
         const std::filesystem::path folder = arguments.out;
         FileList written{folder / "plan.json"};

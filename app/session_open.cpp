@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "app/commands.h"
+#include "app/fact_list.h"
 #include "app/session.h"
 #include "app/validate.h"
 #include "host/materials/environment.h"
@@ -145,16 +146,6 @@ std::optional<Plan> make_plan(const CheckedPipeline& pipeline, const NodeSet& no
     if (!options.validate) return compile(pipeline, target, how, diagnostics);
     const std::optional<CheckedPipeline> validating = with_validation(pipeline, nodes, diagnostics);
     return validating ? compile(*validating, target, how, diagnostics) : std::nullopt;
-}
-
-// Facts that were given and are none of the plan's.
-std::vector<std::string> facts_not_taken(const Plan& plan, const Facts& given) {
-    std::vector<std::string> warnings;
-    for (const auto& [fact, holds] : given)
-        if (plan.facts.at(fact) != holds)
-            warnings.push_back(fmt::format(
-                "\"{}\" is taken for true all the same, since frames are jittered (--no-jitter)", fact));
-    return warnings;
 }
 
 // What the device lacks of what the plan's shaders need.

@@ -328,10 +328,19 @@ TEST_F(CPlanGpu, WhetherToJitterAndWhenToStop) {
     ASSERT_EQ(penumbra_plan_read(plan_, &info, &error_), PENUMBRA_OK);
     EXPECT_FALSE(info.jitter);
     penumbra_plan_destroy(std::exchange(plan_, nullptr));
-    request.jitters = static_cast<penumbra_jitters>(3);
-    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_USAGE);
-    EXPECT_STREQ(error_.place, "request.jitters");
-    request.jitters = PENUMBRA_JITTERS_AS_ASKED;
+    for (const uint32_t none : {3u, UINT32_MAX}) {
+        request.jitters = none;
+        EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_USAGE);
+        EXPECT_STREQ(error_.place, "request.jitters");
+    }
+    request.file = PENUMBRA_SOURCE_DIR "/pipelines/covered.json";  // where nobody asks
+    for (const uint32_t jitters : {PENUMBRA_JITTERS_ALWAYS, PENUMBRA_JITTERS_AS_ASKED}) {
+        request.jitters = jitters;
+        ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+        ASSERT_EQ(penumbra_plan_read(plan_, &info, &error_), PENUMBRA_OK);
+        EXPECT_EQ(info.jitter != 0, jitters == PENUMBRA_JITTERS_ALWAYS);
+        penumbra_plan_destroy(std::exchange(plan_, nullptr));
+    }
     penumbra_plan_destroy(std::exchange(plan_, nullptr));
     request.file = PENUMBRA_SOURCE_DIR "/pipelines/fidelityfx.json";
     ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;

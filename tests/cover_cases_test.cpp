@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The node `cover` where geometry or numbers are at their worst, against exact areas from the same starts:
-// needles, specks, triangles given twice or seen edge-on, walls that touch the receiver; scenes of any size,
-// far from their frame's origin; a sun that is a point. And its budget: what is given up gets rays.
+// The node `cover` where geometry or numbers are at their worst, against exact areas from where their rays
+// start: needles, specks, triangles given twice or seen edge-on, walls that touch the receiver; scenes of any
+// size, far from their frame's origin; a sun that is a point. And its budget: what is given up gets rays.
 #include <algorithm>
 #include <random>
 

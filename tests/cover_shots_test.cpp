@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The node `cover` against many rays by Embree from the same starts, on the shipped shots and under suns of
-// any size: how many rays its image is worth, how far off its worst pixel is, and that no pixel is called
-// lit or shadowed that is not.
+// The node `cover` against many rays by Embree from where their rays start, on the shipped shots and under
+// suns of any size: how many rays its image is worth, how far off its worst pixel is, and that no pixel is
+// called lit or shadowed that is not.
 #include <algorithm>
 
 #include "tests/alpha_oracle.h"

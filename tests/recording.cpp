@@ -103,8 +103,9 @@ Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t fra
     Recording recording{session->plan(), {}};
     if (foreign) {
         DeviceTable device = device_table(handles_of(gpu()));
-        auto plan =
-            compile(pipeline, standalone_target(pipeline, device, shot.size, options.facts), {}, diagnostics);
+        Target target = standalone_target(pipeline, device, shot.size, options.facts);
+        target.jitters = session->plan().jitter;
+        auto plan = compile(pipeline, target, {}, diagnostics);
         if (!plan) throw std::runtime_error(diagnostics.text());
         recording.plan = std::move(*plan);
     }

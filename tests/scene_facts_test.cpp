@@ -299,6 +299,26 @@ TEST(SceneFacts, EveryCombinationHasASoundPlan) {
     }
 }
 
+// Whose past is each pixel's own where nothing moves.
+TEST(SceneFacts, WhatKeepsPixelsMovesWhereTheyAreJittered) {
+    const auto moves = [](const char* name, bool jitters) {
+        const CheckedPipeline pipeline = pipeline_with(name);
+        Target target = standalone_target(pipeline, reference_device(), {320, 180},
+                                          {{"moves", false}, {"sun_moves", false}});
+        target.jitters = jitters;
+        Diagnostics diagnostics;
+        const auto plan = compile(pipeline, target, {}, diagnostics);
+        if (!plan) throw std::runtime_error(diagnostics.text());
+        return plan->facts.at("moves");
+    };
+    for (const char* name : {"shadows", "one_ray", "denoise", "covered", "lit", "reflections", "indirect"}) {
+        EXPECT_TRUE(moves(name, true)) << name;
+        EXPECT_FALSE(moves(name, false)) << name;
+    }
+    for (const char* name : {"hybrid_shadows", "many_rays", "lights"})
+        EXPECT_FALSE(moves(name, true)) << name;
+}
+
 TEST(SceneFacts, MemoryShrinksWithTheScene) {
     const auto heap = [](const Facts& facts) { return plan_of("shadows", facts).memory.heap_bytes; };
     const uint64_t all = heap({}), still = heap({{"moves", false}}), hard = heap({{"sun_disc", false}}),

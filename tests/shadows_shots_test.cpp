@@ -90,6 +90,24 @@ TEST_F(ShadowsOfShots, StandingStillReachWhatManyRaysSay) {
     }
 }
 
+// Where a wide penumbra is softened, and the own rays' mean is mixed in besides.
+TEST_F(ShadowsOfShots, AreVisibilitiesUnderAWideSun) {
+    for (const char* name : {"lamp", "colonnade"}) {
+        Shot shot = still_shot(name);
+        shot.objects.clear();
+        shot.sun_angular_radius_deg = 20;
+        const auto session = open(shot, "one_ray", {}, false);
+        size_t outside = 0;
+        for (uint32_t frame = 0; frame < 32; ++frame) {
+            session->run_frame(frame, frame == 0);
+            const auto planes = captured_planes(session->view(), "visibility");
+            outside += static_cast<size_t>(
+                std::ranges::count_if(planes.at(0), [](float v) { return !(v >= 0 && v <= 1); }));
+        }
+        EXPECT_EQ(outside, 0u) << name;
+    }
+}
+
 // Frames 32 to 39 under jitter, of a camera and things that stand still.
 std::vector<float> jittered(const Shot& shot, const char* pipeline, bool& moves) {
     const auto session = open(shot, pipeline, {}, true);

@@ -69,7 +69,7 @@ TEST_F(SizeChangeGpu, WhatLiesBesideTheFrameIsNotRead) {
     for (const char* name : {"shadows", "hybrid_shadows"}) {
         const CheckedPipeline pipeline = shipped_pipeline(name);
         const Recording recording = record(pipeline, plaza_shot(size, 3), 3, recorded_facts());
-        SizedRun run(pipeline, {largest[0], largest[1]}, recording.plan.facts);
+        SizedRun run(pipeline, {largest[0], largest[1]}, recording.plan);
         for (size_t f = 0; f < 3; ++f) {
             run.frame(recording.frames[f], f ? &recording.frames[f - 1] : nullptr);
             for (const auto& [output, bytes] : recording.frames[f].outputs)
@@ -129,7 +129,7 @@ TEST_F(SizeChangeGpu, MasksFromBeforeASmallerFrameAreNotTakenOver) {
     const Recording own = record(pipeline, shot, frames, recorded_facts());
     shot.size = low;
     const Recording lower = record(pipeline, shot, back, recorded_facts());
-    SizedRun run(pipeline, {whole[0], whole[1]}, own.plan.facts);
+    SizedRun run(pipeline, {whole[0], whole[1]}, own.plan);
     const RecordedFrame* last = nullptr;
     for (uint32_t f = 0; f < frames; ++f) {
         const RecordedFrame& frame = f >= small && f < back ? lower.frames[f] : own.frames[f];
@@ -169,7 +169,7 @@ TEST_P(HistoryGpu, SurvivesAChangeOfSize) {
         return counted_truth(*truths, frame, 144);
     };
     const Extent most{std::max(before[0], after[0]), std::max(before[1], after[1])};
-    SizedRun changed(pipeline, most, own.plan.facts), anew(pipeline, most, own.plan.facts);
+    SizedRun changed(pipeline, most, own.plan), anew(pipeline, most, own.plan);
     for (uint32_t f = 0; f < change; ++f) changed.frame(old.frames[f], f ? &old.frames[f - 1] : nullptr);
     std::printf("%s%s, %ux%u to %ux%u: N_eff %.2f before\n", name, still ? " (still)" : "", before[0],
                 before[1], after[0], after[1],

@@ -21,15 +21,16 @@ Bytes cropped(const Plan& plan, const std::string& name, std::span<const std::by
     return out;
 }
 
-SizedRun::SizedRun(const CheckedPipeline& pipeline, Extent largest, const Facts& facts) {
+SizedRun::SizedRun(const CheckedPipeline& pipeline, Extent largest, const Plan& recorded) {
     DeviceTable device = device_table(handles_of(gpu()));
     device.features = features_of(gpu());
     CompileOptions options;
     options.captures = pipeline.output_names();
     options.poison = true;
     Diagnostics diagnostics;
-    auto plan = compile(pipeline, standalone_target(pipeline, device, {largest.width, largest.height}, facts),
-                        options, diagnostics);
+    Target target = standalone_target(pipeline, device, {largest.width, largest.height}, recorded.facts);
+    target.jitters = recorded.jitter;
+    auto plan = compile(pipeline, target, options, diagnostics);
     if (!plan) throw std::runtime_error(diagnostics.text());
     view_ = std::make_unique<View>(
         std::make_shared<Program>(handles_of(gpu()), std::make_shared<const Plan>(std::move(*plan))),

@@ -17,7 +17,8 @@ Bytes cropped(const Plan& plan, const std::string& name, std::span<const std::by
 
 class SizedRun {
   public:
-    SizedRun(const CheckedPipeline& pipeline, Extent largest, const Facts& facts);
+    // With the facts of a recording's plan, and jittered as it was.
+    SizedRun(const CheckedPipeline& pipeline, Extent largest, const Plan& recorded);
 
     // `last`: the one before it, whose jitter it is to know.
     void frame(const RecordedFrame& frame, const RecordedFrame* last);

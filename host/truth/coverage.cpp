@@ -165,6 +165,7 @@ CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
                      off_surface = surface.off_surface(
                          r.normal, surface.relative() + vector(frame.scene.camera_from_origin.v));
     r.start = glm::vec3(off_surface);  // floats, as the node's
+    r.start_of_rays = glm::vec3(off_surface + surface.ahead(r.normal, to_sun) * to_sun);
     r.to_viewer = surface.to_viewer(vector(frame.scene.camera_from_origin.v), r.start);
     r.beyond_edge_m = surface.beyond_edge_m(r.normal);
     r.grid_m = surface.grid_m(r.to_viewer);

@@ -26,9 +26,10 @@ using SampleMask = std::bitset<256>;
 // sun_frame() of sun_sample.glsl: two axes across the light, and the unit vector `to_sun` itself.
 glm::dmat3 sun_frame(const glm::dvec3& to_sun);
 
-// What a pixel's coverage is asked from: where its shadow rays start, in the tree's frame, and the sun.
+// What a pixel's coverage is asked from: a point off its surface, in the tree's frame, and the sun.
 struct CoverageReceiver {
     glm::dvec3 start{0}, normal{0, 1, 0};
+    glm::dvec3 start_of_rays{0};  // farther along the way to the sun
     glm::dmat3 axes{1};  // columns: two across the sun, turned by the pixel's noise, and the one towards it
     double dither = 0;   // 0 to 1: rounds a share of the samples up or down
     double angular_radius = 0;  // radians

@@ -157,7 +157,7 @@ typedef struct penumbra_plan_request {
      * name. Without it they are read from the disk. */
     const char* (*read)(void* read_user, const char* file);
     void* read_user;
-    penumbra_jitters jitters;
+    uint32_t jitters; /* penumbra_jitters */
 } penumbra_plan_request;
 
 PENUMBRA_API penumbra_code penumbra_plan_create(const penumbra_plan_request* request, penumbra_plan** plan,

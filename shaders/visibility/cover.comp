@@ -86,7 +86,7 @@ void main() {
         LightMask hidden = below_horizon(seen, n);
         const Walk walk = walk_to_light(seen, own, hidden);
         const bool finished = walk.ended;
-        hidden = with_samples_by_ray(seen, seen.receiver.start, HAS_LIGHT ? 1.0 : WHOLE_RAY_M, finished && last_samples(hidden), hidden);
+        hidden = with_samples_by_ray(seen, HAS_LIGHT ? 1.0 : WHOLE_RAY_M, finished && last_samples(hidden), hidden);
         const uint count = mask_count(hidden);
         steps_taken += own ? walk.steps : 0u;
         if (finished) done |= 1u << number;

@@ -98,7 +98,7 @@ Seen look(ivec2 p, RayStart surface, vec3 start, vec3 normal, vec3 to_light, boo
     LightMask hidden = below_horizon(seen, normal);
     const Walk walk = walk_to_light(seen, own, hidden);
     const bool given_up = own && !walk.ended;
-    hidden = with_samples_by_ray(seen, start, 1.0, given_up || (own && last_samples(hidden)), hidden);
+    hidden = with_samples_by_ray(seen, 1.0, given_up || (own && last_samples(hidden)), hidden);
     return Seen(float(LIGHT_SAMPLES - mask_count(hidden)) / float(LIGHT_SAMPLES), given_up, walk.steps);
 }
 #endif

@@ -10,11 +10,12 @@
 // Rounding: with u = 2^-24 and r, s the distances of an edge's corners, V is off by 4 u r, an edge V x W by 12 u r s, and the line across the light
 // by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
 //
-// Includer has common/bvh.glsl, common/light.glsl and light_mask.glsl and declares: block light; uniform image2D light_samples.
+// Includer has common/bvh.glsl, common/light.glsl and light_mask.glsl and declares: blocks light, scene; uniform image2D light_samples;
+// and calls see_viewer() before the first leaf, with a barrier on a GPU.
 
 const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
 
-// The start of a pixel's shadow rays, in the scene's frame, and the light's axes, z towards it: turned about z by another angle
+// A point off the pixel's surface, in the scene's frame, and the light's axes, z towards it: turned about z by another angle
 // for each pixel and frame, so that the errors of neighbours have nothing in common. Of what is near the axes need not be
 // at right angles (seen_light.glsl).
 struct Receiver {

@@ -3,7 +3,7 @@
 // has a disc for its samples. Of a disc, a rectangle and a tube the axes are those of the light itself: with U, V its half axes and L its
 // middle, a corner is v = z (x U + y V + L), so that a line of the light's plane is a line of the table, however it is seen.
 //
-// Includer has common/light.glsl, common/cone_slabs.glsl, light_mask.glsl and leaf_cover.glsl and declares: block light, scene.
+// Includer has common/light.glsl, common/ray_origin.glsl, common/cone_slabs.glsl, light_mask.glsl and leaf_cover.glsl and declares: block light, scene.
 
 struct SeenLight {
     Receiver receiver;

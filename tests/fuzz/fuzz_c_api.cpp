@@ -93,6 +93,7 @@ void fuzz_c_api(Bytes bytes) {
     request.host_images = make.list(request.host_image_count = make.few());
     request.share_transients = make.number() % 2;
     request.hand_on_history = make.number() % 2;
+    request.jitters = make.number() % 5 ? make.number() % 4 : make.number();
     const bool own_text = make.number() % 2;
     request.file = own_text ? "any.json" : PENUMBRA_SOURCE_DIR "/pipelines/raw.json";
     request.text = own_text ? make.rest() : nullptr;

@@ -389,9 +389,10 @@ TEST_F(HardCase, AFenceThinnerThanAPixelDoesNotFlicker) {
         }
         return std::sqrt(squares);
     };
-    // Where the scene is known to stand still, no pixel's past is doubted for having shown a bar, or none;
-    // where it may move, only one that had no part of what is seen now on either side.
-    const double naive = flicker("fidelityfx", true, false), ours = flicker("shadows", true, false);
+    // Where nothing moves, `taa` doubts no pixel's past for having shown a bar, or none; where it may, only
+    // one that had no part of what is seen now on either side. (Rays' pasts are those of what may move under
+    // jitter.)
+    const double naive = flicker("fidelityfx", true, false), ours = flicker("hybrid_shadows", true, false);
     figure("case 55, flicker of the colour under jitter, still scene", naive, ours);
     const double naive_moves = flicker("fidelityfx", true, true), ours_moves = flicker("shadows", true, true);
     figure("case 55, the same, a scene that may move", naive_moves, ours_moves);
