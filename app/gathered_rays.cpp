@@ -63,7 +63,7 @@ RayGatherer::RayGatherer(const Session& session, uint32_t frame)
             const size_t p = index({x, y});
             if (!(depth_[p] > 0)) continue;
             const CoverageReceiver r = coverage_receiver(at, 0, no_noise, {{x, y}, depth_[p], normals[p]});
-            place_[p] = r.start_of_rays;
+            place_[p] = r.start;
             normal_[p] = r.normal;
         }
 }

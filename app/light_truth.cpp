@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "app/light_truth.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -12,9 +13,11 @@
 
 #include "app/captured_values.h"
 #include "app/reference_pipeline.h"
+#include "app/view_rays.h"
 #include "host/generated/noise.h"
 #include "host/scene/scene_alpha.h"
 #include "host/scene/scene_translucents.h"
+#include "host/truth/counted_visibility.h"
 #include "host/truth/coverage.h"
 #include "host/truth/light_visibility.h"
 #include "host/truth/octahedral.h"
@@ -27,10 +30,10 @@ constexpr uint32_t probe_side = 8;  // 64 rays decide whether a pixel wants more
 constexpr int probe_reach = 2;      // pixels around it that have to agree
 constexpr double housing = 1e-4;    // LIGHT_HOUSING of light.glsl
 
-// A receiver's point, whose rays start a little off its surface.
+// The point that a pixel shows, on the triangle that it shows, whose rays start a little off that.
 struct Receiver {
     glm::dvec3 start{0}, normal{0};
-    bool reached = false;
+    bool reached = false, lost = false;
 };
 
 // Of a receiver's rays.
@@ -85,6 +88,9 @@ class Frame {
     Frame(const Session& session, uint32_t frame)
         : standalone_(session.host().frame(frame, false)),
           light_(moved(standalone_)),
+          view_rays_(session.frame_description(),
+                     session.host().shot().origin + session.host().scene().bvh_origin()),
+          shown_(session.host().scene(), session.host().moment(frame)),
           triangles_(session.host().scene().triangles(session.host().moment(frame))),
           bvh_(build_bvh(triangles_)),
           alpha_(make_scene_alpha(session.host().scene())),
@@ -97,8 +103,11 @@ class Frame {
     bool has_translucent() const { return translucents_.has_value(); }
 
     Receiver receiver(uint32_t x, uint32_t y, float depth, std::array<float, 2> normal) const {
-        const auto [off_surface, start] = ray_start_to(standalone_, {{x, y}, depth, normal}, light_.centre());
-        return {start, octahedral_normal(normal), light_.reaches(off_surface)};
+        const auto point = shown_.shown(view_rays_.at(x, y), depth, octahedral_normal(normal));
+        if (!point) return {.lost = true};
+        const double offset_m = start_offset_m(standalone_, {{x, y}, depth, normal});
+        const glm::dvec3 start = glm::vec3(point->at + point->normal * offset_m);  // floats, as a ray's
+        return {start, point->normal, light_.reaches(start)};
     }
 
     Rays rays(const Receiver& r, uint32_t side, uint32_t seed) const {
@@ -130,6 +139,8 @@ class Frame {
 
     StandaloneFrame standalone_;
     NearLight light_;
+    ViewRays view_rays_;
+    CountedVisibility shown_;  // with a tree of its own, whose triangles need no leaves' words
     std::vector<Triangle> triangles_;
     Bvh bvh_;
     SceneAlpha alpha_;
@@ -170,6 +181,7 @@ class LightPixels : public PixelTruth {
         const size_t p = size_t{y} * width_ + x;
         if (!(depth_[p] > 0)) return Sight::nothing;
         receivers_[p] = frame_.receiver(x, y, depth_[p], {normal_[2 * p], normal_[2 * p + 1]});
+        if (receivers_[p].lost) return Sight::lost;
         return receivers_[p].reached ? Sight::receiver : Sight::nothing;
     }
     Seen seen(uint32_t x, uint32_t y, uint32_t side, uint32_t seed) const override {
@@ -221,6 +233,7 @@ Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays,
     const Frame frame(session, index);
     const uint32_t seed = pcg(session.seed());
 
+    Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
     std::vector<Receiver> receivers(pixels);
     std::vector<Rays> probed(pixels);
     on_all_cores(height, [&](uint32_t y) {
@@ -232,6 +245,7 @@ Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays,
                 probed[p] = frame.rays(receivers[p], probe_side, pcg(uint32_t(p) + seed));
         }
     });
+    truth.lost = static_cast<size_t>(std::ranges::count_if(receivers, &Receiver::lost));
     const auto agree_around = [&](uint32_t x, uint32_t y) {
         glm::dvec3 least(1), most(0);
         for (int dy = -probe_reach; dy <= probe_reach; ++dy)
@@ -246,7 +260,6 @@ Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays,
         return least == most;
     };
 
-    Truth truth{std::vector<float>(pixels, 1), std::vector<float>(pixels), std::vector<float>(pixels)};
     if (frame.has_translucent()) truth.transmittance.fill(std::vector<float>(pixels, 1));
     const auto side = static_cast<uint32_t>(std::lround(std::sqrt(rays_cast(rays))));
     on_all_cores(

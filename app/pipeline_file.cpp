@@ -23,6 +23,21 @@ bool has_lights(const Pipeline& pipeline) {
            pipeline.instances.end();
 }
 
+// A base is a file beside the pipeline's, and who names one that ships may have thought of that.
+void tell_of_shipped_bases(Diagnostics& diagnostics) {
+    constexpr std::string_view no_file = "no file ";
+    std::vector<Diagnostic> told;
+    for (const Diagnostic& d : diagnostics.list()) {
+        if (d.path != "extends" || !d.message.starts_with(no_file)) continue;
+        const auto name = std::filesystem::path(d.message.substr(no_file.size())).filename();
+        const std::filesystem::path ships = shipped_root() / shipped_pipelines.folder / name;
+        if (std::error_code none; std::filesystem::is_regular_file(ships, none))
+            told.push_back(
+                {d.place, d.path, fmt::format("the one that ships is {}", ships.generic_string())});
+    }
+    for (const Diagnostic& d : told) diagnostics.add(d.place, d.path, d.message);
+}
+
 }  // namespace
 
 // What a light of the model is like is known when the model has been read: until then it has a size and
@@ -80,6 +95,7 @@ std::optional<CheckedPipeline> read_pipeline(const std::string& file,
                                              Diagnostics& diagnostics) {
     const auto found = shipped_file(file, shipped_root(), shipped_pipelines, diagnostics);
     auto pipeline = found ? load_pipeline(*found, settings, diagnostics) : std::nullopt;
+    tell_of_shipped_bases(diagnostics);
     if (pipeline && shot) name_lights(*pipeline, *shot, light, diagnostics);
     if (!diagnostics.empty()) pipeline.reset();
     return pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;

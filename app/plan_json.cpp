@@ -395,23 +395,35 @@ std::string table_file(size_t index) {
 }
 
 bool write_plan(const Plan& plan, const std::filesystem::path& folder, Diagnostics& diagnostics) {
-    std::error_code error;
-    std::filesystem::create_directories(folder, error);
-    const auto write = [&](const std::string& name, const void* data, size_t bytes) {
-        try {
-            write_file(folder / name, {static_cast<const std::byte*>(data), bytes});
-            return true;
-        } catch (const FileError& failure) {
-            diagnostics.add({}, "", failure.what());
-            return false;
-        }
+    std::error_code ignored;
+    std::filesystem::create_directories(folder, ignored);
+    // Last, and not there before: whoever finds it finds all of the plan. (A folder of that name is not ours
+    // to remove.)
+    const std::filesystem::path description = folder / "plan.json";
+    if (std::filesystem::is_regular_file(description, ignored)) std::filesystem::remove(description, ignored);
+    std::vector<std::filesystem::path> written;
+    const auto write = [&](const std::filesystem::path& file, const void* data, size_t bytes) {
+        write_file(file, {static_cast<const std::byte*>(data), bytes});
+        written.push_back(file);
     };
-    for (size_t i = 0; i < plan.modules.size(); ++i)
-        if (!write(module_file(i), plan.modules[i].data(), 4 * plan.modules[i].size())) return false;
-    for (size_t i = 0; i < plan.tables.size(); ++i)
-        if (!write(table_file(i), plan.tables[i].texels->data(), plan.tables[i].texels->size())) return false;
-    const std::string text = to_json(plan).dump(2) + "\n";
-    return write("plan.json", text.data(), text.size());
+    try {
+        for (size_t i = 0; i < plan.modules.size(); ++i)
+            write(folder / module_file(i), plan.modules[i].data(), 4 * plan.modules[i].size());
+        for (size_t i = 0; i < plan.tables.size(); ++i)
+            write(folder / table_file(i), plan.tables[i].texels->data(), plan.tables[i].texels->size());
+        const std::string text = to_json(plan).dump(2) + "\n";
+        write(description, text.data(), text.size());
+    } catch (const FileError& failure) {
+        diagnostics.add({}, "", failure.what());
+        for (const std::filesystem::path& file : written) std::filesystem::remove(file, ignored);
+        return false;
+    }
+    // Of a larger plan that was here.
+    for (size_t i = plan.modules.size(); std::filesystem::remove(folder / module_file(i), ignored); ++i) {
+    }
+    for (size_t i = plan.tables.size(); std::filesystem::remove(folder / table_file(i), ignored); ++i) {
+    }
+    return true;
 }
 
 }  // namespace penumbra

@@ -160,7 +160,8 @@ void check_device_has(const Plan& plan, const Device& device, Diagnostics& diagn
 
 DeviceHandles handles_of(const Device& device) {
     return {device.instance(),     device.physical(),     device.get(),
-            device.queue_family(), vkGetInstanceProcAddr, {}};
+            device.queue_family(), vkGetInstanceProcAddr, {},
+            device.names_objects()};
 }
 
 std::set<std::string> features_of(const Device& device) {

@@ -145,7 +145,7 @@ TileBeams::TileBeams(const Session& session, uint32_t frame)
         if (depth[i] > 0)
             starts_[i] = coverage_receiver(standalone, 0, no_noise,
                                            {{i % size_[0], i / size_[0]}, depth[i], normal[i]})
-                             .start_of_rays;
+                             .start_of_beam;
     const auto& s = standalone.sun.to_sun.v;
     to_sun_ = {s[0], s[1], s[2]};
     tangent_ = std::tan(double(standalone.sun.angular_radius));

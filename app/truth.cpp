@@ -11,6 +11,7 @@
 
 #include "app/captured_values.h"
 #include "app/reference_pipeline.h"
+#include "app/view_rays.h"
 #include "host/generated/noise.h"
 #include "host/truth/analytic.h"
 #include "host/truth/counted_visibility.h"
@@ -23,35 +24,6 @@ namespace {
 uint32_t strata_per_axis(uint32_t rays) {
     return static_cast<uint32_t>(std::ceil(std::sqrt(static_cast<double>(rays))));
 }
-
-// What pixels show, in the tree's frame, in double precision from the frame's own camera.
-class ViewRays {
-  public:
-    ViewRays(const FrameDescription& frame, const glm::dvec3& scene_origin)
-        : frame_(frame),
-          clip_(glm::make_mat4(frame.camera.clip_from_view.data())),
-          axes_(glm::make_mat3(frame.camera.world_from_view.data())),
-          eye_(glm::make_vec3(frame.camera.position.data()) - scene_origin) {}
-
-    ViewRay at(uint32_t x, uint32_t y) const {
-        const glm::dvec2 size(frame_.size[0], frame_.size[1]);
-        const glm::dvec2 uv =
-            (glm::dvec2(x, y) + 0.5) / size - glm::dvec2(frame_.jitter[0], frame_.jitter[1]);
-        const glm::dvec2 ndc = 2.0 * uv - 1.0, scale(clip_[0].x, clip_[1].y);
-        const double pixel = 2 / (size.y * std::abs(scale.y)),
-                     grid_px = std::ldexp(0.5, -int(frame_.sub_pixel_bits));
-        if (frame_.flags & frame_orthographic)
-            return {eye_ + axes_ * glm::dvec3((ndc - glm::dvec2(clip_[3])) / scale, 0), -axes_[2], pixel, 0,
-                    grid_px};
-        return {eye_, axes_ * glm::dvec3((ndc + glm::dvec2(clip_[2])) / scale, -1), 0, pixel, grid_px};
-    }
-
-  private:
-    const FrameDescription& frame_;
-    glm::dmat4 clip_;
-    glm::dmat3 axes_;
-    glm::dvec3 eye_;
-};
 
 }  // namespace
 
@@ -92,9 +64,9 @@ class SunPixels : public PixelTruth {
   public:
     SunPixels(const Session& session, uint32_t index)
         : width_(session.plan().extent.width),
-          frame_(session.frame_description()),
           counted_(session.host().scene(), session.host().moment(index)),
-          rays_(frame_, session.host().shot().origin + session.host().scene().bvh_origin()),
+          rays_(session.frame_description(),
+                session.host().shot().origin + session.host().scene().bvh_origin()),
           sun_(sun_at(session.host().shot(), index)),
           points_(size_t{width_} * session.plan().extent.height),
           depth_(captured_values<float>(session, "view_depth")),
@@ -116,9 +88,8 @@ class SunPixels : public PixelTruth {
 
   private:
     uint32_t width_;
-    FrameDescription frame_;
     CountedVisibility counted_;
-    ViewRays rays_;  // refers to `frame_`
+    ViewRays rays_;
     SunState sun_;
     std::vector<std::optional<SurfacePoint>> points_;
     std::vector<float> depth_, normal_;

@@ -222,6 +222,14 @@ penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t inde
     });
 }
 
+penumbra_code penumbra_enable_feature(const char* name, VkPhysicalDeviceFeatures2* chain,
+                                      penumbra_error* error) {
+    return guarded(error, [&] {
+        if (!enable({Requirement::Kind::feature, named(name, "name"), 0, {}}, given(chain, "chain")))
+            misuse("chain", std::string("has no struct with the feature ") + name);
+    });
+}
+
 penumbra_code penumbra_plan_unmet(const penumbra_plan* plan, const penumbra_device* device, uint32_t* count,
                                   penumbra_requirement* list, penumbra_error* error) {
     return guarded(error, [&] {

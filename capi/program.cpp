@@ -9,7 +9,8 @@ namespace penumbra::c {
 
 DeviceHandles handles_of(const penumbra_device* from) {
     const penumbra_device d = read(from, "device");
-    DeviceHandles handles{d.instance, d.physical, d.device, d.queue_family, d.get_instance_proc_addr, {}};
+    DeviceHandles handles{d.instance, d.physical,        d.device, d.queue_family, d.get_instance_proc_addr,
+                          {},         d.debug_utils != 0};
     if (d.allocate)
         handles.memory.allocate = [d](const MemoryRequest& r, MemoryBlock& block) {
             const penumbra_memory_request request{sizeof request, r.properties, r.need,    r.mapped,

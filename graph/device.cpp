@@ -108,10 +108,12 @@ GraphDevice::GraphDevice(const DeviceHandles& handles) : handles_(handles) {
     vk_.name = loaded(reinterpret_cast<PFN_##name>(vk_.vkGetDeviceProcAddr(handles.device, #name)), #name);
     PENUMBRA_DEVICE_FUNCTIONS(PENUMBRA_LOAD)
 #undef PENUMBRA_LOAD
+    if (handles.debug_utils) {
 #define PENUMBRA_LOAD(name) \
     vk_.name = reinterpret_cast<PFN_##name>(vk_.vkGetDeviceProcAddr(handles.device, #name));
-    PENUMBRA_DEBUG_FUNCTIONS(PENUMBRA_LOAD)
+        PENUMBRA_DEBUG_FUNCTIONS(PENUMBRA_LOAD)
 #undef PENUMBRA_LOAD
+    }
     vk_.vkGetPhysicalDeviceMemoryProperties(handles.physical, &memory_);
     uint32_t families = 0;
     vk_.vkGetPhysicalDeviceQueueFamilyProperties(handles.physical, &families, nullptr);
@@ -176,7 +178,7 @@ void GraphDevice::set_name(VkObjectType type, uint64_t handle, const std::string
     info.objectType = type;
     info.objectHandle = handle;
     info.pObjectName = text.c_str();
-    require(vk_.vkSetDebugUtilsObjectNameEXT(get(), &info), "vkSetDebugUtilsObjectNameEXT", text);
+    vk_.vkSetDebugUtilsObjectNameEXT(get(), &info);  // nothing depends on a name
 }
 
 MappedBuffer::MappedBuffer(const GraphDevice& device, VkDeviceSize bytes, VkBufferUsageFlags usage,

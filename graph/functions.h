@@ -69,7 +69,7 @@ namespace penumbra {
     X(vkMapMemory)                         \
     X(vkUpdateDescriptorSets)
 
-// Of VK_EXT_debug_utils: null where the host has not enabled it.
+// Of VK_EXT_debug_utils: null where the host has not said that it is enabled (DeviceHandles::debug_utils).
 #define PENUMBRA_DEBUG_FUNCTIONS(X) \
     X(vkCmdBeginDebugUtilsLabelEXT) \
     X(vkCmdEndDebugUtilsLabelEXT)   \

@@ -134,10 +134,23 @@ void check_device(const Plan& plan, const DeviceHandles& handles) {
     }
 }
 
+namespace {
+
+// A plan all of whose resources are kept shares none, and rightly.
+void check_shares(const Plan& plan, const char* place) {
+    for (const PlanResource& r : plan.resources)
+        if (!r.slot && !r.history && !r.kept && !r.output && !plan.heaps[r.heap].shared)
+            fail(ErrorCode::usage, place,
+                 fmt::format("\"{}\" was compiled without CompileOptions::share_transients", plan.pipeline));
+}
+
+}  // namespace
+
 // Of each kind of heap as much as the plan takes that takes most.
 TransientMemory::TransientMemory(DevicePtr device, std::span<const Plan* const> plans)
     : device_(std::move(device)) {
     std::vector<Heap> heaps;
+    for (const Plan* plan : plans) check_shares(*plan, "make_transients");
     for (const Plan* plan : plans)
         for (const Heap& heap : plan->heaps) {
             if (!heap.shared) continue;
@@ -176,6 +189,7 @@ PlanMemory::PlanMemory(const GraphDevice& device, const Plan& plan,
     : device_(device), transients_(std::move(transients)), instances_(plan.resources.size()) {
     if (transients_ && transients_->device().get() != device.get())
         fail(ErrorCode::usage, "ViewOptions::transients", "was made on another device");
+    if (transients_) check_shares(plan, "ViewOptions::transients");
     std::vector<const MemoryBlock*> blocks;
     heaps_.resize(plan.heaps.size());
     for (uint32_t h = 0; h < plan.heaps.size(); ++h) {

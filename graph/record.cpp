@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 
+#include "graph/frame_check.h"
 #include "graph/view_state.h"
 
 namespace penumbra {
@@ -87,6 +88,8 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
              fmt::format("the frame is {}x{}, the plan was compiled for up to {}x{}", size.width, size.height,
                          plan().extent.width, plan().extent.height));
     check_commands(cmd, plan());
+    const bool has_past = recorded_ > 0 || options_.heir_of;
+    check_frame(frame, has_past && !(frame.flags & frame_reset) && !plan().reset.empty());
     if (next_pass_ != not_begun && !(frame.flags & frame_reset))
         fail(ErrorCode::usage, plan().pipeline,
              "the frame before was begun and not ended: end(), or frame_reset");

@@ -14,22 +14,23 @@ namespace {
 
 using Kind = Requirement::Kind;
 
-struct DeviceFeatures {
-    VkPhysicalDeviceFeatures core{};
-    VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
-    VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-    VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+// Those that there are; the others are null.
+struct FeatureStructs {
+    VkPhysicalDeviceFeatures* core = nullptr;
+    VkPhysicalDeviceVulkan11Features* v11 = nullptr;
+    VkPhysicalDeviceVulkan12Features* v12 = nullptr;
+    VkPhysicalDeviceVulkan13Features* v13 = nullptr;
 };
 
-// A feature of Vulkan 1.3, whether a device has it, and the capabilities of SPIR-V that stand for it; 0: no
-// more.
+// A feature, where it stands, and the capabilities of SPIR-V that stand for it; 0: no more.
 struct NamedFeature {
     const char* name;
-    VkBool32 (*of)(const DeviceFeatures&);
+    VkBool32* (*of)(const FeatureStructs&);
     std::array<uint32_t, 4> capabilities;
 };
 
-#define PENUMBRA_FEATURE(group, feature) #feature, [](const DeviceFeatures& f) { return f.group.feature; }
+#define PENUMBRA_FEATURE(group, feature) \
+#feature, [](const FeatureStructs& f) { return f.group ? &f.group->feature : nullptr; }
 constexpr NamedFeature known_features[] = {
     {PENUMBRA_FEATURE(v13, synchronization2), {}},
     {PENUMBRA_FEATURE(v13, maintenance4), {}},
@@ -156,6 +157,23 @@ std::vector<Requirement> requirements(const Plan& plan) {
     return std::move(needs.list);
 }
 
+bool enable(const Requirement& feature, VkPhysicalDeviceFeatures2& chain) {
+    FeatureStructs there{.core = &chain.features};
+    const auto take = [](auto*& to, VkBaseOutStructure* from) {
+        to = reinterpret_cast<std::remove_reference_t<decltype(to)>>(from);
+    };
+    for (auto* next = static_cast<VkBaseOutStructure*>(chain.pNext); next; next = next->pNext) {
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES) take(there.v11, next);
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES) take(there.v12, next);
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES) take(there.v13, next);
+    }
+    if (feature.kind != Kind::feature) return false;
+    const auto known = std::ranges::find(known_features, feature.name, &NamedFeature::name);
+    VkBool32* const member = known == std::end(known_features) ? nullptr : known->of(there);
+    if (member) *member = VK_TRUE;
+    return member != nullptr;
+}
+
 std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
     check_physical(handles);
     const auto load = [&]<class F>(F& function, const char* name) {
@@ -170,13 +188,15 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup};
     vk.vkGetPhysicalDeviceProperties2(handles.physical, &properties);
     const uint32_t version = properties.properties.apiVersion;
-    DeviceFeatures features;
-    features.v11.pNext = &features.v12;
-    features.v12.pNext = version >= VK_API_VERSION_1_3 ? &features.v13 : nullptr;
+    VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                         version >= VK_API_VERSION_1_3 ? &v13 : nullptr};
+    VkPhysicalDeviceVulkan11Features v11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, &v12};
     VkPhysicalDeviceFeatures2 asked{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                                    version >= VK_API_VERSION_1_2 ? &features.v11 : nullptr};
+                                    version >= VK_API_VERSION_1_2 ? &v11 : nullptr};
     vk.vkGetPhysicalDeviceFeatures2(handles.physical, &asked);
-    features.core = asked.features;
+    // An extension's own feature is there where the extension is.
+    const FeatureStructs features{.core = &asked.features, .v11 = &v11, .v12 = &v12, .v13 = &v13};
     uint32_t count = 0;
     constexpr const char* call = "vkEnumerateDeviceExtensionProperties";
     require(vk.vkEnumerateDeviceExtensionProperties(handles.physical, nullptr, &count, nullptr), call,
@@ -199,11 +219,10 @@ std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles) {
             case Kind::limit:
                 return limits.at(r.name) >= r.value;
             case Kind::feature:
-                // An extension's own feature is there where the extension is; nobody knows what else a shader
-                // declares.
+                // Nobody knows what else a shader declares.
                 return !r.name.starts_with(unknown_capability) &&
                        std::ranges::none_of(known_features, [&](const NamedFeature& f) {
-                           return r.name == f.name && !f.of(features);
+                           return r.name == f.name && f.of(features) && !*f.of(features);
                        });
             case Kind::format: {
                 VkFormatProperties supported;

@@ -38,7 +38,8 @@ struct IncludedText {
 };
 std::optional<IncludedText> resolve_include(const ShaderSource& source, const std::string& name);
 
-// Errors carry the GLSL file and line that glslang names.
+// Errors carry the GLSL file and line that glslang names. Refused is also what uses a descriptor or push
+// constants that node_glsl does not declare.
 std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnostics& diagnostics);
 
 // Whether SPIRV-Tools find these words valid for compile_shader's environment.

@@ -47,7 +47,7 @@ void main() {
     const Ray ray = rays[own ? i : 0u];
 #ifdef TOGETHER
     float unread = 0.0;
-    const bool met = occluded_beside(ray.origin_t_min.xyz, ray.direction_t_max.xyz, ray.origin_t_min.w, ray.direction_t_max.w, own, unread);
+    const bool met = occluded_beside(ray.origin_t_min.xyz, 0.0, ray.direction_t_max.xyz, ray.origin_t_min.w, ray.direction_t_max.w, own, unread);
 #else
     const bool met = own && occluded(ray.origin_t_min.xyz, ray.direction_t_max.xyz, ray.origin_t_min.w, ray.direction_t_max.w);
 #endif

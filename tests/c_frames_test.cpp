@@ -127,7 +127,7 @@ class CFramesGpu : public GpuTest {
         frame_.dt_s = 0.25f;
         frame_.jitter[1] = 0.125;
         frame_.prev_jitter[0] = 0.0625;
-        frame_.camera.clip_from_view[5] = frame_.previous.clip_from_view[5] = 1;
+        look(frame_);
         penumbra_code code = PENUMBRA_INTERNAL;
         gpu().run([&](VkCommandBuffer cmd) {
             VkImageMemoryBarrier2 fresh{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};

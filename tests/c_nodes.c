@@ -115,7 +115,8 @@ const char* run_c_nodes(c_host* host) {
         REQUIRE(penumbra_view_set_param(view, "engine", "way", &beyond, 1, &error) == PENUMBRA_USAGE);
         for (uint32_t f = 0; f < 3; ++f) {
             penumbra_frame frame = {.struct_size = sizeof frame, .index = f, .size = {24 - 8 * f, 16 - f}};
-            frame.camera.clip_from_view[5] = frame.previous.clip_from_view[5] = 1;
+            for (int k = 0; k < 16; k += 5) frame.camera.clip_from_view[k] = frame.previous.clip_from_view[k] = 1;
+            for (int k = 0; k < 9; k += 4) frame.camera.world_from_view[k] = frame.previous.world_from_view[k] = 1;
             REQUIRE(penumbra_view_record(view, host->begin(), &frame, NULL, 0, &error) == PENUMBRA_OK);
             host->submit_and_wait();
             REQUIRE(views_see[v].calls == (int)f + 1 && views_see[v].wrong == 0);

@@ -66,6 +66,18 @@ TEST_F(CPlanGpu, PlansAndWhatTheyNeedAreData) {
     EXPECT_GT(memory.heap_bytes, 0u);
 }
 
+TEST(CPlan, FeaturesAreTurnedOnByName) {
+    VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+    VkPhysicalDeviceFeatures2 chain{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v12};
+    auto error = sized<penumbra_error>();
+    EXPECT_EQ(penumbra_enable_feature("shaderInt8", &chain, &error), PENUMBRA_OK);
+    EXPECT_TRUE(v12.shaderInt8 && !v12.shaderFloat16);
+    EXPECT_EQ(penumbra_enable_feature("maintenance4", &chain, &error), PENUMBRA_USAGE);
+    EXPECT_NE(std::string(error.text).find("maintenance4"), std::string::npos) << error.text;
+    EXPECT_EQ(penumbra_enable_feature(nullptr, &chain, &error), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_enable_feature("shaderInt8", nullptr, nullptr), PENUMBRA_USAGE);
+}
+
 TEST_F(CPlanGpu, WhatADeviceLacksIsListedWhereThereIsRoom) {
     const penumbra_plan_request request =
         request_of(R"({ "penumbra": 1, "name": "c", "inputs": { "depth": {}, "normal": {} },

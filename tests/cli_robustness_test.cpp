@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The program where the system lets it down: streams that cannot be written, memory that is not there. No
 // device.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cerrno>
@@ -55,6 +56,32 @@ TEST_F(CliRobustness, AClosedStreamIsNotWrittenIntoAFile) {
     EXPECT_TRUE(text.starts_with("{") && text.ends_with("}\n")) << text.substr(0, 80);
     for (const auto& entry : fs::directory_iterator(out))
         EXPECT_NE(entry.path().extension(), ".part") << "nothing half done is left";
+}
+
+// A plan that cannot be written whole is not there, and one that is smaller than what was there leaves
+// nothing of that.
+TEST_F(CliRobustness, AFolderHoldsOnePlanOrNone) {
+    const fs::path out = folder_ / "plan";
+    const auto files = [&] { return std::distance(fs::directory_iterator(out), fs::directory_iterator()); };
+    const auto plan = [&](const char* pipeline) {
+        return run(fmt::format("plan pipelines/{}.json --size 64x64 --out {}", pipeline, out.string()));
+    };
+    expect(plan("raw"), 0, "");
+    const auto of_raw = files();
+    expect(plan("hybrid_shadows"), 0, "");
+    EXPECT_GT(files(), of_raw);
+    expect(plan("raw"), 0, "");
+    EXPECT_EQ(files(), of_raw);
+    fs::remove(out / "plan.json");
+    fs::create_directory(out / "plan.json");
+    expect(plan("raw"), 1, "plan.json");
+    EXPECT_EQ(files(), 1) << "the folder of that name alone";
+}
+
+TEST_F(CliRobustness, ABaseThatShipsElsewhereIsNamed) {
+    const std::string mine = file("mine.json", R"({ "extends": "raw.json", "name": "mine" })");
+    expect(run("check " + mine), 2, mine + ":1:14: extends: no file");
+    expect(run("check " + mine), 2, mine + ":1:14: extends: the one that ships is ");
 }
 
 // Of 20 000 nodes in the shapes whose plans once took memory and time with their square, which would be 2 GB

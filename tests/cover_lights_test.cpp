@@ -227,9 +227,14 @@ TEST_F(CoverLights, APointShinesItsCandelasOverTheSquareOfTheWay) {
 }
 
 // Whoever gives up at once asks all samples by rays, and finds the same but where an edge lies within
-// rounding of one.
+// rounding of one. Of a ball that is sunk into the floor this one sees the upper part alone: rays that
+// started a little on the way to its middle started below the floor.
 TEST_F(CoverLights, WhatIsGivenUpIsAskedByRays) {
-    const Shot shot = six_lights({96, 54});
+    Shot shot = six_lights({96, 54});
+    ShotLight sunk = shot_with(LightKind::sphere, shot.size).lights.at("lamp");
+    sunk.radius = 0.5;
+    sunk.keys[0].position = {1, -0.1, 0.3};
+    shot.lights["sunk"] = sunk;
     const Frame walked = rendered(shot), asked = rendered(shot, "", {"nodes.cover.params.budget=1"});
     EXPECT_GT(asked.counters.at("asked"), 1000u);
     double squares = 0;

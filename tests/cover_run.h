@@ -90,10 +90,6 @@ class CoverRun {
     glm::dvec3 start(uint32_t x, uint32_t y) const {
         return maker_->start(x, y, depth_[at(x, y)], normals_[at(x, y)]);
     }
-    // Where coverage is asked from.
-    glm::dvec3 off_surface(uint32_t x, uint32_t y) const {
-        return maker_->start(x, y, depth_[at(x, y)], normals_[at(x, y)], 0);
-    }
     glm::dvec3 to_camera(const glm::dvec3& from) const {
         return glm::dvec3(glm::make_vec3(standalone_.scene.camera_from_origin.v)) - from;
     }

@@ -123,7 +123,7 @@ SeenTriangle see(const CoverRun& run, uint32_t x, uint32_t y, const glm::dvec3& 
 
 // Those that hide a sample by the table or in truth, at least.
 std::vector<SeenPair> seen_from(const CoverRun& run, const TrianglesAcross& across, uint32_t x, uint32_t y) {
-    const glm::dvec3 start = run.off_surface(x, y);
+    const glm::dvec3 start = run.start(x, y);
     const glm::dmat3 axes = glm::transpose(run.turned_axes(x, y));
     const double radius = std::tan(run.angular_radius());
     std::vector<SeenPair> out;

@@ -185,6 +185,7 @@ struct Spy {
         uploads = 0;
         DeviceHandles handles = handles_of(gpu());
         handles.get_instance_proc_addr = of_instance;
+        handles.debug_utils = true;
         return handles;
     }
 };

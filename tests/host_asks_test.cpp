@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 // What a host may ask, and what it is told where it is wrong.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <regex>
+#include <set>
 
 #include "app/pipeline_file.h"
 #include "penumbra/shadow_nodes.h"
@@ -90,6 +94,19 @@ TEST_F(HostAsksGpu, RequirementsSayWhatAndWhy) {
     const auto query = requirements(*queries);
     ASSERT_TRUE(need_of(query, "VK_KHR_ray_query"));
     EXPECT_EQ(need_of(query, "rayQuery")->why, "trace refine transmit");
+
+    // Each member is set where its struct is, and said not to be where that is missing.
+    VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceFeatures2 chain{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v13};
+    std::set<std::string> left;
+    for (const Requirement& r : query)
+        if (!enable(r, chain) && r.kind == Requirement::Kind::feature) left.insert(r.name);
+    EXPECT_TRUE(v13.synchronization2 && v13.maintenance4);
+    EXPECT_TRUE(chain.features.shaderStorageImageExtendedFormats && !chain.features.shaderFloat64);
+    EXPECT_TRUE(left.contains("rayQuery")) << "an extension's";
+    EXPECT_FALSE(left.contains("maintenance4"));
+    VkPhysicalDeviceFeatures2 alone{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+    EXPECT_FALSE(enable(*need_of(query, "maintenance4"), alone));
 
     Plan huge = *plan;
     huge.resources.front().extent = {1u << 20, 1};
@@ -183,6 +200,23 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
         FrameDescription wrong = description(0);
         wrong.size = {3000, 3000};
         usage([&] { view.record(cmd, wrong, externals); }, "p", "3000x3000");
+        const auto refused = [&](auto&& spoil, const char* member, const char* text) {
+            wrong = description(0);
+            spoil(wrong);
+            usage([&] { view.record(cmd, wrong, externals); }, fmt::format("FrameDescription::{}", member),
+                  text);
+        };
+        refused([](auto& f) { f.camera.position[1] = NAN; }, "camera.position", "not finite");
+        refused([](auto& f) { f.camera.clip_from_view[0] = INFINITY; }, "camera.clip_from_view",
+                "not finite");
+        refused([](auto& f) { f.camera.clip_from_view[5] = 0; }, "camera.clip_from_view", "no inverse");
+        refused([](auto& f) { f.camera.world_from_view = {}; }, "camera.world_from_view", "no rotation");
+        refused([](auto& f) { f.camera.world_from_view[0] = 2; }, "camera.world_from_view", "no rotation");
+        refused([](auto& f) { f.jitter = {0, NAN}; }, "jitter", "units of the image");
+        refused([](auto& f) { f.jitter = {0.5, 0.25}; }, "jitter", "units of the image");
+        refused([](auto& f) { f.prev_jitter = {5, 0}; }, "prev_jitter", "more than the image");
+        refused([](auto& f) { f.flags = 64; }, "flags", "0x40");
+        refused([](auto& f) { f.sub_pixel_bits = 99; }, "sub_pixel_bits", "99");
         usage([&] { view.record_pass(cmd, 0); }, "p", "in order");
         usage([&] { view.end(cmd); }, "p", "behind begin()");
         externals["given"].image = reinterpret_cast<VkImageView>(1);  // is never looked at
@@ -249,6 +283,31 @@ TEST_F(HostAsksGpu, APartOfABufferThatCannotBeABlockIsRefused) {
     refused(1, VK_WHOLE_SIZE, "no multiple");
 }
 
+// Who forgets the camera of the frame before would have no history that fits.
+TEST_F(HostAsksGpu, APreviousCameraIsAskedForWhereThereIsAFrameBefore) {
+    const CheckedPipeline pipeline = toy_pipeline_file();
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline))), {});
+    ASSERT_FALSE(view.plan().reset.empty());
+    FrameDescription frame = description(0);
+    frame.previous.clip_from_view = {};
+    gpu().run([&](VkCommandBuffer cmd) { EXPECT_NO_THROW(view.record(cmd, frame, {})); });
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { view.record(cmd, frame, {}); }, "FrameDescription::previous.clip_from_view",
+              "no inverse");
+        frame.flags = frame_reset;
+        EXPECT_NO_THROW(view.record(cmd, frame, {}));
+    });
+    View heir(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, capturing(pipeline))),
+              {.heir_of = &view});
+    frame.flags = 0;
+    gpu().run([&](VkCommandBuffer cmd) {
+        usage([&] { heir.record(cmd, frame, {}); }, "FrameDescription::previous.clip_from_view",
+              "no inverse");
+        frame = {.size = frame.size, .index = 2};
+        EXPECT_NO_THROW(view.record(cmd, frame, {})) << "a pipeline may ask for no camera";
+    });
+}
+
 TEST_F(HostAsksGpu, AFrameThatWasBegunIsEndedOrThrownAway) {
     const CheckedPipeline pipeline = toy_pipeline_file();
     View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, {})), {});
@@ -293,6 +352,13 @@ TEST_F(HostAsksGpu, APlanForAnotherDeviceIsRefused) {
     const auto theirs = Program(handles_of(second), sharing).make_transients();
     const auto program = std::make_shared<Program>(handles_of(gpu()), sharing);
     usage([&] { View(program, {.transients = theirs}); }, "ViewOptions::transients", "another device");
+
+    const CheckedPipeline toy = toy_pipeline_file();
+    const auto alone = std::make_shared<Program>(handles_of(gpu()), plan_of(toy, {}));
+    const auto ours = program->make_transients();
+    usage([&] { alone->make_transients(); }, "make_transients", "CompileOptions::share_transients");
+    usage([&] { View(alone, {.transients = ours}); }, "ViewOptions::transients",
+          "CompileOptions::share_transients");
 }
 
 // A part of a buffer of the host's: the shader sees that part, from its beginning to its end. Counters come

@@ -57,6 +57,14 @@ TEST_F(HostImagesGpu, DebuggersAreToldTheNames) {
         EXPECT_TRUE(Spy::names.contains(name)) << name;
     gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(0), {}); });
     for (const PlanPass& pass : view.plan().passes) EXPECT_TRUE(Spy::labels.contains(pass.node)) << pass.node;
+
+    // A layer gives the functions to who has not enabled the extension, too, and objects to each call.
+    DeviceHandles unnamed = Spy::handles();
+    unnamed.debug_utils = false;
+    Spy::names.clear();
+    Spy::labels.clear();
+    run_toys(unnamed, 1);
+    EXPECT_TRUE(Spy::names.empty() && Spy::labels.empty());
 }
 
 // What a host does with an image of its own: fills it, which was never used before, ...

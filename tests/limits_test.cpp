@@ -105,10 +105,10 @@ TEST(Limits, ADispatchIsHeldToTheDevices) {
 
 uint64_t bytes_of(const std::string& declarations, std::vector<uint32_t> constants = {}) {
     ShaderSource source{.file = "shared.comp", .node_glsl = {}, .include_dirs = {}};
-    source.text =
-        "#version 460\nlayout(local_size_x_id = 0, local_size_y_id = 1) in;\n"
-        "layout(binding = 0) buffer Out { float seen[]; };\n" +
-        declarations;
+    source.node_glsl =
+        "layout(local_size_x_id = 0, local_size_y_id = 1) in;\n"
+        "layout(set = 0, binding = 0) buffer Out { float seen[]; };\n";
+    source.text = "#version 460\n#include \"node.glsl\"\n" + declarations;
     Diagnostics diagnostics;
     const auto shader = compile_shader(source, diagnostics);
     if (!shader) throw std::runtime_error(diagnostics.text());

@@ -46,20 +46,32 @@ class RayMaker {
         return ray;
     }
 
-    // Where a pixel's rays start, in the scene's frame; `lead`: the share of how far ahead rays do, of which
-    // coverage has none.
-    glm::dvec3 start(uint32_t x, uint32_t y, float depth, NormalTexel normal_texel, double lead = 1) const {
-        const Camera& camera = frame_.description.camera;
-        const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
-        const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
-        const double z = depth;
-        const glm::dvec2 uv = (glm::dvec2(x, y) + 0.5) / glm::dvec2(size_[0], size_[1]) -
-                              glm::dvec2(frame_.description.jitter[0], frame_.description.jitter[1]);
-        const glm::dvec2 ndc = 2.0 * uv - 1.0;
-        const glm::dvec3 relative = world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
+    // Where a pixel's rays start, in the scene's frame: off the surface, of a depth that is of its centre.
+    glm::dvec3 start(uint32_t x, uint32_t y, float depth, NormalTexel normal_texel) const {
+        const glm::dvec3 relative = relative_point(x, y, depth), n = normal(normal_texel);
         const glm::dvec3 in_scene = relative + vector(frame_.scene.camera_from_origin.v);
-        const glm::dvec3 n = normal(normal_texel);
-        return start(n, relative, in_scene, z, lead);
+        const glm::dvec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
+        const double offset = 3 * 0x1p-23 * (largest.x + largest.y + largest.z + double(depth)) +
+                              8 * 0x1p-24 * double(depth) * facing(n, relative);
+        return in_scene + n * offset;
+    }
+
+    // The same ray from where beams start, ahead by what a pixel may show past a triangle's end (beams.comp).
+    Ray from_beam(Ray ray, uint32_t x, uint32_t y, float depth, NormalTexel normal_texel) const {
+        const glm::dvec3 to_sun = vector(frame_.sun.to_sun.v);
+        const double cosine = glm::dot(normal(normal_texel), to_sun);
+        const double ahead = cosine > 0 ? std::min(0.25 / cosine, 1.0) : 0.0;
+        const glm::dvec3 origin =
+            start(x, y, depth, normal_texel) + ahead * beyond_edge_m(x, y, depth, normal_texel) * to_sun;
+        for (int c = 0; c < 3; ++c) ray.origin[c] = static_cast<float>(origin[c]);
+        return ray;
+    }
+
+    // The same ray from where what it meets no longer depends on whether the viewer looks through it
+    // (common/bvh.glsl): eight times as far as the start may lie past the end of what it is on.
+    Ray past_what_is_asked(Ray ray, uint32_t x, uint32_t y, float depth, NormalTexel normal_texel) const {
+        ray.t_min = static_cast<float>(8 * beyond_edge_m(x, y, depth, normal_texel));
+        return ray;
     }
 
     // Cosine between a ray and its surface's normal: one that is not positive points into the surface.
@@ -93,19 +105,22 @@ class RayMaker {
   private:
     static glm::dvec3 vector(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
-    // Of a depth that is of the pixel's centre.
-    glm::dvec3 start(const glm::dvec3& n, const glm::dvec3& relative, const glm::dvec3& in_scene, double z,
-                     double lead) const {
-        const glm::dvec3 largest = glm::max(glm::abs(relative), glm::abs(in_scene));
-        const double span = 2.0 * z / (size_[1] * std::abs(frame_.description.camera.clip_from_view[5]));
-        const double facing = std::abs(glm::dot(n, -glm::normalize(relative)));
-        const double offset =
-            3 * 0x1p-23 * (largest.x + largest.y + largest.z + z) + 8 * 0x1p-24 * z * facing;
+    glm::dvec3 relative_point(uint32_t x, uint32_t y, double z) const {
+        const Camera& camera = frame_.description.camera;
+        const glm::dmat4 clip = glm::make_mat4(camera.clip_from_view.data());
+        const glm::dmat3 world = glm::make_mat3(camera.world_from_view.data());
+        const glm::dvec2 uv = (glm::dvec2(x, y) + 0.5) / glm::dvec2(size_[0], size_[1]) -
+                              glm::dvec2(frame_.description.jitter[0], frame_.description.jitter[1]);
+        const glm::dvec2 ndc = 2.0 * uv - 1.0;
+        return world * glm::dvec3(z * ndc.x / clip[0].x, z * ndc.y / clip[1].y, -z);
+    }
+    double beyond_edge_m(uint32_t x, uint32_t y, double depth, NormalTexel normal_texel) const {
+        const double span = 2.0 * depth / (size_[1] * std::abs(frame_.description.camera.clip_from_view[5]));
         const double grid_px = std::ldexp(0.5, -int(frame_.description.sub_pixel_bits));
-        const glm::dvec3 to_sun = vector(frame_.sun.to_sun.v);
-        const double cosine = glm::dot(n, to_sun);
-        const double ahead = cosine > 0 ? lead * std::min(0.25 / cosine, 1.0) : 0.0;
-        return in_scene + n * offset + ahead * span * grid_px / std::max(facing, 1.0 / 64) * to_sun;
+        return span * grid_px / std::max(facing(normal(normal_texel), relative_point(x, y, depth)), 1.0 / 64);
+    }
+    static double facing(const glm::dvec3& n, const glm::dvec3& relative) {
+        return std::abs(glm::dot(n, -glm::normalize(relative)));
     }
 
     // Uniform over the cap, by polar coordinates of the disc (sources in sun_sample.glsl).

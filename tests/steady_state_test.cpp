@@ -198,7 +198,7 @@ TEST_F(SteadyStateGpu, RecordingFromCAllocatesNothing) {
     penumbra_frame frame = sized<penumbra_frame>();
     frame.size[0] = request.width;
     frame.size[1] = request.height;
-    frame.camera.clip_from_view[5] = frame.previous.clip_from_view[5] = 1;
+    look(frame);
     const auto record = [&] {
         return penumbra_view_record(view, reinterpret_cast<VkCommandBuffer>(1), &frame, externals.data(),
                                     uint32_t(externals.size()), &error);

@@ -235,6 +235,114 @@ TEST_F(UserNodes, LinesOfAnyLengthAreRead) {
         << diagnostics_.text().substr(0, 1000);
 }
 
+// A plan has no such descriptors: drivers crash in the shader, or read what is not there.
+TEST_F(UserNodes, WhatIsBoundAndNotDeclaredIsAnError) {
+    const std::string main_file = (nodes_folder() / "mine.comp").string(),
+                      value_file = (nodes_folder() / "value.glsl").string();
+    const std::string from =
+        " is not declared: bindings come from the node's declaration, through node.glsl\n";
+    const auto with = [&](const std::string& declared, const std::string& used) {
+        write("nodes/mine.comp", "#include \"node.glsl\"\n" + declared + "void main() {\n" + used +
+                                     "imageStore(mark, ivec2(0), vec4(0)); }\n");
+        return first_variant(cache());
+    };
+    const std::string structure =
+        "#extension GL_EXT_ray_query : require\n"
+        "layout(set = 2, binding = 0) uniform accelerationStructureEXT as;\n";
+    EXPECT_TRUE(with(structure,
+                     "rayQueryEXT q; rayQueryInitializeEXT(q, as, 0u, 255u, vec3(0), 0.0, vec3(1), "
+                     "1.0); rayQueryProceedEXT(q);\n")
+                    .empty());
+    EXPECT_EQ(diagnostics_.text(), main_file + ":3:63: 'as' (set 2, binding 0)" + from);
+    EXPECT_FALSE(with(structure, "").empty()) << "nothing uses it: " << diagnostics_.text();
+
+    write("nodes/value.glsl", "// words\nlayout(set = 3, binding = 1) buffer Words { uint words[]; };\n");
+    EXPECT_TRUE(with("#include \"value.glsl\"\n", "words[0] = 1u;\n").empty());
+    EXPECT_EQ(diagnostics_.text(), value_file + ":2:37: 'Words' (set 3, binding 1)" + from);
+    write("nodes/value.glsl", "#define AT(s, b) layout(set = s, binding = b)\n");
+    EXPECT_TRUE(with("#include \"value.glsl\"\nAT(0, 7) uniform\nsampler2D s[2];\n",
+                     "imageStore(mark, ivec2(1), textureLod(s[1], vec2(0), 0.0));\n")
+                    .empty());
+    EXPECT_EQ(diagnostics_.text(), main_file + ":4:11: 's' (set 0, binding 7)" + from);
+    EXPECT_TRUE(with("layout(binding = 2) uniform sampler2D s;\n",
+                     "imageStore(mark, ivec2(1), textureLod(s, vec2(0), 0.0));\n")
+                    .empty())
+        << "the image's binding, but no image";
+    EXPECT_EQ(diagnostics_.text(), main_file + ":2:39: 's' (set 0, binding 2)" + from);
+    EXPECT_TRUE(with("layout(push_constant) uniform Own { uint count; } own;\n",
+                     "imageStore(mark, ivec2(1), vec4(own.count));\n")
+                    .empty());
+    EXPECT_EQ(diagnostics_.text(),
+              main_file +
+                  ":2:51: 'own' (push constants) is not declared: these come from the parameters of the "
+                  "node's declaration, through node.glsl\n");
+
+    write("nodes/mine.comp",
+          "layout(set = 0, binding = 2, r16f) uniform image2D mark;\n"
+          "void main() { imageStore(mark, ivec2(0), vec4(0)); }\n");
+    EXPECT_TRUE(first_variant(cache()).empty()) << "binding 2 today, and maybe another one tomorrow";
+}
+
+// Without an end it would take all memory there is.
+TEST_F(UserNodes, AnIncludeCycleIsAnError) {
+    const std::string a = (nodes_folder() / "a.glsl").string(), b = (nodes_folder() / "b.glsl").string();
+    write("nodes/mine.comp", "#include \"node.glsl\"\n#include \"a.glsl\"\nvoid main() {}\n");
+    write("nodes/a.glsl", "\n#include \"a.glsl\"\n");
+    EXPECT_TRUE(first_variant(cache()).empty());
+    EXPECT_EQ(diagnostics_.text(), a + ":2:1: include cycle a.glsl -> a.glsl\n");
+    write("nodes/a.glsl", "#include \"b.glsl\"\n");
+    write("nodes/b.glsl", "#define B\n\n#include \"a.glsl\"\n#include \"a.glsl\"\n");
+    EXPECT_TRUE(first_variant(cache()).empty());
+    EXPECT_EQ(diagnostics_.text(), b + ":3:1: include cycle a.glsl -> b.glsl -> a.glsl\n");
+    write("nodes/mine.comp", "\n#include \"a.glsl\"\nvoid main() {}\n");
+    write("nodes/a.glsl", "#include \"mine.comp\"\n");
+    EXPECT_TRUE(first_variant(cache()).empty());
+    EXPECT_EQ(diagnostics_.text(), (nodes_folder() / "mine.comp").string() +
+                                       ":2:1: include cycle a.glsl -> mine.comp -> a.glsl\n");
+}
+
+TEST_F(UserNodes, IncludesThatAGuardOrACounterEndsAreNoCycle) {
+    write("nodes/mine.comp", R"(#include "node.glsl"
+#include "a.glsl"
+void main() { imageStore(mark, ivec2(0), vec4(A + B + F3)); }
+)");
+    write("nodes/a.glsl", R"(#ifndef A_GLSL
+#define A_GLSL
+#include "b.glsl"
+#include "count.glsl"
+const float A = B;
+#endif
+)");
+    write("nodes/b.glsl", R"(#ifndef B_GLSL
+#define B_GLSL
+#include "a.glsl"
+const float B = 1.0;
+#endif
+)");
+    write("nodes/count.glsl", R"(#ifndef N1
+#define N1
+#include "count.glsl"
+#elif !defined N2
+#define N2
+#include "count.glsl"
+#else
+const float F3 = 3.0;
+#endif
+)");
+    EXPECT_FALSE(first_variant(cache()).empty()) << diagnostics_.text();
+}
+
+TEST_F(UserNodes, AByteOrderMarkIsNamed) {
+    const std::string said = ":1:1: the file begins with a byte order mark; save it as plain UTF-8\n";
+    for (const auto& [name, text] :
+         {std::pair<std::string, std::string>{"value.glsl", "const float VALUE = 1;\n"},
+          {"mine.comp", shader}}) {
+        write("nodes/" + name, "\xef\xbb\xbf" + text);
+        EXPECT_TRUE(first_variant(cache()).empty());
+        EXPECT_EQ(diagnostics_.text(), (nodes_folder() / name).string() + said);
+    }
+}
+
 TEST_F(UserNodes, ASetWithoutADomainTakesAFolderOfSeveral) {
     write("nodes/another.json", std::regex_replace(std::string(declaration), std::regex("mine"), "another"));
     write("nodes/another.comp", "#include \"node.glsl\"\nvoid main() {}\n");

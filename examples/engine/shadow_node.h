@@ -15,7 +15,7 @@ class ShadowNode {
   public:
     ShadowNode(const std::string& file, pen::Extent extent, uint32_t frames_in_flight) {
         const pen::DeviceHandles handles{
-            instance, physical, device, family, vkGetInstanceProcAddr, memory_of_the_engine()};
+            instance, physical, device, family, vkGetInstanceProcAddr, memory_of_the_engine(), true};
         pen::Diagnostics errors;
         const auto pipeline = pen::load_pipeline(file, {}, errors);
         const auto checked = pipeline ? pen::check(*pipeline, pen::shadow_nodes(), errors) : std::nullopt;

@@ -71,23 +71,9 @@ static void make_device(const pen::Plan& plan) {
     VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
     VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &v13};
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &v12};
-    for (const pen::Requirement& need : pen::requirements(plan)) {
-        if (need.kind != pen::Requirement::Kind::feature) continue;
-        if (need.name == "synchronization2")
-            v13.synchronization2 = VK_TRUE;
-        else if (need.name == "maintenance4")
-            v13.maintenance4 = VK_TRUE;
-        else if (need.name == "shaderInt8")
-            v12.shaderInt8 = VK_TRUE;
-        else if (need.name == "shaderInt64")
-            features.features.shaderInt64 = VK_TRUE;
-        else if (need.name == "storageBuffer8BitAccess")
-            v12.storageBuffer8BitAccess = VK_TRUE;
-        else if (need.name == "shaderStorageImageExtendedFormats")
-            features.features.shaderStorageImageExtendedFormats = VK_TRUE;
-        else
+    for (const pen::Requirement& need : pen::requirements(plan))
+        if (need.kind == pen::Requirement::Kind::feature && !pen::enable(need, features))
             std::fprintf(stderr, "%s needs %s\n", need.why.c_str(), need.name.c_str()), std::exit(1);
-    }
     const float priority = 1;
     const VkDeviceQueueCreateInfo queues{
         VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, family, 1, &priority};
@@ -212,7 +198,7 @@ int main(int argc, char** argv) {
                              static_cast<uint32_t>(std::atoi(argv[3]))};
     open_device();
     make_device(compile(argv[1], extent, pen::reference_device()));
-    const pen::DeviceHandles handles{instance, physical, device, family, vkGetInstanceProcAddr, {}};
+    const pen::DeviceHandles handles{instance, physical, device, family, vkGetInstanceProcAddr, {}, true};
 
     // Once, or when what the plan was made for changes: 1. a plan for this device, 2. its shaders, 3. a view
     // for each camera.

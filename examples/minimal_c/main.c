@@ -85,23 +85,11 @@ static void make_device(const penumbra_plan* plan) {
     VkPhysicalDeviceVulkan12Features v12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
                                             .pNext = &v13};
     VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
-    const struct {
-        const char* name;
-        VkBool32* enable;
-    } known[] = {{"synchronization2", &v13.synchronization2},
-                 {"maintenance4", &v13.maintenance4},
-                 {"shaderInt8", &v12.shaderInt8},
-                 {"storageBuffer8BitAccess", &v12.storageBuffer8BitAccess},
-                 {"shaderInt64", &features.features.shaderInt64},
-                 {"shaderStorageImageExtendedFormats", &features.features.shaderStorageImageExtendedFormats}};
     for (uint32_t i = 0; i < penumbra_plan_requirement_count(plan); ++i) {
         penumbra_requirement need = {.struct_size = sizeof need};
         fine(penumbra_plan_requirement(plan, i, &need, &error));
         if (strcmp(need.kind, "feature") != 0) continue;
-        int found = 0;
-        for (size_t k = 0; k < sizeof known / sizeof *known; ++k)
-            if (strcmp(need.name, known[k].name) == 0) *known[k].enable = VK_TRUE, found = 1;
-        if (!found) fprintf(stderr, "%s needs %s\n", need.why, need.name), exit(1);
+        fine(penumbra_enable_feature(need.name, &features, &error));
     }
     const float priority = 1;
     const VkDeviceQueueCreateInfo queues = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -250,7 +238,8 @@ int main(int argc, char** argv) {
                                   .instance = instance,
                                   .physical = physical,
                                   .device = device,
-                                  .get_instance_proc_addr = vkGetInstanceProcAddr};
+                                  .get_instance_proc_addr = vkGetInstanceProcAddr,
+                                  .debug_utils = 1};
 
     /* Once, or when what the plan was made for changes: 1. a plan for this device, 2. its shaders, 3. a view
        for each camera. */

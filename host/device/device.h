@@ -76,6 +76,7 @@ class Device {
     const VkPhysicalDeviceLimits& limits() const { return limits_; }
     VkDeviceSize largest_buffer() const { return largest_buffer_; }  // bytes
     const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
+    bool names_objects() const { return messenger_ != VK_NULL_HANDLE; }      // VK_EXT_debug_utils is enabled
     std::span<const char* const> extensions() const { return extensions_; }  // enabled on the device
 
     // Records `commands` into a command buffer, submits it and waits for the queue; not from within

@@ -55,11 +55,12 @@ class Surface {
     glm::dvec3 relative() const { return at(depth_); }
 
     // Of a depth that is of the pixel's centre.
+    double offset_m(const glm::dvec3& n, const glm::dvec3& in_scene) const {
+        const glm::dvec3 largest = glm::max(glm::abs(relative()), glm::abs(in_scene));
+        return 3 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) + 8 * depth_rounding() * facing(n);
+    }
     glm::dvec3 off_surface(const glm::dvec3& n, const glm::dvec3& in_scene) const {
-        const glm::dvec3 point = relative(), largest = glm::max(glm::abs(point), glm::abs(in_scene));
-        const double offset =
-            3 * 0x1p-23 * (largest.x + largest.y + largest.z + depth_) + 8 * depth_rounding() * facing(n);
-        return in_scene + n * offset;
+        return in_scene + n * offset_m(n, in_scene);
     }
     // Metres along the surface that its pixel may show beyond a triangle's end.
     double beyond_edge_m(const glm::dvec3& n) const {
@@ -123,7 +124,7 @@ bool plane_in_doubt(double height, const glm::dvec3& a, const glm::dvec3& b, con
     return !(std::abs(height) > 2 * unit_rounding * extent * taxi(glm::cross(b - a, c - a)));
 }
 
-// is_looked_through() of leaf_cover.glsl; corners relative to the start.
+// is_looked_through() of looked_through.glsl; corners relative to the start.
 bool is_looked_through(const CoverageReceiver& r, const glm::dvec3& a, const glm::dvec3& b,
                        const glm::dvec3& c) {
     const glm::dvec3 n = glm::cross(b - a, c - a);
@@ -145,15 +146,10 @@ glm::dmat3 sun_frame(const glm::dvec3& s) {
             glm::dvec3(b, sign + s.y * s.y * a, -s.y), s};
 }
 
-RayStart ray_start_to(const StandaloneFrame& frame, const CoveragePixel& pixel, const glm::dvec3& target) {
+double start_offset_m(const StandaloneFrame& frame, const CoveragePixel& pixel) {
     const Surface surface(frame.description, pixel);
-    const glm::dvec3 n = octahedral_normal(pixel.normal);
-    const glm::dvec3 off_surface =
-        surface.off_surface(n, surface.relative() + vector(frame.scene.camera_from_origin.v));
-    const glm::dvec3 way = target - off_surface;
-    const double length = std::max(glm::length(way), 1e-15);
-    const double ahead = std::min(surface.ahead(n, way / length) / length, 0.01);
-    return {off_surface, glm::vec3(off_surface + ahead * way)};  // a float, as the nodes'
+    return surface.offset_m(octahedral_normal(pixel.normal),
+                            surface.relative() + vector(frame.scene.camera_from_origin.v));
 }
 
 CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
@@ -165,7 +161,7 @@ CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
                      off_surface = surface.off_surface(
                          r.normal, surface.relative() + vector(frame.scene.camera_from_origin.v));
     r.start = glm::vec3(off_surface);  // floats, as the node's
-    r.start_of_rays = glm::vec3(off_surface + surface.ahead(r.normal, to_sun) * to_sun);
+    r.start_of_beam = glm::vec3(off_surface + surface.ahead(r.normal, to_sun) * to_sun);
     r.to_viewer = surface.to_viewer(vector(frame.scene.camera_from_origin.v), r.start);
     r.beyond_edge_m = surface.beyond_edge_m(r.normal);
     r.grid_m = surface.grid_m(r.to_viewer);

@@ -29,12 +29,12 @@ glm::dmat3 sun_frame(const glm::dvec3& to_sun);
 // What a pixel's coverage is asked from: a point off its surface, in the tree's frame, and the sun.
 struct CoverageReceiver {
     glm::dvec3 start{0}, normal{0, 1, 0};
-    glm::dvec3 start_of_rays{0};  // farther along the way to the sun
+    glm::dvec3 start_of_beam{0};  // farther along the way to the sun (beams.comp)
     glm::dmat3 axes{1};  // columns: two across the sun, turned by the pixel's noise, and the one towards it
     double dither = 0;   // 0 to 1: rounds a share of the samples up or down
     double angular_radius = 0;  // radians
-    // Of what is looked through (leaf_cover.glsl): the way to the viewer, how far the start may lie past the
-    // end of what it is on, and the rasteriser's grid there, metres.
+    // Of what is looked through (looked_through.glsl): the way to the viewer, how far the start may lie past
+    // the end of what it is on, and the rasteriser's grid there, metres.
     glm::dvec3 to_viewer{0, 0, 1};
     double beyond_edge_m = 0, grid_m = 0;
 };
@@ -45,12 +45,9 @@ struct CoveragePixel {
     std::array<float, 2> normal{};  // octahedral, as the node guides writes receiver_normal
 };
 
-// Where the rays of a pixel to a light that is near start, in the tree's frame (ray_origin_to() of
-// ray_origin.glsl); `off_surface` is the point that is in reach of the light or not.
-struct RayStart {
-    glm::dvec3 off_surface{0}, start{0};
-};
-RayStart ray_start_to(const StandaloneFrame& frame, const CoveragePixel& pixel, const glm::dvec3& target);
+// How far off its surface what starts at a pixel does, metres (robust_offset_m() of ray_offset.glsl, of a
+// depth that is of the pixel's centre).
+double start_offset_m(const StandaloneFrame& frame, const CoveragePixel& pixel);
 
 // `blue_noise`: the 128 x 128 words of the node's table.
 CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,

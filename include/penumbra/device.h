@@ -47,6 +47,9 @@ struct DeviceHandles {
     // The loader's, or what stands for it: every function is asked of this.
     PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;
     HostMemory memory;
+    // Whether VK_EXT_debug_utils is enabled: then objects have names and passes labels, for debuggers. Its
+    // functions can be had without, from whatever layers are there, which then object to every call.
+    bool debug_utils = false;
 };
 
 // Limits, format features and memory sizes of a real device, which must outlive the table. Which features are

@@ -49,7 +49,8 @@ enum FrameFlags : uint32_t {
 struct Camera {
     std::array<double, 3> position{0, 0, 0};                           // metres, world
     std::array<double, 9> world_from_view{1, 0, 0, 0, 1, 0, 0, 0, 1};  // columns: right, up, back
-    std::array<double, 16> clip_from_view{};  // columns; unjittered, Vulkan clip (y down)
+    // Columns; unjittered, Vulkan clip (y down). All zeros: none, for a pipeline that asks for no camera.
+    std::array<double, 16> clip_from_view{};
     double near_m = 0.05;
     friend bool operator==(const Camera&, const Camera&) = default;
 };

@@ -71,6 +71,7 @@ typedef struct penumbra_device {
     VkResult (*allocate)(void* user, const penumbra_memory_request* request, penumbra_memory_block* block);
     void (*release)(void* user, const penumbra_memory_block* block);
     void* memory_user;
+    uint32_t debug_utils; /* whether VK_EXT_debug_utils is enabled, for names of objects and passes; else 0 */
 } penumbra_device;
 
 /* --- Node types --------------------------------------------------------------------------------------- */
@@ -260,6 +261,11 @@ PENUMBRA_API uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan)
 PENUMBRA_API penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,
                                                      penumbra_requirement* requirement,
                                                      penumbra_error* error);
+/* Turns a requirement of kind "feature" on in whichever of the caller's structs has a member of that name:
+   `chain` and, behind it, VkPhysicalDeviceVulkan11Features to 13Features. An error where none has it, and of
+   extensions' features. */
+PENUMBRA_API penumbra_code penumbra_enable_feature(const char* name, VkPhysicalDeviceFeatures2* chain,
+                                                   penumbra_error* error);
 /* Those that the physical device cannot meet; `list` may be null, or has room for `*count`. */
 PENUMBRA_API penumbra_code penumbra_plan_unmet(const penumbra_plan* plan, const penumbra_device* device,
                                                uint32_t* count, penumbra_requirement* list,

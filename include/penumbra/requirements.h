@@ -31,6 +31,11 @@ const char* kind_name(Requirement::Kind kind);
 
 std::vector<Requirement> requirements(const Plan& plan);
 
+// Turns a feature on in whichever of the host's structs has a member of that name: `chain` and, behind it,
+// VkPhysicalDeviceVulkan11Features to 13Features. False: it is on in none, since the struct is not in the
+// chain, or it is an extension's, or no feature.
+bool enable(const Requirement& feature, VkPhysicalDeviceFeatures2& chain);
+
 // Those that a physical device cannot meet; `handles` needs no device.
 std::vector<Requirement> unmet(const Plan& plan, const DeviceHandles& handles);
 

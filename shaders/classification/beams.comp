@@ -2,7 +2,8 @@
 // Whole tiles at once: one lane follows the beam of all shadow rays of an 8x4 tile through the tree, once for up to 32
 // pixels. Many tiles of a frame are lit or shadowed as a whole and done then; the others go on in a shorter list.
 // A proof that fails costs as much as one that holds, and a tile's next frame is much as its last: where `proved_before` is
-// bound, a tile gets a beam if it was decided then, and else in its turn. A proof changes no ray's answer.
+// bound, a tile gets a beam if it was decided then, and else in its turn. A proof changes no ray's
+// answer, but for what stands nearer to it than beams start ahead (start_of()).
 #define APPENDS_TILES
 #include "node.glsl"
 #include "common/camera.glsl"
@@ -22,6 +23,8 @@ bool surface_lets_rays_out(ivec2 p) {
     return cap_leaves_surface(n, sun.to_sun, sun.angular_radius);
 }
 
+// Ahead of what may be looked through, about which rays ask: from the surface a beam, whose rounding is larger than a start's offset,
+// met its own floor.
 vec3 start_of(ivec2 p) { return ray_origin(p, decode_receiver_normal(imageLoad(receiver_normal, p).xy), sun.to_sun); }
 
 // The beam of the pixels in `mask`, and where in it their rays start.

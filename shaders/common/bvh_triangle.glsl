@@ -7,6 +7,7 @@
 struct BvhRay {
     vec3 origin, direction, inverse;
     float t_min, t_max;
+    float t_asked;  // of a pixel's: nearer than that nothing is hit that the viewer looks through (bvh_ray_of_pixel()); else 0
     bool x_longest, z_longest;
     vec3 shear;  // x, y: slopes; z: 1 / longest component
 };
@@ -16,6 +17,7 @@ BvhRay bvh_ray(vec3 origin, vec3 direction, float t_min, float t_max) {
     ray.origin = origin;
     ray.t_min = t_min;
     ray.t_max = t_max;
+    ray.t_asked = 0.0;
     // A zero would give 0 * inf in the slab test. The sign of zero does not matter: either side is within rounding.
     const float tiny = 8.271806125530277e-25;  // 2^-80
     vec3 d = mix(mix(vec3(tiny), vec3(-tiny), lessThan(direction, vec3(0))), direction,
@@ -101,7 +103,7 @@ uint bvh_inside(BvhRay ray, vec3 uvw, vec3 a, vec3 b, vec3 c, inout float t_hit)
     precise float size = abs(det);
     float rounding = bvh_hit_rounding(ray, a, b, c);
     precise float near = ray.t_min * size;
-    precise float surely = near + rounding;
+    precise float surely = max(near + rounding, ray.t_asked * size);
     precise float at_all = near - rounding;
     precise float far = ray.t_max * size;
     float signed_t = det < 0.0 ? -t : t;

@@ -21,8 +21,8 @@
 // And how much farther it starts along the way to the light. For the grid also decides whose pixel it is: a centre up to s past a
 // triangle's edge shows that triangle's plane continued, s * span / |n.v| beyond its end. Where the next triangle rises that is below
 // the ground, and a ray would find the ground from beneath: black pixels on sunlit terrain. Higher starts would move every
-// oblique shadow; starts farther along the way move none, and overlook what stands nearer than that. (Coverage does neither: it sees every
-// triangle that it meets, and asks whether the camera looks through it, is_looked_through() of visibility/leaf_cover.glsl.)
+// oblique shadow; starts farther along the way move none, and overlook what stands nearer than that. (Who asks our own tree for a light
+// does neither, but asks of every triangle so near whether the camera looks through it: common/looked_through.glsl.)
 //
 // Includer has common/camera.glsl.
 const float ULPS = 3.0 * 1.1920929e-7;  // 2^-23

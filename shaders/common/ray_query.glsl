@@ -36,6 +36,11 @@ bool occluded_at(vec3 origin, vec3 direction, float t_min, float t_max, inout fl
     return found;
 }
 
+// .. of a pixel's ray, whose start has left the end of what it is on behind (visibility/shadow_origin.glsl).
+bool occluded_from(vec3 start, float beyond_edge_m, vec3 direction, float t_min, float t_max, inout float t_hit) {
+    return occluded_at(start, direction, t_min, t_max, t_hit);
+}
+
 bool occluded(vec3 origin, vec3 direction, float t_min, float t_max) {
     float unread = 0.0;
     return occluded_at(origin, direction, t_min, t_max, unread);

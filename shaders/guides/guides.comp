@@ -15,7 +15,12 @@ float depth_at(ivec2 p) { return inside_frame(p) ? linear_depth(texelFetch(depth
 
 vec3 given_normal(ivec2 p) {
     vec3 n = texelFetch(normal, p, 0).xyz;
-    if (NORMAL_ENCODING == NORMAL_ENCODING_UNORM) n = 2.0 * n - 1.0;
+#ifdef FORMAT_NORMAL_RGB10A2
+    const bool unorm = true;
+#else
+    const bool unorm = NORMAL_ENCODING == NORMAL_ENCODING_UNORM;
+#endif
+    if (unorm) n = 2.0 * n - 1.0;
     const float length2 = dot(n, n);
     return length2 > 1e-4 && length2 < 1e4 ? n * inversesqrt(length2) : frame.world_from_view[2];
 }

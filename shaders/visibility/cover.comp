@@ -18,6 +18,8 @@
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
 #define SHARED_STACK
+#define ASKS_VIEWER
+#define SHARED_VIEWER
 #include "common/bvh.glsl"
 #include "common/cone_slabs.glsl"
 #include "visibility/light_mask.glsl"

@@ -7,6 +7,7 @@
 #include "common/camera.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
+#include "visibility/shadow_origin.glsl"
 #include "visibility/sun_point.glsl"
 const bool HAS_LIGHT = true;
 #include "common/lights.glsl"
@@ -15,6 +16,7 @@ const bool HAS_LIGHT = true;
 #include "common/tiles.glsl"
 #include "visibility/tile_share.glsl"
 #define SHARED_STACK
+#define SHARED_VIEWER
 #include "visibility/transmittance.glsl"
 #include "visibility/coloured_light.glsl"
 #if BACKEND == BACKEND_BVH
@@ -105,7 +107,7 @@ Seen look(ivec2 p, RayStart surface, vec3 start, vec3 normal, vec3 to_light, boo
 
 // Of what arrives of the light the share that translucent triangles let through: the mean over rays, and where a part of the light is
 // hidden and it differs from ray to ray, over those that arrive; where none does all are as likely.
-vec3 mean_transmittance(ivec2 p, vec3 start, vec3 normal, vec3 to_light, float seen, bool wanted) {
+vec3 mean_transmittance(ivec2 p, uint number, vec3 start, vec3 normal, vec3 to_light, float seen, bool wanted) {
     const bool coloured = near_light_may_be_coloured(start, wanted);
     const uint rays = rays_to_light(TRANSLUCENT_RAYS);
     vec3 sum = vec3(0.0);
@@ -120,7 +122,8 @@ vec3 mean_transmittance(ivec2 p, vec3 start, vec3 normal, vec3 to_light, float s
             count = 0.0;
         }
         const LightRay ray = light_ray(to_light, point_of_ray(p, again ? k - rays : k, rays));
-        if (again && (points_into_surface(normal, ray.direction) || occluded(start, ray.direction, 0.0, ray.t_max))) continue;
+        float unread = 0.0;
+        if (again && (points_into_surface(normal, ray.direction) || occluded_from(start, starts[number].w, ray.direction, 0.0, ray.t_max, unread))) continue;
         const vec3 through = transmittance_along(start, ray.direction, ray.t_max);
         sum += through;
         ++count;
@@ -201,10 +204,10 @@ void main() {
         const ivec2 p = tile * TILE + pixel_of_lane(int(number));
         const vec3 centre = light.centre + scene.camera_from_origin, normal = normals[number];
         const RayStart surface = RayStart(starts[number].xyz, starts[number].w);
-        const vec3 start = ray_origin_to(surface, normal, centre), to_light = centre - start;
+        const vec3 start = shadow_origin_to(surface, normal, centre), to_light = centre - start;
         const Seen seen = look(p, surface, start, normal, to_light, own);
         vec3 through = vec3(1.0);
-        if (HAS_TRANSLUCENTS) through = mean_transmittance(p, start, normal, to_light, seen.share, own && seen.share > 0.0);
+        if (HAS_TRANSLUCENTS) through = mean_transmittance(p, number, start, normal, to_light, seen.share, own && seen.share > 0.0);
         if (own) {
             ++walked;
 #if HAS_ILLUMINANCE

@@ -10,7 +10,7 @@
 // Rounding: with u = 2^-24 and r, s the distances of an edge's corners, V is off by 4 u r, an edge V x W by 12 u r s, and the line across the light
 // by 12 u r s / (|V x W| across the axis * radius): for an edge of length l at distance r, 12 u r / (l sin * radius).
 //
-// Includer has common/bvh.glsl, common/light.glsl and light_mask.glsl and declares: blocks light, scene; uniform image2D light_samples;
+// Includer has common/bvh.glsl with ASKS_VIEWER and SHARED_VIEWER, common/light.glsl and light_mask.glsl and declares: blocks light, scene; uniform image2D light_samples;
 // and calls see_viewer() before the first leaf, with a barrier on a GPU.
 
 const float UNIT_ROUNDING = 5.9604644775390625e-8;  // 2^-24
@@ -119,47 +119,9 @@ LightMask before_light(Receiver r, LightShape shape, vec3 sum, float det, vec2 e
     return sure;
 }
 
-// Where the viewer is, and the rasteriser's grid per metre of the way to it; of an orthographic view the way, and less the grid in metres.
-vec4 viewer_now() {
-    const float grid = frame.grid_px * frame.pixel_angle;
-    return (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? vec4(frame.world_from_view[2], -grid) : vec4(scene.camera_from_origin, grid);
-}
-
-#if CLASS_CPU
-vec4 viewer;
-#else
-shared vec4 viewer;  // of scalar registers a GPU has few
-#endif
-
-// Before the first leaf, and a barrier.
-void see_viewer() {
-    if (CLASS_CPU == 1 || gl_LocalInvocationIndex == 0u) viewer = viewer_now();
-}
-
-// How far inside of an edge the viewer sees what lies at 0, metres; the edge's ends in the order of a triangle that faces the viewer.
-float inside_m(vec3 from, vec3 to, vec3 to_viewer) {
-    const vec3 outwards = cross(to - from, to_viewer);
-    return dot(from, outwards) * inversesqrt(max(dot(outwards, outwards), 1e-37));
-}
-
-// Whether the viewer looks through a triangle: then the pixel's centre is past the end of its own triangle, whose plane goes on below this one
-// that rises there. What rises little is looked through by all of the grid, since it may not be the one that a ray meets.
-const float GRIDS = 1.5, RISES_LITTLE = 0.25, LEAST_GRIDS = 0.1;
-
-bool is_looked_through(Receiver r, vec3 a, vec3 b, vec3 c) {
-    const vec3 n = cross(b - a, c - a), to_a = a - r.start, to_b = b - r.start, to_c = c - r.start;
-    const float above = dot(n, to_a), depth = abs(above) * inversesqrt(max(dot(n, n), 1e-37));
-    if (!(depth <= r.beyond_edge_m)) return false;
-    const vec3 to_viewer = viewer.xyz - (viewer.w < 0.0 ? vec3(0.0) : r.start);
-    const float grid_m = viewer.w < 0.0 ? -viewer.w : viewer.w * length(to_viewer), side = above < 0.0 ? -1.0 : 1.0;
-    const float rise = depth / max(RISES_LITTLE * r.beyond_edge_m, 1e-30);
-    const float inside = min(min(side * inside_m(to_a, to_b, to_viewer), side * inside_m(to_b, to_c, to_viewer)), side * inside_m(to_c, to_a, to_viewer));
-    return side * dot(n, to_viewer) > 0.0 && inside >= -grid_m * max(GRIDS * (1.0 - rise), LEAST_GRIDS);
-}
-
 bvec2 looked_through(Receiver r, BvhLeaf corners, bvec2 matters) {
-    return bvec2(matters.x && is_looked_through(r, corners.a, corners.b, corners.c),
-                 matters.y && is_looked_through(r, corners.c, corners.b, corners.d));
+    return bvec2(matters.x && is_looked_through(r.start, r.beyond_edge_m, corners.a, corners.b, corners.c),
+                 matters.y && is_looked_through(r.start, r.beyond_edge_m, corners.c, corners.b, corners.d));
 }
 
 // On which side of the planes of a leaf's two triangles the receiver is, where that `matters`.

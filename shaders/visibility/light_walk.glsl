@@ -88,17 +88,15 @@ Walk walk_to_light(SeenLight seen, bool own, inout LightMask hidden) {
     return Walk(own && (mask_is_full(hidden) || bvh_ended(path)), steps);
 }
 
-// With those of the open samples hidden that a ray finds hidden, of a length of `t_max` ways to the sample. A ray does not know what is looked through,
-// and before a lamp, where rays say what the rest of a walk would have, starts farther along the way than all that may be.
+// With those of the open samples hidden that a ray finds hidden, of a length of `t_max` ways to the sample.
 LightMask with_samples_by_ray(SeenLight seen, float t_max, bool wanted, LightMask hidden) {
-    vec3 lead = vec3(0.0);
-    if (HAS_LIGHT) lead = min(seen.receiver.beyond_edge_m * inversesqrt(dot(seen.span[2], seen.span[2])), 0.01) * seen.span[2];
     LightMask asked_by_ray = NO_SAMPLES;
     bool asking = wanted && !mask_is_full(hidden);
     while (asking) {
         const LightMask open = mask_lowest(mask_without(mask_flipped(hidden, true), asked_by_ray));
         const vec3 way = way_to_sample(seen, sample_point(seen.shape, mask_index(open)));
-        if (occluded(seen.receiver.start + lead, way - lead, 0.0, t_max)) hidden = mask_or(hidden, open);
+        float unread = 0.0;
+        if (occluded_from(seen.receiver.start, seen.receiver.beyond_edge_m, way, 0.0, t_max, unread)) hidden = mask_or(hidden, open);
         asked_by_ray = mask_or(asked_by_ray, open);
         if (mask_is_full(mask_or(hidden, asked_by_ray))) asking = false;
     }

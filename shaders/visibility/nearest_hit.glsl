@@ -7,18 +7,18 @@
 #define NEAREST_HIT
 #include "common/ray_query.glsl"
 
-bool nearest_hit(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
-    return occluded_at(origin, direction, t_min, t_max, t_hit);
+bool nearest_hit(vec3 start, float beyond_edge_m, vec3 direction, float t_min, float t_max, inout float t_hit) {
+    return occluded_at(start, direction, t_min, t_max, t_hit);
 }
 #else
 #include "common/bvh.glsl"
 
-// Parameters and result as those of occluded_at(), but `t_hit` becomes where the first of all things lies.
-bool nearest_hit(vec3 origin, vec3 direction, float t_min, float t_max, inout float t_hit) {
-    BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
+// Parameters and result as those of occluded_from(), but `t_hit` becomes where the first of all things lies.
+bool nearest_hit(vec3 start, float beyond_edge_m, vec3 direction, float t_min, float t_max, inout float t_hit) {
+    BvhRay ray = bvh_ray_of_pixel(start, beyond_edge_m, direction, t_min, t_max);
     BvhPath path = bvh_path(-direction);
     bool found = false;
-    uvec4 unsure_leaves = uvec4(0u);  // as in occluded_at(); they touch the ray's start, so nothing is nearer
+    uvec4 unsure_leaves = uvec4(0u);  // as in bvh_occluded(); they lie at the ray's start, so nothing is nearer
     while (true) {
         if (bvh_at_leaf(path)) {
             const uint pending = path.leaf_mask;

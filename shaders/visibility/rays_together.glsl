@@ -14,11 +14,10 @@
 #include "visibility/bvh_together.glsl"
 
 // A ray is asked what another one asked for, too: it does not meet a leaf in a box that it passes by.
-bool occluded_together(vec3 origin, vec3 direction, float t_min, float t_max, bool own, inout float t_hit) {
-    const BvhRay ray = bvh_ray(origin, direction, t_min, t_max);
-    BvhSharedPath path = bvh_shared_path(direction);
+bool occluded_together(BvhRay ray, bool own, inout float t_hit) {
+    BvhSharedPath path = bvh_shared_path(ray.direction);
     bool found = false, live = own;
-    uvec4 unsure_leaves = uvec4(0u);  // as occluded_at() has them
+    uvec4 unsure_leaves = uvec4(0u);  // as bvh_occluded() has them
     bool ended = !any_of_lanes(live);
     while (!ended) {
         uint bit;
@@ -44,10 +43,10 @@ bool occluded_together(vec3 origin, vec3 direction, float t_min, float t_max, bo
 }
 #endif
 
-// As occluded_at(), of who is `own`; false for the others. All lanes take part.
-bool occluded_beside(vec3 origin, vec3 direction, float t_min, float t_max, bool own, inout float t_hit) {
+// As occluded_from(), of who is `own`; false for the others. All lanes take part.
+bool occluded_beside(vec3 origin, float beyond_edge_m, vec3 direction, float t_min, float t_max, bool own, inout float t_hit) {
 #if CLASS_CPU && SEVERAL_RAYS && BACKEND != BACKEND_RAY_QUERY
-    if (LANES_WALK_TOGETHER) return occluded_together(origin, direction, t_min, t_max, own, t_hit);
+    if (LANES_WALK_TOGETHER) return occluded_together(bvh_ray_of_pixel(origin, beyond_edge_m, direction, t_min, t_max), own, t_hit);
 #endif
-    return own && occluded_at(origin, direction, t_min, t_max, t_hit);
+    return own && occluded_from(origin, beyond_edge_m, direction, t_min, t_max, t_hit);
 }

@@ -30,7 +30,7 @@ void main() {
         const uint number = wanted_number(share, index / further), k = index % further;  // a pixel's rays lie side by side
         const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k + 1u, rays);
         float unread = 0.0;
-        const bool met = occluded_beside(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, own && !ray.into_surface, unread);
+        const bool met = occluded_beside(ray.origin, ray.beyond_edge_m, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, own && !ray.into_surface, unread);
         if (met || own && ray.into_surface) atomicOr(blocked[number], 1u << k);
     }
     subgroup_barrier();

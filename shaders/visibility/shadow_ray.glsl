@@ -2,13 +2,15 @@
 // The shadow rays of a pixel: from its surface towards points of the sun's disc per pixel and frame (common/sun_sample.glsl,
 // blue_noise.glsl), or of a light that is near (common/light.glsl). A light that is a point takes no noise.
 //
-// Includer has common/camera.glsl, common/receiver_normal.glsl and common/ray_origin.glsl and declares: constants ORIGIN and
+// Includer has common/camera.glsl, common/receiver_normal.glsl and common/ray_origin.glsl and declares: constants BACKEND, ORIGIN and
 // SAMPLING; block light; buffer ray_points, where HAS_RAY_POINTS.
+#include "visibility/shadow_origin.glsl"
 #include "visibility/sun_point.glsl"
 #include "common/light.glsl"
 
 struct ShadowRay {
     vec3 origin, direction;
+    float beyond_edge_m;  // how far the origin may lie past the end of what it is on
     bool into_surface;  // the surface itself hides the light
     float t_max;        // where the light is, metres
     float t_plane;      // where the plane through its middle is
@@ -48,13 +50,15 @@ vec3 ray_direction(ivec2 p, uint k, uint rays) {
 }
 
 ShadowRay ray_to_near_light(ivec2 p, vec3 n, uint k, uint rays) {
-    const vec3 centre = light.centre + scene.camera_from_origin, origin = ray_origin_to(ray_start(p, n), n, centre);
+    const vec3 centre = light.centre + scene.camera_from_origin;
+    const RayStart start = ray_start(p, n);
+    const vec3 origin = shadow_origin_to(start, n, centre);
     vec2 point = vec2(0.0);
     if (HAS_BLUE_NOISE)
         point = light_point(noise_unit(noise_fixed(p, frame.frame_index, params.seed) + noise_step(k, rays)));
     if (k == 0u) keep_point(p, pack_point(point));
     const LightRay ray = light_ray(centre - origin, point);
-    return ShadowRay(origin, ray.direction, points_into_surface(n, ray.direction), ray.t_max, ray.t_plane);
+    return ShadowRay(origin, ray.direction, start.beyond_edge_m, points_into_surface(n, ray.direction), ray.t_max, ray.t_plane);
 }
 
 ShadowRay shadow_ray(ivec2 p, uint k, uint rays) {
@@ -63,7 +67,8 @@ ShadowRay shadow_ray(ivec2 p, uint k, uint rays) {
     const vec3 direction = ray_direction(p, k, rays);
     if (ORIGIN == ORIGIN_PUBLISHED) {
         const vec3 in_scene = position(p, imageLoad(view_depth, p).x) + scene.camera_from_origin;
-        return ShadowRay(in_scene + n * PUBLISHED_OFFSET_M, direction, false, SUN_IS_AT_M, SUN_IS_AT_M);
+        return ShadowRay(in_scene + n * PUBLISHED_OFFSET_M, direction, 0.0, false, SUN_IS_AT_M, SUN_IS_AT_M);
     }
-    return ShadowRay(ray_origin(p, n, sun.to_sun), direction, points_into_surface(n, direction), SUN_IS_AT_M, SUN_IS_AT_M);
+    const RayStart start = ray_start(p, n);
+    return ShadowRay(shadow_origin(start, n, sun.to_sun), direction, start.beyond_edge_m, points_into_surface(n, direction), SUN_IS_AT_M, SUN_IS_AT_M);
 }

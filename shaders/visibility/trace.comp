@@ -44,7 +44,7 @@ void main() {
         const uint number = wanted_number(share, index / RAYS), k = index % RAYS;  // a pixel's rays lie side by side
         const ShadowRay ray = shadow_ray(tile * TILE + pixel_of_lane(int(number)), k, RAYS);
         float t = 0.0;
-        const bool met = occluded_beside(ray.origin, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, own && !ray.into_surface, t);
+        const bool met = occluded_beside(ray.origin, ray.beyond_edge_m, ray.direction, t_min, HAS_LIGHT ? min(t_max, ray.t_max) : t_max, own && !ray.into_surface, t);
 #if HAS_BLOCKERS
         if (met && k == 0u) add_blocker(sums, HAS_LIGHT ? way_to_blocker(t, ray.t_plane) : t);
 #endif

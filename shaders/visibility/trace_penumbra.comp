@@ -11,6 +11,7 @@
 #if BACKEND == BACKEND_RAY_QUERY
 #define NEAREST_HIT
 #endif
+#include "visibility/shadow_origin.glsl"
 #include "visibility/transmittance.glsl"
 #include "visibility/nearest_hit.glsl"
 #include "visibility/sun_point.glsl"
@@ -44,12 +45,13 @@ float penumbra_at(ivec2 p, float t_min, float t_max, out vec4 colour) {
     const vec3 n = decode_receiver_normal(imageLoad(receiver_normal, p).xy);
     vec3 centre = vec3(0.0);
     if (HAS_LIGHT) centre = light.centre + scene.camera_from_origin;
-    const vec3 origin = HAS_LIGHT ? ray_origin_to(ray_start(p, n), n, centre) : ray_origin(p, n, sun.to_sun);
+    const RayStart start = ray_start(p, n);
+    const vec3 origin = HAS_LIGHT ? shadow_origin_to(start, n, centre) : shadow_origin(start, n, sun.to_sun);
     const LightRay ray = ray_to_light(p, centre - origin);
     if (points_into_surface(n, ray.direction)) return 0.0;
     if (HAS_LIGHT) t_max = min(t_max, ray.t_max);
     float t = t_max;
-    const bool dark = nearest_hit(origin, ray.direction, t_min, t_max, t);
+    const bool dark = nearest_hit(origin, start.beyond_edge_m, ray.direction, t_min, t_max, t);
     vec3 through = vec3(1.0);
     if (HAS_TRANSLUCENTS) through = transmittance_along(origin, ray.direction, t, true, t);
     const bool lit = !(t < t_max);

@@ -34,9 +34,9 @@ bool may_be_coloured(ivec2 p, bool wanted) {
     if (HAS_LIGHT) {
         const RayStart start = ray_start(p, n);
         const vec3 centre = light.centre + scene.camera_from_origin;
-        return near_light_may_be_coloured(ray_origin_to(start, n, centre), wanted && light_reaches(start.off_surface - centre));
+        return near_light_may_be_coloured(shadow_origin_to(start, n, centre), wanted && light_reaches(start.off_surface - centre));
     }
-    return may_meet_translucents(cone_slabs(sun.to_sun, tan(sun.angular_radius), 0.0), ray_origin(p, n, sun.to_sun), sun.to_sun, wanted);
+    return may_meet_translucents(cone_slabs(sun.to_sun, tan(sun.angular_radius), 0.0), shadow_origin(ray_start(p, n), n, sun.to_sun), sun.to_sun, wanted);
 }
 
 // Those of the share that may be coloured; the others get their visibility as it is.
@@ -91,7 +91,8 @@ uint cast_rays(TileShare share, ivec2 tile, bool arriving) {
         const uint number = wanted_number(share, index / rays);  // a pixel's rays lie side by side
         const ShadowRay ray = shadow_ray(pixel_numbered(tile, number), index % rays, rays);
         const float t_max = HAS_LIGHT ? ray.t_max : SUN_IS_AT_M;
-        if (arriving && (ray.into_surface || occluded(ray.origin, ray.direction, nearest_hit_m(0.0), t_max))) continue;
+        float unread = 0.0;
+        if (arriving && (ray.into_surface || occluded_from(ray.origin, ray.beyond_edge_m, ray.direction, nearest_hit_m(0.0), t_max, unread))) continue;
         const uint steps = pack_transmittance(transmittance_along(ray.origin, ray.direction, t_max));
         add_ray(arriving ? 32u + number : number, steps);
         if (arriving) continue;
