@@ -34,6 +34,7 @@ constexpr double housing = 1e-4;    // LIGHT_HOUSING of light.glsl
 struct Receiver {
     glm::dvec3 start{0}, normal{0};
     bool reached = false, lost = false;
+    std::vector<uint32_t> seen_through;  // SurfacePoint's
 };
 
 // Of a receiver's rays.
@@ -107,11 +108,18 @@ class Frame {
         if (!point) return {.lost = true};
         const double offset_m = start_offset_m(standalone_, {{x, y}, depth, normal});
         const glm::dvec3 start = glm::vec3(point->at + point->normal * offset_m);  // floats, as a ray's
-        return {start, point->normal, light_.reaches(start)};
+        return {start, point->normal, light_.reaches(start), false, point->seen_through};
     }
 
     Rays rays(const Receiver& r, uint32_t side, uint32_t seed) const {
-        const AlphaTest test = has_alpha_ ? alpha_test(alpha_, leaf_words_) : AlphaTest{};
+        const AlphaTest alpha = has_alpha_ ? alpha_test(alpha_, leaf_words_) : AlphaTest{};
+        AlphaTest test = alpha;
+        if (!r.seen_through.empty())
+            test = [&](uint32_t leaf, uint32_t which, const std::array<float, 3>& areas) {
+                const uint32_t index = bvh_.corners[leaf][which == 0 ? 0 : 3] / 3;
+                return std::ranges::find(r.seen_through, index) == r.seen_through.end() &&
+                       (!alpha || alpha(leaf, which, areas));
+            };
         Rays out;
         for (uint32_t i = 0; i < side * side; ++i) {
             const uint32_t a = pcg(i + pcg(seed)), b = pcg(a);

@@ -72,8 +72,8 @@ TEST_F(Average, StartsAnewAfterAResetAndWhereTheJitterShifts) {
     EXPECT_EQ(frame(0), 0.5);
     EXPECT_EQ(frame(0, true), 0) << "a reset";
     EXPECT_EQ(frame(1), 0.5);
-    EXPECT_EQ(frame(1, false, 0.25, 0), 1) << "another jitter than the last frame's";
-    EXPECT_EQ(frame(0, false, 0.25, 0.25), 0.5) << "the same jitter";
+    EXPECT_EQ(frame(1, false, 0.01, 0), 1) << "another jitter than the last frame's";
+    EXPECT_EQ(frame(0, false, 0.01, 0.01), 0.5) << "the same jitter";
 }
 
 }  // namespace

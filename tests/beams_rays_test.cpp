@@ -78,8 +78,8 @@ Verdicts judge(Shot shot, double angle_deg, uint32_t side) {
                 glm::dvec2 u((i % side + (h & 0xffff) / 65536.0) / side,
                              (i / side + (h >> 16) / 65536.0) / side);
                 if (i % 8 == 0) u.x = i % 16 ? 0 : 1 - 0x1p-20;
-                const Ray ray = maker.from_beam(maker.ray(x, y, depth[pixel], normal[pixel], u), x, y,
-                                                depth[pixel], normal[pixel]);
+                const Ray ray = maker.from_ahead(maker.ray(x, y, depth[pixel], normal[pixel], u), x, y,
+                                                 depth[pixel], normal[pixel]);
                 blocked += RayMaker::slope(ray, normal[pixel]) <= 0 || embree.occluded(ray);
             }
             if (has(hits)) {

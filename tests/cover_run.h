@@ -110,6 +110,9 @@ class CoverRun {
     Ray ray(uint32_t x, uint32_t y, const glm::dvec2& u) const {
         return maker_->ray(x, y, depth_[at(x, y)], normals_[at(x, y)], u);
     }
+    Ray ray_from_ahead(uint32_t x, uint32_t y, const glm::dvec2& u) const {
+        return maker_->from_ahead(ray(x, y, u), x, y, depth_[at(x, y)], normals_[at(x, y)]);
+    }
     double slope(uint32_t x, uint32_t y, const Ray& ray) const {
         return RayMaker::slope(ray, normals_[at(x, y)]);
     }

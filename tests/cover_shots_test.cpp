@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The node `cover` against many rays by Embree from where their rays start, on the shipped shots and under
-// suns of any size: how many rays its image is worth, how far off its worst pixel is, and that no pixel is
-// called lit or shadowed that is not.
+// The node `cover` against many rays by Embree, which asks nobody what is looked through, from ahead of that,
+// on the shipped shots and under suns of any size: how many rays its image is worth, how far off its worst
+// pixel is, and that no pixel is called lit or shadowed that is not.
 #include <algorithm>
 
 #include "tests/alpha_oracle.h"
@@ -18,7 +18,7 @@ std::vector<float> by_many_rays(const CoverRun& run, const EmbreeScene& embree) 
         uint32_t lit = 0;
         for (uint32_t i = 0; i < side * side; ++i) {
             const uint32_t h = hash(uint32_t(run.at(x, y)) * 8192 + i + side);
-            const Ray ray = run.ray(
+            const Ray ray = run.ray_from_ahead(
                 x, y, {(i % side + (h & 0xffff) / 65536.0) / side, (i / side + (h >> 16) / 65536.0) / side});
             lit += run.slope(x, y, ray) > 0 && !embree.occluded(ray);
         }

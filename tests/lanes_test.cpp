@@ -136,7 +136,8 @@ void expect_same_of_either_class(const Case& c, const Shot& shot) {
 class DeviceClass : public GpuTest, public ::testing::WithParamInterface<Case> {};
 
 TEST_P(DeviceClass, DoesNotShow) {
-    expect_same_of_either_class(GetParam(), plaza_shot({203, 117}, 3));
+    // Of a size at which no ray lies within rounding of an edge, where it is the compiler who says.
+    expect_same_of_either_class(GetParam(), plaza_shot({197, 117}, 3));
 }
 
 const std::string by_tree = "nodes.trace.params.backend=bvh";

@@ -56,8 +56,9 @@ class RayMaker {
         return in_scene + n * offset;
     }
 
-    // The same ray from where beams start, ahead by what a pixel may show past a triangle's end (beams.comp).
-    Ray from_beam(Ray ray, uint32_t x, uint32_t y, float depth, NormalTexel normal_texel) const {
+    // The same ray from where beams and rays that ask nobody start: ahead by what a pixel may show past a
+    // triangle's end.
+    Ray from_ahead(Ray ray, uint32_t x, uint32_t y, float depth, NormalTexel normal_texel) const {
         const glm::dvec3 to_sun = vector(frame_.sun.to_sun.v);
         const double cosine = glm::dot(normal(normal_texel), to_sun);
         const double ahead = cosine > 0 ? std::min(0.25 / cosine, 1.0) : 0.0;

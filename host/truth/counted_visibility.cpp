@@ -247,26 +247,47 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
         translucent_.walk(near_point, [&](uint32_t index) {
             if (drawn_[index]) look(translucent_.triangles[index], *drawn_[index]);
         });
+    if (!out) return out;
+    const glm::dvec3 to_viewer = -ray.direction;
+    opaque_.walk(near_point, [&](uint32_t index) {
+        const Corners v = corners_from(opaque_.triangles[index], out->at);
+        const double height = height_over_origin(v);
+        const glm::dvec3 winding = glm::cross(v[1] - v[0], v[2] - v[0]);
+        if (index == out->triangle || in_plane_of_origin(v, height, out->at)) return;
+        if (!(std::abs(height) <= margin.x * glm::length(winding))) return;
+        // Towards the viewer, and how far beside the triangle: the grid moves corners along both axes.
+        const glm::dvec3 w = Lines(v, height).weights(to_viewer);
+        bool seen_through = w.x + w.y + w.z > 0;
+        for (glm::length_t k = 0; k < 3; ++k) {
+            const glm::dvec3 edge = v[size_t(k + 2) % 3] - v[size_t(k + 1) % 3];
+            if (w[k] < -1.5 * ray.grid_px * pixel * glm::length(glm::cross(edge, to_viewer)))
+                seen_through = false;
+        }
+        const uint32_t record = alpha_ ? alpha_->record_of[index] : 0;
+        if (seen_through && (record == 0 || alpha_->blocks(record - 1, of_corners(w))))
+            out->seen_through.push_back(index);
+    });
     return out;
 }
 
-std::vector<uint32_t> CountedVisibility::Tree::before(const SurfacePoint& point, const SunStrata& sun,
-                                                      std::optional<uint32_t> except) const {
+std::vector<uint32_t> CountedVisibility::Tree::before(const SurfacePoint& point, const SunStrata& sun) const {
     const TreeCone cone{point.at, sun.to_sun, std::cos(sun.angular_radius), std::sin(sun.angular_radius)};
     std::vector<uint32_t> out;
     walk([&](const TreeBox& box) { return cone.may_touch(box); },
-         [&](uint32_t index) {
-             if (index != except) out.push_back(index);
-         });
+         [&](uint32_t index) { out.push_back(index); });
     return out;
 }
 
 CountedVisibility::Seen CountedVisibility::seen(const SurfacePoint& point, const SunStrata& sun) const {
     const double sine = std::sin(sun.angular_radius), leaves_by = glm::dot(point.normal, sun.to_sun);
     if (leaves_by <= -sine) return {0, glm::dvec3(0)};
-    const std::vector<uint32_t> opaque = opaque_.before(point, sun, point.triangle);
+    std::vector<uint32_t> opaque = opaque_.before(point, sun);
+    std::erase_if(opaque, [&](uint32_t index) {
+        return index == point.triangle ||
+               std::ranges::find(point.seen_through, index) != point.seen_through.end();
+    });
     const std::vector<uint32_t> coloured =
-        translucents_ ? translucent_.before(point, sun, std::nullopt) : std::vector<uint32_t>{};
+        translucents_ ? translucent_.before(point, sun) : std::vector<uint32_t>{};
     if (opaque.empty() && coloured.empty() && leaves_by > sine) return {1, glm::dvec3(1)};
 
     Directions sky = directions(sun);

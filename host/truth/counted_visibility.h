@@ -28,6 +28,9 @@ struct ViewRay {
 struct SurfacePoint {
     glm::dvec3 at{0}, normal{0, 1, 0};  // in the tree's frame; unit, towards the viewer
     uint32_t triangle = 0;              // of Scene::triangles()
+    // What stands between it and the viewer, so near before it that the rasteriser must have moved its
+    // outline aside: seen through, it hides nothing of a light either.
+    std::vector<uint32_t> seen_through;
 };
 
 // Directions to a sun of `angular_radius` radians, one in each of side x side strata of equal area.
@@ -50,7 +53,7 @@ class CountedVisibility {
     std::optional<SurfacePoint> shown(const ViewRay& ray, double view_depth, const glm::dvec3& normal) const;
 
     // The share of directions that neither point into the point's own surface nor meet another triangle.
-    // Triangles in the plane of the point hide nothing.
+    // Triangles in the plane of the point hide nothing, and none that it is seen through.
     double visibility(const SurfacePoint& point, const SunStrata& sun) const {
         return seen(point, sun).visibility;
     }
@@ -76,8 +79,7 @@ class CountedVisibility {
         template <class Touches, class Visit>
         void walk(const Touches& touches, Visit&& visit) const;
         // Those that may stand before a part of the sun, from the point.
-        std::vector<uint32_t> before(const SurfacePoint& point, const SunStrata& sun,
-                                     std::optional<uint32_t> except) const;
+        std::vector<uint32_t> before(const SurfacePoint& point, const SunStrata& sun) const;
     };
 
     Tree opaque_;
