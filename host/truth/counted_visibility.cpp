@@ -255,16 +255,9 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
         const glm::dvec3 winding = glm::cross(v[1] - v[0], v[2] - v[0]);
         if (index == out->triangle || in_plane_of_origin(v, height, out->at)) return;
         if (!(std::abs(height) <= margin.x * glm::length(winding))) return;
-        // Towards the viewer, and how far beside the triangle: the grid moves corners along both axes.
         const glm::dvec3 w = Lines(v, height).weights(to_viewer);
-        bool seen_through = w.x + w.y + w.z > 0;
-        for (glm::length_t k = 0; k < 3; ++k) {
-            const glm::dvec3 edge = v[size_t(k + 2) % 3] - v[size_t(k + 1) % 3];
-            if (w[k] < -1.5 * ray.grid_px * pixel * glm::length(glm::cross(edge, to_viewer)))
-                seen_through = false;
-        }
         const uint32_t record = alpha_ ? alpha_->record_of[index] : 0;
-        if (seen_through && (record == 0 || alpha_->blocks(record - 1, of_corners(w))))
+        if (is_inside(w) && (record == 0 || alpha_->blocks(record - 1, of_corners(w))))
             out->seen_through.push_back(index);
     });
     return out;
