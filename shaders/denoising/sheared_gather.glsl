@@ -12,9 +12,9 @@
 
 const float UNEVEN = 0.109;   // see Window
 const float FEWEST = 2.5;     // rays with which a plane through their bits is fitted
-// Rays by which such a plane is pulled to the disc's rim: one for each of its two slopes, and more where those at the rim are of pixels that have
-// fewer, and count for more.
-const float PULL_OF_ONE = 2.0, PULL_OF_MANY = 3.0;
+// Rays by which such a plane is pulled to the disc's rim: one for each of its two slopes; more where those at the rim are of pixels that have
+// fewer, and count for more; and more again of a square, in which fewer pixels are asked.
+const float PULL_OF_ONE = 2.0, PULL_OF_MANY = 3.0, PULL_IN_SQUARE = 3.6;
 
 // What surrounds the pixel, in light space.
 struct Penumbra {
@@ -174,7 +174,8 @@ Estimate estimate_of(Moments m, Horizon horizon) {
         // The plane lies too near to the bits at the disc's rim, which pull it most. 4, so that a handful of rays is not made noisier by it than
         // it was wrong.
         const float at_rim = horizon.above == 1.0 ? m.be2 / (m.ee.x + m.ee.z) : mean;
-        e.visibility = clamp(mean - dot(beta, eta - horizon.middle) + (MANY_RAYS ? PULL_OF_MANY : PULL_OF_ONE) / (rays + 4.0) * (at_rim - mean), 0.0, 1.0);
+        const float pull = !MANY_RAYS ? PULL_OF_ONE : light_is_a_square() ? PULL_IN_SQUARE : PULL_OF_MANY;
+        e.visibility = clamp(mean - dot(beta, eta - horizon.middle) + pull / (rays + 4.0) * (at_rim - mean), 0.0, 1.0);
         left = max(variance - dot(beta, cov), 0.1 * variance);
     }
     e.gain = variance > 1e-6 ? clamp(left / variance, 0.25, 1.0) : 0.4;
