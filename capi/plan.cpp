@@ -44,7 +44,9 @@ Plan make_plan(const penumbra_plan_request& r) {
     if (r.jitters > PENUMBRA_JITTERS_NEVER) misuse("request.jitters", "is none of penumbra_jitters");
     if (r.jitters != PENUMBRA_JITTERS_AS_ASKED) target.jitters = r.jitters == PENUMBRA_JITTERS_ALWAYS;
     for_each(r.facts, r.fact_count, "request.facts", [&](const penumbra_fact& fact) {
-        target.facts[named(fact.name, "request.facts.name")] = fact.holds;
+        const char* name = named(fact.name, "request.facts.name");
+        if (!target.facts.emplace(name, fact.holds).second)
+            misuse(std::string("request.facts of \"") + name + "\"", "stands there twice");
     });
     for_each(r.inputs, r.input_count, "request.inputs", [&](const penumbra_input& input) {
         const char* name = named(input.name, "request.inputs.name");

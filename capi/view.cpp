@@ -37,7 +37,11 @@ View& bound(penumbra_view* view, const penumbra_external* externals, uint32_t co
     penumbra_view& v = given(view, "view");
     v.externals.clear();
     for_each(externals, count, "externals", [&](const penumbra_external& e) {
-        v.externals[named(e.name, "externals.name")] = binding_of(e);
+        const char* name = named(e.name, "externals.name");
+        SlotBinding& slot = v.externals[name];
+        if (slot.image || slot.texels || slot.buffer || slot.structure)
+            misuse(std::string("externals of \"") + name + "\"", "stands there twice");
+        slot = binding_of(e);
     });
     return *v.view;
 }

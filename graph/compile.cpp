@@ -76,7 +76,7 @@ std::optional<Plan> Compiler::run() {
     read_outputs();
     if (diagnostics_.size() != errors) return std::nullopt;
     for (PlanResource& r : plan_.resources) {
-        if (!options_.hand_on_history || !(r.history || r.kept)) continue;
+        if (!options_.hand_on_history || !r.lasts()) continue;
         r.image_usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
         r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     }
@@ -98,13 +98,12 @@ std::optional<Plan> Compiler::run() {
     if (diagnostics_.size() != errors) return std::nullopt;
     place_barriers(plan_);
     for (uint32_t i = 0; i < plan_.resources.size(); ++i)
-        if (plan_.resources[i].history || plan_.resources[i].kept)
+        if (plan_.resources[i].lasts())
             plan_.reset.push_back({i, plan_.resources[i].clear_on_reset});
     plan_.settles = frames_to_settle(plan_);
     return std::move(plan_);
 }
 
-// Those that no resource's own message speaks of.
 void Compiler::check_limits(const Selection& selection) {
     for (const NeededLimit& need : needed_limits(plan_)) {
         const auto limit = target_.device.limits.find(need.name);
@@ -112,7 +111,7 @@ void Compiler::check_limits(const Selection& selection) {
         const auto node = std::ranges::find_if(selection.nodes, [&](const SelectedNode& s) {
             return s.node && need.pass && s.node->id == need.why;
         });
-        const std::string path = need.pass ? "nodes." + need.why : need.why;
+        const std::string path = (need.pass ? "nodes." : "resources.") + need.why;
         error(node != selection.nodes.end() ? node->node->place : Place{pipeline_.file}, path,
               fmt::format("it takes {} of {}, {} more than the {} of the device \"{}\"", need.value,
                           need.name, need.value - limit->second, limit->second, plan_.device));

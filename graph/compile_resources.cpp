@@ -66,14 +66,13 @@ void Compiler::make_resource(const SelectedNode& selected, uint32_t port_index, 
     r.element_bytes = element_bytes(port, r.format, *pipeline_.domain);
     r.layered = port.layers;
     r.first_pass = pass;
-    r.clear_on_activation = port.writes == Writes::some;
     r.kept = port.writes == Writes::kept;
     r.memo = port.memo;
     r.settles = port.settles;
     r.image_usage = VK_IMAGE_USAGE_STORAGE_BIT;
     r.buffer_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
     if (r.kept || first_of(bound) == First::clear) clear_on_reset(r);
-    if (r.clear_on_activation || options_.poison) {
+    if (port.writes == Writes::some || options_.poison) {
         r.image_usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
         r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     }

@@ -50,7 +50,7 @@ void ViewState::decide_reset(uint32_t flags) {
     for (const ResetAction& action : plan().reset) {
         const PlanResource& own = plan().resources[action.resource];
         const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {
-            return (r.history || r.kept) && !is_own(own) && hands_on(r) && hands_on(own) && alike(r, own) &&
+            return r.lasts() && !is_own(own) && hands_on(r) && hands_on(own) && alike(r, own) &&
                    (fits || !r.follows);
         });
         inherited_.push_back(same == theirs.end()

@@ -52,6 +52,12 @@ void place_lifetimes(Plan& plan) {
     }
 }
 
+MemoryNeed need_of(const DeviceTable& device, const PlanResource& r) {
+    return r.kind == PortKind::image
+               ? device.image_memory({r.format, r.extent, r.layers, r.levels, r.image_usage})
+               : device.buffer_memory(r.buffer_bytes(), r.buffer_usage);
+}
+
 void place_memory(Plan& plan, const DeviceTable& device, bool share_transients, uint64_t optimum_search_nodes,
                   const std::function<void(double share)>& optimum_progress) {
     SearchProgress progress;
@@ -61,15 +67,12 @@ void place_memory(Plan& plan, const DeviceTable& device, bool share_transients, 
         };
     const auto passes = static_cast<uint32_t>(plan.passes.size());
     for (PlanResource& r : plan.resources) {
-        const bool image = r.kind == PortKind::image;
-        const MemoryNeed need =
-            image ? device.image_memory({r.format, r.extent, r.layers, r.levels, r.image_usage})
-                  : device.buffer_memory(r.buffer_bytes(), r.buffer_usage);
+        const MemoryNeed need = need_of(device, r);
         r.bytes = need.size;
         r.alignment = need.alignment;
         if (r.slot) continue;  // the host's memory
-        const std::string type = image ? "images" : "buffers";
-        const bool shared = share_transients && !r.history && !r.kept && !r.output;
+        const std::string type = r.kind == PortKind::image ? "images" : "buffers";
+        const bool shared = share_transients && r.transient();
         const auto heap = std::find_if(plan.heaps.begin(), plan.heaps.end(), [&](const Heap& h) {
             return h.type == type && h.memory_type_bits == need.type_bits && h.shared == shared;
         });

@@ -14,6 +14,9 @@ namespace penumbra {
 // Fills the length of every resource, whose first_pass is known, from the passes' uses.
 void place_lifetimes(Plan& plan);
 
+// What a resource asks a device for.
+MemoryNeed need_of(const DeviceTable& device, const PlanResource& r);
+
 // Fills bytes, alignment, heap and offsets, and the plan's memory report. `share_transients`: what lives
 // within a frame lies in heaps of its own.
 void place_memory(Plan& plan, const DeviceTable& device, bool share_transients, uint64_t optimum_search_nodes,

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "graph/lifetimes.h"
 #include "graph/limits.h"
 
 namespace penumbra {
@@ -124,10 +125,7 @@ void check_device(const Plan& plan, const DeviceHandles& handles) {
     if (plan.device != device.name) refuse("");
     for (const PlanResource& r : plan.resources) {
         if (r.slot) continue;  // the host's
-        const MemoryNeed need =
-            r.kind == PortKind::image
-                ? device.image_memory({r.format, r.extent, r.layers, r.levels, r.image_usage})
-                : device.buffer_memory(r.buffer_bytes(), r.buffer_usage);
+        const MemoryNeed need = need_of(device, r);
         if (need.size > r.bytes || r.alignment % need.alignment != 0 ||
             need.type_bits != plan.heaps[r.heap].memory_type_bits)
             refuse(fmt::format(", which asks for other memory for \"{}\"", r.names.back()));
@@ -139,7 +137,7 @@ namespace {
 // A plan all of whose resources are kept shares none, and rightly.
 void check_shares(const Plan& plan, const char* place) {
     for (const PlanResource& r : plan.resources)
-        if (!r.slot && !r.history && !r.kept && !r.output && !plan.heaps[r.heap].shared)
+        if (r.transient() && !plan.heaps[r.heap].shared)
             fail(ErrorCode::usage, place,
                  fmt::format("\"{}\" was compiled without CompileOptions::share_transients", plan.pipeline));
 }

@@ -73,7 +73,7 @@ class Selector {
             const auto id =
                 resource ? static_cast<uint32_t>(resource - pipeline_.resources.data()) : no_resource;
             if (resource && producer_[id] != nobody) {
-                captures_.push_back(id);
+                if (std::ranges::find(captures_, id) == captures_.end()) captures_.push_back(id);
                 continue;
             }
             std::vector<std::string> known;

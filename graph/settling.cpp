@@ -36,7 +36,7 @@ std::optional<uint32_t> frames_to_settle(const Plan& plan) {
     uint64_t frames = 0;
     for (uint32_t i = 0; i < plan.resources.size(); ++i) {
         const PlanResource& r = plan.resources[i];
-        if (r.memo || !(r.history || r.kept)) continue;
+        if (r.memo || !r.lasts()) continue;
         if (r.settles)
             frames += r.settles;
         else if (r.kept || feeds_itself(plan, i))

@@ -163,6 +163,24 @@ TEST(Documents, ATestThatIsNamedIsThere) {
     EXPECT_GT(named, 150u);
 }
 
+// Whoever looks for a phase finds all of it: `check*` is every file whose name begins so.
+TEST(Documents, EveryFileOfTheGraphIsAPartOfAPhase) {
+    const std::string page = read(root / "docs/architecture.md");
+    std::vector<std::string> named;
+    const std::regex word("`([a-z_]+\\*?)`");
+    for (std::sregex_iterator m(page.begin(), page.end(), word), end; m != end; ++m) named.push_back((*m)[1]);
+    size_t files = 0;
+    for (const auto& entry : fs::directory_iterator(root / "graph")) {
+        if (entry.path().extension() != ".cpp") continue;
+        ++files;
+        const std::string stem = entry.path().stem();
+        EXPECT_TRUE(std::ranges::any_of(named, [&](const std::string& name) {
+            return fnmatch(name.c_str(), stem.c_str(), 0) == 0;
+        })) << stem;
+    }
+    EXPECT_GT(files, 40u);
+}
+
 // Relative to the root, to the file that names it, or to where its language looks for includes. A name in
 // capitals stands for any.
 TEST(Documents, AFileThatACommentNamesIsThere) {

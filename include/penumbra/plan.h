@@ -145,7 +145,7 @@ struct HostSlot {
     bool layered = false;            // images: a 2D array, be it of one layer
     std::optional<Follows> follows;  // images: a frame of a smaller active size uses their top left part
     std::string element;
-    uint32_t bytes = 0;                // blocks: size of the struct
+    uint32_t bytes = 0;                // of a struct: its size; else 0
     std::vector<std::string> readers;  // node ids; of an output the writer's
     bool output = false;
     bool required = true;          // false: the host may leave the input out (Target::left_out)
@@ -173,8 +173,7 @@ struct PlanResource {
     VkImageUsageFlags image_usage = 0;
     VkBufferUsageFlags buffer_usage = 0;
     bool history = false, output = false;
-    bool clear_on_activation = false;  // writes: some
-    bool clear_on_reset = false;       // first: clear
+    bool clear_on_reset = false;  // first: clear
     uint32_t first_pass = 0;
     uint32_t length = 1;  // passes on the circle of 2P
     uint64_t bytes = 0, alignment = 1;
@@ -182,6 +181,8 @@ struct PlanResource {
     std::array<uint64_t, 2> offset{0, 0};  // by frame parity
     std::optional<uint32_t> slot;          // the host's image, in no heap: of Plan::slots
 
+    bool lasts() const { return history || kept; }  // what a frame leaves in it, a later one reads
+    bool transient() const { return !slot && !lasts() && !output; }
     uint64_t buffer_bytes() const;  // of the VkBuffer: whole words, never none
 };
 

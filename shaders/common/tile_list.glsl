@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The list of tiles that need rays, with the arguments of the dispatch that traces them: one workgroup per tile, in
-// rows of TILES_PER_ROW because many devices limit a dispatch to 65 535 groups per axis.
-// trace_args = {min(count, row), ceil(count / row), 1, count}, zeroed when the pass starts. count only grows, so the
+// rows. trace_args = {groups_in_rows(count), 1, count}, zeroed when the pass starts. count only grows, so the
 // maximum over everyone who appended is the final value: the triple is complete without a pass to finish it.
 // The order of the list follows the scheduling and must never show in the image.
 
-const uint TILES_PER_ROW = 32768u;
+#include "common/group_rows.glsl"
+
 const float WHOLE_RAY_M = 1e30;  // a record's t_max; finite: its product with a slab test's margin must not overflow
 
 #ifdef APPENDS_TILES
@@ -16,9 +16,9 @@ void append_tile(bool wanted, uvec4 record) {
     uint first = 0u;
     if (subgroupElect() && count != 0u) {
         first = atomicAdd(trace_args[3], count);
-        const uint end = first + count;
-        atomicMax(trace_args[0], min(end, TILES_PER_ROW));
-        atomicMax(trace_args[1], (end + TILES_PER_ROW - 1u) / TILES_PER_ROW);
+        const uvec2 groups = groups_in_rows(first + count);
+        atomicMax(trace_args[0], groups.x);
+        atomicMax(trace_args[1], groups.y);
         atomicMax(trace_args[2], 1u);
     }
     first = subgroupBroadcastFirst(first);
@@ -35,7 +35,7 @@ void append_tile(bool wanted, uvec4 record) {
 #ifdef LISTED_TILES
 // Whether this workgroup has a tile, and its record: packed tile and rays, mask of pixels to trace, t_min, t_max.
 bool listed_tile(out uvec4 record) {
-    const uint index = gl_WorkGroupID.y * TILES_PER_ROW + gl_WorkGroupID.x;
+    const uint index = entry_of_group();
     if (index >= LISTED_ARGS[3]) return false;
     record = LISTED_TILES[index];
     return true;

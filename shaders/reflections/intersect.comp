@@ -8,6 +8,7 @@ const bool HAS_MATERIAL = true;
 #include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
 #include "common/finite.glsl"
+#include "common/group_rows.glsl"
 #include "common/hash.glsl"
 #include "reflections/closest_hit.glsl"
 #include "reflections/hit_surface.glsl"
@@ -18,7 +19,7 @@ const bool HAS_MATERIAL = true;
 #include "reflections/ray_numbers.glsl"
 
 void main() {
-    const uint group = gl_WorkGroupID.y * 32768u + gl_WorkGroupID.x;
+    const uint group = entry_of_group();
     if (group >= denoise_args[6]) return;
     const uint word = padded_rays[group * 32u + gl_LocalInvocationIndex];
     if (word == 0xffffffffu) return;

@@ -3,12 +3,13 @@
 // memory in half precision (2 KiB), their Gaussian mean and variance, temporal variance.
 //
 // Includer declares: buffers denoiser_tiles, denoise_args; defines TILE_RADIANCE(p), the image that is loaded.
+#include "common/group_rows.glsl"
 
 shared uvec2 tile_radiance[256];
 
 // False where the group has no tile. `first`: the tile's first pixel, `p`: this lane's.
 bool listed_reflection_tile(out ivec2 first, out ivec2 p) {
-    const uint index = gl_WorkGroupID.y * 32768u + gl_WorkGroupID.x;
+    const uint index = entry_of_group();
     if (index >= denoise_args[7]) return false;
     const uint word = denoiser_tiles[index];
     first = ivec2(word & 0xffffu, word >> 16);

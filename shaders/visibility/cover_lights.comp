@@ -84,7 +84,9 @@ vec2 point_of_ray(ivec2 p, uint k, uint rays) {
 }
 
 #if BACKEND == BACKEND_RAY_QUERY
-Seen look(ivec2 p, RayStart surface, vec3 start, vec3 normal, vec3 to_light, bool own) {
+Seen look(ivec2 p, RayStart surface, vec3 normal, bool own) {
+    const vec3 centre = light.centre + scene.camera_from_origin;
+    const vec3 start = shadow_origin_to(surface, normal, centre), to_light = centre - start;
     const uint rays = rays_to_light(RAYS);
     uint lit = 0u;
     for (uint k = 0u; own && k < rays; ++k) {
@@ -95,7 +97,7 @@ Seen look(ivec2 p, RayStart surface, vec3 start, vec3 normal, vec3 to_light, boo
 }
 #else
 // A walk that was given up leaves samples that nothing hides yet: rays say what the rest of it would have.
-Seen look(ivec2 p, RayStart surface, vec3 start, vec3 normal, vec3 to_light, bool own) {
+Seen look(ivec2 p, RayStart surface, vec3 normal, bool own) {
     const SeenLight seen = seen_light(surface, noise_unit(noise_fixed(p, frame.frame_index, params.seed)));
     LightMask hidden = below_horizon(seen, normal);
     const Walk walk = walk_to_light(seen, own, hidden);
@@ -205,7 +207,7 @@ void main() {
         const vec3 centre = light.centre + scene.camera_from_origin, normal = normals[number];
         const RayStart surface = RayStart(starts[number].xyz, starts[number].w);
         const vec3 start = shadow_origin_to(surface, normal, centre), to_light = centre - start;
-        const Seen seen = look(p, surface, start, normal, to_light, own);
+        const Seen seen = look(p, surface, normal, own);
         vec3 through = vec3(1.0);
         if (HAS_TRANSLUCENTS) through = mean_transmittance(p, number, start, normal, to_light, seen.share, own && seen.share > 0.0);
         if (own) {
