@@ -12,6 +12,7 @@
 #include "host/truth/analytic.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -62,16 +63,13 @@ Format visibility_format(const Plan& plan) {
 
 std::vector<float> last_image(const CheckedPipeline& pipeline, const NodeSet& nodes, const Shot& shot,
                               uint32_t seed) {
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
     SessionOptions options;
     options.size = shot.size;
     options.captures = {"visibility"};
     options.seed = seed;
     options.jitter = false;
     options.optimum = false;
-    const auto session = Session::open(gpu(), nodes, pipeline, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(pipeline, shot, options, nodes);
     for (uint32_t frame = 0; frame <= last_frame; ++frame) session->run_frame(frame, frame == 0);
     const auto image = decode_texels(visibility_format(session->plan()), width, height,
                                      session->view().captured("visibility"), {"Y"});

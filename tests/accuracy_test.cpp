@@ -9,6 +9,7 @@
 #include "host/truth/analytic.h"
 #include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -43,7 +44,6 @@ std::vector<float> values_of(const Session& session) {
 MaskMetrics measure_case(const Case& c) {
     static const NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
-    std::vector<std::string> warnings;
     const auto path = std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (c.name + ".json");
     auto pipeline = load_pipeline(path, c.settings, diagnostics);
     if (pipeline)
@@ -61,8 +61,7 @@ MaskMetrics measure_case(const Case& c) {
         options.seed = seed;
         options.jitter = false;
         options.optimum = false;
-        const auto session = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);
-        if (!session) throw std::runtime_error(diagnostics.text());
+        const auto session = open_session(*checked, shot, options, nodes);
         for (uint32_t frame = 0; frame <= c.frame; ++frame) session->run_frame(frame, frame == 0);
         images.push_back(values_of(*session));
     }

@@ -20,6 +20,7 @@
 #include "tests/ray_maker.h"
 #include "tests/scene_file.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -52,19 +53,13 @@ Shot shot_of(const fs::path& model, std::array<uint32_t, 2> size) {
     return shot;
 }
 
-std::unique_ptr<Session> open(const char* pipeline, const Shot& shot, std::vector<std::string> captures,
-                              std::vector<std::string>* warnings = nullptr) {
+std::unique_ptr<Session> open(const char* pipeline, const Shot& shot, std::vector<std::string> captures) {
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.jitter = false;
     options.captures = std::move(captures);
-    Diagnostics diagnostics;
-    std::vector<std::string> said;
-    auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline(pipeline), shot, options,
-                                 diagnostics, warnings ? *warnings : said);
-    if (!session) throw std::runtime_error(diagnostics.text());
-    return session;
+    return open_session(shipped_pipeline(pipeline), shot, options);
 }
 
 // 51 / 255 is 0.2 exactly, and the float next to 0.2 lies above it: a cutoff kept in single precision would

@@ -8,12 +8,11 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
 namespace {
-
-const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 
 struct Verdicts {
     size_t receivers = 0, lit = 0, shadowed = 0, traced = 0;
@@ -29,13 +28,8 @@ Verdicts judge(Shot shot, double angle_deg, uint32_t side) {
     options.jitter = false;
     options.captures = {"view_depth",     "receiver_normal", "receiver_words", "undecided_words",
                         "preloaded_hits", "tile_list",       "trace_args"};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), shipped_nodes(),
-                      shipped_pipeline("many_rays", {"nodes.classify.out.undecided_words=undecided_words"}),
-                      shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(
+        shipped_pipeline("many_rays", {"nodes.classify.out.undecided_words=undecided_words"}), shot, options);
     session->run_frame(0, true);
 
     const std::vector<Triangle> triangles = session->host().scene().triangles(0);
@@ -94,11 +88,9 @@ Verdicts judge(Shot shot, double angle_deg, uint32_t side) {
 }
 
 Shot shipped(const char* name, std::array<uint32_t, 2> size) {
-    Diagnostics diagnostics;
-    auto shot = read_shot(root / "scenes" / (std::string(name) + ".shot.json"), diagnostics);
-    if (!shot) throw std::runtime_error(diagnostics.text());
-    shot->size = size;
-    return *shot;
+    Shot shot = shot_named(name);
+    shot.size = size;
+    return shot;
 }
 
 class BeamsOnShots : public GpuTest, public ::testing::WithParamInterface<const char*> {};
@@ -133,11 +125,7 @@ void expect_the_words_of_raw(const Shot& shot, std::initializer_list<uint32_t> f
         options.size = shot.size;
         options.optimum = false;
         options.captures = {"hits", "visibility"};
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        const auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline(pipeline, settings), shot,
-                                           options, diagnostics, warnings);
-        ASSERT_TRUE(session) << diagnostics.text();
+        const auto session = open_session(shipped_pipeline(pipeline, settings), shot, options);
         for (const uint32_t frame : frames) {
             session->run_frame(frame, frame == *frames.begin());
             runs[pipeline].words.push_back(captured_values<uint32_t>(*session, "hits"));

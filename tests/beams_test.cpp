@@ -10,6 +10,7 @@
 #include "app/session.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -25,16 +26,12 @@ class Beams : public GpuTest {
     };
 
     void open(const Shot& shot) {
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        const CheckedPipeline checked = shipped_pipeline("many_rays");
         SessionOptions options;
         options.size = shot.size;
         options.optimum = false;
         options.jitter = false;
         options.captures = {"proved"};
-        session_ = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
-        ASSERT_TRUE(session_) << diagnostics.text();
+        session_ = open_session(shipped_pipeline("many_rays"), shot, options);
     }
 
     Frame run(uint32_t frame, bool reset) {

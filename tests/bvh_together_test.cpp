@@ -7,6 +7,7 @@
 #include "tests/cover_run.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -22,11 +23,8 @@ std::unique_ptr<Session> first_frame(bool together, const std::string& pipeline,
     options.optimum = false;
     options.captures = {capture};
     options.light = light;
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), cover_nodes(), shipped_pipeline(pipeline, settings),
-                                 shipped_shot(shot, options.size), options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    auto session =
+        open_session(shipped_pipeline(pipeline, settings), shipped_shot(shot, options.size), options);
     session->run_frame(0, true);
     return session;
 }

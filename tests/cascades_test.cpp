@@ -17,6 +17,7 @@
 #include "tests/gpu_test.h"
 #include "tests/scene_file.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -93,14 +94,11 @@ struct Frames {
 
 Frames run(const char* name, const std::vector<std::string>& settings, const Shot& shot,
            SessionOptions options = {}) {
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const CheckedPipeline checked = shipped_pipeline(name, settings, test_nodes());
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"visibility"};
-    const auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session =
+        open_session(shipped_pipeline(name, settings, test_nodes()), shot, options, test_nodes());
     Frames frames;
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
         session->run_frame(frame, frame == 0 || frame == 5);

@@ -8,6 +8,7 @@
 #include "tests/ray_maker.h"
 #include "tests/scene_file.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -51,17 +52,14 @@ std::vector<glm::dvec3> light_of(const Session& session, const char* name) {
 
 std::unique_ptr<Session> shown(const Shot& shot, const char* pipeline, std::vector<std::string> captures,
                                const std::vector<std::string>& settings = {}, const Facts& facts = {}) {
-    Diagnostics diagnostics;
-    const CheckedPipeline checked = shipped_pipeline(pipeline, settings, test_nodes());
     SessionOptions options;
     options.size = shot.size;
     options.jitter = false;
     options.optimum = false;
     options.captures = std::move(captures);
     options.facts = facts;
-    std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    auto session =
+        open_session(shipped_pipeline(pipeline, settings, test_nodes()), shot, options, test_nodes());
     session->run_frame(0, true);
     return session;
 }

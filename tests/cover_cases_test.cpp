@@ -7,6 +7,7 @@
 
 #include "tests/cover_run.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -215,8 +216,6 @@ TEST_F(CoverCases, TwoRunsAndAnyMemoryGiveTheSameBits) {
     for (const char* pipeline : {"covered", "hybrid_shadows"}) {
         std::vector<std::vector<float>> first;
         for (const int variant : {0, 1, 2, 3}) {
-            Diagnostics diagnostics;
-            std::vector<std::string> warnings;
             SessionOptions options;
             const Shot shot = shipped_shot("trees", {128, 72});
             options.size = shot.size;
@@ -224,13 +223,11 @@ TEST_F(CoverCases, TwoRunsAndAnyMemoryGiveTheSameBits) {
             options.captures = {"visibility", "hits"};
             options.alias = variant != 2;
             if (variant == 3) options.poison = 0xffffffffu;
-            const auto session = Session::open(
-                gpu(), cover_nodes(),
+            const auto session = open_session(
                 shipped_pipeline(pipeline, pipeline == std::string("covered")
                                                ? std::vector<std::string>{}
                                                : std::vector<std::string>{"nodes.cover.params.budget=40"}),
-                shot, options, diagnostics, warnings);
-            ASSERT_TRUE(session) << diagnostics.text();
+                shot, options);
             std::vector<std::vector<float>> images;
             for (uint32_t frame = 0; frame < 4; ++frame) {
                 session->run_frame(frame, frame == 0);

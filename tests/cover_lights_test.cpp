@@ -9,6 +9,7 @@
 
 #include "tests/light_plate.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -39,7 +40,6 @@ struct Frame {
 
 Frame rendered(const Shot& shot, const std::string& light = {}, std::vector<std::string> settings = {},
                const Facts& facts = {}) {
-    Diagnostics diagnostics;
     settings.emplace_back("outputs=[\"masks\",\"illuminance\"]");
     const CheckedPipeline checked = shipped_pipeline("lights", settings);
     SessionOptions options;
@@ -48,9 +48,7 @@ Frame rendered(const Shot& shot, const std::string& light = {}, std::vector<std:
     options.captures = checked.output_names();
     options.light = light;
     options.facts = facts;
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(checked, shot, options, test_nodes());
     session->run_frame(0, true);
     Frame frame;
     const size_t pixels = size_t{shot.size[0]} * shot.size[1];
@@ -156,15 +154,12 @@ TEST_F(CoverLights, WhoIsOffOrOutOfReachIsNotWalkedTo) {
 // A plan for six, of which the host brings two at the moment, both off.
 TEST_F(CoverLights, WithoutALightForItALayerShadowsNothing) {
     const Shot shot = six_lights({64, 36});
-    const CheckedPipeline checked = shipped_pipeline("lights", {"outputs=[\"masks\"]"});
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"masks"};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session =
+        open_session(shipped_pipeline("lights", {"outputs=[\"masks\"]"}), shot, options, test_nodes());
     session->run_frame(0, true);
     constexpr size_t bytes = 2 * 5 * 16;
     const GpuTexels two = make_host_texels(gpu(), bytes, VK_FORMAT_R32G32B32A32_UINT, "two lights");

@@ -3,14 +3,12 @@
 // made anew in double precision.
 #pragma once
 
-#include <filesystem>
-#include <stdexcept>
-
 #include "penumbra/shadow_nodes.h"
 #include "tests/cover_model.h"
 #include "tests/coverage_oracle.h"
 #include "tests/hard_cases/hard_cases.h"
 #include "tests/ray_maker.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 
@@ -40,12 +38,9 @@ inline std::vector<std::string> without_beams() {
 }
 
 inline Shot shipped_shot(const std::string& name, std::array<uint32_t, 2> size) {
-    Diagnostics diagnostics;
-    auto shot =
-        read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (name + ".shot.json"), diagnostics);
-    if (!shot) throw std::runtime_error(diagnostics.text());
-    shot->size = size;
-    return *shot;
+    Shot shot = shot_named(name);
+    shot.size = size;
+    return shot;
 }
 
 struct CoverOptions {

@@ -15,7 +15,8 @@
 #include "host/images/image_file.h"
 #include "host/models/glb_writer.h"
 #include "host/models/model_builder.h"
-#include "penumbra/shadow_nodes.h"
+#include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_folder.h"
 
 namespace penumbra {
@@ -58,20 +59,14 @@ struct Cost {
     double left = 0;   // share of pixels that went to rays
 };
 
-Cost cost_of(Device& device, const NodeSet& nodes, const std::string& name,
-             const std::vector<std::string>& settings, const Shot& shot) {
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto pipeline = load_pipeline(
-        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+Cost cost_of(Device& device, const std::string& name, const std::vector<std::string>& settings,
+             const Shot& shot) {
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.jitter = false;
-    const auto session =
-        checked ? Session::open(device, nodes, *checked, shot, options, diagnostics, warnings) : nullptr;
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = test::open_session(test::shipped_pipeline(name, settings), shot, options,
+                                            test::shipped_nodes(), device);
     std::vector<Cost> costs;
     for (uint32_t frame = 0; frame < frames; ++frame) {
         const FrameCost cost = session->run_frame(frame, frame == 0);
@@ -99,7 +94,6 @@ Cost cost_of(Device& device, const NodeSet& nodes, const std::string& name,
 
 void run() {
     Device device(DeviceOptions{});
-    const NodeSet nodes = shadow_nodes();
     const test::TestFolder folder;
     const std::filesystem::path file = folder / "sheet.glb";
     fmt::print(
@@ -113,9 +107,9 @@ void run() {
         write_file(file, to_glb(builder.take()));
         for (const double radius : {0.1, 0.2665, 1.0, 3.0, 10.0}) {
             const Shot shot = shot_under(file, radius);
-            const Cost covered = cost_of(device, nodes, "covered", {}, shot);
-            const Cost rays = cost_of(device, nodes, "hybrid_shadows", {"nodes.cover.params.budget=1"}, shot);
-            const Cost hybrid = cost_of(device, nodes, "hybrid_shadows", {}, shot);
+            const Cost covered = cost_of(device, "covered", {}, shot);
+            const Cost rays = cost_of(device, "hybrid_shadows", {"nodes.cover.params.budget=1"}, shot);
+            const Cost hybrid = cost_of(device, "hybrid_shadows", {}, shot);
             fmt::print("| {} | {} | {:.2f} | {:.0f} | {:.2f} | {:.2f} | {:.0f} % | {:.2f} |\n",
                        2 * cells * cells, radius, covered.us, covered.steps, rays.us, hybrid.us,
                        100 * hybrid.left, hybrid.us / std::min(covered.us, rays.us));

@@ -12,6 +12,7 @@
 #include "tests/edge_run.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -40,11 +41,7 @@ class ForeignRays {
         options.facts = {{"moves", true}};  // as the other knows it
         options.jitter = false;
         options.optimum = false;
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        tracer_ = Session::open(gpu(), test_nodes(), shipped_pipeline(tracer), shot_, options, diagnostics,
-                                warnings);
-        if (!tracer_) throw std::runtime_error(diagnostics.text());
+        tracer_ = open_session(shipped_pipeline(tracer), shot_, options, test_nodes());
     }
 
     // What denoise.json makes of them, and what their own pipeline does.

@@ -8,10 +8,10 @@
 #include <random>
 
 #include "app/session.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/denoiser_check.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
@@ -54,19 +54,13 @@ class DenoiserGpu : public GpuTest {
 class ShippedDenoiser : public DenoiserGpu, public ::testing::WithParamInterface<std::array<uint32_t, 2>> {};
 
 TEST_P(ShippedDenoiser, ComputesWhatTheModelSays) {
-    static const NodeSet nodes = shadow_nodes();
-    const CheckedPipeline pipeline = shipped_pipeline("fidelityfx");
     SessionOptions options;
     options.size = GetParam();
     options.optimum = false;
     options.poison = 0;
     options.captures = DenoiserCheck::names();
     options.captures.insert(options.captures.end(), {"hits", "visibility"});
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), nodes, pipeline, plaza_shot(options.size, 12), options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(shipped_pipeline("fidelityfx"), plaza_shot(options.size, 12), options);
     DenoiserCheck check({options.size[0], options.size[1]}, sampler_error_px());
     for (uint32_t index = 0; index < 12; ++index) {
         SCOPED_TRACE(testing::Message() << "frame " << index);

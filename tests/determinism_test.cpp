@@ -11,6 +11,7 @@
 #include "app/session.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -49,7 +50,6 @@ std::vector<std::string> with_budget(std::string_view name, std::vector<std::str
 
 std::unique_ptr<Session> open(const std::string& name, const std::vector<std::string>& settings,
                               const std::vector<std::string>& captures) {
-    Diagnostics diagnostics;
     const CheckedPipeline checked = shipped_pipeline(name, with_budget(name, settings), test_nodes());
     const Shot shot = plaza_shot({160, 90}, 8);
     SessionOptions options;
@@ -59,10 +59,7 @@ std::unique_ptr<Session> open(const std::string& name, const std::vector<std::st
     for (const std::string& output : checked.output_names()) options.captures.push_back(output);
     if (has_beams(name)) options.captures.emplace_back("proved");
     if (name == "lit") options.captures.emplace_back("visibility");
-    std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
-    return session;
+    return open_session(checked, shot, options, test_nodes());
 }
 
 // The outputs of every frame, and which tiles were proved: a shadow that is has no blockers whose distances a

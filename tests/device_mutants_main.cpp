@@ -19,6 +19,7 @@
 #include "app/session.h"
 #include "tests/plan_mutants.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -65,11 +66,7 @@ class Runs {
         options.cascade_size = 64;
         // One for each frame, so that what the host brings to each is there for all mutants.
         for (uint32_t last = 0; last < frames; ++last) {
-            Diagnostics diagnostics;
-            std::vector<std::string> warnings;
-            sessions_.push_back(
-                Session::open(device_, test_nodes(), checked, shot, options, diagnostics, warnings));
-            if (!sessions_.back()) throw std::runtime_error(diagnostics.text());
+            sessions_.push_back(open_session(checked, shot, options, test_nodes(), device_));
             for (uint32_t f = 0; f <= last; ++f) sessions_.back()->run_frame(f, f == 0);
         }
         cache_ = Program(handles_of(device_), std::make_shared<Plan>(plan())).pipeline_cache();

@@ -11,9 +11,8 @@
 
 #include "app/session.h"
 #include "host/truth/analytic.h"
-#include "penumbra/shadow_nodes.h"
-#include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -50,12 +49,7 @@ class EdgeRun {
         options.jitter = false;
         options.poison = poison;
         options.optimum = false;
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        static const NodeSet nodes = shadow_nodes();
-        session_ =
-            Session::open(gpu(), nodes, shipped_pipeline(pipeline), shot_, options, diagnostics, warnings);
-        if (!session_) throw std::runtime_error(diagnostics.text());
+        session_ = open_session(shipped_pipeline(pipeline), shot_, options);
     }
 
     std::vector<float> frame(uint32_t index, bool reset) {

@@ -10,6 +10,7 @@
 #include "penumbra/shadow_nodes.h"
 #include "penumbra/user_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
@@ -22,7 +23,6 @@ class Example : public GpuTest {};
 TEST_F(Example, InvertIsOneMinusVisibilityTimesGain) {
     NodeSet nodes = shadow_nodes();
     Diagnostics diagnostics;
-    std::vector<std::string> warnings;
     ASSERT_TRUE(add_user_nodes(nodes, example / "nodes", diagnostics, open_shader_cache("")))
         << diagnostics.text();
     const std::vector<std::string> settings = {"nodes.invert.params.gain=0.5",
@@ -35,8 +35,7 @@ TEST_F(Example, InvertIsOneMinusVisibilityTimesGain) {
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"visibility", "shadow"};
-    const auto session = Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(*checked, shot, options, nodes);
     const size_t pixels = size_t{shot.size[0]} * shot.size[1];
     for (uint32_t frame = 0; frame < shot.frames; ++frame) {
         session->run_frame(frame, frame == 0);

@@ -17,6 +17,7 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/substring.h"
 #include "tests/test_scene.h"
 
@@ -34,29 +35,21 @@ struct Differences {
 class CoverageTwin : public GpuTest {
   protected:
     Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        const CheckedPipeline checked =
-            shipped_pipeline("covered", {"nodes.cover.params.samples=" + std::to_string(samples)});
         SessionOptions options;
         options.size = shot.size;
         options.optimum = false;
         options.captures = {"view_depth", "receiver_normal", "visibility"};
-        const auto session =
-            Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
-        EXPECT_TRUE(session) << diagnostics.text();
+        const auto session = open_session(
+            shipped_pipeline("covered", {"nodes.cover.params.samples=" + std::to_string(samples)}), shot,
+            options);
         session->run_frame(frame, true);
         return compare(*session, frame, samples);
     }
 
     static Shot shipped(const char* name) {
-        Diagnostics diagnostics;
-        auto shot = read_shot(
-            std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (std::string(name) + ".shot.json"),
-            diagnostics);
-        EXPECT_TRUE(shot) << diagnostics.text();
-        shot->size = {160, 90};
-        return *shot;
+        Shot shot = shot_named(name);
+        shot.size = {160, 90};
+        return shot;
     }
 
   protected:
@@ -259,17 +252,13 @@ TEST_F(Explain, ReportsThatSayNothingOfTimeAreTheCommandsMistake) {
 // What the processor sees of a tile's beam agrees with what the node made of it: nothing is in what is lit,
 // what is dark is closed off, and what is closed off was not called lit. The node errs towards "open".
 TEST_F(CoverageTwin, BeamsSeeWhatTheNodeDecidedBy) {
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const CheckedPipeline checked = shipped_pipeline("many_rays", TileBeams::settings());
     Shot shot = shipped("colonnade");
     shot.size = {320, 180};
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.captures = TileBeams::captures();
-    const auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(shipped_pipeline("many_rays", TileBeams::settings()), shot, options);
     session->run_frame(0, true);
     const TileBeams tiles(*session, 0);
     std::map<TileVerdict, uint32_t> counts;
@@ -329,8 +318,6 @@ TEST_F(Cli, ExplainDrawsWhyTilesAreDecided) {
 TEST_F(CoverageTwin, ShearedRaysTellAPixelsSunAndUnshearedOnesABlur) {
     Shot shot = plaza_shot({160, 90}, 1);
     shot.sun_angular_radius_deg = 10;  // penumbrae of many pixels
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
     const auto run = [&](const char* name, const std::vector<std::string>& captures) {
         const CheckedPipeline checked = shipped_pipeline(name);
         SessionOptions options;
@@ -338,8 +325,7 @@ TEST_F(CoverageTwin, ShearedRaysTellAPixelsSunAndUnshearedOnesABlur) {
         options.optimum = false;
         options.jitter = false;
         options.captures = captures;
-        auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
-        EXPECT_TRUE(session) << diagnostics.text();
+        auto session = open_session(checked, shot, options);
         session->run_frame(0, true);
         return session;
     };

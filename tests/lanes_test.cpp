@@ -14,6 +14,7 @@
 #include "tests/cli_run.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -46,8 +47,6 @@ Images run(const Case& c, const Shot& shot, uint32_t width, std::optional<bool> 
         entry.type.cpu.group = entry.type.gpu.group = std::array{width, 1u, 1u};
         nodes.add(std::move(entry));
     }
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
     const CheckedPipeline checked = shipped_pipeline(c.pipeline, c.settings, nodes);
     SessionOptions options;
     options.size = shot.size;
@@ -57,8 +56,7 @@ Images run(const Case& c, const Shot& shot, uint32_t width, std::optional<bool> 
     for (const std::string& output : checked.output_names())
         if (std::ranges::find(options.captures, output) == options.captures.end())
             options.captures.push_back(output);
-    const auto session = Session::open(gpu(), nodes, checked, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(checked, shot, options, nodes);
     Images result{.names = options.captures};
     for (const PlanPass& pass : session->plan().passes) result.constants.push_back(pass.constants);
     for (uint32_t frame = 0; frame < 3; ++frame) {

@@ -43,17 +43,13 @@ class LightsRun {
   public:
     LightsRun(const Shot& shot, const std::string& pipeline, const std::vector<std::string>& settings,
               const std::vector<std::string>& captures, const Facts& facts = {}) {
-        Diagnostics diagnostics;
         SessionOptions options;
         options.size = frame_size;
         options.captures = captures;
         options.optimum = false;
         options.jitter = false;
         options.facts = facts;
-        std::vector<std::string> warnings;
-        session_ = Session::open(gpu(), shipped_nodes(), pipeline_for(shot, pipeline, settings), shot,
-                                 options, diagnostics, warnings);
-        if (!session_) throw std::runtime_error(diagnostics.text());
+        session_ = open_session(pipeline_for(shot, pipeline, settings), shot, options);
     }
     void frame(uint32_t index) { session_->run_frame(index, index == 0); }
     const Session& session() const { return *session_; }

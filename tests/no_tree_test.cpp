@@ -8,6 +8,7 @@
 #include "app/session.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -72,11 +73,8 @@ std::vector<float> visibility_of(const char* name, bool tree) {
     options.facts = {{"tree", tree}};
     options.optimum = options.pass_costs = false;
     options.jitter = false;
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), shipped_pipeline(name),
-                                       plaza_shot(options.size, 4), options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session =
+        open_session(shipped_pipeline(name), plaza_shot(options.size, 4), options, test_nodes());
     EXPECT_EQ(session->bvh() != nullptr, tree) << name;
     for (uint32_t f = 0; f < 4; ++f) session->run_frame(f, f == 0);
     return captured_planes(session->view(), "visibility").at(0);

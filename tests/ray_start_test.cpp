@@ -14,6 +14,7 @@
 #include "tests/ray_maker.h"
 #include "tests/scene_file.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_folder.h"
 #include "tests/view_run.h"
 
@@ -67,16 +68,11 @@ class RayStart : public GpuTest, public ::testing::WithParamInterface<Plane> {
 };
 
 TEST_P(RayStart, APlaneShadesNoneOfItsPixels) {
-    Diagnostics diagnostics;
-    const CheckedPipeline checked = shipped_pipeline("raw");
     SessionOptions options;
     options.size = {320, 180};
     options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "hits"};
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), shipped_nodes(), checked, shot(), options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(shipped_pipeline("raw"), shot(), options);
 
     size_t receivers = 0, shaded = 0, sunk = 0;
     double least = INFINITY;  // height of a start above the plane, over its depth
@@ -137,16 +133,11 @@ class TerrainStart : public GpuTest {
 
     // Surfaces of eight frames that are not lit, by a pipeline that sees so many at least.
     size_t dark_by(const char* pipeline, size_t least) {
-        Diagnostics diagnostics;
-        const CheckedPipeline checked = shipped_pipeline(pipeline);
         SessionOptions options;
         options.size = {320, 180};
         options.optimum = false;
         options.captures = {"view_depth", "visibility"};
-        std::vector<std::string> warnings;
-        const auto session =
-            Session::open(gpu(), shipped_nodes(), checked, shot_, options, diagnostics, warnings);
-        if (!session) throw std::runtime_error(diagnostics.text());
+        const auto session = open_session(shipped_pipeline(pipeline), shot_, options);
         size_t receivers = 0, dark = 0;
         for (uint32_t frame = 0; frame < 8; ++frame) {
             session->run_frame(frame, true);

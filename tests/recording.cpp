@@ -10,6 +10,7 @@
 #include "host/scene/moved_boxes.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -96,15 +97,13 @@ Recording record(const CheckedPipeline& pipeline, const Shot& shot, uint32_t fra
     const CheckedPipeline tracer = tracer_of(pipeline);
     const bool foreign = tracer.name != pipeline.name;
     if (foreign) options.captures.push_back("hits");
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), tracer, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(tracer, shot, options, test_nodes());
     Recording recording{session->plan(), {}};
     if (foreign) {
         DeviceTable device = device_table(handles_of(gpu()));
         Target target = standalone_target(pipeline, device, shot.size, options.facts);
         target.jitters = session->plan().jitter;
+        Diagnostics diagnostics;
         auto plan = compile(pipeline, target, {}, diagnostics);
         if (!plan) throw std::runtime_error(diagnostics.text());
         recording.plan = std::move(*plan);

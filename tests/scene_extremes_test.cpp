@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include "app/session.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_folder.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -22,12 +22,7 @@ std::unique_ptr<Session> open(const std::string& pipeline, Shot shot, SessionOpt
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"visibility", "view_depth", pipeline == "raw" ? "lit" : "color"};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline(pipeline), std::move(shot), options,
-                                 diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
-    return session;
+    return open_session(shipped_pipeline(pipeline), std::move(shot), options);
 }
 
 SessionOptions with_facts(Facts facts) {

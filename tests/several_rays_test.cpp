@@ -8,6 +8,7 @@
 #include "host/truth/analytic.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -16,18 +17,13 @@ namespace {
 
 std::unique_ptr<Session> open(const Shot& shot, uint32_t rays, SessionOptions options = {},
                               const std::string& name = "raw") {
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
     const std::vector<std::string> settings = {"outputs=[\"visibility\"]",
                                                "nodes.trace.params.rays_per_pixel=" + std::to_string(rays)};
-    const CheckedPipeline checked = shipped_pipeline(name, settings);
     options.size = shot.size;
     options.captures.push_back("visibility");
     options.optimum = false;
     options.jitter = false;
-    auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
-    return session;
+    return open_session(shipped_pipeline(name, settings), shot, options);
 }
 
 Shot analytic_shot(const AnalyticScene& scene) {

@@ -2,13 +2,13 @@
 // Whole shipped pipelines on a device: memory sharing, poison and repetition do not show in the picture, and
 // any image size works.
 #include <algorithm>
-#include <filesystem>
 
 #include "app/outputs.h"
 #include "app/session.h"
 #include "host/images/texels.h"
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_folder.h"
 #include "tests/test_scene.h"
 
@@ -21,12 +21,7 @@ std::unique_ptr<Session> open(const CheckedPipeline& pipeline, Shot shot, Sessio
     for (const std::string& name : pipeline.output_names())
         if (std::find(options.captures.begin(), options.captures.end(), name) == options.captures.end())
             options.captures.push_back(name);
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    auto session =
-        Session::open(gpu(), shipped_nodes(), pipeline, std::move(shot), options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
-    return session;
+    return open_session(pipeline, std::move(shot), options);
 }
 
 using Bytes = std::vector<std::byte>;

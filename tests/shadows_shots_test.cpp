@@ -11,6 +11,7 @@
 #include "tests/gpu_test.h"
 #include "tests/scene_file.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
@@ -18,21 +19,18 @@ namespace penumbra::test {
 namespace {
 
 Shot still_shot(const std::string& name) {
-    Diagnostics diagnostics;
-    auto shot =
-        read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (name + ".shot.json"), diagnostics);
-    if (!shot) throw std::runtime_error(diagnostics.text());
-    shot->camera.resize(1);
-    shot->size = {128, 72};
-    return std::move(*shot);
+    Shot shot = shot_named(name);
+    shot.camera.resize(1);
+    shot.size = {128, 72};
+    return shot;
 }
 
-Truth truth_of(const Shot& shot) {
+Truth truth_of(const Shot& shot, uint32_t frame = 0, uint32_t rays = 400) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     const auto session = open_truth(gpu(), shot, diagnostics, warnings);
     if (!session) throw std::runtime_error(diagnostics.text());
-    return counted_truth(*session, 0, 400);
+    return counted_truth(*session, frame, rays);
 }
 
 // `facts`: what the pipeline is told whatever the scene says.
@@ -43,12 +41,7 @@ std::unique_ptr<Session> open(const Shot& shot, const char* pipeline, const Fact
     if (!jitter) options.jitter = false;
     options.facts = facts;
     options.optimum = false;
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    auto session =
-        Session::open(gpu(), test_nodes(), shipped_pipeline(pipeline), shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
-    return session;
+    return open_session(shipped_pipeline(pipeline), shot, options, test_nodes());
 }
 
 // Of the last of 48 frames, every eighth: one frame is as good as its luck.
@@ -172,19 +165,13 @@ TEST_F(ShadowsOfShots, ASunThatTheFloorCutsIsNoChange) {
 // leaves its past behind: engine has the one, lamp the other.
 double moving_error(const Shot& shot, const char* pipeline) {
     constexpr uint32_t last = 15;
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto many = open_truth(gpu(), shot, diagnostics, warnings);
-    if (!many) throw std::runtime_error(diagnostics.text());
-    const Truth truth = counted_truth(*many, last, 144);
+    const Truth truth = truth_of(shot, last, 144);
     SessionOptions options;
     options.size = shot.size;
     options.captures = {"visibility"};
     options.jitter = false;
     options.optimum = false;
-    const auto session =
-        Session::open(gpu(), test_nodes(), shipped_pipeline(pipeline), shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(shipped_pipeline(pipeline), shot, options, test_nodes());
     for (uint32_t frame = 0; frame <= last; ++frame) session->run_frame(frame, frame == 0);
     const auto bytes = session->view().captured("visibility");
     double error = 0;
@@ -199,13 +186,9 @@ double moving_error(const Shot& shot, const char* pipeline) {
 }
 
 Shot moving_shot(const char* name) {
-    Diagnostics diagnostics;
-    auto shot =
-        read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (std::string(name) + ".shot.json"),
-                  diagnostics);
-    if (!shot) throw std::runtime_error(diagnostics.text());
-    shot->size = {192, 108};
-    return std::move(*shot);
+    Shot shot = shot_named(name);
+    shot.size = {192, 108};
+    return shot;
 }
 
 class ShadowsOfMovingShots : public GpuTest,

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests/shot_run.h"
 
+#include <filesystem>
 #include <stdexcept>
 
-#include "penumbra/shadow_nodes.h"
-#include "tests/gpu_test.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -17,18 +16,19 @@ Shot shot_named(const std::string& name) {
     return std::move(*shot);
 }
 
+std::unique_ptr<Session> open_session(const CheckedPipeline& pipeline, Shot shot,
+                                      const SessionOptions& options, const NodeSet& nodes, Device& device) {
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    auto session = Session::open(device, nodes, pipeline, std::move(shot), options, diagnostics, warnings);
+    if (!session) throw std::runtime_error(diagnostics.text());
+    return session;
+}
+
 ShotRun::ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string> settings,
                  std::vector<std::string> captures, const Facts& facts, std::array<uint32_t, 2> size)
     : shot_(std::move(shot)) {
-    static const NodeSet nodes = shadow_nodes();
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
     settings.emplace_back("outputs=[\"visibility\"]");
-    const auto loaded =
-        load_pipeline(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (pipeline + ".json"),
-                      settings, diagnostics);
-    const auto checked = loaded ? check(*loaded, nodes, diagnostics) : std::nullopt;
-    if (!checked) throw std::runtime_error(diagnostics.text());
     SessionOptions options;
     options.size = size;
     options.captures = std::move(captures);
@@ -36,8 +36,7 @@ ShotRun::ShotRun(Shot shot, const std::string& pipeline, std::vector<std::string
     options.optimum = false;
     options.jitter = false;
     options.facts = facts;
-    session_ = Session::open(gpu(), nodes, *checked, shot_, options, diagnostics, warnings);
-    if (!session_) throw std::runtime_error(diagnostics.text());
+    session_ = open_session(shipped_pipeline(pipeline, settings), shot_, options);
 }
 
 void ShotRun::frame(uint32_t index, bool reset) {

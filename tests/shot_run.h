@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A shipped pipeline's mask of a shot, frame by frame as the test wants them, and, unless it wants some,
-// without jitter.
+// What tests run pipelines on shots with: a shipped shot, a session, and a shipped pipeline's mask of a shot.
 #pragma once
 
 #include <array>
@@ -10,11 +9,19 @@
 #include <vector>
 
 #include "app/session.h"
+#include "tests/gpu_test.h"
+#include "tests/shipped.h"
 
 namespace penumbra::test {
 
 Shot shot_named(const std::string& name);  // scenes/NAME.shot.json; throws with the diagnostics
 
+// Throws with the diagnostics. A test that looks at those or at the warnings calls Session::open() itself.
+std::unique_ptr<Session> open_session(const CheckedPipeline& pipeline, Shot shot,
+                                      const SessionOptions& options, const NodeSet& nodes = shipped_nodes(),
+                                      Device& device = gpu());
+
+// The mask, frame by frame as the test wants them, and, unless it wants some, without jitter.
 class ShotRun {
   public:
     // `settings`: as of `penumbra render --set`; `captures`: besides the visibility; `facts`: instead of what

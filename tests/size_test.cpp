@@ -10,6 +10,7 @@
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
 #include "tests/shot_pipeline.h"
+#include "tests/shot_run.h"
 #include "tests/sized_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -34,10 +35,7 @@ Outputs run(const std::string& name, std::array<uint32_t, 2> of_size,
     options.poison = 0;  // what lies outside of the frame is no number
     options.optimum = options.pass_costs = false;
     options.cascade_size = 64;
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), pipeline, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(pipeline, shot, options, test_nodes());
     Outputs outputs(frames);
     for (uint32_t f = 0; f < frames; ++f) {
         session->run_frame(f, f == 0);
@@ -102,14 +100,10 @@ double n_eff(const Bytes& bytes, const Truth& truth) {
 }
 
 Shot shipped_shot(const char* name, std::array<uint32_t, 2> of_size, bool still) {
-    Diagnostics diagnostics;
-    auto shot =
-        read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes" / (std::string(name) + ".shot.json"),
-                  diagnostics);
-    if (!shot) throw std::runtime_error(diagnostics.text());
-    shot->size = of_size;
-    if (still) shot->camera.resize(1);
-    return std::move(*shot);
+    Shot shot = shot_named(name);
+    shot.size = of_size;
+    if (still) shot.camera.resize(1);
+    return shot;
 }
 
 // Masks that are kept know the frame's size, but a smaller frame writes over some tiles' and leaves others'.

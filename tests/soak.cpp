@@ -8,9 +8,9 @@
 #include "app/session.h"
 #include "app/truth.h"
 #include "host/truth/analytic.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/process_size.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -45,18 +45,14 @@ Shot jumping_shot(const SoakOptions& options) {
 class Run {
   public:
     Run(Device& device, const SoakOptions& options) {
-        static const NodeSet nodes = shadow_nodes();
         SessionOptions session_options;
         session_options.size = options.size;
         session_options.captures = {"visibility"};
         session_options.jitter = false;
         session_options.optimum = false;
         session_options.pass_costs = false;
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        session_ = Session::open(device, nodes, shipped_pipeline(options.pipeline), jumping_shot(options),
-                                 session_options, diagnostics, warnings);
-        if (!session_) throw std::runtime_error(diagnostics.text());
+        session_ = open_session(shipped_pipeline(options.pipeline), jumping_shot(options), session_options,
+                                shipped_nodes(), device);
     }
     void frame(uint32_t index) {
         session_->run_frame(index, !begun_);

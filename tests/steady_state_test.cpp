@@ -16,9 +16,9 @@
 #include "tests/gpu_test.h"
 #include "tests/process_size.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/toy_set.h"
-#include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -130,12 +130,7 @@ TEST_F(SteadyStateGpu, APipelineWithoutShadowMapsHasNoneFitted) {
     options.size = {64, 32};
     options.optimum = false;
     const auto open = [&](uint32_t frames) {
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline("raw"),
-                                     plaza_shot(options.size, frames), options, diagnostics, warnings);
-        if (!session) throw std::runtime_error(diagnostics.text());
-        return session;
+        return open_session(shipped_pipeline("raw"), plaza_shot(options.size, frames), options);
     };
     const auto session = open(4);  // with all that is made once
     constexpr uint32_t many = 10'000;

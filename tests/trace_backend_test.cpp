@@ -11,6 +11,7 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/test_folder.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
@@ -190,11 +191,7 @@ Comparison compare_backends(const Shot& shot, const std::vector<uint32_t>& frame
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits", "hits_q"};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), shipped_nodes(), both_backends(), shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(both_backends(), shot, options);
     Comparison sum;
     for (const uint32_t frame : frames) {
         session->run_frame(frame, frame == frames.front());
@@ -263,11 +260,7 @@ TEST_P(ColdStart, TracesWhereThingsAreNow) {
     options.size = shot.size;
     options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits"};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), shipped_nodes(), raw_with(GetParam()), shot, options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(raw_with(GetParam()), shot, options);
     session->run_frame(16, true);
     const StandaloneFrame standalone = session->host().frame(16, true);
     const RayMaker maker(*session, shipped_nodes(), standalone);
@@ -300,11 +293,9 @@ INSTANTIATE_TEST_SUITE_P(Backends, ColdStart, ::testing::Values("bvh", "ray_quer
 
 TEST_F(TraceBackendRun, BothGiveTheSameWordsInAColonnade) {
     NEEDS_RAY_QUERIES();
-    Diagnostics diagnostics;
-    auto shot = read_shot(root / "scenes/colonnade.shot.json", diagnostics);
-    ASSERT_TRUE(shot) << diagnostics.text();
-    shot->size = {160, 90};
-    const Comparison seen = compare_backends(*shot, {0, 1});
+    Shot shot = shot_named("colonnade");
+    shot.size = {160, 90};
+    const Comparison seen = compare_backends(shot, {0, 1});
     EXPECT_GT(seen.rays, 5'000u);
     EXPECT_GT(seen.blocked, seen.rays / 100);
     EXPECT_LT(seen.differ, seen.rays / 500);
@@ -314,12 +305,10 @@ TEST_F(TraceBackendRun, BothGiveTheSameWordsInAColonnade) {
 // and one tree moves.
 TEST_F(TraceBackendRun, BothSeeTheSameHolesInLeafCards) {
     NEEDS_RAY_QUERIES();
-    Diagnostics diagnostics;
-    auto shot = read_shot(root / "scenes/cards.shot.json", diagnostics);
-    ASSERT_TRUE(shot) << diagnostics.text();
-    shot->size = {160, 90};
-    shot->objects["tree_0"].keys = {{0, {0, 0, 0}, {0, 0, 0}}, {8, {1.5, 0, 0.5}, {0, 50, 0}}};
-    const Comparison seen = compare_backends(*shot, {0, 1, 7});
+    Shot shot = shot_named("cards");
+    shot.size = {160, 90};
+    shot.objects["tree_0"].keys = {{0, {0, 0, 0}, {0, 0, 0}}, {8, {1.5, 0, 0.5}, {0, 50, 0}}};
+    const Comparison seen = compare_backends(shot, {0, 1, 7});
     EXPECT_GT(seen.rays, 15'000u);
     EXPECT_GT(seen.blocked, seen.rays / 100);
     EXPECT_LT(seen.differ, seen.rays / 500);
@@ -328,11 +317,7 @@ TEST_F(TraceBackendRun, BothSeeTheSameHolesInLeafCards) {
 TEST_F(TraceBackendRun, AutoOnThisDeviceFollowsTheRule) {
     SessionOptions options;
     options.size = {64, 32};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), shipped_nodes(), raw_with("auto"), plaza_shot({64, 32}, 1),
-                                       options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(raw_with("auto"), plaza_shot({64, 32}, 1), options);
     const bool queries = gpu().caps().ray_query && !gpu().info().is_cpu;
     EXPECT_EQ(scene_slots_of(session->plan()), queries ? query_slots : tree_slots);
 }

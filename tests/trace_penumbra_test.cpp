@@ -7,29 +7,22 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
 
-const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 constexpr double lit = 65504;
 
 class TracePenumbra : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(TracePenumbra, IsAsWideAsTheNearestBlockerIsFar) {
-    Diagnostics diagnostics;
-    const CheckedPipeline checked = shipped_pipeline("sigma");
-    auto shot = read_shot(root / "scenes" / (std::string(GetParam()) + ".shot.json"), diagnostics);
-    ASSERT_TRUE(shot) << diagnostics.text();
     SessionOptions options;
     options.size = {384, 216};
     options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "penumbra"};
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), shipped_nodes(), checked, *shot, options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(shipped_pipeline("sigma"), shot_named(GetParam()), options);
 
     session->run_frame(0, true);
     const AlphaOracle alpha(session->host().scene());

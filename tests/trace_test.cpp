@@ -9,27 +9,19 @@
 #include "tests/gpu_test.h"
 #include "tests/ray_maker.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
 
-const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
-
 class Trace : public GpuTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(Trace, AgreesWithEmbreeOnAMillionShadowRays) {
-    Diagnostics diagnostics;
-    const CheckedPipeline checked = shipped_pipeline("raw");
-    auto shot = read_shot(root / "scenes" / (std::string(GetParam()) + ".shot.json"), diagnostics);
-    ASSERT_TRUE(shot) << diagnostics.text();
     SessionOptions options;
     options.size = {1280, 720};
     options.optimum = false;
     options.captures = {"view_depth", "receiver_normal", "tile_list", "trace_args", "hits"};
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), shipped_nodes(), checked, *shot, options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(shipped_pipeline("raw"), shot_named(GetParam()), options);
 
     const AlphaOracle alpha(session->host().scene());
     EmbreeScene::Blocks blocks;

@@ -12,6 +12,7 @@
 #include "tests/gpu_test.h"
 #include "tests/scene_file.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
@@ -55,11 +56,7 @@ class TransmitRays : public GpuTest, public ::testing::WithParamInterface<const 
         options.optimum = false;
         options.jitter = false;
         options.captures = std::move(captures);
-        Diagnostics diagnostics;
-        std::vector<std::string> warnings;
-        auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline(GetParam()), shot, options,
-                                     diagnostics, warnings);
-        if (!session) throw std::runtime_error(diagnostics.text());
+        auto session = open_session(shipped_pipeline(GetParam()), shot, options);
         for (uint32_t frame = 0; frame < shot.frames; ++frame) session->run_frame(frame, frame == 0);
         return session;
     }

@@ -16,6 +16,7 @@
 #include "tests/ray_maker.h"
 #include "tests/scene_file.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -214,11 +215,7 @@ Seen render(const Model& model, const std::vector<std::string>& settings = {},
     options.jitter = false;
     options.poison = poison;
     options.captures = {"transmittance", "visibility", "view_depth"};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline("hybrid_shadows", settings),
-                                       shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(shipped_pipeline("hybrid_shadows", settings), shot, options);
     session->run_frame(0, true);
     session->run_frame(1, false);
     Seen seen;
@@ -359,11 +356,7 @@ TEST_F(Transmit, TheFirstPaneIsTheNearestThoughOneBeyondIsBlack) {
     options.optimum = false;
     options.jitter = false;
     options.captures = {"penumbra", "translucency"};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), shipped_nodes(), shipped_pipeline("sigma_translucency"), shot,
-                                       options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(shipped_pipeline("sigma_translucency"), shot, options);
     session->run_frame(0, true);
     const auto penumbra = captured_values<uint16_t>(*session, "penumbra");
     const auto colours = captured_values<std::array<uint8_t, 4>>(*session, "translucency");
@@ -442,16 +435,12 @@ TEST_F(Transmit, ForSigmaGlassIsABlockerWithAColour) {
     add(model, "above", sheet(-30, -0.5, sheet_height + 1), 0);
     const SceneFile file("floor.glb", to_glb(model));
     const Shot shot = shot_of(file.path());
-    Diagnostics diagnostics;
-    const CheckedPipeline checked = shipped_pipeline("sigma_translucency");
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.jitter = false;
     options.captures = {"penumbra", "translucency", "transmittance", "view_depth"};
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), shipped_nodes(), checked, shot, options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(shipped_pipeline("sigma_translucency"), shot, options);
     session->run_frame(0, true);
     const auto penumbra = captured_values<uint16_t>(*session, "penumbra");
     const auto rays = captured_values<std::array<uint8_t, 4>>(*session, "translucency"),

@@ -16,6 +16,7 @@
 #include "tests/embree_scene.h"
 #include "tests/gpu_test.h"
 #include "tests/scene_file.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 
 namespace penumbra::test {
@@ -200,11 +201,9 @@ TEST_F(Reference, AgreesWithEmbree) {
 // Holes are seen and cast alike: the primary ray goes through the same mask as the raster, the shadow rays as
 // trace's. Many pixels show a leaf's edge here.
 TEST_F(Reference, AgreesWithEmbreeBehindLeafCards) {
-    Diagnostics diagnostics;
-    auto shot = read_shot(std::filesystem::path(PENUMBRA_SOURCE_DIR) / "scenes/cards.shot.json", diagnostics);
-    ASSERT_TRUE(shot) << diagnostics.text();
-    shot->size = {96, 54};
-    const Agreement seen = compare_with_embree(*open(*shot), *shot, 2);
+    Shot shot = shot_named("cards");
+    shot.size = {96, 54};
+    const Agreement seen = compare_with_embree(*open(shot), shot, 2);
     EXPECT_GT(seen.pixels, 500u);
     EXPECT_GT(seen.soft, 50u);
     EXPECT_LE(seen.off, seen.pixels / 100);

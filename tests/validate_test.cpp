@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -22,13 +21,13 @@
 #include "tests/gpu_test.h"
 #include "tests/shipped.h"
 #include "tests/shot_pipeline.h"
+#include "tests/shot_run.h"
 #include "tests/test_scene.h"
 #include "tests/view_run.h"
 
 namespace penumbra::test {
 namespace {
 
-const std::filesystem::path root = PENUMBRA_SOURCE_DIR;
 using Counts = std::array<uint64_t, 4>;  // checked, NaN, infinite, out of range
 
 CheckedPipeline validating(const CheckedPipeline& pipeline) {
@@ -337,11 +336,7 @@ Frames run(const std::string& pipeline, const Shot& shot, uint32_t frames, bool 
     options.captures = checked_pipeline.output_names();
     options.validate = validate;
     options.poison = poison;
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto session =
-        Session::open(gpu(), test_nodes(), checked_pipeline, shot, options, diagnostics, warnings);
-    if (!session) throw std::runtime_error(diagnostics.text());
+    const auto session = open_session(checked_pipeline, shot, options, test_nodes());
     Frames result;
     result.findings = no_findings(session->plan());
     for (uint32_t frame = 0; frame < frames; ++frame) {
@@ -403,11 +398,9 @@ class ValidatedShots : public ValidatedPipeline {};
 
 TEST_P(ValidatedShots, AreClean) {
     for (const char* name : {"cards", "colonnade", "lamp"}) {
-        Diagnostics diagnostics;
-        auto shot = read_shot(root / "scenes" / (std::string(name) + ".shot.json"), diagnostics);
-        ASSERT_TRUE(shot) << diagnostics.text();
-        shot->size = {96, 53};
-        EXPECT_EQ(complaint(run(GetParam(), *shot, 4, true, 0).findings), "") << name;
+        Shot shot = shot_named(name);
+        shot.size = {96, 53};
+        EXPECT_EQ(complaint(run(GetParam(), shot, 4, true, 0).findings), "") << name;
     }
 }
 

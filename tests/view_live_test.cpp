@@ -9,6 +9,7 @@
 #include "app/outputs.h"
 #include "host/models/glb_writer.h"
 #include "tests/scene_file.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::viewer {
 namespace {
@@ -21,11 +22,7 @@ TEST_F(ViewLive, UntouchedItIsTheShot) {
     SessionOptions options;
     options.size = size;
     options.captures = {"visibility", "lit"};
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto rendered =
-        Session::open(test::gpu(), stage.nodes, stage.pipeline, shot_, options, diagnostics, warnings);
-    ASSERT_TRUE(rendered) << diagnostics.text();
+    const auto rendered = test::open_session(stage.pipeline, shot_, options, stage.nodes);
     for (uint32_t frame = 0; frame < 4; ++frame) {
         l.frame({}, 0);
         rendered->run_frame(frame, frame == 0);

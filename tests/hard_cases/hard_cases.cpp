@@ -11,6 +11,7 @@
 #include "host/models/glb_writer.h"
 #include "tests/scene_file.h"
 #include "tests/shipped.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -84,11 +85,7 @@ SceneRun::SceneRun(const std::string& pipeline, Shot shot, const RunOptions& opt
     session_options.cascade_size = options.cascade_size;
     session_options.optimum = false;
     session_options.pass_costs = false;
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    session_ = Session::open(gpu(), shipped_nodes(), shipped_pipeline(pipeline, options.settings),
-                             std::move(shot), session_options, diagnostics, warnings);
-    if (!session_) throw std::runtime_error(diagnostics.text());
+    session_ = open_session(shipped_pipeline(pipeline, options.settings), std::move(shot), session_options);
 }
 
 std::vector<float> SceneRun::frame(uint32_t index, bool reset) {

@@ -5,6 +5,7 @@
 
 #include "tests/hard_cases/hard_cases.h"
 #include "tests/light_plate.h"
+#include "tests/shot_run.h"
 
 namespace penumbra::test {
 namespace {
@@ -170,18 +171,12 @@ TEST_F(HardCase, ALightEndsWithoutAStep) {
     ShotLight& light = shot.lights.at("lamp");
     light.range = 3.2;
     shot.size = {640, 360};
-    Diagnostics diagnostics;
-    const auto checked =
-        *check(*load_pipeline(fs::path(PENUMBRA_SOURCE_DIR) / "pipelines/lights.json",
-                              std::vector<std::string>{R"(outputs=["illuminance"])"}, diagnostics),
-               test_nodes(), diagnostics);
+    const auto checked = shipped_pipeline("lights", {R"(outputs=["illuminance"])"}, test_nodes());
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.captures = checked.output_names();
-    std::vector<std::string> warnings;
-    const auto session = Session::open(gpu(), test_nodes(), checked, shot, options, diagnostics, warnings);
-    ASSERT_TRUE(session) << diagnostics.text();
+    const auto session = open_session(checked, shot, options, test_nodes());
     session->run_frame(0, true);
     const std::vector<float> lux = captured_planes(session->view(), "illuminance")[0];
     const auto points = floor_points(shot);

@@ -13,8 +13,8 @@
 #include "app/radiance_truth.h"
 #include "host/models/glb_writer.h"
 #include "host/models/model_builder.h"
-#include "penumbra/shadow_nodes.h"
 #include "tests/gpu_test.h"
+#include "tests/shot_run.h"
 #include "tests/test_folder.h"
 #include "tests/view_run.h"
 
@@ -78,23 +78,15 @@ glm::dvec3 mirrored(const Camera& camera, std::array<uint32_t, 2> size, size_t p
 std::unique_ptr<Session> open_shipped(const std::string& name, const Shot& shot,
                                       const std::vector<std::string>& settings,
                                       const std::vector<std::string>& also, const Facts& facts, bool jitter) {
-    static const NodeSet nodes = shadow_nodes();
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto pipeline = load_pipeline(
-        std::filesystem::path(PENUMBRA_SOURCE_DIR) / "pipelines" / (name + ".json"), settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
+    const CheckedPipeline pipeline = shipped_pipeline(name, settings);
     SessionOptions options;
     options.size = shot.size;
     options.optimum = false;
     options.facts = facts;
     if (!jitter) options.jitter = false;
-    if (checked) options.captures = checked->output_names();
+    options.captures = pipeline.output_names();
     options.captures.insert(options.captures.end(), also.begin(), also.end());
-    auto session =
-        checked ? Session::open(gpu(), nodes, *checked, shot, options, diagnostics, warnings) : nullptr;
-    if (!session) throw std::runtime_error(diagnostics.text());
-    return session;
+    return open_session(pipeline, shot, options);
 }
 
 namespace {
