@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "app/bench/bench_text.h"
@@ -16,6 +15,7 @@
 #include "app/progress.h"
 #include "app/report/contenders.h"
 #include "app/view_source.h"
+#include "app/wrong.h"
 #include "host/json_dump.h"
 
 namespace penumbra {
@@ -125,19 +125,13 @@ int run_bench(const BenchArguments& arguments) {
     if (!nodes) return exit_wrong;
     Diagnostics diagnostics;
     auto job = prepare(arguments, *nodes, diagnostics);
-    if (!job) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!job) return wrong(diagnostics);
     Device device({arguments.device, false});
     job->bench.device = device.info();
     std::vector<std::string> warnings;
     const bool measured = measure_all(*job, device, *nodes, diagnostics, warnings);
     print_warnings(warnings);
-    if (!measured) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!measured) return wrong(diagnostics);
     if (arguments.format == "json")
         fmt::print("{}\n", json_dump(bench::to_json(job->bench), 2));
     else

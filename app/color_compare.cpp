@@ -10,6 +10,7 @@
 
 #include "app/progress.h"
 #include "app/signal_files.h"
+#include "app/wrong.h"
 #include "host/json_dump.h"
 
 namespace penumbra {
@@ -130,10 +131,7 @@ int compare_colors(const CompareArguments& arguments) {
             if (!diagnostics.empty()) break;
         }
     }
-    if (!diagnostics.empty()) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!diagnostics.empty()) return wrong(diagnostics);
     print(arguments, *frames, errors);
     return exit_good;
 }

@@ -10,6 +10,7 @@
 #include "app/comparison.h"
 #include "app/or_null.h"
 #include "app/radiance_compare.h"
+#include "app/wrong.h"
 #include "host/json_dump.h"
 
 namespace penumbra {
@@ -108,16 +109,12 @@ int run_compare(const CompareArguments& arguments) {
     Diagnostics diagnostics;
     if (!arguments.picture.empty()) {
         diagnostics.add({}, "--picture", "is of pictures: --signal lit or color");
-        std::cerr << diagnostics.text();
-        return exit_wrong;
+        return wrong(diagnostics);
     }
     if (arguments.signal == "transmittance") return compare_colors(arguments);
     if (arguments.signal != "visibility") return compare_radiance(arguments);
     const auto comparison = compare_folders(arguments, diagnostics);
-    if (!comparison) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!comparison) return wrong(diagnostics);
     if (arguments.json)
         std::cout << json_dump(to_json(arguments, *comparison), 2) << "\n";
     else

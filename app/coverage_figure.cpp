@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "app/counted.h"
 #include "app/report/svg.h"
 
 namespace penumbra {
@@ -136,17 +136,13 @@ void draw_legend(Svg& svg, bool surface, bool holes) {
     }
 }
 
-std::string plural(size_t count, const char* one, const char* many) {
-    return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 }  // namespace
 
 std::string coverage_summary(const PixelCoverage& coverage) {
     const uint32_t hiding = coverage.hiding();
     const std::string surface = coverage.by_surface.any() ? " and the pixel's own surface" : "";
-    return fmt::format("{}{} {} {} of {} samples: visibility {:.3f}", plural(hiding, "triangle", "triangles"),
-                       surface, hiding == 1 && surface.empty() ? "hides" : "hide", coverage.hidden.count(),
+    return fmt::format("{}{} {} {} of {} samples: visibility {:.3f}", counted(hiding, "triangle"), surface,
+                       hiding == 1 && surface.empty() ? "hides" : "hide", coverage.hidden.count(),
                        coverage.samples, coverage.visibility());
 }
 
@@ -171,9 +167,9 @@ std::string coverage_figure(const SampledSun& sun, const CoverageReceiver& recei
         if (Outline polygon = outline(triangle, receiver.angular_radius); polygon.size() > 2)
             outlines.emplace_back(&triangle, std::move(polygon));
     for (const auto& [triangle, polygon] : outlines)
-        svg.path(path_of(polygon, place), "triangle",
-                 fmt::format("triangle {}: {}", triangle->index,
-                             plural(triangle->hidden.count(), "sample", "samples")));
+        svg.path(
+            path_of(polygon, place), "triangle",
+            fmt::format("triangle {}: {}", triangle->index, counted(triangle->hidden.count(), "sample")));
     for (const auto& [triangle, polygon] : outlines) {
         draw_edges(svg, polygon, place, triangle->alpha ? "edge holes" : "edge");
         holes |= triangle->alpha;

@@ -26,6 +26,7 @@
 #include "app/shipped_files.h"
 #include "app/text_file.h"
 #include "app/view_source.h"
+#include "app/wrong.h"
 #include "host/images/image_file.h"
 #include "penumbra/shadow_nodes.h"
 
@@ -341,10 +342,7 @@ int explain_pixel(const ExplainArguments& arguments) {
         Session::open(device, nodes, job->pipeline, job->shot, options, diagnostics, warnings);
     doing.clear();
     print_warnings(warnings);
-    if (!session) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!session) return wrong(diagnostics);
     if (arguments.budget) return draw_budget(arguments, *session);
     doing("rendering the frame");
     session->run_frame(arguments.frame, true);
@@ -364,10 +362,7 @@ int explain_costs(const ExplainArguments& arguments) {
     for (const std::string& file : arguments.costs)
         if (auto read = read_costs(file, diagnostics)) costs.push_back(std::move(*read));
     spares({arguments.out}, {FileList(arguments.costs.begin(), arguments.costs.end())}, diagnostics);
-    if (!diagnostics.empty()) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!diagnostics.empty()) return wrong(diagnostics);
     return write_figure(arguments.out, cost_figure(costs)) ? exit_good : exit_wrong;
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iostream>
 #include <set>
 
 #include "app/commands.h"
@@ -14,6 +13,7 @@
 #include "app/node_folders.h"
 #include "app/progress.h"
 #include "app/report/contenders.h"
+#include "app/wrong.h"
 
 namespace penumbra {
 namespace {
@@ -188,8 +188,7 @@ int run_gates(const GatesArguments& arguments) {
     }
     print_warnings(warnings);
     if (good) return exit_good;
-    std::cerr << diagnostics.text();
-    return exit_wrong;
+    return wrong(diagnostics);
 }
 
 }  // namespace penumbra

@@ -13,6 +13,7 @@
 
 #include "app/captured_values.h"
 #include "app/reference_pipeline.h"
+#include "app/reference_session.h"
 #include "app/view_rays.h"
 #include "host/generated/noise.h"
 #include "host/scene/scene_alpha.h"
@@ -21,7 +22,6 @@
 #include "host/truth/coverage.h"
 #include "host/truth/light_visibility.h"
 #include "host/truth/octahedral.h"
-#include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 namespace {
@@ -214,21 +214,15 @@ std::unique_ptr<PixelTruth> light_pixels(const Session& session, uint32_t frame)
 std::unique_ptr<Session> open_light_truth(Device& device, const Shot& shot, const std::string& light,
                                           Diagnostics& diagnostics, std::vector<std::string>& warnings,
                                           bool jitter, KeptScene* kept, const Told& doing) {
-    static const NodeSet nodes = shadow_nodes();  // plans point into it
-    const std::vector<std::string> settings{"inputs.light={}"};
-    const auto pipeline = parse_pipeline(raw_pipeline_text, "pipelines/raw.json", settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
-    if (!checked) return nullptr;
     SessionOptions options;
-    options.size = shot.size;
     options.captures = {"view_depth", "receiver_normal"};
     options.jitter = jitter;
-    options.optimum = false;
     options.light = light;
     options.kept = kept;
     options.doing = doing;
     options.facts = {{"sun_up", true}, {"casters", true}};  // so that both are made in any case
-    return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
+    return open_own(device, shot, {raw_pipeline_text, "pipelines/raw.json", {"inputs.light={}"}},
+                    std::move(options), diagnostics, warnings);
 }
 
 Truth counted_light_truth(Session& session, uint32_t index, uint32_t rays,

@@ -17,6 +17,7 @@
 #include "app/plan_json.h"
 #include "app/progress.h"
 #include "app/session.h"
+#include "app/wrong.h"
 
 namespace penumbra {
 
@@ -93,10 +94,7 @@ int run_plan(const PlanArguments& arguments) {
         };
     const auto plan = compile(*pipeline, target, options, diagnostics);
     doing.clear();
-    if (!plan) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!plan) return wrong(diagnostics);
     print_warnings(facts_not_taken(*plan, *facts));
     if (!arguments.out.empty()) {
         const std::filesystem::path folder = arguments.out;
@@ -104,10 +102,8 @@ int run_plan(const PlanArguments& arguments) {
         for (size_t i = 0; i < plan->modules.size(); ++i) written.push_back(folder / module_file(i));
         for (size_t i = 0; i < plan->tables.size(); ++i) written.push_back(folder / table_file(i));
         if (!spares(written, {files_of_pipelines({pipeline->file}), files_of_nodes(arguments.node_folders)},
-                    diagnostics)) {
-            std::cerr << diagnostics.text();
-            return exit_wrong;
-        }
+                    diagnostics))
+            return wrong(diagnostics);
         if (write_plan(*plan, arguments.out, diagnostics)) return exit_good;
         std::cerr << diagnostics.text();
         return exit_failed;

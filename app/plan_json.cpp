@@ -10,6 +10,8 @@
 #include <stdexcept>
 
 #include "app/or_null.h"
+#include "graph/flag_words.h"
+#include "graph/vocabulary.h"
 #include "host/images/image_file.h"
 #include "penumbra/frame_block.h"
 #include "penumbra/requirements.h"
@@ -80,47 +82,12 @@ OrderedJson memory_json(const Plan& plan) {
 
 namespace {
 
-// Vulkan's flags in the words of the plan's text (graph/dump.cpp); docs/embedding.md says what they stand
-// for.
-struct Word {
-    uint64_t bit;
-    const char* word;
-};
-constexpr Word stage_words[] = {
-    {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"}, {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
-    {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, "transfer"},  {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
-    {VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, "top"},        {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"}};
-constexpr Word access_words[] = {{VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "write"},
-                                 {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, "read"},
-                                 {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, "sample"},
-                                 {VK_ACCESS_2_UNIFORM_READ_BIT, "uniform"},
-                                 {VK_ACCESS_2_ACCELERATION_STRUCTURE_READ_BIT_KHR, "structure"},
-                                 {VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, "arguments"},
-                                 {VK_ACCESS_2_TRANSFER_READ_BIT, "copy_read"},
-                                 {VK_ACCESS_2_TRANSFER_WRITE_BIT, "copy_write"},
-                                 {VK_ACCESS_2_MEMORY_READ_BIT, "any_read"},
-                                 {VK_ACCESS_2_MEMORY_WRITE_BIT, "any_write"}};
-constexpr Word image_usage_words[] = {{VK_IMAGE_USAGE_STORAGE_BIT, "storage"},
-                                      {VK_IMAGE_USAGE_SAMPLED_BIT, "sampled"},
-                                      {VK_IMAGE_USAGE_TRANSFER_SRC_BIT, "copy_source"},
-                                      {VK_IMAGE_USAGE_TRANSFER_DST_BIT, "copy_target"},
-                                      {VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, "attachment"}};
-constexpr Word buffer_usage_words[] = {{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, "storage"},
-                                       {VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT, "texels"},
-                                       {VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT, "arguments"},
-                                       {VK_BUFFER_USAGE_TRANSFER_SRC_BIT, "copy_source"},
-                                       {VK_BUFFER_USAGE_TRANSFER_DST_BIT, "copy_target"}};
-
 // Throws for a bit without a word: a plan that lacks one is none.
 template <size_t n>
-OrderedJson flags_json(uint64_t flags, const Word (&words)[n]) {
+OrderedJson flags_json(uint64_t flags, const FlagWord (&words)[n]) {
     OrderedJson list = OrderedJson::array();
-    for (const Word& w : words)
-        if (flags & w.bit) {
-            list.push_back(w.word);
-            flags &= ~w.bit;
-        }
-    if (flags) throw std::logic_error(fmt::format("no word for the flags {:#x}", flags));
+    if (const uint64_t rest = say_flags(flags, words, [&](const char* word) { list.push_back(word); }))
+        throw std::logic_error(fmt::format("no word for the flags {:#x}", rest));
     return list;
 }
 
@@ -143,11 +110,6 @@ const char* word_of(VkDescriptorType type) {
         default:
             throw std::logic_error("no word for a descriptor type");
     }
-}
-
-const char* word_of(ParamType type) {
-    constexpr const char* words[] = {"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"};
-    return words[static_cast<size_t>(type)];
 }
 
 OrderedJson extent_json(Extent extent) {
@@ -282,9 +244,11 @@ OrderedJson pass_json(const PlanPass& pass, OrderedJson json) {
     if (!push.empty()) std::memcpy(push.data(), pass.push.data(), 4 * push.size());
     json["push"] = push;
     json["params"] = OrderedJson::array();
+    static const std::vector<std::string> types = param_type_words();
     for (const PlanParam& p : pass.params)
-        json["params"].push_back(
-            {{"name", p.param.name}, {"type", word_of(p.param.type)}, {"offset", p.offset}});
+        json["params"].push_back({{"name", p.param.name},
+                                  {"type", types[static_cast<size_t>(p.param.type)]},
+                                  {"offset", p.offset}});
     json["mip_level"] = or_null(pass.mip_level);
     json["level_groups"] = pass.level_groups;
     json["follows"] = follows_json(pass.over);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/plan_json.h"
+#include "graph/vocabulary.h"
 #include "penumbra/format.h"
 
 namespace penumbra {
@@ -14,8 +15,8 @@ using Schema = nlohmann::ordered_json;
 Schema use(const char* definition) {
     return {{"$ref", std::string("#/definitions/") + definition}};
 }
-Schema words(std::initializer_list<const char*> list) {
-    return {{"enum", std::vector<std::string>(list.begin(), list.end())}};
+Schema words(const std::vector<std::string>& list) {
+    return {{"enum", list}};
 }
 Schema list_of(Schema item) {
     return {{"type", "array"}, {"items", std::move(item)}};
@@ -164,10 +165,9 @@ Schema pass() {
               "specialisation constants 0, 1, 2, ..., as bits: three of the workgroup, two of pixels per "
               "thread, whether the device is a processor, lanes in step, then the node's own")},
          {"push", doc(list_of(word32), "push constants, as bits, with the parameters' first values")},
-         {"params",
-          list_of(object({{"name", text},
-                          {"type", words({"bool", "int", "uint", "float", "vec2", "vec3", "vec4", "enum"})},
-                          {"offset", doc(number, "bytes in the push constants")}}))},
+         {"params", list_of(object({{"name", text},
+                                    {"type", words(param_type_words())},
+                                    {"offset", doc(number, "bytes in the push constants")}}))},
          {"mip_level", or_null(doc(number, "offset in the push constants: the level of the dispatch"))},
          {"level_groups", doc(list_of(use("groups")), "one dispatch for each, or none: `groups`")},
          {"follows", doc(use("follows"), "what the dispatch is over")},

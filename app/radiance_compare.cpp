@@ -16,6 +16,7 @@
 #include "app/radiance_json.h"
 #include "app/radiance_truth.h"
 #include "app/signal_files.h"
+#include "app/wrong.h"
 #include "host/images/image_file.h"
 #include "host/json_dump.h"
 #include "host/metrics/radiance_error.h"
@@ -111,17 +112,12 @@ bool spares_images(const CompareArguments& arguments, const std::vector<uint32_t
     return spares({arguments.picture}, {read}, diagnostics);
 }
 
-int failed(const Diagnostics& diagnostics) {
-    std::cerr << diagnostics.text();
-    return exit_wrong;
-}
-
 }  // namespace
 
 int compare_radiance(const CompareArguments& arguments) {
     Diagnostics diagnostics;
     const auto frames = frames_to_compare(arguments, diagnostics);
-    if (!frames) return failed(diagnostics);
+    if (!frames) return wrong(diagnostics);
     RadianceErrorSums sums;
     std::vector<fs::path> folders{arguments.image};
     folders.insert(folders.end(), arguments.also.begin(), arguments.also.end());
@@ -131,7 +127,7 @@ int compare_radiance(const CompareArguments& arguments) {
             if (diagnostics.empty())
                 sums.add(compare_folder(folder, arguments, *frames, progress, diagnostics));
     }
-    if (!diagnostics.empty()) return failed(diagnostics);
+    if (!diagnostics.empty()) return wrong(diagnostics);
     print(arguments, *frames, sums);
     return exit_good;
 }
@@ -140,15 +136,15 @@ int compare_pictures(const CompareArguments& arguments) {
     Diagnostics diagnostics;
     if (!arguments.also.empty()) diagnostics.add({}, "--also", "is of signals, not of pictures");
     const auto frames = frames_to_compare(arguments, diagnostics);
-    if (!frames || !spares_images(arguments, *frames, diagnostics)) return failed(diagnostics);
+    if (!frames || !spares_images(arguments, *frames, diagnostics)) return wrong(diagnostics);
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     for (const uint32_t frame : *frames) {
         const auto image = read_picture(file_of(arguments.image, arguments.signal, frame), diagnostics),
                    truth = read_picture(file_of(arguments.reference, arguments.signal, frame), diagnostics);
-        if (!image || !truth) return failed(diagnostics);
+        if (!image || !truth) return wrong(diagnostics);
         if (image->width != truth->width || image->height != truth->height) {
             diagnostics.add({arguments.image, 0, 0}, "", "is of another size than the reference");
-            return failed(diagnostics);
+            return wrong(diagnostics);
         }
         const PictureError error = picture_error(*image, *truth);
         list.push_back({{"frame", frame},

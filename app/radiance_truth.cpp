@@ -8,9 +8,9 @@
 #include "app/captured_values.h"
 #include "app/outputs.h"
 #include "app/reference_pipeline.h"
+#include "app/reference_session.h"
 #include "host/images/texels.h"
 #include "host/images/triples.h"
-#include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 namespace {
@@ -39,21 +39,14 @@ Picture captured_picture(const Session& session, const char* name) {
     return {image.width, image.height, triples(image, {"R", "G", "B"})};
 }
 
-std::unique_ptr<Session> open(Device& device, const Shot& shot, const char* text, const char* name,
-                              const std::vector<std::string>& settings, std::vector<std::string> captures,
-                              Diagnostics& diagnostics, std::vector<std::string>& warnings,
-                              const Told& doing) {
-    static const NodeSet nodes = shadow_nodes();  // plans point into it
-    const auto pipeline = parse_pipeline(text, name, settings, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
-    if (!checked) return nullptr;
+std::unique_ptr<Session> open(Device& device, const Shot& shot, const OwnPipeline& own,
+                              std::vector<std::string> captures, Diagnostics& diagnostics,
+                              std::vector<std::string>& warnings, const Told& doing) {
     SessionOptions options;
-    options.size = shot.size;
     options.captures = std::move(captures);
     options.jitter = false;
-    options.optimum = false;
     options.doing = doing;
-    return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
+    return open_own(device, shot, own, std::move(options), diagnostics, warnings);
 }
 
 // All rays of a frozen frame.
@@ -90,7 +83,7 @@ RadianceTruth known_of(const PlanarImage& truth) {
 
 std::unique_ptr<Session> open_lit_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
                                         std::vector<std::string>& warnings, const Told& doing) {
-    return open(device, shot, reference_lit_pipeline_text, "pipelines/reference_lit.json", {},
+    return open(device, shot, {reference_lit_pipeline_text, "pipelines/reference_lit.json"},
                 {"lit", "specular", "diffuse", "specular_share", "diffuse_share"}, diagnostics, warnings,
                 doing);
 }
@@ -106,9 +99,11 @@ LitTruth lit_truth(Session& session, uint32_t frame, uint32_t rays,
 std::unique_ptr<Session> open_radiance_truth(Device& device, const Shot& shot, const std::string& signal,
                                              Diagnostics& diagnostics, std::vector<std::string>& warnings,
                                              const Told& doing) {
-    return open(device, shot, reference_radiance_pipeline_text, "pipelines/reference_radiance.json",
-                {"nodes.reference.params.lobe=" + signal}, {"weighted_sum", "plain_sum"}, diagnostics,
-                warnings, doing);
+    return open(device, shot,
+                {reference_radiance_pipeline_text,
+                 "pipelines/reference_radiance.json",
+                 {"nodes.reference.params.lobe=" + signal}},
+                {"weighted_sum", "plain_sum"}, diagnostics, warnings, doing);
 }
 
 PlanarImage radiance_truth(Device& device, Session& session, uint32_t frame, uint32_t rays,

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <iostream>
 
 #include "app/commands.h"
@@ -18,6 +19,7 @@
 #include "app/radiance_truth.h"
 #include "app/truth.h"
 #include "app/view_source.h"
+#include "app/wrong.h"
 #include "host/truth/analytic.h"
 
 namespace penumbra {
@@ -160,23 +162,30 @@ void check_outputs(const ReferenceArguments& arguments, const Job& job, Diagnost
     job.made_up.may_be_written(diagnostics);
 }
 
-int write_radiance(const ReferenceArguments& arguments, const Job& job) {
-    const Shot& shot = job.shot;
-    Device device({arguments.device, false});
+// What `open` opens, with a word of what it does meanwhile; nothing after saying why not.
+std::unique_ptr<Session> opened(
+    const std::function<std::unique_ptr<Session>(Diagnostics&, std::vector<std::string>&, const Told&)>&
+        open) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     Doing doing;
-    const Told told = [&](const char* what, double share) { doing(what, share); };
-    const bool lit = arguments.signal == "lit";
-    const auto session =
-        lit ? open_lit_truth(device, shot, diagnostics, warnings, told)
-            : open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings, told);
+    auto session = open(diagnostics, warnings, [&](const char* what, double share) { doing(what, share); });
     doing.clear();
     print_warnings(warnings);
-    if (!session) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!session) std::cerr << diagnostics.text();
+    return session;
+}
+
+int write_radiance(const ReferenceArguments& arguments, const Job& job) {
+    const Shot& shot = job.shot;
+    Device device({arguments.device, false});
+    const bool lit = arguments.signal == "lit";
+    const auto session =
+        opened([&](Diagnostics& diagnostics, std::vector<std::string>& warnings, const Told& told) {
+            return lit ? open_lit_truth(device, shot, diagnostics, warnings, told)
+                       : open_radiance_truth(device, shot, arguments.signal, diagnostics, warnings, told);
+        });
+    if (!session) return exit_wrong;
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
     job.made_up.write();
@@ -204,22 +213,17 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
 int write_reference(const ReferenceArguments& arguments, const Job& job) {
     const Shot& shot = job.shot;
     Device device({arguments.device, false});
-    Diagnostics diagnostics;
-    std::vector<std::string> warnings;
-    const auto chosen = choose_light(shot, job.light, diagnostics);
-    Doing doing;
-    const Told told = [&](const char* what, double share) { doing(what, share); };
+    bool of_lamp = false;
     const auto session =
-        !chosen ? nullptr
-        : chosen->light
-            ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter, nullptr, told)
-            : open_truth(device, shot, diagnostics, warnings, job.jitter, nullptr, told);
-    doing.clear();
-    print_warnings(warnings);
-    if (!session) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+        opened([&](Diagnostics& diagnostics, std::vector<std::string>& warnings, const Told& told) {
+            const auto chosen = choose_light(shot, job.light, diagnostics);
+            of_lamp = chosen && chosen->light;
+            return !chosen   ? nullptr
+                   : of_lamp ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter,
+                                                nullptr, told)
+                             : open_truth(device, shot, diagnostics, warnings, job.jitter, nullptr, told);
+        });
+    if (!session) return exit_wrong;
     const fs::path folder = arguments.out;
     fs::create_directories(folder);
     fs::remove(folder / "reference.json");  // comes last: a folder that has it is a complete one
@@ -237,8 +241,8 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
                 progress.step(rows);
             } else {
                 const auto step = [&](uint32_t more) { progress.step(more); };
-                Truth truth = chosen->light ? counted_light_truth(*session, frame, arguments.rays, step)
-                                            : counted_truth(*session, frame, arguments.rays, step);
+                Truth truth = of_lamp ? counted_light_truth(*session, frame, arguments.rays, step)
+                                      : counted_truth(*session, frame, arguments.rays, step);
                 lost += truth.lost;
                 frames_of_lost += truth.lost > 0;
                 write_truth(folder, shot, frame, std::move(truth));
@@ -263,10 +267,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
 }  // namespace
 
 int run_reference(const ReferenceArguments& arguments) {
-    if (arguments.signal != "visibility" && !arguments.light.empty()) {
-        std::cerr << "--light: is of visibility alone, and --signal asks for " << arguments.signal << "\n";
-        return exit_wrong;
-    }
+    if (!light_fits(arguments.signal, arguments.light)) return exit_wrong;
     Diagnostics diagnostics;
     const auto job = prepare(arguments, diagnostics);
     if (job) check_outputs(arguments, *job, diagnostics);

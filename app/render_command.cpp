@@ -24,6 +24,7 @@
 #include "app/text_file.h"
 #include "app/validation.h"
 #include "app/view_source.h"
+#include "app/wrong.h"
 #include "host/json_dump.h"
 
 namespace penumbra {
@@ -180,10 +181,7 @@ int render(const RenderArguments& arguments, Job job, const NodeSet& nodes) {
         Session::open(device, nodes, job.pipeline, std::move(job.shot), options, diagnostics, warnings);
     doing.clear();
     print_warnings(warnings);
-    if (!session) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!session) return wrong(diagnostics);
     if (const std::string left = lamps_left_out(*session, lamps); !left.empty()) print_warning(left);
     const fs::path& folder = job.folder;
     fs::create_directories(folder);

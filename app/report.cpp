@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/device_json.h"
 #include "app/mask_passes.h"
+#include "app/mebibytes.h"
 #include "app/plan_json.h"
 
 namespace penumbra {
@@ -194,10 +196,6 @@ std::string number(const OrderedJson& value) {
     return value.is_null() ? "-" : fmt::format("{:.3f}", value.get<double>());
 }
 
-std::string mebibytes(const OrderedJson& bytes) {
-    return bytes.is_null() ? "unknown" : fmt::format("{:.2f} MiB", bytes.get<double>() / (1 << 20));
-}
-
 }  // namespace
 
 OrderedJson render_report(const RenderArguments& arguments, const Session& session,
@@ -210,6 +208,10 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
     const Samples ms = collect(warm, [](const FrameCost& c) { return c.ms; });
     const Samples cpu = collect(warm, [](const FrameCost& c) { return std::optional<double>(c.cpu_ms); });
     const OrderedJson passes = passes_with_costs(plan, pipeline, warm);
+    OrderedJson of_device = device_json(device);
+    of_device["api"] = fmt::format("{}.{}", VK_API_VERSION_MAJOR(device.api_version),
+                                   VK_API_VERSION_MINOR(device.api_version));
+    of_device["subgroup"] = device.subgroup_size;
     return {{"penumbra", 1},
             {"version", PENUMBRA_VERSION},
             {"pipeline", plan.pipeline},
@@ -221,13 +223,7 @@ OrderedJson render_report(const RenderArguments& arguments, const Session& sessi
             {"frames", rendered.wanted},
             {"settings", settings_json(arguments.settings)},
             {"captures", arguments.captures},
-            {"device",
-             {{"name", device.name},
-              {"driver", device.driver},
-              {"class", device.is_cpu ? "cpu" : "gpu"},
-              {"api", fmt::format("{}.{}", VK_API_VERSION_MAJOR(device.api_version),
-                                  VK_API_VERSION_MINOR(device.api_version))},
-              {"subgroup", device.subgroup_size}}},
+            {"device", of_device},
             {"facts", facts_json(plan)},
             {"frame_ms", {{"median", median(ms)}, {"p95", quantile(ms, 0.95)}, {"min", quantile(ms, 0)}}},
             {"cpu_ms", {{"median", median(cpu)}, {"p95", quantile(cpu, 0.95)}}},
@@ -254,9 +250,9 @@ void print_summary(const OrderedJson& report) {
                        number(pass["ms"]["median"]), number(pass["cpu_ms"]["median"]));
     fmt::print("  {:<12} {:>10} {:>10}\n", "frame", number(report["frame_ms"]["median"]),
                number(report["cpu_ms"]["median"]));
-    const OrderedJson& memory = report["memory"];
-    fmt::print("  heap {}   live bound {}   unaliased {}\n", mebibytes(memory["heap_bytes"]),
-               mebibytes(memory["live_bound_bytes"]), mebibytes(memory["unaliased_bytes"]));
+    const auto memory = [&](const char* key) { return mebibytes(report["memory"][key].get<uint64_t>()); };
+    fmt::print("  heap {}   live bound {}   unaliased {}\n", memory("heap_bytes"), memory("live_bound_bytes"),
+               memory("unaliased_bytes"));
     const OrderedJson& counts = report["counts"];
     fmt::print("  pixels {}   receivers {}   rays {}\n", counts["pixels"].dump(), counts["receivers"].dump(),
                counts["rays"].dump());

@@ -20,6 +20,7 @@
 #include "app/report/parts.h"
 #include "app/report/radiance_report.h"
 #include "app/text_file.h"
+#include "app/wrong.h"
 #include "host/gbuffer/gbuffer.h"
 #include "host/json_dump.h"
 
@@ -254,20 +255,14 @@ std::string memory_text(const Job& job, const std::vector<PipelinePlan>& plans) 
 }  // namespace
 
 int run_report(const ReportArguments& arguments) {
-    if (arguments.signal != "visibility" && !arguments.light.empty()) {
-        std::cerr << "--light: is of visibility alone, and --signal asks for " << arguments.signal << "\n";
-        return exit_wrong;
-    }
+    if (!light_fits(arguments.signal, arguments.light)) return exit_wrong;
     if (arguments.signal != "visibility") return run_radiance_report(arguments);
     const auto nodes = open_nodes(arguments.node_folders);
     if (!nodes) return exit_wrong;
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     auto job = prepare(arguments, *nodes, diagnostics);
-    if (!job) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!job) return wrong(diagnostics);
     Device device({arguments.device, false});
     job->results.device = device.info();
     Shot first = job->shots.front().moving;
@@ -284,10 +279,7 @@ int run_report(const ReportArguments& arguments) {
         measured = Measuring(*job, device, *nodes, arguments, diagnostics, warnings).all();
     }
     print_warnings(warnings);
-    if (!measured) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!measured) return wrong(diagnostics);
     std::erase_if(*plans,
                   [&](const PipelinePlan& p) { return job->results.contenders[p.contender].variant(); });
     write_text(job->folder / "results.json", json_dump(to_json(job->results), 2) + "\n");

@@ -2,7 +2,6 @@
 // A session's frames; how one is opened is session_open.cpp's part.
 #include "app/session.h"
 
-#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <glm/gtc/type_ptr.hpp>

@@ -2,11 +2,10 @@
 // penumbra shot: writes the shot that `render MODEL` would make up, as a start for one's own.
 #include <fmt/format.h>
 
-#include <iostream>
-
 #include "app/commands.h"
 #include "app/text_file.h"
 #include "app/view_source.h"
+#include "app/wrong.h"
 
 namespace penumbra {
 
@@ -17,10 +16,7 @@ int run_shot(const ShotArguments& arguments) {
     Diagnostics diagnostics;
     const auto view = open_view(arguments.view, out.parent_path(), diagnostics);
     if (view && fs::exists(out)) diagnostics.add({out.string(), 0, 0}, "", "is there already");
-    if (!view || !diagnostics.empty()) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!view || !diagnostics.empty()) return wrong(diagnostics);
     if (out.has_parent_path()) fs::create_directories(out.parent_path());
     write_text(out, view->made_up);
     fmt::print("{}\n", out.generic_string());

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "app/session.h"
+#include "app/host_slots.h"
 
 namespace penumbra {
 

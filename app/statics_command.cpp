@@ -12,6 +12,7 @@
 #include "app/pipeline_file.h"
 #include "app/progress.h"
 #include "app/session.h"
+#include "app/wrong.h"
 
 namespace penumbra {
 namespace {
@@ -111,10 +112,7 @@ int run_statics(const StaticsArguments& arguments) {
         target.left_out.clear();  // as facts that are not named: what a host may bring is there
         Diagnostics diagnostics;
         const auto plan = compile(pipeline, target, {}, diagnostics);
-        if (!plan) {
-            std::cerr << diagnostics.text();
-            return exit_wrong;
-        }
+        if (!plan) return wrong(diagnostics);
         const std::vector<PassStatics> passes =
             pass_statics(*device, *plan, [&](double share) { doing(what, share); });
         doing.clear();

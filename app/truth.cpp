@@ -11,12 +11,12 @@
 
 #include "app/captured_values.h"
 #include "app/reference_pipeline.h"
+#include "app/reference_session.h"
 #include "app/view_rays.h"
 #include "host/generated/noise.h"
 #include "host/truth/analytic.h"
 #include "host/truth/counted_visibility.h"
 #include "host/truth/octahedral.h"
-#include "penumbra/shadow_nodes.h"
 
 namespace penumbra {
 namespace {
@@ -42,20 +42,13 @@ Truth analytic_truth(const Shot& shot, uint32_t frame) {
 std::unique_ptr<Session> open_truth(Device& device, const Shot& shot, Diagnostics& diagnostics,
                                     std::vector<std::string>& warnings, bool jitter, KeptScene* kept,
                                     const Told& doing) {
-    static const NodeSet nodes = shadow_nodes();  // plans point into it
-    const auto pipeline =
-        parse_pipeline(reference_pipeline_text, "pipelines/reference.json", {}, diagnostics);
-    const auto checked = pipeline ? check(*pipeline, nodes, diagnostics) : std::nullopt;
-    if (!checked) return nullptr;
     SessionOptions options;
-    options.size = shot.size;
-    options.captures = checked->output_names();
     options.jitter = jitter;
     options.light = "sun";
-    options.optimum = false;
     options.kept = kept;
     options.doing = doing;
-    return Session::open(device, nodes, *checked, shot, options, diagnostics, warnings);
+    return open_own(device, shot, {reference_pipeline_text, "pipelines/reference.json"}, std::move(options),
+                    diagnostics, warnings);
 }
 
 namespace {

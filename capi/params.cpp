@@ -128,13 +128,8 @@ void read_param(const HostPassContext& context, const char* param, double* value
 penumbra_code penumbra_plan_param(const penumbra_plan* plan, uint32_t pass, uint32_t index,
                                   penumbra_param* param, penumbra_error* error) {
     return guarded(error, [&] {
-        const std::vector<PlanPass>& passes = given(plan, "plan").plan->passes;
-        if (pass >= passes.size())
-            misuse("pass", "the plan has " + std::to_string(passes.size()) + " passes");
-        const PlanPass& p = passes[pass];
-        if (index >= p.params.size())
-            misuse("index", p.node + " has " + std::to_string(p.params.size()) + " dynamic parameters");
-        const auto& [of, offset] = p.params[index];
+        const PlanPass& p = one_of(given(plan, "plan").plan->passes, pass, "pass", "the plan", "passes");
+        const auto& [of, offset] = one_of(p.params, index, "index", p.node, "dynamic parameters");
         const auto names = plan->enums.find(&of);
         const bool is_enum = names != plan->enums.end();
         penumbra_param own{0,

@@ -130,9 +130,7 @@ uint32_t penumbra_plan_slot_count(const penumbra_plan* plan) {
 penumbra_code penumbra_plan_slot(const penumbra_plan* plan, uint32_t index, penumbra_slot* slot,
                                  penumbra_error* error) {
     return guarded(error, [&] {
-        const std::vector<HostSlot>& slots = given(plan, "plan").plan->slots;
-        if (index >= slots.size()) misuse("index", "the plan has " + std::to_string(slots.size()) + " slots");
-        const HostSlot& s = slots[index];
+        const HostSlot& s = one_of(given(plan, "plan").plan->slots, index, "index", "the plan", "slots");
         const std::vector<const char*>& accepted = plan->accepted[index];
         write(slot,
               {0, static_cast<penumbra_slot_kind>(s.kind), s.name.c_str(), format_of(s.kind, s.format),
@@ -150,9 +148,7 @@ penumbra_code penumbra_plan_output(const penumbra_plan* plan, uint32_t index, pe
                                    penumbra_error* error) {
     return guarded(error, [&] {
         const Plan& p = *given(plan, "plan").plan;
-        if (index >= p.outputs.size())
-            misuse("index", "the plan has " + std::to_string(p.outputs.size()) + " outputs");
-        const PlanOutput& o = p.outputs[index];
+        const PlanOutput& o = one_of(p.outputs, index, "index", "the plan", "outputs");
         const PlanResource& r = p.resources[o.resource];
         const auto bytes = static_cast<uint32_t>(r.kind == PortKind::image ? 0 : r.buffer_bytes());
         write(output,
@@ -201,10 +197,7 @@ uint32_t penumbra_plan_pass_count(const penumbra_plan* plan) {
 penumbra_code penumbra_plan_pass(const penumbra_plan* plan, uint32_t index, penumbra_pass* pass,
                                  penumbra_error* error) {
     return guarded(error, [&] {
-        const std::vector<PlanPass>& passes = given(plan, "plan").plan->passes;
-        if (index >= passes.size())
-            misuse("index", "the plan has " + std::to_string(passes.size()) + " passes");
-        const PlanPass& p = passes[index];
+        const PlanPass& p = one_of(given(plan, "plan").plan->passes, index, "index", "the plan", "passes");
         write(pass, {0, static_cast<uint32_t>(p.params.size()), p.node.c_str(), p.type.c_str()}, "pass");
     });
 }
@@ -216,10 +209,7 @@ uint32_t penumbra_plan_requirement_count(const penumbra_plan* plan) {
 penumbra_code penumbra_plan_requirement(const penumbra_plan* plan, uint32_t index,
                                         penumbra_requirement* requirement, penumbra_error* error) {
     return guarded(error, [&] {
-        const std::vector<Requirement>& needs = given(plan, "plan").needs;
-        if (index >= needs.size())
-            misuse("index", "the plan has " + std::to_string(needs.size()) + " requirements");
-        const Requirement& r = needs[index];
+        const Requirement& r = one_of(given(plan, "plan").needs, index, "index", "the plan", "requirements");
         write(requirement, {0, kind_name(r.kind), r.name.c_str(), r.why.c_str(), r.value}, "requirement");
     });
 }

@@ -8,6 +8,9 @@
 #include <cstring>
 #include <map>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "penumbra/graph.h"
 #include "penumbra/penumbra.h"
@@ -132,6 +135,15 @@ template <class T>
 T& given(T* pointer, const char* what) {
     if (!pointer) misuse(what, "is null");
     return *pointer;
+}
+
+// What a host asks for by its index, called `place`: one of the `things` that `owner` has.
+template <class T>
+const T& one_of(const std::vector<T>& list, uint32_t index, const char* place, std::string_view owner,
+                const char* things) {
+    if (index >= list.size())
+        misuse(place, std::string(owner) + " has " + std::to_string(list.size()) + " " + things);
+    return list[index];
 }
 
 // A pipeline's mistakes, on their way out.

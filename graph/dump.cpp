@@ -7,6 +7,8 @@
 
 #include <map>
 
+#include "graph/flag_words.h"
+
 namespace penumbra {
 namespace {
 
@@ -16,26 +18,11 @@ std::string join(const std::vector<std::string>& names) {
     return text;
 }
 
-struct FlagName {
-    uint64_t bit;
-    const char* name;
-};
-
-constexpr FlagName stage_names[] = {
-    {VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, "compute"}, {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, "indirect"},
-    {VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, "transfer"},  {VK_PIPELINE_STAGE_2_COPY_BIT, "copy"},
-    {VK_PIPELINE_STAGE_2_TOP_OF_PIPE_BIT, "top"},        {VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, "all"}};
-constexpr FlagName access_names[] = {
-    {VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT, "write"}, {VK_ACCESS_2_SHADER_STORAGE_READ_BIT, "read"},
-    {VK_ACCESS_2_SHADER_SAMPLED_READ_BIT, "sample"}, {VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, "arguments"},
-    {VK_ACCESS_2_TRANSFER_READ_BIT, "copy_read"},    {VK_ACCESS_2_TRANSFER_WRITE_BIT, "copy_write"},
-    {VK_ACCESS_2_MEMORY_READ_BIT, "any_read"},       {VK_ACCESS_2_MEMORY_WRITE_BIT, "any_write"}};
-
 template <size_t n>
-std::string flags(uint64_t value, const FlagName (&names)[n]) {
+std::string flags(uint64_t value, const FlagWord (&words)[n]) {
     std::string text;
-    for (const FlagName& f : names)
-        if (value & f.bit) text += (text.empty() ? "" : "+") + std::string(f.name);
+    const auto add = [&](const std::string& word) { text += (text.empty() ? "" : "+") + word; };
+    if (const uint64_t rest = say_flags(value, words, add)) add(fmt::format("{:#x}", rest));
     return text.empty() ? "none" : text;
 }
 
@@ -43,14 +30,14 @@ std::string dependency_text(const Plan& plan, const Dependency& d, const char* l
     if (d.empty()) return {};
     std::string text;
     if (d.src_stages)
-        text += fmt::format("      {} {}:{} -> {}:{}\n", label, flags(d.src_stages, stage_names),
-                            flags(d.src_access, access_names), flags(d.dst_stages, stage_names),
-                            flags(d.dst_access, access_names));
+        text += fmt::format("      {} {}:{} -> {}:{}\n", label, flags(d.src_stages, stage_words),
+                            flags(d.src_access, access_words), flags(d.dst_stages, stage_words),
+                            flags(d.dst_access, access_words));
     for (const Activation& a : d.activations)
         text += fmt::format("      {} activates {} after {}{} for {}:{}\n", label,
-                            plan.resources[a.resource].names.front(), flags(a.src_stages, stage_names),
-                            a.src_access ? ":" + flags(a.src_access, access_names) : "",
-                            flags(a.dst_stages, stage_names), flags(a.dst_access, access_names));
+                            plan.resources[a.resource].names.front(), flags(a.src_stages, stage_words),
+                            a.src_access ? ":" + flags(a.src_access, access_words) : "",
+                            flags(a.dst_stages, stage_words), flags(a.dst_access, access_words));
     return text;
 }
 

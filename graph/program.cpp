@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pipelines of compute passes, specialised with the plan's constants; set 0 holds internal resources and
 // tables, set 1 the frame block, counters and host slots.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 

@@ -2,7 +2,6 @@
 #include "graph/vocabulary.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "penumbra/node_type.h"
 

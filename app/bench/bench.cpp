@@ -8,7 +8,6 @@
 
 #include "app/bench/native_pass.h"
 #include "app/bench/wake.h"
-#include "app/commands.h"
 #include "app/mask_passes.h"
 #include "app/report/statistics.h"
 #include "app/session.h"

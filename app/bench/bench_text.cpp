@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/bench/native_pass.h"
+#include "app/device_json.h"
 #include "app/or_null.h"
 
 namespace penumbra::bench {
@@ -214,10 +215,7 @@ OrderedJson to_json(const Bench& bench) {
     }
     return {{"penumbra", 1},
             {"command", bench.command},
-            {"device",
-             {{"name", bench.device.name},
-              {"driver", bench.device.driver},
-              {"class", bench.device.is_cpu ? "cpu" : "gpu"}}},
+            {"device", device_json(bench.device)},
             {"native_pass", has_avx2() ? "avx2" : "plain"},
             {"frames", bench.options.frames},
             {"rounds", bench.options.rounds},

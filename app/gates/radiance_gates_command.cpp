@@ -2,7 +2,6 @@
 // penumbra gates --signal specular or diffuse: Markdown tables beside what is asked (docs/reflections.md).
 #include <fmt/format.h>
 
-#include <iostream>
 #include <set>
 
 #include "app/counted.h"
@@ -11,6 +10,7 @@
 #include "app/progress.h"
 #include "app/shipped_files.h"
 #include "app/signal_pipeline.h"
+#include "app/wrong.h"
 
 namespace penumbra {
 namespace {
@@ -124,8 +124,7 @@ int run_radiance_gates(const GatesArguments& arguments) {
     }
     print_warnings(warnings);
     if (good) return exit_good;
-    std::cerr << diagnostics.text();
-    return exit_wrong;
+    return wrong(diagnostics);
 }
 
 }  // namespace penumbra

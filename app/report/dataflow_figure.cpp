@@ -71,14 +71,15 @@ class Map {
         return items_.size() - 1;
     }
 
-    // Layer 0 is left to what the first passes read.
     void add_passes(const Plan& plan) {
+        const auto layer_of = [&](const std::string& name) -> std::optional<uint32_t> {
+            const auto value = by_name_.find(name);
+            if (value == by_name_.end()) return std::nullopt;
+            return layout_[values_[value->second].item].layer;
+        };
         for (const PlanPass& pass : plan.passes) {
             if (pass.kind == PassKind::capture) continue;
-            uint32_t layer = 1;
-            for (const std::string& name : pass.reads)
-                if (const auto value = by_name_.find(name); value != by_name_.end())
-                    layer = std::max(layer, layout_[values_[value->second].item].layer + 1);
+            const uint32_t layer = layer_behind(pass.reads, layer_of);
             const size_t item = add({Kind::pass, pass.node, pass.writes}, layer);
             for (size_t row = 0; row < pass.writes.size(); ++row) {
                 by_name_[pass.writes[row]] = values_.size();

@@ -2,7 +2,6 @@
 #include "app/report/layered_layout.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace penumbra::report {
 namespace {

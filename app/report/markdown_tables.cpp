@@ -123,9 +123,7 @@ std::string edge(const Results& results) {
         if (results.original(c) != c) continue;
         std::vector<std::string> cells{names(results, c)};
         for (const double width : results.study.edge_widths_px) {
-            const EdgePoint *worst = results.worst_edge(c, width), *rest = nullptr;
-            for (const EdgePoint& point : results.edge)
-                if (point.contender == c && point.width_px == width && point.speed_px == 0) rest = &point;
+            const EdgePoint *worst = results.worst_edge(c, width), *rest = results.resting_edge(c, width);
             const std::string at_rest = short_number(rest ? rest->metrics.n_eff : std::nullopt);
             cells.push_back(worst ? fmt::format("{} / {} ({})", at_rest, short_number(worst->metrics.n_eff),
                                                 results.speed_of(*worst))

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "app/report/html.h"
+#include "app/mebibytes.h"
 #include "app/report/svg.h"
 
 namespace penumbra::report {
@@ -14,9 +14,8 @@ namespace {
 constexpr double width = 1080, left = 62, right = 118, top = 12, area_height = 300, heap_gap = 10;
 
 std::string bytes_text(uint64_t bytes) {
-    const auto value = static_cast<double>(bytes);
-    if (bytes >= 1 << 20) return fmt::format("{:.2f} MiB", value / (1 << 20));
-    return fmt::format("{:.1f} KiB", value / 1024);
+    if (bytes >= 1 << 20) return mebibytes(bytes);
+    return fmt::format("{:.1f} KiB", static_cast<double>(bytes) / 1024);
 }
 
 // Most bytes of a heap that are live at once.

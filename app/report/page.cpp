@@ -7,6 +7,7 @@
 #include <iterator>
 #include <set>
 
+#include "app/mebibytes.h"
 #include "app/report/assets.h"
 #include "app/report/crops.h"
 #include "app/report/dataflow_figure.h"
@@ -171,10 +172,6 @@ std::string shot_section(const Results& results, size_t shot, const fs::path& fo
                                     {"images", images(results, shot, folder)},
                                     {"error_full", fmt::format("± {:g}", error_at_full)},
                                     {"table", shot_table(results, shot)}});
-}
-
-std::string mebibytes(uint64_t bytes) {
-    return fmt::format("{:.2f} MiB", static_cast<double>(bytes) / (1 << 20));
 }
 
 std::string pipeline_article(const Results& results, const PipelinePlan& planned) {

@@ -159,9 +159,7 @@ std::string edge_table(const Results& results) {
         {{"mask by", false}, {"width, px"}, {"at rest"}, {"worst"}, {"at px / frame"}, {"lag there, px"}});
     for (size_t c = 0; c < results.contenders.size(); ++c)
         for (const double width : results.study.edge_widths_px) {
-            const EdgePoint *worst = results.worst_edge(c, width), *rest = nullptr;
-            for (const EdgePoint& point : results.edge)
-                if (point.contender == c && point.width_px == width && point.speed_px == 0) rest = &point;
+            const EdgePoint *worst = results.worst_edge(c, width), *rest = results.resting_edge(c, width);
             const bool first = width == results.study.edge_widths_px.front();
             table.row({first ? contender_cell(results, c) : "", fmt::format("{:g}", width),
                        rest ? n_eff_cell(rest->metrics) : "–", worst ? n_eff_cell(worst->metrics) : "–",

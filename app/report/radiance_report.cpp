@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "app/node_folders.h"
@@ -13,6 +12,7 @@
 #include "app/report/radiance_page.h"
 #include "app/shipped_files.h"
 #include "app/text_file.h"
+#include "app/wrong.h"
 #include "host/json_dump.h"
 
 namespace penumbra {
@@ -100,10 +100,7 @@ int run_radiance_report(const ReportArguments& arguments) {
     Diagnostics diagnostics;
     std::vector<std::string> warnings;
     auto job = prepare(arguments, *nodes, diagnostics);
-    if (!job) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!job) return wrong(diagnostics);
     Device device({arguments.device, false});
     job->results.device = device.info().name;
     job->results.cpu = device.info().is_cpu;
@@ -115,10 +112,7 @@ int run_radiance_report(const ReportArguments& arguments) {
                                             job->results, diagnostics, warnings);
     }
     print_warnings(warnings);
-    if (!good) {
-        std::cerr << diagnostics.text();
-        return exit_wrong;
-    }
+    if (!good) return wrong(diagnostics);
     write_text(job->folder / "results.json", json_dump(to_json(job->results), 2) + "\n");
     write_text(job->folder / "tables.md", markdown_tables(job->results));
     write_text(job->folder / "index.html", radiance_page(job->results, job->folder));

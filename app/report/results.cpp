@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/device_json.h"
 #include "app/or_null.h"
 #include "app/report/front_figures.h"
 
@@ -152,6 +152,12 @@ const EdgePoint* Results::worst_edge(size_t contender, double width_px) const {
     return worst;
 }
 
+const EdgePoint* Results::resting_edge(size_t contender, double width_px) const {
+    for (const EdgePoint& point : edge)
+        if (point.contender == contender && point.width_px == width_px && point.speed_px == 0) return &point;
+    return nullptr;
+}
+
 std::string Results::speed_of(const EdgePoint& worst) const {
     for (const EdgePoint& point : edge)
         if (point.contender == worst.contender && point.width_px == worst.width_px && point.speed_px != 0 &&
@@ -192,16 +198,13 @@ OrderedJson to_json(const Results& results) {
         edge.back().update(metrics_json(point.metrics));
         edge.back()["lag_px"] = or_null(point.lag_px);
     }
-    const DeviceInfo& device = results.device;
+    OrderedJson device = device_json(results.device);
+    device["subgroup"] = results.device.subgroup_size;
     return {{"penumbra", 1},
             {"version", PENUMBRA_VERSION},
             {"command", results.command},
             {"quick", results.quick},
-            {"device",
-             {{"name", device.name},
-              {"driver", device.driver},
-              {"class", device.is_cpu ? "cpu" : "gpu"},
-              {"subgroup", device.subgroup_size}}},
+            {"device", device},
             {"study", study_json(results.study)},
             {"contenders", contenders},
             {"left_out", left_out},

@@ -88,6 +88,7 @@ struct Results {
     size_t original(size_t contender) const;
     // The worst speed of a contender at a width; the resting edge is no speed.
     const EdgePoint* worst_edge(size_t contender, double width_px) const;
+    const EdgePoint* resting_edge(size_t contender, double width_px) const;
     // "+0.25", or "any" where all speeds are as bad.
     std::string speed_of(const EdgePoint& worst) const;
 };

@@ -2,7 +2,6 @@
 #include "app/report/runner.h"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "app/mask_passes.h"
 #include "app/outputs.h"

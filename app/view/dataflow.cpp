@@ -33,12 +33,14 @@ Dataflow dataflow_of(const Plan& plan, double letter) {
         flow.boxes.push_back(std::move(box));
         return index;
     };
+    const auto layer_of = [&](const std::string& name) -> std::optional<uint32_t> {
+        const auto source = sources.find(name);
+        if (source == sources.end()) return std::nullopt;
+        return items[source->second.box].layer;
+    };
     for (const PlanPass& pass : plan.passes) {
         if (pass.kind == PassKind::capture) continue;
-        uint32_t layer = 1;
-        for (const std::string& name : pass.reads)
-            if (const auto source = sources.find(name); source != sources.end())
-                layer = std::max(layer, items[source->second.box].layer + 1);
+        const uint32_t layer = report::layer_behind(pass.reads, layer_of);
         passes.emplace_back(&pass, add({FlowBox::Kind::pass, pass.node, pass.writes}, layer));
     }
     std::set<std::pair<size_t, size_t>> joined;

@@ -31,10 +31,6 @@ glm::dmat4 rel_from_local(const glm::dmat4& world, const glm::dvec3& part_origin
     return result;
 }
 
-glm::dmat3 cofactors(const glm::dmat3& m) {
-    return glm::dmat3(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
-}
-
 double largest_element(const glm::dmat3& m) {
     double largest = 0;
     for (int c = 0; c < 3; ++c)

@@ -3,7 +3,6 @@
 // through it.
 #include "host/generated/fan.h"
 
-#include <array>
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 

@@ -2,7 +2,6 @@
 #include "host/generated/interior.h"
 
 #include <array>
-#include <numbers>
 
 #include "host/models/model_builder.h"
 

@@ -3,7 +3,6 @@
 // quarter of a pixel.
 #include "host/metrics/contact.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace penumbra {

@@ -3,7 +3,6 @@
 // positions are moved to an origin nearby.
 #include "host/models/model.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 

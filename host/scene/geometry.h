@@ -39,4 +39,10 @@ RasterGeometry make_raster_geometry(const Model& model);
 std::vector<RasterVertex> moved_vertices(const RasterGeometry& geometry, const PartRange& range,
                                          const std::vector<glm::vec3>& positions);
 
+// What turns normals where `m` moves positions, but for their lengths: those are about the largest area that
+// a unit square becomes.
+inline glm::dmat3 cofactors(const glm::dmat3& m) {
+    return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
+}
+
 }  // namespace penumbra

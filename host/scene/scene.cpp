@@ -8,6 +8,7 @@
 #include <glm/gtc/quaternion.hpp>
 
 #include "host/models/translucency.h"
+#include "host/scene/geometry.h"
 
 namespace penumbra {
 
@@ -44,11 +45,6 @@ glm::dmat4 local_transform(const Node& node, const NodePose& pose, const ObjectM
 
 double largest_column(const glm::dmat3& m) {
     return std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
-}
-
-// Their length is about the largest area that a unit square becomes.
-glm::dmat3 cofactors(const glm::dmat3& m) {
-    return {glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1])};
 }
 
 double length_of(const glm::dmat3& m) {

@@ -7,7 +7,6 @@
 #include "host/images/input_limit.h"
 #include "host/models/joined_models.h"
 #include "host/models/shapes.h"
-#include "host/shots/shot_facts.h"
 #include "host/truth/analytic.h"
 
 namespace penumbra {

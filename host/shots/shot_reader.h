@@ -131,6 +131,8 @@ class Reader {
     Diagnostics& diagnostics_;
 };
 
+// "scene", where that is an object.
+void read_analytic(Reader& reader, const Json& scene, Shot& shot);
 // "lights", where the shot has any.
 void read_lights(Reader& reader, const Json& root, Shot& shot);
 
