@@ -26,8 +26,7 @@ std::vector<bool> passes_of_mask(const Plan& plan, const std::string& signal) {
 }
 
 bool has_history(const Plan& plan) {
-    return std::ranges::any_of(plan.resources,
-                               [](const PlanResource& r) { return r.lasts() && !r.memo; }) ||
+    return std::ranges::any_of(plan.resources, [](const PlanResource& r) { return r.lasts() && !r.memo; }) ||
            std::ranges::any_of(plan.slots, [](const HostSlot& slot) { return is_previous(slot.name); });
 }
 

@@ -98,8 +98,7 @@ std::optional<Plan> Compiler::run() {
     if (diagnostics_.size() != errors) return std::nullopt;
     place_barriers(plan_);
     for (uint32_t i = 0; i < plan_.resources.size(); ++i)
-        if (plan_.resources[i].lasts())
-            plan_.reset.push_back({i, plan_.resources[i].clear_on_reset});
+        if (plan_.resources[i].lasts()) plan_.reset.push_back({i, plan_.resources[i].clear_on_reset});
     plan_.settles = frames_to_settle(plan_);
     return std::move(plan_);
 }

@@ -227,6 +227,9 @@ TEST_F(CFramesGpu, WhatAHostSaysOfAFrameReachesIt) {
         ASSERT_EQ(penumbra_view_completed(view, &completed, &passes, nullptr, &error_), PENUMBRA_OK);
         EXPECT_EQ(completed, f < 3 ? UINT64_MAX : 0u) << f;
     }
+    EXPECT_EQ(record(view, 44, {numbers_, given_, numbers_}), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, ("externals of \"" + std::string(numbers_.name) + "\"").c_str());
+    EXPECT_STREQ(error_.text, "stands there twice");
     ASSERT_GT(passes, 1u);
     std::vector<penumbra_pass_statistics> list(passes);
     completed = 99;

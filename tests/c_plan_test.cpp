@@ -150,6 +150,32 @@ TEST_F(CPlanGpu, AnInputIsSpokenOfOnce) {
     EXPECT_STREQ(error_.text, "stands there twice");
 }
 
+TEST_F(CPlanGpu, AFactIsSpokenOfOnce) {
+    penumbra_fact twice[2] = {sized<penumbra_fact>(), sized<penumbra_fact>()};
+    twice[0].name = twice[1].name = "moves";
+    twice[0].holds = VK_TRUE;
+    penumbra_plan_request request = request_of(c_pipeline);
+    request.facts = twice;
+    request.fact_count = 2;
+    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "request.facts of \"moves\"");
+    EXPECT_STREQ(error_.text, "stands there twice");
+}
+
+TEST_F(CPlanGpu, ACaptureThatIsNamedTwiceIsMadeOnce) {
+    const char* const captures[] = {"view_depth", "view_depth"};
+    penumbra_plan_request request = request_of(c_pipeline);
+    request.captures = captures;
+    uint32_t passes[2] = {};
+    for (const uint32_t count : {1u, 2u}) {
+        request.capture_count = count;
+        penumbra_plan_destroy(std::exchange(plan_, nullptr));
+        ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
+        passes[count - 1] = penumbra_plan_pass_count(plan_);
+    }
+    EXPECT_EQ(passes[1], passes[0]);
+}
+
 TEST_F(CPlanGpu, AWrongCaptureIsOfThePipeline) {
     const char* const captures[] = {"view_dept"};
     penumbra_plan_request request = request_of(c_pipeline);

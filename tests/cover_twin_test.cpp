@@ -80,8 +80,8 @@ double height_of(const glm::dvec3& start, const glm::dvec3 (&p)[3], const glm::d
 }
 
 // Whether the camera sees the start through the triangle, whose plane is so close above it that the pixel may
-// show its own triangle past that one's end: within the grid of the triangle as it is drawn, and within a
-// tenth of that where it rises far.
+// show its own triangle past that one's end: within the grid of the outline of the triangle as it is drawn,
+// and within a tenth of that beside it where it rises far.
 bool is_looked_through(const CoverRun& run, uint32_t x, uint32_t y, const glm::dvec3& start,
                        const glm::dvec3 (&p)[3]) {
     const glm::dvec3 way = run.to_camera(start), n = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
@@ -94,7 +94,8 @@ bool is_looked_through(const CoverRun& run, uint32_t x, uint32_t y, const glm::d
         const glm::dvec3 a = p[k] - start, b = p[(k + 1) % 3] - start, across = glm::cross(b - a, way);
         outside = std::max(outside, -std::copysign(1.0, to_camera) * glm::dot(a, glm::normalize(across)));
     }
-    return outside <= run.grid_angle() * glm::length(way) * std::max(1.5 - 6 * std::abs(below) / past, 0.1);
+    const double grid = run.grid_angle() * glm::length(way);
+    return outside <= grid * std::max(1.5 - 6 * std::abs(below) / past, 0.1) && outside >= -1.5 * grid;
 }
 
 struct SeenTriangle {

@@ -180,6 +180,46 @@ TEST_F(TerrainStart, NobodyIsHiddenByWhatIsLookedThrough) {
     for (const char* name : {"covered", "raw", "many_rays"}) EXPECT_EQ(dark_by(name, 100'000), 0u) << name;
 }
 
+// Walls whose back is not drawn stand through the floor: what shows right behind one is in its shadow, though
+// the camera looks through it.
+TEST_F(TerrainStart, WhatIsBehindAWallThatIsNotDrawnIsInItsShadow) {
+    Shape walls;
+    for (uint32_t i = 0; i < 200; ++i) {
+        const double z = 0.0713 * i - 7;
+        for (const double x : {-9.0, 9.0})
+            for (const double y : {-0.02, 0.02}) walls.positions.push_back(glm::vec3(x, y, z + 0.003 * x));
+        for (const uint32_t k : {0u, 1u, 2u, 2u, 1u, 3u}) walls.indices.push_back(4 * i + k);
+    }
+    Model model;
+    model.materials = {{{1, 1, 1, 1}}};
+    add(model, "floor", ground(20, 20, 1, 1), 0);
+    add(model, "walls", std::move(walls), -1);  // glTF's default material has one side
+    write_file(path_, to_glb(model));
+    shot_.camera = {{0, {0.3, 4, 9}, {0, 0, 0}, {0, 1, 0}}};
+    shot_.sun = {{0, {0.1, 0.6, 0.8}}};
+    Diagnostics diagnostics;
+    std::vector<std::string> warnings;
+    const auto reference = open_truth(gpu(), shot_, diagnostics, warnings, false);
+    ASSERT_TRUE(reference) << diagnostics.text();
+    const std::vector<float> truth = counted_truth(*reference, 0, 64).visibility;
+    for (const char* name : {"covered", "many_rays"}) {
+        SessionOptions options;
+        options.size = shot_.size;
+        options.jitter = options.optimum = false;
+        options.captures = {"visibility"};
+        const auto session = open_session(shipped_pipeline(name), shot_, options);
+        session->run_frame(0, true);
+        const auto mask = captured_planes(session->view(), "visibility")[0];
+        size_t dark = 0, leaks = 0;
+        for (size_t i = 0; i < truth.size(); ++i) {
+            dark += truth[i] == 0;
+            leaks += truth[i] == 0 && mask[i] == 1;
+        }
+        EXPECT_GT(dark, 5000u);
+        EXPECT_EQ(leaks, 0u) << name;
+    }
+}
+
 // The truth looks for what a pixel shows as far away as the rasteriser's grid may have moved it: by 4 bits of
 // sub-pixel precision it finds all of 57 600 but one, and 89 fewer within a 64th of a pixel.
 TEST_F(TerrainStart, TheTruthFindsWhatEachPixelShows) {

@@ -15,7 +15,7 @@ foreach(LIBRARY penumbra_bvh penumbra_diagnostic penumbra_graph penumbra_capi pe
   list(APPEND SANITIZED_SOURCES ${FILES})
 endforeach()
 foreach(FILE models/joined_models scene/geometry scene/moved_boxes scene/pose scene/scene scene/scene_alpha scene/scene_file shots/light_choice
-        shots/light_file shots/model_lights shots/model_shot shots/shot shots/shot_facts shots/shot_file shots/shot_text
+        shots/analytic_file shots/light_file shots/model_lights shots/model_shot shots/shot shots/shot_facts shots/shot_file shots/shot_text
         truth/analytic truth/analytic_model truth/sun_visibility)
   list(APPEND SANITIZED_SOURCES ${PROJECT_SOURCE_DIR}/host/${FILE}.cpp)
 endforeach()

@@ -172,12 +172,19 @@ std::optional<Lines> lines_before(const Triangle& triangle, const glm::dvec3& at
 CountedVisibility::CountedVisibility(const Scene& scene, double frame) {
     opaque_.triangles = scene.triangles(frame);
     opaque_.bvh = build_bvh(opaque_.triangles, scene.triangle_objects());
+    const Model& model = scene.model();
+    const std::vector<glm::dmat4> world = scene.transforms(frame);
+    for (const Instance& instance : scene.instances()) {
+        const bool mirrored = glm::determinant(glm::dmat3(world[static_cast<size_t>(instance.node)])) < 0;
+        const auto one_side = static_cast<int8_t>(mirrored ? -1 : 1);
+        for (const Part& part : model.meshes[static_cast<size_t>(instance.mesh)].parts)
+            front_.insert(front_.end(), part.indices.size() / 3, part.single_sided ? one_side : int8_t{0});
+    }
     if (has_alpha(scene)) alpha_ = make_scene_alpha(scene);
     if (!scene.has_translucent()) return;
     translucent_.triangles = scene.translucent_triangles(frame);
     translucent_.bvh = build_bvh(translucent_.triangles);
     translucents_ = make_scene_translucents(scene);
-    const Model& model = scene.model();
     uint32_t index = 0;
     for (const Instance& instance : scene.instances())
         for (const Part& part : model.meshes[static_cast<size_t>(instance.mesh)].parts) {
@@ -224,7 +231,7 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
     const auto look = [&](const Triangle& triangle, uint32_t index) {
         const Corners v = corners_from(triangle, point);
         const glm::dvec3 winding = glm::cross(v[1] - v[0], v[2] - v[0]);
-        if (!(glm::dot(winding, winding) > 0)) return;
+        if (!(glm::dot(winding, winding) > 0) || !is_drawn(index, winding, ray.direction)) return;
         const glm::dvec3 n = glm::normalize(winding), nearest = nearest_to_origin(v);
         if (glm::length(nearest) > margin.x) return;
         // What shows the viewer its other side is not what the rasteriser saw, which at a silhouette may be
@@ -254,6 +261,8 @@ std::optional<SurfacePoint> CountedVisibility::shown(const ViewRay& ray, double 
         const double height = height_over_origin(v);
         const glm::dvec3 winding = glm::cross(v[1] - v[0], v[2] - v[0]);
         if (index == out->triangle || in_plane_of_origin(v, height, out->at)) return;
+        if (!is_drawn(index, winding, ray.direction))
+            return;  // seen through by right, wherever its outline lies
         if (!(std::abs(height) <= margin.x * glm::length(winding))) return;
         const glm::dvec3 w = Lines(v, height).weights(to_viewer);
         const uint32_t record = alpha_ ? alpha_->record_of[index] : 0;

@@ -33,7 +33,8 @@ float inside_m(vec3 from, vec3 to, vec3 to_viewer) {
     return dot(from, outwards) * inversesqrt(max(dot(outwards, outwards), 1e-37));
 }
 
-// What rises little is looked through by all of the grid, since it may not be the triangle that a ray meets.
+// What rises little is looked through by all of the grid, since it may not be the triangle that a ray meets. Deeper inside than an outline can
+// have moved lies what is behind a triangle that is not drawn, as of a wall that is seen from its back: it is in that one's shadow.
 const float GRIDS = 1.5, RISES_LITTLE = 0.25, LEAST_GRIDS = 0.1;
 
 // `beyond_edge_m`: how far the start may lie past the end of what it is on.
@@ -46,6 +47,6 @@ bool is_looked_through(vec3 start, float beyond_edge_m, vec3 a, vec3 b, vec3 c) 
     const float grid_m = viewed.w < 0.0 ? -viewed.w : viewed.w * length(to_viewer), side = above < 0.0 ? -1.0 : 1.0;
     const float rise = depth / max(RISES_LITTLE * beyond_edge_m, 1e-30);
     const float inside = min(min(side * inside_m(to_a, to_b, to_viewer), side * inside_m(to_b, to_c, to_viewer)), side * inside_m(to_c, to_a, to_viewer));
-    return side * dot(n, to_viewer) > 0.0 && inside >= -grid_m * max(GRIDS * (1.0 - rise), LEAST_GRIDS);
+    return side * dot(n, to_viewer) > 0.0 && inside >= -grid_m * max(GRIDS * (1.0 - rise), LEAST_GRIDS) && inside <= GRIDS * grid_m;
 }
 #endif
