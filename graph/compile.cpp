@@ -110,7 +110,7 @@ void Compiler::check_limits(const Selection& selection) {
         const auto node = std::ranges::find_if(selection.nodes, [&](const SelectedNode& s) {
             return s.node && need.pass && s.node->id == need.why;
         });
-        const std::string path = (need.pass ? "nodes." : "resources.") + need.why;
+        const std::string path = need.pass ? "nodes." + need.why : need.why;
         error(node != selection.nodes.end() ? node->node->place : Place{pipeline_.file}, path,
               fmt::format("it takes {} of {}, {} more than the {} of the device \"{}\"", need.value,
                           need.name, need.value - limit->second, limit->second, plan_.device));

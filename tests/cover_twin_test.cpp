@@ -95,7 +95,8 @@ bool is_looked_through(const CoverRun& run, uint32_t x, uint32_t y, const glm::d
         outside = std::max(outside, -std::copysign(1.0, to_camera) * glm::dot(a, glm::normalize(across)));
     }
     const double grid = run.grid_angle() * glm::length(way);
-    return outside <= grid * std::max(1.5 - 6 * std::abs(below) / past, 0.1) && outside >= -1.5 * grid;
+    const double most_inside = 1.5 * grid + 4.5 * 0x1p-23 * (taxi(start) + taxi(way) + glm::length(way));
+    return outside <= grid * std::max(1.5 - 6 * std::abs(below) / past, 0.1) && -outside <= most_inside;
 }
 
 struct SeenTriangle {

@@ -48,7 +48,7 @@ TEST(Limits, EachIsRefusedOneBelowWhatAPlanTakes) {
             DeviceTable less = tight;
             less.limits[need.name] = need.value - 1;
             const std::string text = refusal(pipeline, extent, less);
-            EXPECT_NE(text.find((need.pass ? "nodes." : "resources.") + need.why + ": it takes " +
+            EXPECT_NE(text.find((need.pass ? "nodes." : "") + need.why + ": it takes " +
                                 std::to_string(need.value) + " of " + need.name + ", 1 more than the " +
                                 std::to_string(need.value - 1) + " of the device \"reference gpu\""),
                       std::string::npos)

@@ -89,8 +89,8 @@ class CountedVisibility {
     // Per triangle of Scene::triangles(): 0 if both its sides are drawn, else 1, or -1 where a mirror has
     // turned its winding.
     std::vector<int8_t> front_;
-    bool is_drawn(uint32_t triangle, const glm::dvec3& winding, const glm::dvec3& from_viewer) const {
-        return front_[triangle] * glm::dot(winding, from_viewer) <= 0;
+    bool is_drawn(uint32_t triangle, const glm::dvec3& winding, const glm::dvec3& view_direction) const {
+        return front_[triangle] * glm::dot(winding, view_direction) <= 0;
     }
     // Per translucent triangle which of Scene::triangles() it is, where its opaque texels are drawn.
     std::vector<std::optional<uint32_t>> drawn_;

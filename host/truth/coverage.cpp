@@ -79,6 +79,13 @@ class Surface {
         return grid_per_m() * (orthographic() ? 1 : glm::length(way));
     }
 
+    // most_inside_m() of looked_through.glsl, of a depth that is of the pixel's centre.
+    double most_inside_m(const glm::dvec3& start, const glm::dvec3& way) const {
+        return orthographic()
+                   ? INFINITY
+                   : 1.5 * grid_m(way) + 4.5 * 0x1p-23 * (taxi(start) + taxi(way) + glm::length(way));
+    }
+
   private:
     double grid_per_m() const {
         return 2 / (frame_.size[1] * std::abs(clip_[1].y)) * std::ldexp(0.5, -int(frame_.sub_pixel_bits));
@@ -135,7 +142,8 @@ bool is_looked_through(const CoverageReceiver& r, const glm::dvec3& a, const glm
         return side * glm::dot(from, outwards) / std::max(glm::length(outwards), 1e-30);
     };
     const double grids = std::max(1.5 * (1 - depth / (0.25 * r.beyond_edge_m)), 0.1);
-    return std::min({inside_m(a, b), inside_m(b, c), inside_m(c, a)}) >= -grids * r.grid_m;
+    const double inside = std::min({inside_m(a, b), inside_m(b, c), inside_m(c, a)});
+    return inside >= -grids * r.grid_m && inside <= r.most_inside_m;
 }
 
 }  // namespace
@@ -165,6 +173,7 @@ CoverageReceiver coverage_receiver(const StandaloneFrame& frame, uint32_t seed,
     r.to_viewer = surface.to_viewer(vector(frame.scene.camera_from_origin.v), r.start);
     r.beyond_edge_m = surface.beyond_edge_m(r.normal);
     r.grid_m = surface.grid_m(r.to_viewer);
+    r.most_inside_m = surface.most_inside_m(r.start, r.to_viewer);
     const auto [turn, dither] = noise(blue_noise, pixel.at, frame.description.index, seed);
     const glm::dmat3 axes = sun_frame(to_sun);
     const double c = std::cos(2 * pi * turn), s = std::sin(2 * pi * turn);

@@ -34,9 +34,10 @@ struct CoverageReceiver {
     double dither = 0;   // 0 to 1: rounds a share of the samples up or down
     double angular_radius = 0;  // radians
     // Of what is looked through (looked_through.glsl): the way to the viewer, how far the start may lie past
-    // the end of what it is on, and the rasteriser's grid there, metres.
+    // the end of what it is on, half a step of the rasteriser's grid there, and how deep inside an outline
+    // that may have moved, metres.
     glm::dvec3 to_viewer{0, 0, 1};
-    double beyond_edge_m = 0, grid_m = 0;
+    double beyond_edge_m = 0, grid_m = 0, most_inside_m = 0;
 };
 
 struct CoveragePixel {

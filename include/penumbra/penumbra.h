@@ -145,10 +145,10 @@ typedef struct penumbra_plan_request {
     const penumbra_device* device;  /* null: a plan to look at, for no device */
     const char* const* settings;    /* "nodes.filter0.params.step=2" */
     const char* const* features;    /* of those that nodes may need, what is enabled */
-    const char* const* captures;    /* resources to copy out every frame */
+    const char* const* captures;    /* resources to copy out every frame, each once */
     const char* const* host_images; /* outputs that the caller brings an image for, every frame */
-    const penumbra_fact* facts;     /* what is not named is true */
-    const penumbra_input* inputs;   /* what is not named is as the pipeline has it */
+    const penumbra_fact* facts;     /* none twice; what is not named is true */
+    const penumbra_input* inputs;   /* none twice; what is not named is as the pipeline has it */
     uint32_t setting_count, feature_count, capture_count, host_image_count, fact_count, input_count;
     VkBool32 share_transients, hand_on_history;
     const penumbra_nodes* nodes;            /* null: those that ship */
@@ -362,7 +362,7 @@ typedef struct penumbra_handover {
 typedef struct penumbra_external {
     uint32_t struct_size;
     VkImageLayout layout; /* while the frame reads it; 0: VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL */
-    const char* name;     /* of the slot */
+    const char* name;     /* of the slot; none twice */
     VkImageView image;
     VkBufferView texels;
     VkBuffer buffer;

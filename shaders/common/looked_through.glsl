@@ -6,7 +6,7 @@
 #ifndef LOOKED_THROUGH_GLSL
 #define LOOKED_THROUGH_GLSL
 
-// Where the viewer is, and the rasteriser's grid per metre of the way to it; of an orthographic view the way, and less the grid in metres.
+// Where the viewer is, and half a step of the rasteriser's grid per metre of the way to it; of an orthographic view the way, and less that in metres.
 vec4 viewer_now() {
     const float grid = frame.grid_px * frame.pixel_angle;
     return (frame.flags & FRAME_ORTHOGRAPHIC) != 0u ? vec4(frame.world_from_view[2], -grid) : vec4(scene.camera_from_origin, grid);
@@ -33,9 +33,17 @@ float inside_m(vec3 from, vec3 to, vec3 to_viewer) {
     return dot(from, outwards) * inversesqrt(max(dot(outwards, outwards), 1e-37));
 }
 
-// What rises little is looked through by all of the grid, since it may not be the triangle that a ray meets. Deeper inside than an outline can
-// have moved lies what is behind a triangle that is not drawn, as of a wall that is seen from its back: it is in that one's shadow.
+// What rises little is looked through by all of the grid, since it may not be the triangle that a ray meets.
 const float GRIDS = 1.5, RISES_LITTLE = 0.25, LEAST_GRIDS = 0.1;
+
+// Deeper inside an outline than that can have moved lies what is behind a triangle that is not drawn, as of a wall that is seen from its back:
+// it is in that one's shadow. Seen along the surface, what rounding lifts a start by (ray_offset.glsl) is as deep. Where depth is of a moved
+// triangle, a surface shows also where it is behind one that pierces it, however deep.
+const float LIFT = 1.5 * 3.0 * 1.1920929e-7, ANY = 1e6;
+float most_inside_m(vec3 start, vec3 to_viewer, float grid_m, bool orthographic) {
+    const float grids = frame.snap_px > 0.0 || orthographic ? ANY : GRIDS;
+    return grids * grid_m + LIFT * (dot(abs(start) + abs(to_viewer), vec3(1.0)) + length(to_viewer));
+}
 
 // `beyond_edge_m`: how far the start may lie past the end of what it is on.
 bool is_looked_through(vec3 start, float beyond_edge_m, vec3 a, vec3 b, vec3 c) {
@@ -47,6 +55,7 @@ bool is_looked_through(vec3 start, float beyond_edge_m, vec3 a, vec3 b, vec3 c) 
     const float grid_m = viewed.w < 0.0 ? -viewed.w : viewed.w * length(to_viewer), side = above < 0.0 ? -1.0 : 1.0;
     const float rise = depth / max(RISES_LITTLE * beyond_edge_m, 1e-30);
     const float inside = min(min(side * inside_m(to_a, to_b, to_viewer), side * inside_m(to_b, to_c, to_viewer)), side * inside_m(to_c, to_a, to_viewer));
-    return side * dot(n, to_viewer) > 0.0 && inside >= -grid_m * max(GRIDS * (1.0 - rise), LEAST_GRIDS) && inside <= GRIDS * grid_m;
+    return side * dot(n, to_viewer) > 0.0 && inside >= -grid_m * max(GRIDS * (1.0 - rise), LEAST_GRIDS) &&
+           inside <= most_inside_m(start, to_viewer, grid_m, viewed.w < 0.0);
 }
 #endif

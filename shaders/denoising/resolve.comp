@@ -12,7 +12,7 @@ float kept_share(uint mask, uint pixel) {
     return (kept_hits[mask] >> pixel & 1u) == 0u ? 1.0 : 0.0;
 }
 
-// An invocation has pixels of one column of one tile, whose words it reads once.
+// An invocation has pixels of one column of one tile (per_thread: 1 across, and 1, 2 or 4 down), whose words it reads once.
 void main() {
     const ivec2 first = ivec2(gl_GlobalInvocationID.xy * uvec2(1u, PER_THREAD_Y)), tile = first / TILE;
     if (!all(lessThan(first, ivec2(frame.size)))) return;
