@@ -20,6 +20,11 @@ class CPlanGpu : public CGpuTest {
         const penumbra_plan_request request = request_of(pipeline);
         ASSERT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_OK) << error_.text;
     }
+    void expect_twice(const penumbra_plan_request& request, const char* place) {
+        EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_USAGE);
+        EXPECT_STREQ(error_.place, place);
+        EXPECT_STREQ(error_.text, "stands there twice");
+    }
     // The slot or output of a name.
     penumbra_slot slot_of(const char* name) {
         auto slot = sized<penumbra_slot>();
@@ -145,9 +150,7 @@ TEST_F(CPlanGpu, AnInputIsSpokenOfOnce) {
     penumbra_plan_request request = request_of(c_pipeline);
     request.inputs = twice;
     request.input_count = 2;
-    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_USAGE);
-    EXPECT_STREQ(error_.place, "request.inputs of \"normal\"");
-    EXPECT_STREQ(error_.text, "stands there twice");
+    expect_twice(request, "request.inputs of \"normal\"");
 }
 
 TEST_F(CPlanGpu, AFactIsSpokenOfOnce) {
@@ -157,9 +160,7 @@ TEST_F(CPlanGpu, AFactIsSpokenOfOnce) {
     penumbra_plan_request request = request_of(c_pipeline);
     request.facts = twice;
     request.fact_count = 2;
-    EXPECT_EQ(penumbra_plan_create(&request, &plan_, &error_), PENUMBRA_USAGE);
-    EXPECT_STREQ(error_.place, "request.facts of \"moves\"");
-    EXPECT_STREQ(error_.text, "stands there twice");
+    expect_twice(request, "request.facts of \"moves\"");
 }
 
 TEST_F(CPlanGpu, ACaptureThatIsNamedTwiceIsMadeOnce) {
