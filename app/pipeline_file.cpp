@@ -68,9 +68,12 @@ void name_lights(Pipeline& pipeline, const Shot& shot, const std::string& wanted
                 diagnostics.add(
                     instance.place, "instances." + name,
                     "others here are lights of the shot, and this is none" + did_you_mean(name, known));
+    const bool some_shine =
+        std::ranges::any_of(names, [&](const auto& name) { return shines(shot.lights.at(name)); });
     for (const std::string& name : names) {
         if (chosen && !own.contains(name)) continue;
         const ShotLight& light = shot.lights.at(name);
+        if (!chosen && some_shine && !shines(light)) continue;  // no pass and no byte
         if (!is_id(name))
             diagnostics.add(
                 light.place, "lights." + name,

@@ -191,7 +191,8 @@ OrderedJson resources_json(const Plan& plan) {
              {"layers", r.layers},
              {"levels", r.levels},
              {"element", r.element.empty() ? OrderedJson() : OrderedJson(r.element)},
-             {"buffer_bytes", image ? OrderedJson() : OrderedJson(r.buffer_bytes())},
+             {"buffer_bytes", image && !r.row_bytes ? OrderedJson() : OrderedJson(r.buffer_bytes())},
+             {"row_bytes", r.row_bytes ? OrderedJson(r.row_bytes) : OrderedJson()},
              {"usage", image ? flags_json(r.image_usage, image_usage_words)
                              : flags_json(r.buffer_usage, buffer_usage_words)},
              {"history", r.history},

@@ -12,7 +12,7 @@
 namespace penumbra {
 
 // Raised where a reader of the version before would be wrong.
-inline constexpr int plan_json_version = 1;
+inline constexpr int plan_json_version = 2;
 
 // The whole plan. Its SPIR-V and its tables are files, named here, that write_plan() puts beside it.
 nlohmann::ordered_json to_json(const Plan& plan);

@@ -131,7 +131,10 @@ Schema resource() {
          {"layers", number},
          {"levels", number},
          {"element", or_null(text)},
-         {"buffer_bytes", or_null(number)},
+         {"buffer_bytes", or_null(doc(number, "of the buffer, be it the one of an image's memory"))},
+         {"row_bytes", or_null(doc(number,
+                                   "from row to row of an image in linear tiling, whose memory a "
+                                   "storage buffer has, too: bindings of that type mean it"))},
          {"usage", use("usage")},
          {"history", flag},
          {"kept", doc(flag, "one instance for all frames, not one for each parity")},

@@ -307,6 +307,9 @@ void Compiler::bind_output(const SelectedNode& selected, uint32_t index, uint32_
             r.image_usage |= VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;  // a callback may draw
     }
     bind_resource(port, resource, false, binding);
+    if (variant_.rows && port.in_rows)  // the graph's own: what is put out is the image
+        pass.bindings.push_back(
+            {.binding = binding + 1, .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .index = resource});
     pass.uses.push_back({resource, false, output_use(pass, port)});
     if (r.slot) {
         HostSlot& slot = plan_.slots[*r.slot];

@@ -41,6 +41,7 @@ void Compiler::lower(const SelectedNode& selected) {
         }
     }
     if (node.type().by_class) variant_.cpu = target_.device.cpu;
+    variant_.rows = lay_in_rows(selected);
     pass.variant = to_string(variant_);
     bind(selected);
     fill_constants(selected);
@@ -155,6 +156,40 @@ void Compiler::fill_constants(const SelectedNode& selected) {
         if (p.part) there = there && exists(type.ports[*p.port].bundle->parts[*p.part]);
         pass.constants.push_back(there);
     }
+    for (const uint32_t i : row_outputs(type)) {
+        if (!variant_.rows) break;
+        const bool there = selected.sources[i] != Source::none;
+        const PlanResource* r = there ? &plan_.resources[made_[node.ports[i].resource].resource] : nullptr;
+        pass.constants.push_back(r ? static_cast<uint32_t>(r->row_bytes / row_element_bytes(r->format)) : 1);
+    }
+}
+
+// All of the outputs, or none: one variant of the shader writes rows.
+bool Compiler::lay_in_rows(const SelectedNode& selected) {
+    const DeviceTable& device = target_.device;
+    const BoundNode& node = *selected.node;
+    if (!device.row_bytes || node.type().host || variant_.cpu == false) return false;
+    std::vector<std::pair<PlanResource*, uint64_t>> rows;
+    for (const uint32_t i : row_outputs(node.type())) {
+        if (selected.sources[i] == Source::none) continue;
+        const uint32_t name_id = node.ports[i].resource;
+        PlanResource& r = plan_.resources[made_[name_id].resource];
+        if (r.slot || !has_rows(r.format)) return false;
+        // Whatever else may be done with it.
+        const auto asked = options_.outputs.find(name(name_id));
+        const OutputUse use = asked == options_.outputs.end() ? OutputUse{} : asked->second;
+        const uint64_t row = device.row_bytes(
+            {.format = r.format,
+             .extent = r.extent,
+             .usage = use.image_usage | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                      VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+        if (row == 0 || row % row_element_bytes(r.format) != 0 ||
+            row * r.extent.height > device.max_storage_bytes)
+            return false;
+        rows.emplace_back(&r, row);
+    }
+    for (const auto& [r, row] : rows) r->row_bytes = row;
+    return !rows.empty();
 }
 
 void Compiler::fill_dispatch(const SelectedNode& selected) {

@@ -30,6 +30,7 @@ uint32_t element_bytes(const Port& port, Format format, const Domain& domain) {
 }  // namespace
 
 uint64_t PlanResource::buffer_bytes() const {
+    if (kind == PortKind::image) return row_bytes * extent.height;
     return std::max<uint64_t>((count * element_bytes + 3) / 4 * 4, 4);
 }
 

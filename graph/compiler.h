@@ -88,6 +88,7 @@ class Compiler {
     const ParamValue& value_of(const BoundNode& node, size_t param) const;
     void fill_constants(const SelectedNode& selected);
     void fill_dispatch(const SelectedNode& selected);
+    bool lay_in_rows(const SelectedNode& selected);
     void find_module(const SelectedNode& selected);
 
     const CheckedPipeline& pipeline_;

@@ -6,14 +6,15 @@
 
 namespace penumbra {
 
-#define PENUMBRA_INSTANCE_FUNCTIONS(X)      \
-    X(vkEnumerateDeviceExtensionProperties) \
-    X(vkGetDeviceProcAddr)                  \
-    X(vkGetPhysicalDeviceFormatProperties)  \
-    X(vkGetPhysicalDeviceMemoryProperties)  \
-    X(vkGetPhysicalDeviceProperties)        \
-    X(vkGetPhysicalDeviceProperties2)       \
-    X(vkGetPhysicalDeviceFeatures2)         \
+#define PENUMBRA_INSTANCE_FUNCTIONS(X)          \
+    X(vkEnumerateDeviceExtensionProperties)     \
+    X(vkGetDeviceProcAddr)                      \
+    X(vkGetPhysicalDeviceFormatProperties)      \
+    X(vkGetPhysicalDeviceImageFormatProperties) \
+    X(vkGetPhysicalDeviceMemoryProperties)      \
+    X(vkGetPhysicalDeviceProperties)            \
+    X(vkGetPhysicalDeviceProperties2)           \
+    X(vkGetPhysicalDeviceFeatures2)             \
     X(vkGetPhysicalDeviceQueueFamilyProperties)
 
 #define PENUMBRA_DEVICE_FUNCTIONS(X)       \
@@ -64,6 +65,7 @@ namespace penumbra {
     X(vkGetDeviceBufferMemoryRequirements) \
     X(vkGetDeviceImageMemoryRequirements)  \
     X(vkGetImageMemoryRequirements)        \
+    X(vkGetImageSubresourceLayout)         \
     X(vkGetPipelineCacheData)              \
     X(vkGetQueryPoolResults)               \
     X(vkMapMemory)                         \

@@ -25,7 +25,7 @@ inline constexpr uint32_t frame_binding = 0;     // set 1: FrameBlock
 inline constexpr uint32_t counters_binding = 1;  // set 1: u32 sums of every pass of the frame
 inline constexpr uint32_t first_port_binding = 2;
 
-// Specialisation constant ids. Constant parameters follow, then presence().
+// Specialisation constant ids. Constant parameters follow, then presence(), then row_outputs().
 inline constexpr uint32_t group_constant = 0;       // 0, 1, 2: workgroup size
 inline constexpr uint32_t per_thread_constant = 3;  // 3, 4
 inline constexpr uint32_t on_cpu_constant = 5;      // whether the device is of the class cpu
@@ -34,6 +34,9 @@ inline constexpr uint32_t first_param_constant = 7;
 
 // An output with a mip chain takes two bindings: the level that a dispatch writes, and NAME_finer, the level
 // before it. One dispatch per level, finest first; params.mip_level says which.
+
+// An output that may be laid out in rows takes two bindings as well: the image, and in the variant with rows
+// a buffer of the same memory (PlanResource::row_bytes), of whose rows the constant NAME_ROW has the length.
 
 // First binding of each port (parallel to NodeType::ports); an input that an output updates shares the
 // output's, and the parts of a bundle follow each other.
@@ -54,6 +57,14 @@ struct Presence {
     std::optional<uint32_t> part;         // of the port's bundle
 };
 std::vector<Presence> presence(const NodeType& type);
+
+// The outputs that are laid out in rows, and the bytes of an element of one: a texel, or four that are
+// narrow.
+std::vector<uint32_t> row_outputs(const NodeType& type);
+bool has_rows(Format format);
+uint32_t row_element_bytes(Format format);
+// The length of the first one's rows; the others' follow.
+uint32_t first_row_constant(const NodeType& type);
 
 // Byte offsets of the dynamic parameters in the push-constant block (constants have none), and its size.
 struct PushConstants {
@@ -79,6 +90,7 @@ struct Variant {
     std::map<std::string, bool> outputs;          // optional and conditional ones, HAS_NAME in GLSL
     std::map<std::string, std::string> backends;  // by the bundle's parameter
     std::optional<bool> cpu;                      // the device's class, CLASS_CPU in GLSL: NodeType::by_class
+    bool rows = false;                            // all of row_outputs() that exist are
 };
 bool has_format_choice(const Port& port);
 const Param* backend_param(const NodeType& type, const Bundle& bundle);  // nullptr: the last backend it is

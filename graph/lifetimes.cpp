@@ -53,9 +53,13 @@ void place_lifetimes(Plan& plan) {
 }
 
 MemoryNeed need_of(const DeviceTable& device, const PlanResource& r) {
-    return r.kind == PortKind::image
-               ? device.image_memory({r.format, r.extent, r.layers, r.levels, r.image_usage})
-               : device.buffer_memory(r.buffer_bytes(), r.buffer_usage);
+    if (r.kind != PortKind::image) return device.buffer_memory(r.buffer_bytes(), r.buffer_usage);
+    const MemoryNeed image =
+        device.image_memory({r.format, r.extent, r.layers, r.levels, r.image_usage, r.row_bytes != 0});
+    if (r.row_bytes == 0) return image;
+    const MemoryNeed rows = device.buffer_memory(r.buffer_bytes(), rows_usage);
+    return {std::max(image.size, rows.size), std::max(image.alignment, rows.alignment),  // powers of two
+            image.type_bits & rows.type_bits};
 }
 
 void place_memory(Plan& plan, const DeviceTable& device, bool share_transients, uint64_t optimum_search_nodes,

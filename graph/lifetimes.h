@@ -14,6 +14,9 @@ namespace penumbra {
 // Fills the length of every resource, whose first_pass is known, from the passes' uses.
 void place_lifetimes(Plan& plan);
 
+// Of the buffer that has an image's memory.
+inline constexpr VkBufferUsageFlags rows_usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+
 // What a resource asks a device for.
 MemoryNeed need_of(const DeviceTable& device, const PlanResource& r);
 

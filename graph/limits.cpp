@@ -74,9 +74,8 @@ std::vector<NeededLimit> needed_limits(const Plan& plan) {
     }
     for (const PlanResource& r : plan.resources) {
         needs.of(r.names.front(), false);
-        if (r.kind == PortKind::image)
-            needs.image(r.extent, r.layers);
-        else
+        if (r.kind == PortKind::image) needs.image(r.extent, r.layers);
+        if (r.kind != PortKind::image || r.row_bytes)
             needs.at_least("maxStorageBufferRange", r.buffer_bytes());
         if (r.buffer_usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)
             needs.at_least("maxTexelBufferElements", r.count);

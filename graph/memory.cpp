@@ -22,7 +22,7 @@ VkImageCreateInfo image_info(const ImageNeed& need) {
     create.mipLevels = need.levels;
     create.arrayLayers = need.layers;
     create.samples = VK_SAMPLE_COUNT_1_BIT;
-    create.tiling = VK_IMAGE_TILING_OPTIMAL;
+    create.tiling = need.linear ? VK_IMAGE_TILING_LINEAR : VK_IMAGE_TILING_OPTIMAL;
     create.usage = need.usage;
     create.flags = VK_IMAGE_CREATE_ALIAS_BIT;
     return create;
@@ -35,8 +35,32 @@ VkBufferCreateInfo buffer_info(uint64_t bytes, VkBufferUsageFlags usage) {
     return create;
 }
 
+// 0 where such an image cannot be had in linear tiling, or can do less.
+uint64_t row_bytes(const GraphDevice& device, ImageNeed need) {
+    need.linear = true;
+    const VkImageCreateInfo create = image_info(need);
+    const VkPhysicalDevice physical = device.handles().physical;
+    VkFormatProperties can;
+    device.vk().vkGetPhysicalDeviceFormatProperties(physical, create.format, &can);
+    if ((can.linearTilingFeatures & can.optimalTilingFeatures) != can.optimalTilingFeatures) return 0;
+    VkImageFormatProperties most;
+    if (device.vk().vkGetPhysicalDeviceImageFormatProperties(physical, create.format, create.imageType,
+                                                             create.tiling, create.usage, create.flags,
+                                                             &most) != VK_SUCCESS ||
+        most.maxExtent.width < need.extent.width || most.maxExtent.height < need.extent.height)
+        return 0;
+    VkImage image = VK_NULL_HANDLE;
+    require(device.vk().vkCreateImage(device.get(), &create, nullptr, &image), "vkCreateImage", "row_bytes");
+    const Held<VkImage> held{device, image};
+    constexpr VkImageSubresource whole{VK_IMAGE_ASPECT_COLOR_BIT, 0, 0};
+    VkSubresourceLayout layout;
+    device.vk().vkGetImageSubresourceLayout(device.get(), image, &whole, &layout);
+    return layout.offset == 0 ? layout.rowPitch : 0;
+}
+
 // What is known of a driver beyond what Vulkan asks of it.
-void add_habits(const GraphDevice& device, DeviceTable& table) {
+void add_habits(const DevicePtr& device_ptr, DeviceTable& table) {
+    const GraphDevice& device = *device_ptr;
     VkPhysicalDeviceSubgroupProperties subgroup{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
     VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES, &subgroup};
     VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver};
@@ -49,6 +73,8 @@ void add_habits(const GraphDevice& device, DeviceTable& table) {
     table.loads_texels = std::sscanf(driver.driverInfo, "Mesa %d", &mesa) == 1 && mesa >= 25;
     // A subgroup is a vector of one thread; a barrier, of a subgroup too, makes a coroutine of it.
     table.lanes_in_step = subgroup.subgroupSize;
+    // Eight texels that are stored take 50 to 240 ns, as words 8 to 45 (docs/performance.md).
+    table.row_bytes = [device_ptr](const ImageNeed& need) { return row_bytes(*device_ptr, need); };
 }
 
 // What debuggers show: "color@1".
@@ -66,7 +92,7 @@ DeviceTable device_table(const DeviceHandles& handles) {
     table.cpu = properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     table.max_image_extent = properties.limits.maxImageDimension2D;
     table.max_texel_elements = properties.limits.maxTexelBufferElements;
-    add_habits(*device, table);
+    add_habits(device, table);
     table.max_storage_bytes = properties.limits.maxStorageBufferRange;
     table.limits = limits_of(handles.physical, device->vk());
     VkPhysicalDeviceMemoryProperties memory{};
@@ -216,6 +242,10 @@ VkImageView PlanMemory::level(uint32_t resource, uint32_t parity, uint32_t level
     return views.empty() ? VK_NULL_HANDLE : views[level].get();
 }
 
+VkBuffer PlanMemory::rows(uint32_t resource, uint32_t parity) const {
+    return instances_[resource][kept_[resource] ? 0 : parity].rows.get();
+}
+
 uint64_t PlanMemory::bytes() const {
     uint64_t sum = 0;
     for (const HeldMemory& heap : heaps_) sum += heap.bytes();
@@ -238,7 +268,8 @@ Held<VkImageView> PlanMemory::image_view(const PlanResource& r, VkImage image, u
 void PlanMemory::make_image(const PlanResource& r, const MemoryBlock& heap, uint32_t parity,
                             Instance& out) const {
     const std::string& name = r.names.front();
-    const VkImageCreateInfo create = image_info({r.format, r.extent, r.layers, r.levels, r.image_usage});
+    const VkImageCreateInfo create =
+        image_info({r.format, r.extent, r.layers, r.levels, r.image_usage, r.row_bytes != 0});
     VkImage image = VK_NULL_HANDLE;
     require(device_.vk().vkCreateImage(device_.get(), &create, nullptr, &image), "vkCreateImage", name);
     out.image = {device_, image};
@@ -248,23 +279,31 @@ void PlanMemory::make_image(const PlanResource& r, const MemoryBlock& heap, uint
     out.image_view = image_view(r, image, 0, r.levels);
     for (uint32_t level = 0; level < r.levels && r.levels > 1; ++level)
         out.level_views.push_back(image_view(r, image, level, 1));
+    if (r.row_bytes) out.rows = buffer(r, heap, parity, rows_usage);
+}
+
+Held<VkBuffer> PlanMemory::buffer(const PlanResource& r, const MemoryBlock& heap, uint32_t parity,
+                                  VkBufferUsageFlags usage) const {
+    const std::string& name = r.names.front();
+    const VkBufferCreateInfo create = buffer_info(r.buffer_bytes(), usage);
+    VkBuffer handle = VK_NULL_HANDLE;
+    require(device_.vk().vkCreateBuffer(device_.get(), &create, nullptr, &handle), "vkCreateBuffer", name);
+    Held<VkBuffer> held{device_, handle};
+    device_.name(VK_OBJECT_TYPE_BUFFER, handle, object_name(r, parity));
+    require(
+        device_.vk().vkBindBufferMemory(device_.get(), handle, heap.memory, heap.offset + r.offset[parity]),
+        "vkBindBufferMemory", name);
+    return held;
 }
 
 void PlanMemory::make_buffer(const PlanResource& r, const MemoryBlock& heap, uint32_t parity,
                              Instance& out) const {
     const std::string& name = r.names.front();
-    const VkBufferCreateInfo create = buffer_info(r.buffer_bytes(), r.buffer_usage);
-    VkBuffer buffer = VK_NULL_HANDLE;
-    require(device_.vk().vkCreateBuffer(device_.get(), &create, nullptr, &buffer), "vkCreateBuffer", name);
-    out.buffer = {device_, buffer};
-    device_.name(VK_OBJECT_TYPE_BUFFER, buffer, object_name(r, parity));
-    require(
-        device_.vk().vkBindBufferMemory(device_.get(), buffer, heap.memory, heap.offset + r.offset[parity]),
-        "vkBindBufferMemory", name);
+    out.buffer = buffer(r, heap, parity, r.buffer_usage);
     out.handles.bytes = r.buffer_bytes();
     if (!(r.buffer_usage & VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT)) return;
     VkBufferViewCreateInfo view{VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO};
-    view.buffer = buffer;
+    view.buffer = out.buffer.get();
     view.format = info(r.format).vk;
     view.range = VK_WHOLE_SIZE;
     VkBufferView handle = VK_NULL_HANDLE;

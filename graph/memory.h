@@ -47,6 +47,8 @@ class PlanMemory {
     }
     // Of a mip chain: one level alone, to be written. Null: there is no chain.
     VkImageView level(uint32_t resource, uint32_t parity, uint32_t level) const;
+    // What has an image's memory (PlanResource::row_bytes); null: nothing.
+    VkBuffer rows(uint32_t resource, uint32_t parity) const;
     uint64_t bytes() const;  // allocated for this view alone
     bool shares() const { return transients_ != nullptr; }
 
@@ -56,11 +58,13 @@ class PlanMemory {
         Held<VkImage> image;
         Held<VkImageView> image_view;
         std::vector<Held<VkImageView>> level_views;
-        Held<VkBuffer> buffer;
+        Held<VkBuffer> buffer, rows;
         Held<VkBufferView> buffer_view;
     };
     void make_image(const PlanResource& r, const MemoryBlock& heap, uint32_t parity, Instance& out) const;
     void make_buffer(const PlanResource& r, const MemoryBlock& heap, uint32_t parity, Instance& out) const;
+    Held<VkBuffer> buffer(const PlanResource& r, const MemoryBlock& heap, uint32_t parity,
+                          VkBufferUsageFlags usage) const;
     Held<VkImageView> image_view(const PlanResource& r, VkImage image, uint32_t first_level,
                                  uint32_t levels) const;
 

@@ -13,7 +13,7 @@ namespace penumbra {
 
 namespace {
 
-constexpr size_t max_variants = 16;
+constexpr ptrdiff_t max_variants = 16;  // besides those with rows
 
 void read_formats(const ObjectReader& reader, Port& port) {
     const auto integer = [](Format format) { return info(format).kind == FormatClass::uint; };
@@ -110,8 +110,13 @@ void read_port(const JsonMember& member, bool output, NodeType& type, Diagnostic
     port.layers = reader.flag("layers");
     port.layers_of.name = reader.text("layers_of");
     port.levels = reader.flag("levels");
+    port.in_rows = reader.flag("in_rows");
     read_access(reader, port);
     read_formats(reader, port);
+    if (port.in_rows && (port.layers || port.levels))
+        reader.error("in_rows", "arrays and mip chains are not laid out in rows");
+    else if (port.in_rows && std::ranges::none_of(port.formats, has_rows))
+        reader.error("in_rows", "none of its formats has texels that make whole words");
     if (port.linear && !port.formats.empty() && info(port.formats[0]).kind == FormatClass::uint)
         reader.error("filter", "integer formats cannot be filtered");
     port.element = reader.text("element");
@@ -301,7 +306,7 @@ class Linker {
             if (const Param* choice = port.bundle ? type_.param(port.bundle->param) : nullptr)
                 check_backends(*port.bundle, *choice);
         if (diagnostics_.size() != errors_) return;
-        const size_t variants = all_variants(type_).size();
+        const auto variants = std::ranges::count(all_variants(type_), false, &Variant::rows);
         if (variants > max_variants)
             diagnostics_.add(type_.place, "",
                              fmt::format("formats, optional outputs and backends make {} shader variants; at "

@@ -22,8 +22,8 @@ namespace {
 // What generate_glsl() names in every node, in lower case, since constant parameters are in capitals there.
 constexpr auto generated_names = std::to_array<std::string_view>(
     {"class_cpu", "counters", "frame_block", "frame_depth_at_centres", "frame_orthographic", "frame_reset",
-     "group_barrier", "group_x", "group_y", "lanes_in_step", "on_cpu", "params", "per_thread_x",
-     "per_thread_y", "subgroup_barrier"});
+     "group_barrier", "group_x", "group_y", "lanes_in_step", "on_cpu", "pack_unorm", "params", "per_thread_x",
+     "per_thread_y", "subgroup_barrier", "to_halves", "within_halves"});
 
 class DeclarationReader {
   public:
@@ -250,7 +250,7 @@ class DeclarationReader {
             error(place, path, "\"counter_base\" is taken: it tells a node where its counters are");
         else if (name == "frame")
             error(place, path, "\"frame\" names the frame block and its extent");
-        else if (in_glsl && std::ranges::find(generated_names, name) != generated_names.end())
+        else if (std::ranges::find(generated_names, name) != generated_names.end())
             error(place, path,
                   fmt::format("\"{}\" is taken: the generated GLSL names something else so", name));
         else if (problem)
@@ -269,6 +269,16 @@ class DeclarationReader {
             if (port.optional || !port.condition.always()) claim_presence("port", port.name);
         for (const Table& table : type_.tables)
             if (!table.condition.always()) claim_presence("table", table.name);
+        for (const Port& port : type_.ports)
+            if (port.output && port.kind == PortKind::image) claim_stores(port);
+    }
+
+    void claim_stores(const Port& port) {
+        for (const std::string& name :
+             {"store_" + port.name, "store4_" + port.name, port.name + "_row", port.name + "_rows"})
+            if (const auto other = claimed_.find(name); other != claimed_.end())
+                error(port.place, "outputs." + port.name,
+                      fmt::format("the generated GLSL stores it by the name of {}", other->second));
     }
 
     void claim_presence(const char* what, const std::string& name) {

@@ -114,6 +114,7 @@ std::string to_string(const Variant& variant) {
     for (const auto& [port, present] : variant.outputs) add(port, present ? "1" : "0");
     for (const auto& [param, backend] : variant.backends) add(param, backend);
     if (variant.cpu) add("class", *variant.cpu ? "cpu" : "gpu");
+    if (variant.rows) add("rows", "1");
     return key;
 }
 
@@ -141,6 +142,10 @@ std::vector<Variant> all_variants(const NodeType& type) {
         v.outputs.insert(outputs.begin(), outputs.end());
     });
     if (type.by_class) multiply(std::array{false, true}, [](Variant& v, bool cpu) { v.cpu = cpu; });
+    if (!row_outputs(type).empty()) {
+        multiply(std::array{false, true}, [](Variant& v, bool rows) { v.rows = rows; });
+        std::erase_if(variants, [](const Variant& v) { return v.rows && v.cpu == false; });
+    }
     return variants;
 }
 

@@ -127,7 +127,10 @@ VkDescriptorSet ViewState::make_internal_set(size_t p, uint32_t parity, uint32_t
             writer_.image(set, b, {sampler, program_.table(b.index), VK_IMAGE_LAYOUT_GENERAL});
         else if (b.source == BindingSource::nothing)
             write_absent(set, b);
-        else if (const ResourceHandles& r = memory_.at(b.index, of); r.image)
+        else if (const ResourceHandles& r = memory_.at(b.index, of);
+                 r.image && b.type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER)
+            writer_.buffer(set, b, {memory_.rows(b.index, of), 0, VK_WHOLE_SIZE});
+        else if (r.image)
             writer_.image(set, b, {sampler, view_of(b, of, level), VK_IMAGE_LAYOUT_GENERAL});
         else if (b.type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER)
             writer_.texels(set, b, r.texels);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // lights_shadows.json through the program: light_shadows.json for each light of a shot, in one plan. With a
 // budget for each it is that to the bit; what one for all gives is in lights_budget_test.cpp.
+#include <fmt/format.h>
+
 #include <map>
 
 #include "tests/cli_run.h"
@@ -128,6 +130,37 @@ TEST_F(LightsShadows, ALightMayHaveAnyName) {
     EXPECT_EQ(read_file(folder_ / "prev/visibility_prev.0000.exr"),
               read_file(folder_ / "bulb/visibility_bulb.0000.exr"));
     EXPECT_GT(read_file(folder_ / "bulb/visibility_bulb.0000.exr").size(), 500u);
+}
+
+// One that is on in some frame has its passes in all of them, and if all are off each has.
+TEST_F(LightsShadows, ALightThatIsNeverOnHasNoPass) {
+    const auto members = [&](const std::string& name, const char* bulb, const char* tube) {
+        const std::string own = file(
+            name + ".shot.json",
+            fmt::format(
+                R"({{"penumbra_shot": 1, "scene": "{}/scenes/interior.glb", "size": [64, 36], "frames": 2,
+        "camera": {{"vertical_fov_deg": 60, "near": 0.1, "keys": [{{"frame": 0, "position": [0, 1, 3], "target": [0, 1, 0]}}]}},
+        "lights": {{
+          "bulb": {{"kind": "sphere", "radius": 0.2, "luminance": 5, "keys": [{}]}},
+          "tube": {{"kind": "tube", "length": 1, "radius": 0.02, "luminance": {}, "keys": [{{"frame": 0, "position": [0, 2, 0]}}]}}}}}})",
+                PENUMBRA_SOURCE_DIR, bulb, tube));
+        const Result result =
+            run("render lights_shadows --frames 0..0 --shot '" + own + "' --out '" + in(name) + "'");
+        EXPECT_EQ(result.code, 0) << result.err;
+        std::string there;
+        for (const std::string light : {"bulb", "tube"})
+            if (fs::exists(folder_ / name / ("visibility_" + light + ".0000.exr"))) there += light + " ";
+        return there;
+    };
+    const char *on = R"({"frame": 0, "position": [0, 1, 0]})",
+               *off = R"({"frame": 0, "position": [0, 1, 0], "power": 0})",
+               *later =
+                   R"({"frame": 0, "position": [0, 1, 0], "power": 0}, {"frame": 1, "position": [0, 1, 0]})";
+    EXPECT_EQ(members("on", on, "5"), "bulb tube ");
+    EXPECT_EQ(members("off", off, "5"), "tube ");
+    EXPECT_EQ(members("later", later, "5"), "bulb tube ");
+    EXPECT_EQ(members("dark", on, "0"), "bulb ");
+    EXPECT_EQ(members("all", off, "0"), "bulb tube ");
 }
 
 TEST_F(LightsShadows, ALightIsOfVisibilityAlone) {

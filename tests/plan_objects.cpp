@@ -10,7 +10,7 @@ PlanObjects::PlanObjects(const std::filesystem::path& folder) {
     const std::vector<std::byte> text = read_bytes(folder / "plan.json");
     plan = Json::parse(reinterpret_cast<const char*>(text.data()),
                        reinterpret_cast<const char*>(text.data() + text.size()));
-    if (plan["penumbra_plan"] != 1) throw std::runtime_error("a plan of another version");
+    if (plan["penumbra_plan"] != 2) throw std::runtime_error("a plan of another version");
     for (const Json& heap : plan["heaps"]) heaps.push_back(make_heap(heap));
     for (const Json& r : plan["resources"]) {
         std::vector<Instance>& both = resources.emplace_back();
@@ -92,6 +92,7 @@ Instance PlanObjects::make_resource(const Json& r, size_t p) const {
         create.arrayLayers = r["layers"];
         create.samples = VK_SAMPLE_COUNT_1_BIT;
         create.usage = flags(r["usage"], image_usages);
+        create.tiling = r["row_bytes"].is_null() ? VK_IMAGE_TILING_OPTIMAL : VK_IMAGE_TILING_LINEAR;
         VkImage handle = VK_NULL_HANDLE;
         check(vkCreateImage(device(), &create, nullptr, &handle), "vkCreateImage", "a resource");
         out.image = {device(), handle};
@@ -99,11 +100,12 @@ Instance PlanObjects::make_resource(const Json& r, size_t p) const {
         out.views.push_back(view_of(r, handle, 0, create.mipLevels));
         for (uint32_t level = 0; level < create.mipLevels; ++level)
             out.views.push_back(view_of(r, handle, level, 1));
-        return out;
+        if (r["row_bytes"].is_null()) return out;
     }
     VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
     create.size = r["buffer_bytes"];
-    create.usage = flags(r["usage"], buffer_usages);
+    create.usage = r["row_bytes"].is_null() ? flags(r["usage"], buffer_usages)
+                                            : VkBufferUsageFlags{VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
     VkBuffer handle = VK_NULL_HANDLE;
     check(vkCreateBuffer(device(), &create, nullptr, &handle), "vkCreateBuffer", "a resource");
     out.buffer = {device(), handle};

@@ -197,6 +197,7 @@ const std::set<std::string> beyond_schemas = {
     "settings_bad_values.json",
     // which names the generated GLSL has already
     "decl_generated_names.node.json",
+    "decl_store_names.node.json",
     // sums over all ports or parameters of a node, and ports that depend on others
     "decl_layers.node.json",
     "decl_push_constants.node.json",

@@ -109,6 +109,12 @@ bool light_moves(const ShotLight& light) {
     return std::ranges::adjacent_find(light.keys, other) != light.keys.end();
 }
 
+bool shines(const ShotLight& light) {
+    return light.kind == LightKind::model || std::ranges::any_of(light.keys, [&](const LightKey& key) {
+               return light.strength * key.power > 0;
+           });
+}
+
 bool has_size(const ShotLight& light) {
     return light.radius > 0 || light.length > 0;
 }

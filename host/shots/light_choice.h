@@ -30,6 +30,8 @@ blocks::Light light_block(const ShotLight& light, double frame, const glm::dvec3
 
 // Whether anything of it ever changes.
 bool light_moves(const ShotLight& light);
+// Whether it is on at some time; one of the model is taken to be.
+bool shines(const ShotLight& light);
 // Whether it is more than a point.
 bool has_size(const ShotLight& light);
 

@@ -53,6 +53,7 @@ struct Port {
     bool linear = false;          // sampled image: linear filter instead of nearest
     bool layers = false;          // 2D array
     bool levels = false;          // mip chain
+    bool in_rows = false;         // output: the shader is compiled for images whose memory is a buffer's, too
     std::string element;          // buffer: u32 uvec2 uvec4 f32 vec4 or a struct; block: the struct's name
     ExtentRule extent;            // outputs of kind image and texels
     // Outputs with layers: a texels port with a row for each; nothing: as `extent`.

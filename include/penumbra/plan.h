@@ -40,6 +40,7 @@ struct ImageNeed {
     Extent extent;
     uint32_t layers = 1, levels = 1;
     VkImageUsageFlags usage = 0;
+    bool linear = false;  // tiling, instead of optimal
 };
 
 // All that compile() asks of a device. device_table() (device.h) reads a real one; reference_device() is a
@@ -61,6 +62,10 @@ struct DeviceTable {
     std::function<MemoryNeed(const ImageNeed&)> image_memory;
     std::function<MemoryNeed(uint64_t bytes, VkBufferUsageFlags usage)> buffer_memory;
     std::function<bool(Format, VkFormatFeatureFlags)> supports;
+    // Optional, for devices that store words into a buffer in less time than texels into an image: how many
+    // bytes lie from row to row of such an image in linear tiling, 0 where it cannot be had. Its memory is
+    // then bound to a buffer, too, which shaders write (PlanResource::row_bytes).
+    std::function<uint64_t(const ImageNeed&)> row_bytes;
 };
 DeviceTable reference_device(bool cpu = false);
 
@@ -172,6 +177,9 @@ struct PlanResource {
     uint32_t element_bytes = 4;
     VkImageUsageFlags image_usage = 0;
     VkBufferUsageFlags buffer_usage = 0;
+    // Images: not 0 if it has linear tiling, of so many bytes from row to row, and a storage buffer has the
+    // same memory: a binding of that type whose resource is an image is that buffer.
+    uint64_t row_bytes = 0;
     bool history = false, output = false;
     bool clear_on_reset = false;  // first: clear
     uint32_t first_pass = 0;
@@ -183,7 +191,7 @@ struct PlanResource {
 
     bool lasts() const { return history || kept; }  // what a frame leaves in it, a later one reads
     bool transient() const { return !slot && !lasts() && !output; }
-    uint64_t buffer_bytes() const;  // of the VkBuffer: whole words, never none
+    uint64_t buffer_bytes() const;  // of the VkBuffer, be it of an image's rows: whole words, never none
 };
 
 // What fills a binding.

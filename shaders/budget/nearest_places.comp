@@ -8,7 +8,7 @@
 
 ViewRays before;
 
-void for_pixel(ivec2 p) { imageStore(nearest_places, p, uvec4(pack_place(p, nearest_place(p, before)))); }
+void for_pixel(ivec2 p) { store_nearest_places(p, uvec4(pack_place(p, nearest_place(p, before)))); }
 
 void main() {
     before = previous_rays(mat3(1.0));

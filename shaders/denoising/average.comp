@@ -4,7 +4,6 @@
 #include "node.glsl"
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
-#include "common/round_store.glsl"
 
 const float STEPS = 4194303.0;  // 2^22 - 1
 const uint MOST_FRAMES = 1023u;
@@ -16,8 +15,8 @@ void for_pixel(ivec2 p) {
     const float fresh_value = texelFetch(fresh, p, 0).x;
     const float old = float(before & 0x3fffffu) / STEPS;
     const float now = frames == 1u ? fresh_value : old + (fresh_value - old) / float(frames);
-    imageStore(mean, p, uvec4(uint(now * STEPS + 0.5) | frames << 22, 0u, 0u, 0u));
-    imageStore(visibility, p, vec4(round_to(now, HALF_BITS)));
+    store_mean(p, uvec4(uint(now * STEPS + 0.5) | frames << 22, 0u, 0u, 0u));
+    store_visibility(p, vec4(now));
 }
 
 void main() { for_each_pixel(); }

@@ -82,6 +82,7 @@ CellSums compare_row(uint at, ivec2 cell, int row) {
     const float rho = radius_m(penumbra);
 
     CellSums all = NOTHING_YET;
+    vec4 worths = vec4(0.0);
     for (int i = CELL * row; i < CELL * (row + 1); ++i) {
         const ivec2 offset = in_cell(i), p = first + offset;
         const float bit = (lit & pixel_bit(p)) != 0u ? 1.0 : 0.0;
@@ -144,9 +145,7 @@ CellSums compare_row(uint at, ivec2 cell, int row) {
             if (tested) own = with_rays(own, bit > 0.5, further == 0u ? bit : lit_share(further, bit > 0.5), own_worth(further));
             g = Gathered(now.visibility, past.count > 0.0 ? past.visibility : now.visibility, past.count, 0.0,
                          worth > 0.0 ? sqrt(max(squared_error(now), error_by_past(now, past))) : 0.5, true, own);
-#if HAS_FRAME_WORTH
-            imageStore(frame_worth, p, vec4(pack_worth(worth)));
-#endif
+            worths[offset.x] = pack_worth(worth);
             if (worth <= 0.0) g.residual = past.residual;
             if (past.count > 0.0 && worth > 0.0) {
                 const float d = g.now - g.past;
@@ -165,8 +164,11 @@ CellSums compare_row(uint at, ivec2 cell, int row) {
             }
         }
         // Whoever does not hand on what a frame is worth has drift take every one for one.
-        imageStore(gathered, p, uvec4(pack_gathered(g, HAS_FRAME_WORTH != 0 ? worth : 1.0, thresholds_at(p)), 0u, 0u));
+        store_gathered(p, uvec4(pack_gathered(g, HAS_FRAME_WORTH != 0 ? worth : 1.0, thresholds_at(p)), 0u, 0u));
     }
+#if HAS_FRAME_WORTH
+    store4_frame_worth(first + ivec2(0, row), worths);
+#endif
     return all;
 }
 

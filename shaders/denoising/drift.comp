@@ -90,7 +90,7 @@ bool is_settled(ivec2 cell, bool) {
         const uint count = (idle >> uint(i + 16) & 1u) != 0u
                                ? pack_state(ShadowState(0.0, IDLE_COUNT, 0.0, OwnRays(0.0, IDLE_COUNT, 0.0, false)), 0u)
                                : 0u;
-        imageStore(state, cell * CELL + in_cell(i), uvec4(v | count, 0u, 0u, 0u));
+        store_state(cell * CELL + in_cell(i), uvec4(v | count, 0u, 0u, 0u));
     }
     return is_idle(idle);
 }
@@ -125,7 +125,7 @@ void work_on(ivec2 cell) {
             s.visibility = clamp(past + a * (g.now - past) + (a_around - a) * around, 0.0, 1.0);
             s.residual = shrink < 0.5 ? 0.5 * g.residual : g.residual;
         }
-        imageStore(state, p, uvec4(pack_state(s, thresholds_at(p)), 0u, 0u, 0u));
+        store_state(p, uvec4(pack_state(s, thresholds_at(p)), 0u, 0u, 0u));
     }
 }
 

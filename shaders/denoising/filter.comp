@@ -6,7 +6,6 @@
 #include "node.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
-#include "common/round_store.glsl"
 #include "common/tiles.glsl"
 
 const float LOG2_E = 1.442695;
@@ -61,10 +60,7 @@ void for_pixel(ivec2 p) {
     vec2 s = vec2(state == BLOCK_LIT ? 1.0 : 0.0, 0.0);
     if (state == BLOCK_WORK && z > 0.0) s = filter_at(p, z);
     s.x = with_contrast(s);
-#ifndef FORMAT_FILTERED_R8  // which rounds by definition
-    s = round_to(s, HALF_BITS);
-#endif
-    imageStore(filtered, p, vec4(s, 0.0, 0.0));
+    store_filtered(p, vec4(s, 0.0, 0.0));
 }
 
 void main() { for_each_pixel(); }

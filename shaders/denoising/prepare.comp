@@ -24,7 +24,7 @@ void main() {
     if ((tile.y & 1) == 0) {
         vec3 sums = blockers_of(tile_index(tile));
         if (tile.y + 1 < tile_grid().y) sums += blockers_of(tile_index(tile + ivec2(0, 1)));
-        imageStore(block_blockers, ivec2(tile.x, tile.y / 2), vec4(sums, 0.0));
+        store_block_blockers(ivec2(tile.x, tile.y / 2), vec4(sums, 0.0));
     }
 #endif
 }

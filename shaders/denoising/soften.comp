@@ -55,11 +55,12 @@ bool is_settled(ivec2 cell, bool) {
         settled = (s.steps.x | s.steps.y) == 0 && s.fade <= 0.0 && s.bias <= 0.0;
     }
     if (!settled) return false;
-    for (int i = 0; i < CELL * CELL; ++i) {
-        const ivec2 p = cell * CELL + in_cell(i);
-        float v = float(idle >> uint(i) & 1u);
-        if (!is_idle(idle)) v = visibility_in(imageLoad(state, p).x);
-        imageStore(visibility, p, vec4(v));
+    for (int y = 0; y < CELL; ++y) {
+        const ivec2 p = cell * CELL + ivec2(0, y);
+        vec4 row = vec4(uvec4(idle) >> uvec4(0u, 1u, 2u, 3u) + uint(CELL * y) & 1u);
+        if (!is_idle(idle))
+            for (int x = 0; x < CELL; ++x) row[x] = visibility_in(imageLoad(state, p + ivec2(x, 0)).x);
+        store4_visibility(p, row);
     }
     return true;
 }
@@ -71,6 +72,7 @@ void work_on(ivec2 cell) {
     const float bias = s.bias, fade = s.fade, tests = s.tests;
     if (fade > 0.0) load_rows(cell);
     const ViewRays corner = view_rays(first, mat3(1.0));
+    vec4 row = vec4(0.0);
     for (int i = 0; i < CELL * CELL; ++i) {
         const ivec2 offset = in_cell(i), p = first + offset;
         const ShadowState own = unpack_state(imageLoad(state, p).x);
@@ -99,7 +101,8 @@ void work_on(ivec2 cell) {
             if (further != 0u) bit = lit_share(further, bit > 0.5);
             v += fade * (1.0 - trust_of_past(tests, max(own.count, 1.0), unmoved, pattern)) * (bit - v);
         }
-        imageStore(visibility, p, vec4(v));
+        row[offset.x] = v;
+        if (offset.x == CELL - 1) store4_visibility(first + ivec2(0, offset.y), row);
     }
 }
 

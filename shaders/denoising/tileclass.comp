@@ -140,8 +140,8 @@ Accumulated accumulate(ivec2 p, float z, float mean) {
 }
 
 void store(ivec2 p, Accumulated a) {
-    imageStore(reprojected, p, vec4(round_to(a.signal, HALF_BITS), 0.0, 0.0));
-    imageStore(moments, p, vec4(round_to(a.moments.xy, FLOAT11_BITS), round_to(a.moments.z, FLOAT10_BITS), 0.0));
+    store_reprojected(p, vec4(a.signal, 0.0, 0.0));
+    store_moments(p, vec4(round_to(a.moments.xy, FLOAT11_BITS), round_to(a.moments.z, FLOAT10_BITS), 0.0));
 }
 
 void main() {

@@ -48,17 +48,17 @@ vec3 surface_normal(ivec2 p, float z) {
 
 void for_pixel(ivec2 p) {
     const float z = depth_at(p);
-    imageStore(view_depth, p, vec4(z));
+    store_view_depth(p, vec4(z));
     const bool receiver = z > 0.0;
     const vec3 n = receiver ? surface_normal(p, z) : vec3(0.0, 0.0, 1.0);
 #if HAS_GUIDE_NORMAL
-    imageStore(guide_normal, p, receiver ? encode_normal(n) : vec4(0.0));
+    store_guide_normal(p, receiver ? encode_normal(n) : vec4(0.0));
 #endif
 #if HAS_RECEIVER_NORMAL
-    imageStore(receiver_normal, p, vec4(encode_receiver_normal(n), 0.0, 0.0));
+    store_receiver_normal(p, vec4(encode_receiver_normal(n), 0.0, 0.0));
 #endif
 #if HAS_OCTAHEDRAL_NORMAL
-    imageStore(octahedral_normal, p, uvec4(pack_direction(n)));
+    store_octahedral_normal(p, uvec4(pack_direction(n)));
 #endif
 }
 

@@ -9,7 +9,7 @@
 void for_pixel(ivec2 p) {
     const float z = imageLoad(view_depth, p).x, roughness = HAS_MATERIAL ? texelFetch(material, p, 0).y : 1.0;
     const uint normal = imageLoad(octahedral_normal, p).x;
-    imageStore(surface, p, uvec4(z > 0.0 ? encode_surface(z, normal, roughness) : uvec2(0u), 0u, 0u));
+    store_surface(p, uvec4(z > 0.0 ? encode_surface(z, normal, roughness) : uvec2(0u), 0u, 0u));
 }
 
 void main() { for_each_pixel(); }

@@ -14,7 +14,7 @@ void for_pixel(ivec2 p) {
     const vec3 seen = !(z > 0.0) ? vec3(0.0) : HAS_TRANSMITTANCE ? texelFetch(transmittance, p, 0).xyz : vec3(texelFetch(visibility, p, 0).x);
     vec3 lux = HAS_BEFORE ? texelFetch(before, p, 0).xyz : vec3(0.0);
     if (seen != vec3(0.0)) lux += seen * unshadowed_lux(decode_receiver_normal(texelFetch(receiver_normal, p, 0).xy), light.centre - position(p, z));
-    imageStore(illuminance, p, vec4(storable(lux), 0.0));
+    store_illuminance(p, vec4(storable(lux), 0.0));
 }
 
 void main() { for_each_pixel(); }

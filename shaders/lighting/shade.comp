@@ -37,7 +37,7 @@ void for_pixel(ivec2 p) {
         shown = surface(p, guide);
     else
         shown = sky(p);
-    imageStore(lit, p, vec4(storable(shown), 1.0));
+    store_lit(p, vec4(storable(shown), 1.0));
 }
 
 void main() { for_each_pixel(); }

@@ -18,7 +18,6 @@
 #include "common/finite.glsl"
 #include "common/guide_normal.glsl"
 #include "lighting/lanes_in_a_row.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 
 const float BLEND = 1.0 / 16.0;  // published
@@ -67,8 +66,7 @@ vec4 robust(Box box, Past past) {
         memory = past.memory;
         c = before + (c - before) / memory.frames;
     }
-    const vec3 out_color = expand(c);
-    return vec4(round_to(out_color.xy, HALF_BITS), round_to(out_color.z, HALF_BITS), round_to(alpha_of(memory), HALF_BITS));
+    return vec4(expand(c), alpha_of(memory));
 }
 
 vec4 published(Box box, Past past, vec2 v) {
@@ -120,7 +118,7 @@ void main() {
         }
         if (!IN_A_ROW || inside) {
             const Box box = box_of(color_above, color_here, color_below);
-            imageStore(color, p, HAS_GUIDE_NORMAL ? robust(box, past) : published(box, past, v.xy));
+            store_color(p, HAS_GUIDE_NORMAL ? robust(box, past) : published(box, past, v.xy));
         }
         color_above = color_here;
         color_here = color_below;

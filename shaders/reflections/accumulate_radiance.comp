@@ -216,10 +216,10 @@ bool keeps_drift(ivec2 p) {
 void for_pixel(ivec2 p) {
     const Shown here = shown(p);
     if (!(here.z > 0.0)) {
-        imageStore(accumulated, p, uvec4(0u));
-        imageStore(frames, p, vec4(0.0));
-        imageStore(deviation, p, vec4(0.0));
-        if (keeps_drift(p)) imageStore(drift, p / 2, uvec4(encode_drift(Drift(vec3(0.0), 0.0, 0.0)), 0u, 0u));
+        store_accumulated(p, uvec4(0u));
+        store_frames(p, vec4(0.0));
+        store_deviation(p, vec4(0.0));
+        if (keeps_drift(p)) store_drift(p / 2, uvec4(encode_drift(Drift(vec3(0.0), 0.0, 0.0)), 0u, 0u));
         return;
     }
     const Gathered g = gathered_at(p);
@@ -235,14 +235,14 @@ void for_pixel(ivec2 p) {
     const float own = g.samples > 0.0 || !(best.worth > 0.0) ? 1.0 : 0.0, n = best.worth + own;  // without a ray around there is the past alone
     const vec3 mean = (best.worth * best.history + own * g.radiance) / n;
     const uvec2 kept = encode_past(Past(mean, n), thresholds_at(p));
-    imageStore(accumulated, p, uvec4(kept.x));
-    imageStore(frames, p, vec4(byte_texel(kept.y)));
+    store_accumulated(p, uvec4(kept.x));
+    store_frames(p, vec4(byte_texel(kept.y)));
     const float of_past2 = (best.worth * best.worth * best.drift.of_past2 + own * variance) / (n * n);
     const float expected2 = max(around.variance / n, around.samples < 2.0 ? 0.0 : of_past2);
-    imageStore(deviation, p, vec4(min(sqrt(expected2 * max(1.0, 4.0 / n)), 65504.0)));
+    store_deviation(p, vec4(min(sqrt(expected2 * max(1.0, 4.0 / n)), 65504.0)));
     // A past that is left behind takes its drift along.
     const Drift kept_drift = best.worth > 0.0 ? Drift(best.drift.mean, best.drift.of_mean2, of_past2) : Drift(vec3(0.0), 0.0, of_past2);
-    if (keeps_drift(p)) imageStore(drift, p / 2, uvec4(encode_drift(kept_drift), 0u, 0u));
+    if (keeps_drift(p)) store_drift(p / 2, uvec4(encode_drift(kept_drift), 0u, 0u));
 }
 
 void main() { for_each_pixel(); }

@@ -54,5 +54,5 @@ void main() {
     if (!inside_frame(p)) return;
     const float z = imageLoad(view_depth, p).x;
     const uint number = z > 0.0 ? chosen(p, z, pixel_roughness(p)) : 0u;
-    imageStore(aimed, p, vec4(float(number) / 255.0));
+    store_aimed(p, vec4(float(number) / 255.0));
 }

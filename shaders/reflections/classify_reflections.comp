@@ -77,8 +77,8 @@ void main() {
     if (rays) ray_list[first_ray + place] = uint(p.x) | uint(p.y) << 15 | flags << 29;
     if (!inside) return;
     const vec4 untraced = vec4(glossy ? vec3(0.0) : fill(p, surface), 0.0);
-    imageStore(radiance_fill, p, untraced);
-    imageStore(specular_fill, p, untraced);
-    imageStore(extracted_roughness, p, vec4(roughness));
+    store_radiance_fill(p, untraced);
+    store_specular_fill(p, untraced);
+    store_extracted_roughness(p, vec4(roughness));
     count_rays(lane == 0u ? ray_count : 0u);
 }

@@ -8,7 +8,6 @@
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/sun_sample.glsl"
 
 const uint LOBE_SPECULAR = 0u, LOBE_DIFFUSE = 1u, LOBE = LOBE_SPECULAR;
@@ -34,10 +33,10 @@ vec3 light_of_sun(vec3 n, vec3 v, vec3 base_color, vec2 metal_roughness, vec3 di
 
 void store_shares(ivec2 p, Reflectance share) {
 #if HAS_SPECULAR_SHARE
-    imageStore(specular_share, p, vec4(round_to(share.specular, HALF_BITS), 1.0));
+    store_specular_share(p, vec4(share.specular, 1.0));
 #endif
 #if HAS_DIFFUSE_SHARE
-    imageStore(diffuse_share, p, vec4(round_to(share.diffuse, HALF_BITS), 1.0));
+    store_diffuse_share(p, vec4(share.diffuse, 1.0));
 #endif
 }
 
@@ -61,7 +60,7 @@ vec3 surface(ivec2 p) {
 
 void for_pixel(ivec2 p) {
     const vec3 light = storable(imageLoad(view_depth, p).x > 0.0 ? surface(p) : beyond(p));
-    imageStore(lit, p, vec4(round_to(light, HALF_BITS), 1.0));
+    store_lit(p, vec4(light, 1.0));
 }
 
 void main() { for_each_pixel(); }

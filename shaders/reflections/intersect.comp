@@ -30,9 +30,9 @@ void main() {
     const vec3 direction = sample_lobe(lobe, roughness, lobe_numbers(ray_index(p, frame.frame_index)), turned);
     const Incident light = incident(ray_origin(p, lobe.n, direction), direction, sun_numbers(p, frame.frame_index));
     const vec4 texel = vec4(light.radiance, light.distance_m);
-    imageStore(radiance, p, texel);
+    store_radiance(p, texel);
     const ivec2 beside = ivec2(p.x ^ 1, p.y), below = ivec2(p.x, p.y ^ 1);
-    if ((word >> 29 & 1u) != 0u) imageStore(radiance, beside, texel);
-    if ((word >> 30 & 1u) != 0u) imageStore(radiance, below, texel);
-    if ((word >> 31 & 1u) != 0u) imageStore(radiance, ivec2(beside.x, below.y), texel);
+    if ((word >> 29 & 1u) != 0u) store_radiance(beside, texel);
+    if ((word >> 30 & 1u) != 0u) store_radiance(below, texel);
+    if ((word >> 31 & 1u) != 0u) store_radiance(ivec2(beside.x, below.y), texel);
 }

@@ -10,7 +10,7 @@
 void for_pixel(ivec2 p) {
     const uvec2 shown = imageLoad(surface, p).xy;
     const float z = surface_depth(shown);
-    imageStore(surface_kept, p, uvec4(z > 0.0 ? encode_kept(z, surface_normal(shown), surface_roughness(shown)) : 0u));
+    store_surface_kept(p, uvec4(z > 0.0 ? encode_kept(z, surface_normal(shown), surface_roughness(shown)) : 0u));
 }
 
 void main() { for_each_pixel(); }

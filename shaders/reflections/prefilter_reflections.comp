@@ -52,8 +52,8 @@ void main() {
     const vec4 c = around_lane(ivec2(0)), surface = surface_around(ivec2(0));
     const float roughness = imageLoad(extracted_roughness, p).x, variance = surface.w;
     if (!(variance > 0.0) || !is_glossy(roughness) || is_mirror_like(roughness)) {
-        imageStore(prefiltered, p, c);
-        imageStore(variance_second, p, vec4(variance));
+        store_prefiltered(p, c);
+        store_variance_second(p, vec4(variance));
         return;
     }
     const vec3 average = average_at(p);
@@ -74,6 +74,6 @@ void main() {
         variances += weight * weight * other.w;
         weights += weight;
     }
-    imageStore(prefiltered, p, vec4(sum / weights, c.w));
-    imageStore(variance_second, p, vec4(variances / (weights * weights)));
+    store_prefiltered(p, vec4(sum / weights, c.w));
+    store_variance_second(p, vec4(variances / (weights * weights)));
 }

@@ -7,7 +7,6 @@
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 #include "common/ray_origin.glsl"
 #include "common/sun_sample.glsl"
@@ -26,9 +25,9 @@
 #include "reflections/ray_turns.glsl"
 
 void store(ivec2 p, vec4 ray, uint direction) {
-    imageStore(radiance, p, vec4(round_to(ray.rgb, HALF_BITS), ray.w));
+    store_radiance(p, ray);
 #if HAS_RAY_DIRECTION
-    imageStore(ray_direction, p, uvec4(direction));
+    store_ray_direction(p, uvec4(direction));
 #endif
 }
 

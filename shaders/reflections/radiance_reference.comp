@@ -58,9 +58,9 @@ void for_pixel(ivec2 p) {
             if (HAS_PLAIN_PREV) plain += imageLoad(plain_prev, p);
         }
     }
-    imageStore(weighted_sum, p, weighted);
+    store_weighted_sum(p, weighted);
 #if HAS_PLAIN_SUM
-    imageStore(plain_sum, p, plain);
+    store_plain_sum(p, plain);
 #endif
 }
 

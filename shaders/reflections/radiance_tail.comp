@@ -9,7 +9,6 @@
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 #include "common/dithered.glsl"
 #include "reflections/radiance_word.glsl"
@@ -46,7 +45,7 @@ void for_pixel(ivec2 p) {
     const Shown here = shown(p);
     const vec4 own = signal_at(p);
     if (!(here.z > 0.0)) {
-        imageStore(filtered, p, own);
+        store_filtered(p, own);
         return;
     }
     const ViewRays seen = view_rays(p, mat3(1.0));
@@ -68,7 +67,7 @@ void for_pixel(ivec2 p) {
     deviations += kept * own.w;
     const float common_share = STEP == 1u ? 0.7 : STEP == 2u ? 0.4 : STEP == 4u ? 0.15 : 0.0;
     variance = mix(variance, deviations * deviations, common_share);
-    imageStore(filtered, p, vec4(round_to(own.rgb + gained, HALF_BITS), min(sqrt(variance), 65504.0)));
+    store_filtered(p, vec4(own.rgb + gained, min(sqrt(variance), 65504.0)));
 }
 
 void main() { for_each_pixel(); }

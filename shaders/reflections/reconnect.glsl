@@ -120,7 +120,7 @@ void scale(inout Sums s, float by) {
 
 void store(ivec2 p, vec3 g, float distance_m, bool moving, float deviation, float samples) {
     const uvec2 words = encode_gathered(Gathered(g, distance_m, moving, deviation, samples), thresholds_at(p));
-    imageStore(gathered, p, uvec4(words, 0u, 0u));
+    store_gathered(p, uvec4(words, 0u, 0u));
 }
 
 bool near_plane(Shown here, Shown there) { return dot(here.n, there.n) > 0.9 && on_plane(here, there); }

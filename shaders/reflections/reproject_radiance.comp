@@ -91,11 +91,11 @@ void for_pixel(ivec2 p) {
     const uint thresholds = thresholds_at(p);
     const uvec2 surface = encode_past(Past(of_surface.rgb, of_surface.w), thresholds);
     const uvec2 image = encode_past(Past(of_image.rgb, of_image.w), thresholds);
-    imageStore(past_surface, p, uvec4(surface.x));
+    store_past_surface(p, uvec4(surface.x));
 #if HAS_PAST_IMAGE
-    imageStore(past_image, p, uvec4(image.x));
+    store_past_image(p, uvec4(image.x));
 #endif
-    imageStore(past_frames, p, vec4(byte_texel(surface.y), byte_texel(image.y), 0.0, 0.0));
+    store_past_frames(p, vec4(byte_texel(surface.y), byte_texel(image.y), 0.0, 0.0));
 }
 
 void main() { for_each_pixel(); }

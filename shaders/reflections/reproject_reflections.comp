@@ -105,7 +105,7 @@ void store_average(ivec2 first, ivec2 p) {
             tile_sums[gl_LocalInvocationIndex] += tile_sums[gl_LocalInvocationIndex + half_count];
     }
     if (gl_LocalInvocationIndex == 0u)
-        imageStore(average_radiance, first / 8, vec4(tile_sums[0].rgb / max(tile_sums[0].w, 1e-3), 0.0));
+        store_average_radiance(first / 8, vec4(tile_sums[0].rgb / max(tile_sums[0].w, 1e-3), 0.0));
 }
 
 void main() {
@@ -130,7 +130,7 @@ void main() {
         // Published defect, inverted: at first the old variance has all the weight.
         variance_now = mix(temporal_variance(c.rgb, kept), variance_between(texel, ivec2(frame.prev_size)), 1.0 / samples);
     }
-    imageStore(reprojected, p, vec4(kept, 0.0));
-    imageStore(samples_now, p, vec4(samples));
-    imageStore(variance_first, p, vec4(variance_now));
+    store_reprojected(p, vec4(kept, 0.0));
+    store_samples_now(p, vec4(samples));
+    store_variance_first(p, vec4(variance_now));
 }

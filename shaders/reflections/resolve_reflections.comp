@@ -18,8 +18,8 @@ void main() {
     const vec4 c = around_lane(ivec2(0));
     // Published defect: what is dark has no variance and never gathers a history.
     if (c.r + c.g + c.b < 1e-4) {
-        imageStore(specular, p, vec4(0.0));
-        imageStore(variance, p, vec4(0.0));
+        store_specular(p, vec4(0.0));
+        store_variance(p, vec4(0.0));
         return;
     }
     const LocalStatistics around = local_statistics();
@@ -33,6 +33,6 @@ void main() {
     const float weight = 1.0 - 1.0 / max(samples, 1.0);
     const vec3 result = mix(now, past, weight);
     const float variance_now = mix(temporal_variance(result, past), variance_filtered, weight);
-    imageStore(specular, p, vec4(usable(result) ? max(result, vec3(0.0)) : vec3(0.0), c.w));
-    imageStore(variance, p, vec4(usable(vec3(variance_now)) ? variance_now : 0.0));
+    store_specular(p, vec4(usable(result) ? max(result, vec3(0.0)) : vec3(0.0), c.w));
+    store_variance(p, vec4(usable(vec3(variance_now)) ? variance_now : 0.0));
 }

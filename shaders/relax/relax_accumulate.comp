@@ -8,7 +8,6 @@
 #include "common/past_places.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 #include "common/same_surface.glsl"
 #include "relax/light.glsl"
@@ -48,11 +47,11 @@ Mixed mix_in(Past past, vec4 now, float confidence, float fast_confidence) {
 }
 
 void store(ivec2 p, Mixed m, float trusted) {
-    imageStore(slow_now, p, vec4(round_to(m.slow.rgb, HALF_BITS), round_to(m.slow.w, HALF_BITS)));
-    imageStore(fast_now, p, vec4(round_to(m.fast.rgb, HALF_BITS), round_to(m.fast.w, HALF_BITS)));
-    imageStore(frames, p, vec4(encode_frames(m.frames)));
+    store_slow_now(p, m.slow);
+    store_fast_now(p, m.fast);
+    store_frames(p, vec4(encode_frames(m.frames)));
 #if HAS_CONFIDENCE
-    imageStore(confidence, p, vec4(trusted));
+    store_confidence(p, vec4(trusted));
 #endif
 }
 

@@ -8,7 +8,6 @@
 #include "common/hash.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 #include "common/same_surface.glsl"
 #include "relax/light.glsl"
@@ -54,7 +53,7 @@ void for_pixel(ivec2 p) {
     const Shown here = shown(p);
     const vec4 own = imageLoad(signal, p);
     if (!(here.z > 0.0)) {
-        imageStore(filtered, p, own);
+        store_filtered(p, own);
         return;
     }
     const float light = luminance(own.rgb), width = max((LOBE == LOBE_DIFFUSE ? DIFFUSE_DEVIATIONS : SPECULAR_DEVIATIONS) * own.w, 1e-4);
@@ -75,7 +74,7 @@ void for_pixel(ivec2 p) {
         variance += weight * weight * other.w * other.w;
         weights += weight;
     }
-    imageStore(filtered, p, vec4(round_to(sum / weights, HALF_BITS), round_to(sqrt(variance) / weights, HALF_BITS)));
+    store_filtered(p, vec4(sum / weights, sqrt(variance) / weights));
 }
 
 void main() { for_each_pixel(); }

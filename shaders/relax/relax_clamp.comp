@@ -4,7 +4,6 @@
 #include "node.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 #include "common/surface_texel.glsl"
 #include "relax/frames.glsl"
@@ -23,8 +22,8 @@ vec3 to_ycocg(vec3 c) {
 vec3 to_rgb(vec3 c) { return max(vec3(c.x + c.y - c.z, c.x + c.z, c.x - c.y - c.z), vec3(0.0)); }
 
 void store(ivec2 p, vec4 of_slow, vec4 of_fast) {
-    imageStore(slow, p, vec4(round_to(of_slow.rgb, HALF_BITS), round_to(of_slow.w, HALF_BITS)));
-    imageStore(fast, p, vec4(round_to(of_fast.rgb, HALF_BITS), of_fast.w));
+    store_slow(p, of_slow);
+    store_fast(p, of_fast);
 }
 
 // What 5x5 pixels hold: the short past's mean and deviation, the frame's mean and its luminance's deviation.

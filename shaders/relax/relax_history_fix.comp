@@ -4,7 +4,6 @@
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 #include "common/same_surface.glsl"
 #include "relax/relax.glsl"
@@ -24,7 +23,7 @@ void for_pixel(ivec2 p) {
     float stride = round(14.0 / (1.0 + length_now));
     if (LOBE == LOBE_SPECULAR) stride = min(stride, 0.5 * footprint_px(here, imageLoad(fast_now, p).w));
     if (!(here.z > 0.0) || length_now > FIX_FRAMES || stride < 1.0) {
-        imageStore(slow_fixed, p, own);
+        store_slow_fixed(p, own);
         return;
     }
     vec3 sum = own.rgb;
@@ -40,7 +39,7 @@ void for_pixel(ivec2 p) {
         squares += weight * other.w * other.w;
         weights += weight;
     }
-    imageStore(slow_fixed, p, vec4(round_to(sum / weights, HALF_BITS), round_to(sqrt(squares / weights), HALF_BITS)));
+    store_slow_fixed(p, vec4(sum / weights, sqrt(squares / weights)));
 }
 
 void main() { for_each_pixel(); }

@@ -7,7 +7,6 @@
 #include "common/hash.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 #include "common/same_surface.glsl"
 #include "relax/relax.glsl"
@@ -27,7 +26,7 @@ void for_pixel(ivec2 p) {
     const Shown here = shown(p);
     const vec4 own = texelFetch(radiance, p, 0);
     if (!(here.z > 0.0)) {
-        imageStore(blurred, p, vec4(0.0));
+        store_blurred(p, vec4(0.0));
         return;
     }
     const float own_m = abs(own.w), radius = blur_radius(here, own_m);
@@ -47,7 +46,7 @@ void for_pixel(ivec2 p) {
         weights += weight;
         if (LOBE == LOBE_SPECULAR && alike > drawn) nearest_m = min(nearest_m, its_m);
     }
-    imageStore(blurred, p, vec4(round_to(sum / weights, HALF_BITS), round_to(nearest_m, HALF_BITS)));
+    store_blurred(p, vec4(sum / weights, nearest_m));
 }
 
 void main() { for_each_pixel(); }

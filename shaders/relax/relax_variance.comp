@@ -5,7 +5,6 @@
 #include "common/camera.glsl"
 #include "common/pixels.glsl"
 #include "common/receiver_normal.glsl"
-#include "common/round_store.glsl"
 #include "common/rounded.glsl"
 #include "common/same_surface.glsl"
 #include "relax/light.glsl"
@@ -19,7 +18,7 @@ void for_pixel(ivec2 p) {
     const vec4 own = imageLoad(slow, p);
     const Shown here = shown(p);
     if (!(here.z > 0.0)) {
-        imageStore(estimated, p, vec4(0.0));
+        store_estimated(p, vec4(0.0));
         return;
     }
     const float length_now = decode_frames(imageLoad(frames, p).x);
@@ -40,7 +39,7 @@ void for_pixel(ivec2 p) {
         }
     mean /= weights;
     const float variance = max(squares / weights - mean * mean, 0.0) * (few ? max(1.0, 4.0 / (length_now + 1.0)) : 1.0);
-    imageStore(estimated, p, vec4(own.rgb, round_to(sqrt(variance), HALF_BITS)));
+    store_estimated(p, vec4(own.rgb, sqrt(variance)));
 }
 
 void main() { for_each_pixel(); }

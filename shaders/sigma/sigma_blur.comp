@@ -6,7 +6,6 @@
 #include "common/disc_taps.glsl"
 #include "common/guide_normal.glsl"
 #include "common/pixels.glsl"
-#include "common/round_store.glsl"
 #include "common/view_rays.glsl"
 #include "sigma/sigma.glsl"
 #include "sigma/tile_value.glsl"
@@ -60,8 +59,8 @@ vec2 stretched(vec3 n, ivec2 p) {
 }
 
 void write(ivec2 p, float radius_m, vec4 shadowed) {
-    imageStore(penumbra_out, p, vec4(round_to(radius_m, HALF_BITS)));
-    imageStore(shadow_out, p, sqrt(clamp(shadowed, 0.0, 1.0)));
+    store_penumbra_out(p, vec4(radius_m));
+    store_shadow_out(p, sqrt(clamp(shadowed, 0.0, 1.0)));
 }
 
 void for_pixel(ivec2 p) {

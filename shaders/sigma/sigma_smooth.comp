@@ -15,5 +15,5 @@ void main() {
             sum += weight * imageLoad(tiles, clamp(tile + ivec2(x, y), ivec2(0), last)).x;
             weights += weight;
         }
-    imageStore(smooth_tiles, tile, vec4(centre.z, sum / weights, 0.0, 0.0));
+    store_smooth_tiles(tile, vec4(centre.z, sum / weights, 0.0, 0.0));
 }

@@ -100,12 +100,12 @@ void moments(ivec2 p, float own, out vec4 mean, out vec4 deviation) {
 // The history keeps the root in eight bits; the visibility is what they say, and so is the colour.
 void write(ivec2 p, float z, vec4 shadowed, float frames) {
     const vec4 root = floor(255.0 * sqrt(clamp(shadowed, 0.0, 1.0)) + 0.5) / 255.0;
-    imageStore(stable, p, root);
-    imageStore(visibility, p, vec4(decoded(root).x));
+    store_stable(p, root);
+    store_visibility(p, vec4(decoded(root).x));
 #if HAS_TRANSMITTANCE
-    imageStore(transmittance, p, vec4(decoded(root).yzw, 1.0));
+    store_transmittance(p, vec4(decoded(root).yzw, 1.0));
 #endif
-    imageStore(past, p, uvec4(packed_past(z, frames)));
+    store_past(p, uvec4(packed_past(z, frames)));
 }
 
 void for_pixel(ivec2 p) {

@@ -39,5 +39,5 @@ void main() {
     if (gl_LocalInvocationIndex != 0u) return;
     const uvec3 total = uvec3(s_counts, s_counts >> FIELD, s_counts >> 2u * FIELD) & FIELD_MASK;
     const float mixed = total.x == PIXELS || total.y == PIXELS ? 0.0 : 1.0, sky = total.z == PIXELS ? 1.0 : 0.0;
-    imageStore(tiles, ivec2(gl_WorkGroupID.xy), vec4(mixed, min(uintBitsToFloat(s_radius) / 16.0, 1.0), sky, 0.0));
+    store_tiles(ivec2(gl_WorkGroupID.xy), vec4(mixed, min(uintBitsToFloat(s_radius) / 16.0, 1.0), sky, 0.0));
 }

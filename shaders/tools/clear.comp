@@ -3,6 +3,6 @@
 #include "node.glsl"
 #include "common/pixels.glsl"
 
-void for_pixel(ivec2 p) { imageStore(cleared, p, vec4(vec3(params.value), 1.0)); }
+void for_pixel(ivec2 p) { store_cleared(p, vec4(vec3(params.value), 1.0)); }
 
 void main() { for_each_pixel(); }

@@ -43,7 +43,7 @@ void for_pixel(ivec2 p) {
             }
         }
     }
-    imageStore(visibility, p, vec4(visible));
+    store_visibility(p, vec4(visible));
 }
 
 void main() { for_each_pixel(); }

@@ -96,7 +96,7 @@ void main() {
         if (told && count == LIGHT_SAMPLES) shadowed |= 1u << number;
         if (told && count != LIGHT_SAMPLES && count != 0u) {
             partly |= 1u << number;
-            imageStore(coverage, p, vec4(float((LIGHT_SAMPLES - count) * (256u / LIGHT_SAMPLES)) / 255.0));
+            store_coverage(p, vec4(float((LIGHT_SAMPLES - count) * (256u / LIGHT_SAMPLES)) / 255.0));
         }
     }
     shadowed = subgroupOr(shadowed);

@@ -244,6 +244,6 @@ void main() {
     subgroup_barrier();
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes)
         if ((inside >> number & 1u) != 0u)
-            imageStore(illuminance, tile * TILE + pixel_of_lane(int(number)), vec4(storable(lux[number]), 0.0));
+            store_illuminance(tile * TILE + pixel_of_lane(int(number)), vec4(storable(lux[number]), 0.0));
 #endif
 }

@@ -17,6 +17,6 @@ void store_shares(TileShare share, ivec2 tile) {
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
         const uint reached = reach_sun[number];
         const bool disagree = (share.wanted >> number & 1u) != 0u && reached != 0u && reached != RAYS;
-        if (disagree) imageStore(fraction, tile * TILE + pixel_of_lane(int(number)), vec4(float(reached) / float(RAYS)));
+        if (disagree) store_fraction(tile * TILE + pixel_of_lane(int(number)), vec4(float(reached) / float(RAYS)));
     }
 }

@@ -43,7 +43,7 @@ void main() {
             ray_bits[uint(p.y) * frame.size.x + uint(p.x)] = blocked[number] | 1u << further;
 #endif
 #if HAS_FRACTION
-            if (hit != 0u && hit != rays) imageStore(fraction, p, vec4(float(rays - hit) / float(rays)));
+            if (hit != 0u && hit != rays) store_fraction(p, vec4(float(rays - hit) / float(rays)));
 #endif
         }
     count_rays(subgroupElect() ? ray_count : 0u);

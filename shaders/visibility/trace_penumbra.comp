@@ -5,7 +5,6 @@
 #include "common/camera.glsl"
 #include "common/receiver_normal.glsl"
 #include "common/ray_origin.glsl"
-#include "common/round_store.glsl"
 #include "common/tile_list.glsl"
 #include "common/tiles.glsl"
 #if BACKEND == BACKEND_RAY_QUERY
@@ -70,9 +69,9 @@ void main() {
             const ivec2 p = tile_of(record) * TILE + pixel_of_lane(int(wanted_number(share, index)));
             vec4 colour;
             const float radius = penumbra_at(p, uintBitsToFloat(record.z), uintBitsToFloat(record.w), colour);
-            imageStore(penumbra, p, vec4(round_to(radius, HALF_BITS)));
+            store_penumbra(p, vec4(radius));
 #if HAS_TRANSLUCENCY
-            imageStore(translucency, p, colour);
+            store_translucency(p, colour);
 #endif
         }
     }

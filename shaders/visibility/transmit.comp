@@ -50,7 +50,7 @@ uint coloured_pixels(TileShare share, ivec2 tile) {
         const bool asked = inside && seen > 0.0 && imageLoad(view_depth, p).x > 0.0;
         const bool found = may_be_coloured(p, asked);
         if (found) coloured |= 1u << number;
-        if (inside && !found) imageStore(transmittance, p, vec4(vec3(seen), 1.0));
+        if (inside && !found) store_transmittance(p, vec4(vec3(seen), 1.0));
     }
     return subgroupOr(coloured);
 }
@@ -115,7 +115,7 @@ void main() {
     for (uint number = share.first + share.lane; number < share.end; number += share.lanes) {
         if ((share.wanted >> number & 1u) == 0u) continue;
         const ivec2 p = pixel_numbered(tile, number);
-        imageStore(transmittance, p, vec4(texelFetch(visibility, p, 0).x * mean_transmittance(number), 1.0));
+        store_transmittance(p, vec4(texelFetch(visibility, p, 0).x * mean_transmittance(number), 1.0));
     }
     count_coloured(subgroupElect() ? uint(bitCount(share.wanted)) : 0u);
     count_rays(subgroupElect() ? rays : 0u);
