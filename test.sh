@@ -43,7 +43,7 @@ long+='|Recall\.ChangesWho|RadianceReport\.BruteForce|Explain\.DrawsThePixel|Den
 long="^($long)|/HistoryGpu\..*_(down|still)|/SoakRun\.|/Determinism\..*/lit"
 # On a second driver, whose images Drivers.TwoVersionsAgree holds to the first one's: that every pipeline runs with nothing for
 # validation to say, and what reads the tree of triangles.
-second='/ValidatedPipeline\.|^(BvhGpu|CoverCases|CoverLights|CoverWatertight|CoverTwinOf|TraceBackend|TraceBackendRun|Transmit)\.'
+second='/ValidatedPipeline\.|/RowStores\.|^(BvhGpu|CoverCases|CoverLights|CoverWatertight|CoverTwinOf|TraceBackend|TraceBackendRun|Transmit)\.'
 few=(-E "$long") of_second=(-R "$second" -E "$long")
 if [[ $* == --all ]]; then few=() of_second=(); fi
 

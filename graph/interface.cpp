@@ -5,28 +5,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <set>
 
 #include "graph/align_up.h"
+#include "graph/stores.h"
 #include "penumbra/frame_block.h"
 
 namespace penumbra {
 namespace {
 
-std::string upper(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::toupper(c); });
-    return text;
-}
-
 // An output that updates inherits everything but its name from the input.
 const Port& described_by(const NodeType& type, const Port& port) {
     return port.updated_input ? type.ports[*port.updated_input] : port;
-}
-
-const char* prefix(Format format) {
-    return info(format).kind == FormatClass::uint ? "u" : "";
 }
 
 const char* element_glsl(const std::string& element) {
@@ -58,10 +49,10 @@ std::string declare_image(bool storage, bool layers, const std::string& name, Fo
                           const char* access, uint32_t b) {
     const char* dim = layers ? "2DArray" : "2D";
     if (!storage)
-        return fmt::format("layout(set = 0, binding = {}) uniform {}sampler{} {};\n", b, prefix(format), dim,
-                           name);
+        return fmt::format("layout(set = 0, binding = {}) uniform {}sampler{} {};\n", b, glsl_prefix(format),
+                           dim, name);
     return fmt::format("layout(set = 0, binding = {}, {}) uniform {}{}image{} {};\n", b, info(format).glsl,
-                       access, prefix(format), dim, name);
+                       access, glsl_prefix(format), dim, name);
 }
 
 // The level that is written, and the finer one that it is made from (its own in level 0, where nobody may
@@ -71,78 +62,9 @@ std::string declare_chain(const Port& port, const std::string& name, Format form
            declare_image(true, port.layers, name + "_finer", format, "readonly ", b + 1);
 }
 
-// How a texel is stored into a buffer: the element's type, and what it is of a colour `v`.
-struct RowFormat {
-    const char *element, *of_v;
-    uint32_t bytes;
-};
-std::optional<RowFormat> row_format(Format format) {
-    switch (format) {
-        case Format::r32ui:
-            return RowFormat{"uint", "v.x", 4};
-        case Format::rg32ui:
-            return RowFormat{"uvec2", "v.xy", 8};
-        case Format::rgba32ui:
-            return RowFormat{"uvec4", "v", 16};
-        case Format::r32f:
-            return RowFormat{"float", "v.x", 4};
-        case Format::rg32f:
-            return RowFormat{"vec2", "v.xy", 8};
-        case Format::rgba32f:
-            return RowFormat{"vec4", "v", 16};
-        case Format::rg16f:
-            return RowFormat{"uint", "packHalf2x16(v.xy)", 4};
-        case Format::rgba16f:
-        case Format::r16f:  // of four texels
-            return RowFormat{"uvec2", "uvec2(packHalf2x16(v.xy), packHalf2x16(v.zw))", 8};
-        case Format::rg16s:
-            return RowFormat{"uint", "packSnorm2x16(v.xy)", 4};
-        case Format::rgb10a2:
-            return RowFormat{"uint", "pack_unorm(v, uvec4(1023u, 1023u, 1023u, 3u), 10)", 4};
-        case Format::rgba8:
-        case Format::r8:  // of four texels
-            return RowFormat{"uint", "pack_unorm(v, uvec4(255u), 8)", 4};
-        default:
-            return std::nullopt;  // its texels are no words
-    }
-}
-
 uint32_t binding_count(const Port& port) {
     if (port.bundle) return static_cast<uint32_t>(port.bundle->parts.size());
     return (port.output && port.levels) || port.in_rows ? 2 : 1;
-}
-
-// store_NAME() stores a texel, store4_NAME() of one narrow channel four in a row, from a multiple of four on:
-// into an image or, `in_rows`, as words of its memory, to the same bits. What lies outside is not stored.
-std::string declare_stores(const Port& port, Format format, bool in_rows, uint32_t row_constant, uint32_t b) {
-    const std::string &name = port.name, color = prefix(format) + std::string("vec4");
-    const FormatInfo& of = info(format);
-    const bool narrow = of.bytes < 4;  // than a word
-    const bool halves = of.kind == FormatClass::real && of.bytes == 2 * of.channels;
-    const auto function = [&](const char* store, bool words, const std::string& body) {
-        const char* first = !halves ? "" : words ? "    v = within_halves(v);\n" : "    v = to_halves(v);\n";
-        return fmt::format("void {}_{}(ivec2 p, {} v) {{\n{}{}}}\n", store, name, color, first, body);
-    };
-    const auto row_of = [&](const char* column) {
-        return fmt::format(
-            "    const uint x = {0}, at = uint(p.y) * {1}_ROW + x;\n"
-            "    if (x < {1}_ROW && at < uint({2}_rows.length())) {2}_rows[at] = {3};\n",
-            column, upper(name), name, row_format(format)->of_v);
-    };
-    std::string text;
-    if (in_rows)
-        text = fmt::format(
-            "layout(set = 0, binding = {0}, std430) restrict writeonly buffer {1}_rows_buffer {{ {2} "
-            "{1}_rows[]; }};\nlayout(constant_id = {3}) const uint {4}_ROW = 1u;\n",
-            b + 1, name, row_format(format)->element, row_constant, upper(name));
-    const bool words = in_rows && !narrow;
-    text += function("store", words,
-                     words ? row_of("uint(p.x)") : fmt::format("    imageStore({}, p, v);\n", name));
-    if (!narrow || of.channels > 1) return text;
-    std::string four;
-    for (const char* i : {"0", "1", "2", "3"})
-        four += fmt::format("    imageStore({}, p + ivec2({}, 0), {}(v[{}]));\n", name, i, color, i);
-    return text + function("store4", in_rows, in_rows ? row_of("uint(p.x) / 4u") : four);
 }
 
 std::string declare_block(const std::string& name, const std::string& element, uint32_t b) {
@@ -164,10 +86,10 @@ std::string declare_bundle(const Port& port, const Variant& variant, uint32_t b)
         const std::string name = part.name.empty() ? port.name : port.name + "_" + part.name;
         if (part.kind == PortKind::texels && part.on == Bundle::Texels::loaded)
             text += fmt::format("layout(set = 0, binding = {}, {}) readonly uniform {}imageBuffer {};\n",
-                                binding, info(part.format).glsl, prefix(part.format), name);
+                                binding, info(part.format).glsl, glsl_prefix(part.format), name);
         else if (part.kind == PortKind::texels)
             text += fmt::format("layout(set = 0, binding = {}) uniform {}samplerBuffer {};\n", binding,
-                                prefix(part.format), name);
+                                glsl_prefix(part.format), name);
         else if (part.kind == PortKind::buffer)
             text += declare_buffer(name, part.element, "readonly ", binding);
         else if (part.kind == PortKind::structure)
@@ -197,7 +119,7 @@ std::string declare_port(const NodeType& type, const Port& port, const Variant& 
         case PortKind::texels:
             if (!port.output)
                 return fmt::format("layout(set = 0, binding = {}) uniform {}samplerBuffer {};\n", b,
-                                   prefix(format), port.name);
+                                   glsl_prefix(format), port.name);
             return fmt::format(
                 "layout(set = 0, binding = {}, std430) restrict buffer {}_buffer {{ {} {}[]; }};\n", b,
                 port.name, texel_element_glsl(format), port.name);
@@ -358,15 +280,6 @@ std::vector<uint32_t> row_outputs(const NodeType& type) {
     return list;
 }
 
-bool has_rows(Format format) {
-    return row_format(format).has_value();
-}
-
-uint32_t row_element_bytes(Format format) {
-    const auto rows = row_format(format);
-    return rows ? rows->bytes : 0;
-}
-
 uint32_t first_row_constant(const NodeType& type) {
     const auto constants = std::ranges::count_if(type.params, &Param::constant);
     return first_param_constant + static_cast<uint32_t>(constants + presence(type).size());
@@ -458,25 +371,6 @@ bool fits(const Param& param, const ParamValue& value) {
     return true;
 }
 
-// What is finite stays so, as in stores into an image. Halves are rounded to nearest, ties to even, also
-// where a device's stores are not: normal ones by their bits, others, steps of 2^-24, by those beside 0.5.
-// Beside 2^23 a float's last bit is 1, so that a sum is rounded to a whole number, which its bits end in:
-// lavapipe converts lane by lane.
-constexpr const char* stores_glsl =
-    "vec4 within_halves(vec4 v) {\n"
-    "    const uvec4 above = floatBitsToUint(v) & 0x7f800000u;\n"
-    "    return mix(clamp(v, -65504.0, 65504.0), v, equal(above, uvec4(0x7f800000u)));\n}\n"
-    "vec4 to_halves(vec4 v) {\n"
-    "    v = within_halves(v);\n"
-    "    const uvec4 bits = floatBitsToUint(v), nearest = bits + 0xfffu + (bits >> 13 & 1u) & ~0x1fffu;\n"
-    "    const vec4 steps = vec4(ivec4(floatBitsToUint(abs(v) + 0.5) - 0x3f000000u)) * "
-    "5.9604644775390625e-8;\n"
-    "    const uvec4 denormal = floatBitsToUint(steps) | bits & 0x80000000u;\n"
-    "    return uintBitsToFloat(mix(nearest, denormal, lessThan(abs(v), vec4(6.103515625e-5))));\n}\n"
-    "uint pack_unorm(vec4 v, uvec4 most, int bits) {\n"
-    "    const uvec4 n = floatBitsToUint(clamp(v, 0.0, 1.0) * vec4(most) + 8388608.0) & most;\n"
-    "    return n.x | n.y << bits | n.z << 2 * bits | n.w << 3 * bits;\n}\n";
-
 std::string generate_glsl(const NodeType& type, const Variant& variant) {
     std::string text =
         "// Generated from the node's declaration.\n"
@@ -508,7 +402,7 @@ std::string generate_glsl(const NodeType& type, const Variant& variant) {
         uint32_t{frame_reset}, uint32_t{frame_orthographic}, uint32_t{frame_depth_at_centres}, group_constant,
         group_constant + 1, group_constant + 2, per_thread_constant, per_thread_constant + 1, on_cpu_constant,
         in_step_constant, frame_binding);
-    text += stores_glsl;
+    text += rounding_glsl;
     if (variant.cpu) text += fmt::format("#define CLASS_CPU {:d}\n", *variant.cpu);
     for (const auto& [name, exists] : variant.outputs)
         text += fmt::format("#define HAS_{} {:d}\n", upper(name), exists);
