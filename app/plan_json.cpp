@@ -265,6 +265,9 @@ OrderedJson pass_json(const PlanPass& pass, OrderedJson json) {
     json["before"] = by_parity(pass.before);
     json["clears"] = pass.clears;
     json["after_clears"] = by_parity(pass.after_clears);
+    json["member"] = or_null(pass.member);
+    json["rests"] = pass.rests;
+    json["zero_at_rest"] = pass.zero_at_rest;
     json["counters"] = pass.counters;
     json["counter_base"] = pass.counter_base;
     return json;
@@ -334,6 +337,7 @@ OrderedJson to_json(const Plan& plan) {
     json["reset"] = OrderedJson::array();
     for (const ResetAction& action : plan.reset)
         json["reset"].push_back({{"resource", action.resource}, {"clear", action.clear}});
+    json["members"] = plan.members;
     const OrderedJson passes = passes_json(plan);
     json["passes"] = OrderedJson::array();
     for (size_t p = 0; p < plan.passes.size(); ++p)

@@ -181,6 +181,10 @@ Schema pass() {
          {"before", use("by_parity")},
          {"clears", doc(list_of(number), "resources that become 0, behind `before`")},
          {"after_clears", use("by_parity")},
+         {"member", doc(or_null(number), "of `members`: whose pass it is")},
+         {"rests", doc(flag, "is left out while its member is asleep")},
+         {"zero_at_rest",
+          doc(list_of(number), "resources that become 0 in its place, behind `after_clears`")},
          {"counters", list_of(text)},
          {"counter_base", number}});
 }
@@ -225,6 +229,7 @@ nlohmann::ordered_json plan_schema() {
           doc(list_of(object({{"resource", number}, {"clear", flag}})),
               "on a frame without history, before the first pass: the other parity's instance, and what is "
               "kept, is activated, and cleared where it says so")},
+         {"members", doc(list_of(text), "of families of instances that have nodes")},
          {"passes", list_of(pass())},
          {"end", doc(use("by_parity"), "behind the last pass: the outputs become visible")},
          {"outputs",

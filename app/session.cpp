@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "host/scene/moved_boxes.h"
+#include "host/shots/light_in_view.h"
 
 namespace penumbra {
 namespace {
@@ -112,6 +113,9 @@ FrameCost Session::run_frame(uint32_t index, bool reset) {
             update_surfaces(moment, previous);
     }
     resources_.blocks->write(frame);
+    for (const size_t i : sleepers_)
+        std::ignore =
+            view_->set_awake(host_->light_names()[i], may_show(frame.lights[i], frame.description.camera));
     last_ = frame.description;
     FrameCost cost;
     if (resources_.cascade_maps || reads(plan(), "cascades")) bring_cascades(index, cost);

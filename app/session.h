@@ -143,6 +143,7 @@ class Session {
     std::optional<uint32_t> surfaces_builds_;
     std::array<double, 2> surfaces_moments_{};
     std::unique_ptr<View> view_;
+    std::vector<size_t> sleepers_;  // of the host's lights, those whose passes may sleep
 };
 
 // What a node type's "needs" may ask for, of what is enabled on the device.

@@ -10,6 +10,7 @@
 #include "app/commands.h"
 #include "app/fact_list.h"
 #include "app/session.h"
+#include "app/sleeping_lights.h"
 #include "app/validate.h"
 #include "host/materials/environment.h"
 #include "host/materials/environment_lots.h"
@@ -274,6 +275,7 @@ std::unique_ptr<Session> Session::open(Device& device, const NodeSet& nodes, con
 
     doing("compiling shaders");
     session->make_view(std::move(*plan), options);
+    session->sleepers_ = lights_that_may_sleep(session->plan(), host.light_names());
     const bool words = table.max_texel_elements < large_texel_buffer;  // as compile() decided
     session->make_resources(options, kept, *lights, words ? TexelsAs::words : TexelsAs::texels, environment);
     return session;

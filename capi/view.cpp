@@ -121,6 +121,16 @@ penumbra_code penumbra_view_end(penumbra_view* view, VkCommandBuffer cmd, penumb
     return guarded(error, [&] { given(view, "view").view->end(cmd); });
 }
 
+penumbra_code penumbra_view_set_awake(penumbra_view* view, const char* member, VkBool32 awake,
+                                      penumbra_error* error) {
+    return guarded(error, [&] {
+        View& v = *given(view, "view").view;
+        if (!v.set_awake(named(member, "member"), awake))
+            misuse(std::string("\"") + member + "\"", "the plan has no member of a family of this name" +
+                                                          did_you_mean(member, v.plan().members));
+    });
+}
+
 penumbra_code penumbra_view_output(const penumbra_view* view, const char* name, penumbra_output* output,
                                    penumbra_error* error) {
     return guarded(error, [&] {
@@ -161,7 +171,7 @@ penumbra_code penumbra_view_completed(const penumbra_view* view, uint64_t* frame
 }
 
 const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource) {
-    constexpr const char* names[] = {"none", "first_frame", "asked", "not_handed_on"};
+    constexpr const char* names[] = {"none", "first_frame", "asked", "not_handed_on", "woken"};
     if (!view) return names[0];
     const Reset& reset = view->view->reset();
     if (resource) *resource = reset.resource.c_str();

@@ -106,6 +106,7 @@ class Checker {
         if (const auto* of = written_out_.of[static_cast<size_t>(&node - pipeline_.nodes.data())]) {
             bound.family = of->family;
             bound.member = of->name;
+            bound.hands_on = std::ranges::find(node.in, Wire::Member::before, &Wire::member) != node.in.end();
         }
         bind_params(node, bound);
         find_with(node, bound);

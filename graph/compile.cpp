@@ -11,6 +11,7 @@
 #include "graph/compiler.h"
 #include "graph/lifetimes.h"
 #include "graph/limits.h"
+#include "graph/rests.h"
 #include "graph/settling.h"
 
 namespace penumbra {
@@ -62,6 +63,10 @@ std::optional<Plan> Compiler::run() {
     plan_.culled = std::move(selection->culled);
     inputs_ = resolve_inputs(pipeline_, *selection, target_, diagnostics_);
     if (diagnostics_.size() != errors) return std::nullopt;
+    for (const BoundNode& node : pipeline_.nodes)
+        if (!node.member.empty() &&
+            members_.try_emplace(node.member, static_cast<uint32_t>(plan_.members.size())).second)
+            plan_.members.push_back(node.member);
     plan_.passes.reserve(selection->nodes.size());
     made_.resize(pipeline_.resources.size());
     for (uint32_t p = 0; p < selection->nodes.size(); ++p)
@@ -81,6 +86,7 @@ std::optional<Plan> Compiler::run() {
         r.buffer_usage |= VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
     }
     place_lifetimes(plan_);
+    place_rests(plan_);
     place_memory(plan_, target_.device, options_.share_transients, options_.optimum_search_nodes,
                  options_.optimum_progress);
     if (plan_.memory.heap_bytes > target_.device.memory_bytes) {

@@ -19,6 +19,10 @@ void Compiler::lower(const SelectedNode& selected) {
     pass.type = node.type().name;
     pass.kind = node.type().host ? PassKind::host : PassKind::compute;
     pass.callback = node.entry->callback;
+    if (!node.member.empty()) {
+        pass.member = members_.at(node.member);
+        pass.rests = !node.hands_on;
+    }
     pass.counters = node.type().counters;
     pass.counter_base = static_cast<uint32_t>(plan_.counters.size());
     check_needs(node);

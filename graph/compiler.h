@@ -98,8 +98,9 @@ class Compiler {
     Plan plan_;
     size_t facts_ = 0;  // the case that the target is
     std::vector<HostResource> inputs_;
-    std::vector<Made> made_;  // by name
-    Variant variant_;         // of the pass that is last
+    std::vector<Made> made_;                   // by name
+    std::map<std::string, uint32_t> members_;  // of Plan::members
+    Variant variant_;                          // of the pass that is last
     std::map<std::pair<const NodeEntry*, std::string>, std::optional<uint32_t>> modules_;  // none: reported
 };
 

@@ -37,7 +37,7 @@ void ViewState::decide_reset(uint32_t flags) {
     reset_ = {};
     inherited_.clear();
     if (flags & frame_reset) reset_.reason = Reset::Reason::asked;
-    if (recorded_ > 0) return;
+    if (recorded_ > 0) return decide_waking();
     const ViewState* before = options_.heir_of ? &options_.heir_of->state() : nullptr;
     if (!before || before->recorded_ == 0) {
         reset_.reason = Reset::Reason::first_frame;
@@ -51,12 +51,13 @@ void ViewState::decide_reset(uint32_t flags) {
         const PlanResource& own = plan().resources[action.resource];
         const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {
             return r.lasts() && !is_own(own) && hands_on(r) && hands_on(own) && alike(r, own) &&
-                   (fits || !r.follows);
+                   (fits || !r.follows) && !before->rested(static_cast<uint32_t>(&r - theirs.data()));
         });
         inherited_.push_back(same == theirs.end()
                                  ? std::nullopt
                                  : std::optional(static_cast<uint32_t>(same - theirs.begin())));
-        if (same == theirs.end() && !action.clear) {
+        const bool rests_on = rests(plan().passes[own.first_pass]);  // and begins when it wakes
+        if (same == theirs.end() && !action.clear && !rests_on) {
             reset_ = {Reset::Reason::not_handed_on, own.names.back()};
             inherited_.clear();
             return;

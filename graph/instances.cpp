@@ -110,8 +110,11 @@ class Writer {
             use(input.instances, input.instances_place, "inputs." + input.name);
         for (const PipelineNode& node : pipeline_.nodes)
             use(node.instances, node.instances_place, "nodes." + node.id);
+        std::set<std::string> names;
         for (const PipelineInstance& instance : pipeline_.instances) {
             const std::string path = "instances." + instance.name;
+            if (!names.insert(instance.name).second)
+                error(instance.place, path, "is another member's name, too");
             if (!named.contains(instance.family))
                 error(instance.place, path,
                       fmt::format("no input and no node is of the family \"{}\"{}", instance.family,

@@ -110,6 +110,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
     write_slot_bindings(slot);
 
     frame_block_ = make_frame_block(frame, program_.device()->properties().limits.subPixelPrecisionBits);
+    resting_ = asked_to_rest_;
     decide_reset(frame.flags);
     const bool reset = reset_.reason != Reset::Reason::none;
     const bool alike =
@@ -136,7 +137,10 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
                                 {}});
     record_handovers(cmd, false);
     if (memory_.shares()) full_dependency(cmd);
-    if (reset || recorded_ == 0) record_reset(cmd);
+    if (reset || recorded_ == 0)
+        record_reset(cmd);
+    else
+        record_waking(cmd);
     next_pass_ = 0;
 }
 
@@ -234,6 +238,11 @@ void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& depende
     for (const Activation& a : dependency.activations) {
         VkPipelineStageFlags2 before = a.src_stages;
         VkAccessFlags2 access = a.src_access;
+        if (slept_) {  // what was cleared in a resting pass's place may have had no reader, of whom the plan
+                       // knows
+            before |= VK_PIPELINE_STAGE_2_CLEAR_BIT;
+            access |= VK_ACCESS_2_TRANSFER_WRITE_BIT;
+        }
         if (const auto lent = plan().resources[a.resource].slot) {
             const Handover& h = *bound_[*lent].handover;
             if (!is_foreign(h.family_before)) {  // another queue's stages are not this one's
@@ -287,9 +296,23 @@ void ViewState::record_pass(VkCommandBuffer cmd, size_t index) {
     if (slot.timestamps)
         vk().vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
                                   first_query);
-    for (const uint32_t resource : pass.clears) record_clear(cmd, resource, parity_, std::nullopt);
-    record_dependency(cmd, pass.after_clears[parity_]);
-    switch (pass.kind) {
+    // Dependencies hold whether it rests or not: what shares its memory waits through them.
+    if (rests(pass)) {
+        record_dependency(cmd, pass.after_clears[parity_]);
+        record_rest(cmd, pass);
+    } else {
+        for (const uint32_t resource : pass.clears) record_clear(cmd, resource, parity_, std::nullopt);
+        record_dependency(cmd, pass.after_clears[parity_]);
+        record_work(cmd, index);
+    }
+    if (slot.timestamps)
+        vk().vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
+                                  first_query + 1);
+    if (vk().vkCmdEndDebugUtilsLabelEXT) vk().vkCmdEndDebugUtilsLabelEXT(cmd);
+}
+
+void ViewState::record_work(VkCommandBuffer cmd, size_t index) const {
+    switch (plan().passes[index].kind) {
         case PassKind::capture:
             record_capture(cmd, index);
             break;
@@ -299,10 +322,6 @@ void ViewState::record_pass(VkCommandBuffer cmd, size_t index) {
         case PassKind::compute:
             record_dispatches(cmd, index);
     }
-    if (slot.timestamps)
-        vk().vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_BOTTOM_OF_PIPE_BIT, slot.timestamps.get(),
-                                  first_query + 1);
-    if (vk().vkCmdEndDebugUtilsLabelEXT) vk().vkCmdEndDebugUtilsLabelEXT(cmd);
 }
 
 // One dispatch, or one per level of a mip chain: each reads what the one before has written.
@@ -373,6 +392,7 @@ void ViewState::end(VkCommandBuffer cmd) {
                             VK_ACCESS_2_HOST_READ_BIT,
                             {}});
     ++recorded_;
+    rested_ = resting_;
     last_.size = size_;
     last_.parity = parity_;
     last_.lent = lent_;  // as many every time: nothing is allocated

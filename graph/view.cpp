@@ -59,6 +59,8 @@ ViewState::ViewState(std::shared_ptr<const Program> program, const ViewOptions& 
     lent_.resize(resources);
     last_.lent.resize(resources);
     bound_.resize(slots);
+    asked_to_rest_.resize(plan().members.size());
+    resting_ = rested_ = asked_to_rest_;
     images_.reserve(resources + slots);
     buffers_.reserve(slots);
     ticks_.resize(2 * plan().passes.size());
@@ -378,6 +380,10 @@ void View::end(VkCommandBuffer cmd) {
 
 bool View::set_param(size_t pass, size_t param, const ParamValue& value) {
     return state_->set_param(pass, param, value);
+}
+
+bool View::set_awake(std::string_view member, bool awake) {
+    return state_->set_awake(member, awake);
 }
 
 bool View::set_param(std::string_view node, std::string_view param, const ParamValue& value) {

@@ -20,6 +20,7 @@ class ViewState {
     void record_pass(VkCommandBuffer cmd, size_t pass);
     void end(VkCommandBuffer cmd);
     bool set_param(size_t pass, size_t param, const ParamValue& value);
+    bool set_awake(std::string_view member, bool awake);
 
     const Plan& plan() const { return program_.plan(); }
     // A resource's instance of the frame that was begun last or of the one before; the host's own image where
@@ -71,6 +72,7 @@ class ViewState {
     }
     void record_handovers(VkCommandBuffer cmd, bool back);
     void decide_reset(uint32_t flags);
+    void decide_waking();
     void record_reset(VkCommandBuffer cmd);
     void record_inheritance(VkCommandBuffer cmd) const;
     void record_dependency(VkCommandBuffer cmd, const Dependency& dependency);
@@ -80,6 +82,12 @@ class ViewState {
     void record_capture(VkCommandBuffer cmd, size_t pass) const;
     void record_host_pass(VkCommandBuffer cmd, size_t pass) const;
     void record_dispatches(VkCommandBuffer cmd, size_t pass) const;
+    void record_work(VkCommandBuffer cmd, size_t pass) const;
+    bool rests(const PlanPass& pass) const { return pass.rests && resting_[*pass.member]; }
+    void record_rest(VkCommandBuffer cmd, const PlanPass& pass) const;
+    bool rested(uint32_t resource) const;
+    bool wakes(uint32_t resource) const;
+    void record_waking(VkCommandBuffer cmd) const;
     void memory_dependency(VkCommandBuffer cmd, const Dependency& dependency,
                            std::span<const VkImageMemoryBarrier2> images = {}) const;
     void full_dependency(VkCommandBuffer cmd, std::span<const VkImageMemoryBarrier2> images = {}) const;
@@ -101,8 +109,12 @@ class ViewState {
     std::vector<VkImageMemoryBarrier2> images_;  // scratch
     std::vector<VkBufferMemoryBarrier2> buffers_;
     Reset reset_;
-    uint32_t unchanged_ = 0;                          // frames in a row, to the last one recorded
-    bool set_ = false;                                // a parameter, since the last frame
+    uint32_t unchanged_ = 0;  // frames in a row, to the last one recorded
+    bool set_ = false;        // a parameter or who is asleep, since the last frame
+    // By member of a family: as the host wants it from the next frame on, in the frame that was begun last,
+    // and in the one that was recorded last.
+    std::vector<bool> asked_to_rest_, resting_, rested_;
+    bool slept_ = false;                              // one of them, in any frame
     std::vector<std::optional<uint32_t>> inherited_;  // by reset action: the resource of the view before
     FrameStatistics completed_;
     bool has_completed_ = false;

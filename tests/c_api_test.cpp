@@ -279,6 +279,10 @@ TEST_F(CApiGpu, AHostsMistakesAndItsMemoryAreSaidAsTheyAre) {
     EXPECT_EQ(penumbra_view_set_param(view, "guides", "x", &one, 1, &error_), PENUMBRA_USAGE);
     EXPECT_EQ(penumbra_view_set_param(view, "guides", nullptr, &one, 1, &error_), PENUMBRA_USAGE);
     EXPECT_STREQ(error_.place, "param");
+    EXPECT_EQ(penumbra_view_set_awake(view, "lamp", VK_FALSE, &error_), PENUMBRA_USAGE);
+    EXPECT_STREQ(error_.place, "\"lamp\"");
+    EXPECT_EQ(penumbra_view_set_awake(view, nullptr, VK_FALSE, &error_), PENUMBRA_USAGE);
+    EXPECT_EQ(penumbra_view_set_awake(nullptr, "lamp", VK_FALSE, nullptr), PENUMBRA_USAGE);
     penumbra_output output{};
     output.struct_size = sizeof output;
     EXPECT_EQ(penumbra_view_output(view, "view_depth", &output, &error_), PENUMBRA_OK);

@@ -197,6 +197,16 @@ TEST_F(Instances, MistakesAreSaid) {
               "nodes.other_c.in.signal: there is one \"half\" for each of \"lights\": \"half_INSTANCE\"");
 }
 
+// A host may add members to those that the text has.
+TEST_F(Instances, NoTwoHaveOneName) {
+    auto parsed = parse_pipeline(pipeline(), "p.json", {}, diagnostics_);
+    ASSERT_TRUE(parsed);
+    parsed->instances.push_back(parsed->instances.front());
+    EXPECT_FALSE(check(*parsed, nodes_, diagnostics_));
+    EXPECT_NE(diagnostics_.text().find("instances.a: is another member's name, too"), std::string::npos)
+        << diagnostics_.text();
+}
+
 // What they stand for is their number times that of the nodes.
 TEST_F(Instances, WhatTheyAreWrittenOutIsBounded) {
     std::string members = R"("a": {"of": "lights"})";

@@ -171,6 +171,42 @@ TEST_F(LightsBudget, NoTileOfAFaintLightWaitsForever) {
     EXPECT_LT(waiting * 4, tiles);
 }
 
+// Its passes would leave words of a past even then. The others get the rays that they would get without it.
+TEST_F(LightsBudget, ALightThatIsOffSleeps) {
+    Shot shot = room_under({"bulb", "panel"});
+    std::vector<LightKey>& keys = shot.lights.at("panel").keys;
+    keys = {3, keys.front()};
+    for (size_t i = 0; i < keys.size(); ++i) {
+        keys[i].frame = static_cast<double>(i + 1);
+        keys[i].power = i == 2;  // off in frames 0 to 2, on from 3
+    }
+    const Shot bulb = room_under({"bulb"});
+    const std::vector<std::string> captures{"state_bulb", "state_panel", "visibility_bulb",
+                                            "visibility_panel"};
+    const auto any = [](const LightsRun& run, const std::string& name) {
+        const std::vector<uint32_t> words = captured<uint32_t>(run.view(), name);
+        return std::ranges::any_of(words, [](uint32_t word) { return word != 0; });
+    };
+    LightsRun both(shot, "lights_shadows", {}, captures),
+        alone(bulb, "lights_shadows", {}, {"visibility_bulb"});
+    for (uint32_t frame = 0; frame < 4; ++frame) {
+        both.frame(frame);
+        alone.frame(frame);
+        EXPECT_TRUE(any(both, "state_bulb")) << frame;
+        EXPECT_EQ(any(both, "state_panel"), frame == 3) << frame;
+        EXPECT_EQ(any(both, "visibility_panel"), frame == 3) << frame;
+        if (frame == 3) continue;
+        EXPECT_EQ(captured<uint16_t>(both.view(), "visibility_bulb"),
+                  captured<uint16_t>(alone.view(), "visibility_bulb"))
+            << frame;
+    }
+    // Whose past cannot begin cleared would reset all others' in the frame in which it wakes: it does not
+    // sleep.
+    LightsRun wakeful(shot, "lights_shadows", {R"(resources.state={"first": "any"})"}, captures);
+    wakeful.frame(0);
+    EXPECT_TRUE(any(wakeful, "state_panel"));
+}
+
 // Of a plan that hands on history, for a host that has this shot's lights and maybe more.
 std::shared_ptr<const Program> program_under(const Shot& shot, const Session& host) {
     const CheckedPipeline pipeline = pipeline_for(shot, "lights_shadows", apart);

@@ -36,8 +36,8 @@ NodeEntry compile_toy(const std::filesystem::path& file) {
 const NodeSet& toy_set() {
     static const NodeSet set = [] {
         NodeSet nodes;
-        for (const char* name : {"toy_blend", "toy_chain", "toy_double", "toy_fill", "toy_list", "toy_pick",
-                                 "toy_scatter", "toy_tally"})
+        for (const char* name : {"toy_add", "toy_blend", "toy_chain", "toy_double", "toy_fill", "toy_list",
+                                 "toy_pick", "toy_scatter", "toy_tally"})
             nodes.add(compile_toy(root / "tests/toy" / (std::string(name) + ".json")));
         return nodes;
     }();

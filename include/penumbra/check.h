@@ -39,6 +39,7 @@ struct BoundNode {
     Place place;
     bool added = false;          // not by the pipeline's text: not worth a word where it does not run
     std::string family, member;  // whose it is, of a family of instances
+    bool hands_on = false;       // reads what the family's member before its own has (`@before`)
 
     const NodeType& type() const { return entry->type; }
 };

@@ -393,6 +393,12 @@ PENUMBRA_API penumbra_code penumbra_view_set_param(penumbra_view* view, const ch
 PENUMBRA_API penumbra_code penumbra_view_param(const penumbra_view* view, const char* node, const char* param,
                                                double* values, uint32_t* count, penumbra_error* error);
 
+/* Whether the passes of one member of a family of instances run in frames recorded from now on, as all do at
+   first; of one that is asleep, as a lamp that is off, what others read is 0, and it wakes without a past
+   (View::set_awake in penumbra/view.h). */
+PENUMBRA_API penumbra_code penumbra_view_set_awake(penumbra_view* view, const char* member, VkBool32 awake,
+                                                   penumbra_error* error);
+
 typedef struct penumbra_output {
     uint32_t struct_size;
     VkImage image; /* in VK_IMAGE_LAYOUT_GENERAL */
@@ -430,7 +436,7 @@ PENUMBRA_API penumbra_code penumbra_view_completed(const penumbra_view* view, ui
                                                    uint32_t* count, penumbra_pass_statistics* passes,
                                                    penumbra_error* error);
 /* Why the frame that was begun last had no history: "none" (it had), "first_frame", "asked", or
-   "not_handed_on", of which `resource` says what; the view's text. `resource` may be null. */
+   "not_handed_on" or "woken", of which `resource` says what; the view's text. `resource` may be null. */
 PENUMBRA_API const char* penumbra_view_reset_reason(const penumbra_view* view, const char** resource);
 /* Whether enough UNCHANGED frames have been recorded for the plan's histories to settle: until something
    changes, another frame would not improve the outputs, and none need be recorded. */

@@ -102,7 +102,8 @@ struct OutputUse {
     VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
     VkAccessFlags2 access = VK_ACCESS_2_MEMORY_READ_BIT;
     // The host brings the image itself, at every frame (SlotBinding); it gets a slot of the output's name.
-    // Of images without a mip chain, whose previous value nobody reads.
+    // Of images without a mip chain, whose previous value nobody reads. Its usage has TRANSFER_DST where a
+    // node writes only some of it, or where a member of a family, whose it is, may sleep.
     bool host_image = false;
 };
 
@@ -284,6 +285,11 @@ struct PlanPass {
     std::array<Dependency, 2> before;  // by frame parity
     std::array<Dependency, 2> after_clears;
     std::vector<std::string> reads, writes;
+    // Of a family of instances: of Plan::members. While that one is asleep (View::set_awake) a pass that
+    // `rests` is left out, and in its place these resources, which others read, become 0.
+    std::optional<uint32_t> member;
+    bool rests = false;
+    std::vector<uint32_t> zero_at_rest;
 
     const PlanBinding* binding(std::string_view port) const;  // nullptr: none
     // Of a frame of this size; `level`: of a mip chain.
@@ -348,6 +354,7 @@ struct Plan {
     std::vector<std::vector<uint32_t>> modules;  // SPIR-V, with the passes' sets
     std::vector<PlanResource> resources;
     std::vector<PlanPass> passes;
+    std::vector<std::string> members;  // of families of instances that have nodes
     std::vector<Culled> culled;
     std::vector<PlanOutput> outputs;
     std::vector<Heap> heaps;

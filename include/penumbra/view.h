@@ -85,11 +85,11 @@ struct ViewOptions {
     // frame waits for what is in them.
     std::shared_ptr<const TransientMemory> transients;
     // The view that this one replaces, after a change of facts, say. The first frame copies from it, by
-    // name, every history that both plans have alike, and clears the others. If one of those must not
-    // begin cleared, the first frame is a reset frame. That view stays until this frame has completed;
-    // both plans are compiled with hand_on_history. What follows the frame's size may have another largest
-    // size here, if that view's last frame fits this plan. A memo that is kept in place is never copied:
-    // it may depend on the other plan's parameters.
+    // name, every history that both plans have alike, but of members that slept in its last frame, and clears
+    // the others. If one of those must not begin cleared, the first frame is a reset frame. That view stays
+    // until this frame has completed; both plans are compiled with hand_on_history. What follows the frame's
+    // size may have another largest size here, if that view's last frame fits this plan. A memo that is kept
+    // in place is never copied: it may depend on the other plan's parameters.
     const View* heir_of = nullptr;
     void* user = nullptr;  // for host nodes
 };
@@ -97,10 +97,11 @@ struct ViewOptions {
 // Why a frame had no history.
 struct Reset {
     enum class Reason : uint8_t {
-        none,          // it had
-        first_frame,   // there was none before
-        asked,         // frame_reset in the frame's flags
-        not_handed_on  // the view that this one is the heir of does not have `resource` alike
+        none,           // it had
+        first_frame,    // there was none before
+        asked,          // frame_reset in the frame's flags
+        not_handed_on,  // the view that this one is the heir of does not have `resource` alike
+        woken           // the member of a family that makes `resource` has been asleep
     };
     Reason reason = Reason::none;
     std::string resource;
@@ -171,6 +172,13 @@ class View {
     [[nodiscard]] bool set_param(size_t pass, size_t param, const ParamValue& value);
     // The same by names.
     [[nodiscard]] bool set_param(std::string_view node, std::string_view param, const ParamValue& value);
+
+    // Whether the passes of one of Plan::members run in frames recorded from now on; at first all do. Of one
+    // that is asleep, as a lamp that is off, none does but those that hand on what the member before it has
+    // left, and what these, other passes and the host read of the others is 0. It wakes without a past: what
+    // its passes left before is cleared, and if some of that must not begin cleared, the frame is a reset
+    // frame (and View::reset() names it). False: the plan has no such member.
+    [[nodiscard]] bool set_awake(std::string_view member, bool awake);
 
     // The most recently recorded frame's output, from its end() on; before the first, that one's, of which
     // nothing is written yet.
