@@ -66,7 +66,7 @@ TEST(Schema, PlansAreWhatTheirSchemaSays) {
             if (!value.is_string()) {
                 EXPECT_NE(schema.errors(broken), "") << key;
             }
-            if (!value.is_array() || !value[0].is_object()) continue;
+            if (!value.is_array() || value.empty() || !value[0].is_object()) continue;
             for (const auto& [inner, unused] : value[0].items()) {
                 broken = whole;
                 broken[key][0].erase(inner);

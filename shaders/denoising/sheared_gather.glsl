@@ -14,7 +14,7 @@ const float UNEVEN = 0.109;   // see Window
 const float FEWEST = 2.5;     // rays with which a plane through their bits is fitted
 // Rays by which such a plane is pulled to the disc's rim: one for each of its two slopes; more where those at the rim are of pixels that have
 // fewer, and count for more; and more again of a square, in which fewer pixels are asked.
-const float PULL_OF_ONE = 2.0, PULL_OF_MANY = 3.0, PULL_IN_SQUARE = 3.6;
+const float PULL_OF_ONE = 2.0, PULL_OF_MANY = 3.0, PULL_IN_SQUARE = 3.8;
 
 // What surrounds the pixel, in light space.
 struct Penumbra {
