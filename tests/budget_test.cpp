@@ -210,6 +210,45 @@ TEST_F(Budget, WhatCannotChangeSpeaksWithoutARay) {
     EXPECT_GT(0.92 * rays_with({}), rays_with({"nodes.gather.in.known=null", "nodes.soften.in.known=null"}));
 }
 
+// Those that four frames have found amid their like, within two pixels, and else those that twenty-four have.
+TEST_F(Budget, WhoIsAmidItsLikeIsKnownSoon) {
+    constexpr int width = 192, height = 108;
+    ShotRun run(standing(shot_named("engine")), "shadows_fast", {},
+                {"known", "state", "sunward_words", "proved"});
+    for (uint32_t frame = 0; frame < 12; ++frame) run.frame(frame, frame == 0);
+    const std::vector<uint32_t> before = run.words("state");
+    run.frame(12, false);
+    const auto known = run.words("known"), sunward = run.words("sunward_words"), proved = run.words("proved");
+    const auto visibility = [&](int x, int y) {
+        return double(before[size_t(y * width + x)] & 0x3ff) / 1023;
+    };
+    const auto count = [&](int x, int y) {
+        const uint32_t steps = before[size_t(y * width + x)] >> 10 & 0x7f;
+        return steps == 0 ? 0 : 1 + (steps - 1.0) * (steps - 1.0) / 16;
+    };
+    const auto amid_its_like = [&](int x, int y) {
+        const double own = visibility(x, y);
+        for (int v = std::max(y - 2, 0); v <= std::min(y + 2, height - 1); ++v)
+            for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u)
+                if (count(u, v) > 0 && std::abs(visibility(u, v) - own) >= 0.01) return false;
+        return true;
+    };
+    size_t soon = 0, waiting = 0;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const size_t tile = size_t(y / 4) * tiles_across + size_t(x / 8);
+            const uint32_t bit = 1u << (y % 4 * 8 + x % 8);
+            if (!(sunward[tile] & bit) || is_proved(proved, tile)) continue;
+            const bool sure = std::min(visibility(x, y), 1 - visibility(x, y)) < 0.003;
+            const bool expected = sure && (count(x, y) >= 24 || (count(x, y) >= 4 && amid_its_like(x, y)));
+            ASSERT_EQ((known[4 * tile + 3] & bit) != 0, expected) << x << " " << y;
+            soon += expected;
+            waiting += sure && count(x, y) >= 4 && !expected;
+        }
+    EXPECT_GT(soon, 1000u);
+    EXPECT_GT(waiting, 300u);
+}
+
 // Things stand until all has settled, and are elsewhere in the next frame. What shadows them then, and what
 // no longer does, lies where the frames before said the same of everything: pixels are asked there in turns.
 // Each has had its own turn within four frames (docs/budget.md), and as a shadow meets turns in its first

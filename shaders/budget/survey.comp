@@ -19,11 +19,13 @@ const bool MANY_RAYS = true;
 #include "common/another_sun.glsl"
 #include "budget/nearest_place.glsl"
 #include "budget/nearest_past.glsl"
+#include "budget/alone.glsl"
 #include "budget/ray_worth.glsl"
 #include "budget/light_share.glsl"
 #include "budget/proved_tile.glsl"
 
 const float NEVER_ELSE = 0.003;  // of 0 or of 1: less than one ray among those that a past stands for
+const bool NOTHING_MOVES = !HAS_MOTION && !HAS_SUN_PREV && !HAS_LIGHT_PREV;
 const float SETTLED = 24.0;  // frames after which, where nothing can move, a pixel that was never in penumbra needs no more than its turn
 
 // Pixels that are new or were in penumbra; none; those that were lit; those that have long been lit or shadowed and cannot change.
@@ -32,16 +34,22 @@ uvec4 by_their_past(ivec2 tile, uint pixels, out uint at_steps) {
     at_steps = 0u;
     if ((frame.flags & FRAME_RESET) != 0u || is_another_sun()) return uvec4(pixels, 0u, 0u, 0u);
     uvec4 masks = uvec4(0u);
+    uint soon = 0u;
     ViewRays before;
     if (HAS_MOTION) before = previous_rays(mat3(1.0));
     for (int i = 0; i < 32; ++i) {
         const PixelPast past = nearest_past(tile * TILE + ivec2(i & 7, i >> 3), before);
         const float between = min(past.visibility, 1.0 - past.visibility);
         if (!past.known || between >= SURE_BELOW) masks.x |= 1u << i;
-        if (!HAS_MOTION && !HAS_SUN_PREV && !HAS_LIGHT_PREV && past.known && past.count >= SETTLED && between < NEVER_ELSE) masks.w |= 1u << i;
+        if (NOTHING_MOVES && past.known && between < NEVER_ELSE) {
+            if (past.count >= SETTLED) masks.w |= 1u << i;
+            if (past.count >= ALONE_FRAMES) soon |= 1u << i;
+        }
         if (past.visibility > 0.5) masks.z |= 1u << i;
         if (past.beside_step) at_steps |= 1u << i;
     }
+    soon &= pixels & ~masks.w;
+    if (soon != 0u) masks.w |= soon & alone_pixels(tile);
     return masks & pixels;
 }
 
