@@ -238,8 +238,8 @@ void ViewState::record_dependency(VkCommandBuffer cmd, const Dependency& depende
     for (const Activation& a : dependency.activations) {
         VkPipelineStageFlags2 before = a.src_stages;
         VkAccessFlags2 access = a.src_access;
-        if (slept_) {  // what was cleared in a resting pass's place may have had no reader, of whom the plan
-                       // knows
+        // What was cleared in a resting pass's place may have had no reader, of whom the plan knows.
+        if (slept_) {
             before |= VK_PIPELINE_STAGE_2_CLEAR_BIT;
             access |= VK_ACCESS_2_TRANSFER_WRITE_BIT;
         }

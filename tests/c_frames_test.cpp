@@ -335,6 +335,31 @@ TEST_F(CFramesGpu, TablesMayBeUploadedAheadOfAllViews) {
     penumbra_plan_destroy(made);
 }
 
+TEST_F(CFramesGpu, AMemberSleepsAndWakes) {
+    request_.text =
+        R"({ "penumbra": 1, "name": "c", "outputs": ["value"], "instances": { "lamp": { "of": "lamps" } },
+        "nodes": { "table": { "type": "c_table", "instances": "lamps" } } })";
+    output_ = "value_lamp";
+    penumbra_plan* made = plan();
+    penumbra_program* program = nullptr;
+    penumbra_view* view = nullptr;
+    ASSERT_EQ(penumbra_program_create(&device_, made, nullptr, &program, &error_), PENUMBRA_OK)
+        << error_.text;
+    ASSERT_EQ(penumbra_view_create(program, nullptr, &view, &error_), PENUMBRA_OK) << error_.text;
+    for (uint32_t frame = 0; frame < 3; ++frame) {
+        const bool awake = frame != 1;
+        ASSERT_EQ(penumbra_view_set_awake(view, "lamp", awake, &error_), PENUMBRA_OK) << error_.text;
+        ASSERT_EQ(record(view, frame, {}), PENUMBRA_OK) << error_.text;
+        const void* data = nullptr;
+        size_t size = 0;
+        ASSERT_EQ(penumbra_view_captured(view, output_, &data, &size, &error_), PENUMBRA_OK) << error_.text;
+        EXPECT_EQ(*static_cast<const float*>(data), awake ? steps[0] : 0) << frame;
+    }
+    penumbra_view_destroy(view);
+    penumbra_program_destroy(program);
+    penumbra_plan_destroy(made);
+}
+
 TEST_F(CFramesGpu, WhatAHostAsksOfAPlanIsInIt) {
     penumbra_plan* whole = plan();
     EXPECT_EQ(penumbra_plan_slot_count(whole), 2u);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "host/shots/light_in_view.h"
 
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/mat3x3.hpp>

@@ -6,7 +6,10 @@
 const int ALONE_PX = 2;  // expected_error.glsl: from three pixels on unlike ones say nothing of a pixel
 
 // Bit x: of any of x to x + 2 ALONE_PX.
-uint any_across(uint row) { return row | row >> 1 | row >> 2 | row >> 3 | row >> 4; }
+uint any_across(uint row) {
+    for (int i = 0; i < 2 * ALONE_PX; ++i) row |= row >> 1;
+    return row;
+}
 
 // Bits of a tile's pixels. Who has no past is like anybody.
 uint alone_pixels(ivec2 tile) {
