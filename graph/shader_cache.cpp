@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -77,14 +76,6 @@ std::string temporary_name(const fs::path& entry) {
 
 }  // namespace
 
-fs::path default_shader_cache() {
-    for (const auto& [variable, below] : {std::pair{"XDG_CACHE_HOME", ""}, std::pair{"HOME", ".cache"}}) {
-        const char* value = std::getenv(variable);
-        if (value && fs::path(value).is_absolute()) return fs::path(value) / below / "penumbra";
-    }
-    return {};
-}
-
 ShaderCache::ShaderCache(fs::path folder, Warn warn)
     : folder_(std::move(folder)), warn_(std::move(warn)), compiler_(shader_compiler_version()) {}
 
@@ -102,10 +93,10 @@ std::optional<CompiledShader> ShaderCache::compile(ShaderSource source, const st
     if (!source.text) source.text = read_text(source.file);
     const fs::path entry = folder_.empty() || !source.text ? fs::path() : entry_file(source, variant);
     if (!entry.empty())
-        if (auto spirv = find(entry, source)) {
+        if (auto found = find(entry, source)) {
             const std::lock_guard lock(mutex_);
             ++counts_.found;
-            return CompiledShader{std::move(*spirv), {}, {}};
+            return found;
         }
     auto shader = compile_shader(source, diagnostics);
     {
@@ -125,10 +116,10 @@ fs::path ShaderCache::entry_file(const ShaderSource& source, const std::string& 
     return folder_ / fmt::format("{}-{:016x}.spv-cache", source.file.stem().string(), fnv1a(name));
 }
 
-std::optional<std::vector<uint32_t>> ShaderCache::find(const fs::path& entry, const ShaderSource& source) {
+std::optional<CompiledShader> ShaderCache::find(const fs::path& entry, const ShaderSource& source) {
     const std::optional<std::string> bytes = read_text(entry);
     if (!bytes) return std::nullopt;
-    const auto corrupt = [&]() -> std::optional<std::vector<uint32_t>> {
+    const auto corrupt = [&]() -> std::optional<CompiledShader> {
         const std::lock_guard lock(mutex_);
         ++counts_.corrupt;
         warn(fmt::format("{}: damaged; compiling {} again", entry.string(), source.file.string()));
@@ -143,18 +134,20 @@ std::optional<std::vector<uint32_t>> ShaderCache::find(const fs::path& entry, co
     const std::string inputs = inputs_of(compiler_, source);
     if (!cursor.rest().starts_with(inputs)) return std::nullopt;
     cursor = Cursor(cursor.rest().substr(inputs.size()));
+    CompiledShader shader;
     for (uint64_t left = cursor.number(); left > 0 && cursor.good(); --left) {
         const std::string name(cursor.text());
         const std::string_view text = cursor.text();
         const auto now = resolve_include(source, name);
         if (!now || now->text != text) return std::nullopt;
+        if (!now->embedded) shader.dependencies.push_back(now->name);
     }
     const std::string_view code = cursor.text();
     if (!cursor.good() || !cursor.rest().empty() || code.empty() || code.size() % 4 != 0) return corrupt();
-    std::vector<uint32_t> words(code.size() / 4);
-    std::memcpy(words.data(), code.data(), code.size());
-    if (!is_valid_spirv(words)) return corrupt();
-    return words;
+    shader.spirv.resize(code.size() / 4);
+    std::memcpy(shader.spirv.data(), code.data(), code.size());
+    if (!is_valid_spirv(shader.spirv)) return corrupt();
+    return shader;
 }
 
 void ShaderCache::keep(const fs::path& entry, const ShaderSource& source, const CompiledShader& shader) {

@@ -11,7 +11,6 @@
 #include <mutex>
 
 #include "graph/shader_compiler.h"
-#include "penumbra/user_nodes.h"
 
 namespace penumbra {
 
@@ -21,9 +20,11 @@ class ShaderCache {
     // shader then.
     using Warn = std::function<void(const std::string&)>;
 
-    explicit ShaderCache(std::filesystem::path folder = default_shader_cache(), Warn warn = {});
+    // Nowhere for an empty path: every shader is compiled.
+    explicit ShaderCache(std::filesystem::path folder, Warn warn = {});
 
-    // compile_shader(), or what it gave before. `variant` tells shaders apart that share a file.
+    // compile_shader(), or what it gave before, but for the included texts. `variant` tells shaders apart
+    // that share a file.
     std::optional<CompiledShader> compile(ShaderSource source, const std::string& variant,
                                           Diagnostics& diagnostics);
 
@@ -34,7 +35,7 @@ class ShaderCache {
 
   private:
     std::filesystem::path entry_file(const ShaderSource& source, const std::string& variant) const;
-    std::optional<std::vector<uint32_t>> find(const std::filesystem::path& entry, const ShaderSource& source);
+    std::optional<CompiledShader> find(const std::filesystem::path& entry, const ShaderSource& source);
     void keep(const std::filesystem::path& entry, const ShaderSource& source, const CompiledShader& shader);
     void warn(const std::string& message);
 

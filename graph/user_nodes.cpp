@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 
 #include "graph/interface.h"
@@ -119,6 +120,14 @@ class FolderReader {
 
 }  // namespace
 
+fs::path default_shader_cache() {
+    for (const auto& [variable, below] : {std::pair{"XDG_CACHE_HOME", ""}, std::pair{"HOME", ".cache"}}) {
+        const char* value = std::getenv(variable);
+        if (value && fs::path(value).is_absolute()) return fs::path(value) / below / "penumbra";
+    }
+    return {};
+}
+
 std::shared_ptr<ShaderCache> open_shader_cache(const fs::path& folder,
                                                std::function<void(const std::string&)> warn) {
     return std::make_shared<ShaderCache>(folder, std::move(warn));
@@ -126,7 +135,7 @@ std::shared_ptr<ShaderCache> open_shader_cache(const fs::path& folder,
 
 bool add_user_nodes(NodeSet& nodes, const fs::path& folder, Diagnostics& diagnostics,
                     std::shared_ptr<ShaderCache> cache) {
-    if (!cache) cache = std::make_shared<ShaderCache>();
+    if (!cache) cache = std::make_shared<ShaderCache>(default_shader_cache());
     const size_t errors = diagnostics.size();
     std::vector<NodeEntry> entries = FolderReader(nodes, std::move(cache), diagnostics).read(folder);
     if (diagnostics.size() != errors) return false;

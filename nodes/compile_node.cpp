@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Build tool, the second half of compiling the node set: a shader with each interface that write_interfaces
-// gave to SPIR-V, all in one archive, with a depfile for the build system.
-//   compile_node NAME.interface --shaders DIR --root DIR --out FILE --depfile FILE
+// gave to SPIR-V, all in one archive, with a depfile for the build system. With --cache a variant that a
+// folder has from another build is taken from there.
+//   compile_node NAME.interface --shaders DIR --root DIR --out FILE --depfile FILE [--cache DIR]
 #include <fstream>
 #include <iostream>
 #include <set>
 
 #include "graph/read_text.h"
-#include "graph/shader_compiler.h"
+#include "graph/shader_cache.h"
 #include "nodes/archive.h"
 
 namespace {
@@ -16,18 +17,19 @@ namespace fs = std::filesystem;
 using namespace penumbra;
 
 struct Arguments {
-    fs::path interface, shaders, root, out, depfile;
+    fs::path interface, shaders, root, out, depfile, cache;
 };
 
 std::optional<Arguments> parse(int argc, char** argv) {
-    if (argc != 10) return std::nullopt;
-    Arguments a{argv[1], {}, {}, {}, {}};
+    if (argc != 10 && argc != 12) return std::nullopt;
+    Arguments a{argv[1], {}, {}, {}, {}, {}};
     for (int i = 2; i + 1 < argc; i += 2) {
         const std::string_view key = argv[i];
         fs::path* target = key == "--shaders"   ? &a.shaders
                            : key == "--root"    ? &a.root
                            : key == "--out"     ? &a.out
                            : key == "--depfile" ? &a.depfile
+                           : key == "--cache"   ? &a.cache
                                                 : nullptr;
         if (!target) return std::nullopt;
         *target = argv[i + 1];
@@ -48,10 +50,12 @@ std::optional<Compiled> compile(const Arguments& arguments, Diagnostics& diagnos
     }
     const Archive interface = read_archive(*text);
     const fs::path file = arguments.shaders / interface.at("shader");
+    ShaderCache cache(arguments.cache, [](const std::string& warning) { std::cerr << warning << "\n"; });
     Compiled result;
     for (const auto& [name, glsl] : interface) {
         if (name == "shader") continue;
-        const auto shader = compile_shader({file, glsl, {arguments.shaders, arguments.root}}, diagnostics);
+        const auto shader =
+            cache.compile({file, glsl, {arguments.shaders, arguments.root}}, name, diagnostics);
         if (!shader) return std::nullopt;
         result.dependencies.insert(file);
         result.dependencies.insert(shader->dependencies.begin(), shader->dependencies.end());
@@ -74,8 +78,8 @@ std::string in_depfile(const fs::path& path) {
 int main(int argc, char** argv) {
     const auto arguments = parse(argc, argv);
     if (!arguments) {
-        std::cerr
-            << "usage: compile_node NAME.interface --shaders DIR --root DIR --out FILE --depfile FILE\n";
+        std::cerr << "usage: compile_node NAME.interface --shaders DIR --root DIR --out FILE --depfile FILE "
+                     "[--cache DIR]\n";
         return 2;
     }
     Diagnostics diagnostics;

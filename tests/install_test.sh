@@ -146,8 +146,9 @@ expect "COMPONENTS bvh: build" cmake --build "$work/trees/build"
 shared=$work/build_shared
 hide=()
 for package in OpenEXR TinyGLTF CLI11 GTest embree valijson; do hide+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
+nodes=$(sed -n 's/^PENUMBRA_SHADER_CACHE:PATH=//p' "$build/CMakeCache.txt") # the same ones
 expect "shared: configure" cmake -G Ninja -S "$root" -B "$shared" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=ON \
-    -DPENUMBRA_BUILD_PROGRAM=OFF -DPENUMBRA_TESTS=OFF -DPENUMBRA_GLSL=OFF "${hide[@]}"
+    -DPENUMBRA_BUILD_PROGRAM=OFF -DPENUMBRA_TESTS=OFF -DPENUMBRA_GLSL=OFF -DPENUMBRA_SHADER_CACHE="$nodes" "${hide[@]}"
 expect "shared: build" cmake --build "$shared"
 prefix=$work/prefix_shared
 rm -rf "$prefix"

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <fstream>
 #include <regex>
+#include <set>
 
 #include "app/commands.h"
 #include "graph/interface.h"
@@ -120,6 +121,27 @@ TEST_F(UserNodes, ACachedShaderIsTheSameAndIsNotCompiledAgain) {
     EXPECT_EQ(later->counts().found, 1u);
     EXPECT_EQ(entries().size(), 1u) << "something was left beside the entry";
     EXPECT_EQ(warnings_, "");
+}
+
+// Which a build system asks for.
+TEST_F(UserNodes, ACachedShaderNamesTheFilesThatItIncludes) {
+    NodeSet nodes = shadow_nodes();
+    ASSERT_TRUE(add_user_nodes(nodes, nodes_folder(), diagnostics_, cache())) << diagnostics_.text();
+    const NodeType& type = nodes.find("mine")->type;
+    const ShaderSource source{nodes_folder() / "mine.comp",
+                              generate_glsl(type, all_variants(type)[0]),
+                              {nodes_folder(), root / "shaders", root / "include"}};
+    const auto files_of = [&] {
+        const auto shaders = cache();
+        const auto compiled = shaders->compile(source, "first", diagnostics_);
+        EXPECT_TRUE(compiled) << diagnostics_.text();
+        return std::pair(std::set(compiled->dependencies.begin(), compiled->dependencies.end()),
+                         shaders->counts().found);
+    };
+    const auto [files, none] = files_of();
+    EXPECT_TRUE(files.contains(nodes_folder() / "value.glsl"));
+    EXPECT_TRUE(files.contains(root / "shaders/common/finite.glsl"));
+    EXPECT_EQ(files_of(), std::pair(files, none + 1));
 }
 
 TEST_F(UserNodes, AnyChangedSourceIsCompiledAgainIntoTheSameEntry) {
