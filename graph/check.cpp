@@ -103,10 +103,11 @@ class Checker {
             return;
         }
         BoundNode bound{.id = node.id, .entry = entry, .place = node.place};
-        if (const auto* of = written_out_.of[static_cast<size_t>(&node - pipeline_.nodes.data())]) {
+        const auto number = static_cast<size_t>(&node - pipeline_.nodes.data());
+        if (const auto* of = written_out_.of[number]) {
             bound.family = of->family;
             bound.member = of->name;
-            bound.hands_on = std::ranges::find(node.in, Wire::Member::before, &Wire::member) != node.in.end();
+            bound.hands_on = written_out_.hands_on[number];
         }
         bind_params(node, bound);
         find_with(node, bound);

@@ -31,6 +31,7 @@ class Writer {
         find_own_names();
         check_members();
         if (too_many()) return std::move(result_);
+        for (const auto& [family, nodes] : nodes_of_) find_chain(nodes);
         for (const HostInput& input : pipeline_.inputs)
             each(input.instances, [&](const PipelineInstance* instance) {
                 add(out.inputs, input, input.name, instance, &HostInput::name, "inputs.");
@@ -184,6 +185,54 @@ class Writer {
             }
     }
 
+    // What a node reads of its own member in this frame: of its wires, and by its ports' names where it has
+    // none.
+    std::set<std::string> read_by(const PipelineNode& node) const {
+        std::set<std::string> names;
+        for (const Wire& wire : node.in)
+            if (!wire.previous && wire.member == Wire::Member::own) names.insert(wire.resource);
+        if (const auto entry = set_.share(node.type))
+            for (const Port& port : entry->type.ports)
+                if (!port.output && std::ranges::find(node.in, port.name, &Wire::port) == node.in.end())
+                    names.insert(port.name);
+        return names;
+    }
+
+    using Nodes = std::set<const PipelineNode*>;
+
+    // Of a family, who hands on from member to member.
+    void find_chain(const std::vector<const PipelineNode*>& nodes) {
+        std::map<const PipelineNode*, std::set<std::string>> reads, writes;
+        std::map<std::string, Nodes> readers, writers;
+        std::set<std::string> before;
+        for (const PipelineNode* node : nodes) {
+            reads[node] = read_by(*node);
+            names_of(*node, writes[node], writes[node]);
+            for (const std::string& name : reads[node]) readers[name].insert(node);
+            for (const std::string& name : writes[node]) writers[name].insert(node);
+            for (const Wire& wire : node->in)
+                if (wire.member == Wire::Member::before) {
+                    before.insert(wire.resource);
+                    chain_.insert(node);
+                }
+        }
+        const auto reach = [](Nodes found, auto& names, auto& others) {
+            std::vector<const PipelineNode*> left(found.begin(), found.end());
+            while (!left.empty()) {
+                const PipelineNode* node = left.back();
+                left.pop_back();
+                for (const std::string& name : names[node])
+                    for (const PipelineNode* other : others[name])
+                        if (found.insert(other).second) left.push_back(other);
+            }
+            return found;
+        };
+        Nodes ends;
+        for (const std::string& name : before) ends.insert(writers[name].begin(), writers[name].end());
+        const Nodes after = reach(chain_, writes, readers), until = reach(ends, reads, writers);
+        std::ranges::set_intersection(after, until, std::inserter(chain_, chain_.end()));
+    }
+
     std::string family_of(const std::string& name) const {
         const auto found = result_.own_names.find(name);
         return found == result_.own_names.end() ? "" : found->second;
@@ -214,6 +263,7 @@ class Writer {
         PipelineNode& added =
             add(result_.pipeline.nodes, node, node.id, instance, &PipelineNode::id, "nodes.");
         result_.of.push_back(instance);
+        result_.hands_on.push_back(instance && chain_.contains(&node));
         const size_t index = result_.of.size() - 1;
         for (std::vector<Wire>* wires : {&added.in, &added.out})
             for (Wire& wire : *wires)
@@ -237,6 +287,7 @@ class Writer {
     Diagnostics& diagnostics_;
     std::map<std::string, std::vector<const PipelineInstance*>> members_;  // by family, in the file's order
     std::map<std::string, std::vector<const PipelineNode*>> nodes_of_;     // by family, too
+    Nodes chain_;                                                          // who hands on
     std::set<std::string> ids_;                                            // "nodes.trace_desk"
     WrittenOut result_;
 };

@@ -14,7 +14,10 @@ namespace penumbra {
 
 struct WrittenOut {
     Pipeline pipeline;  // whose inputs, nodes, settings and outputs all stand for one thing
-    std::vector<const PipelineInstance*> of;                  // parallel to its nodes; nullptr: of no family
+    std::vector<const PipelineInstance*> of;  // parallel to its nodes; nullptr: of no family
+    // Parallel to its nodes: reads what the member before its own has (`@before`), or lies between one that
+    // does and what the next member reads of its own.
+    std::vector<bool> hands_on;
     std::map<std::string, std::string> own_names, own_nodes;  // each instance has its own: family
 
     // What a node calls by a name: its instance's own thing where there is one.

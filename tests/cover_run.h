@@ -3,7 +3,6 @@
 // made anew in double precision.
 #pragma once
 
-#include "penumbra/shadow_nodes.h"
 #include "tests/cover_model.h"
 #include "tests/coverage_oracle.h"
 #include "tests/hard_cases/hard_cases.h"
@@ -15,11 +14,6 @@ namespace penumbra::test {
 // Mesa 22 ends all loops of a workgroup after 65 535 turns (docs/coverage.md).
 inline bool ends_long_loops() {
     return gpu().info().driver.find("Mesa 22") != std::string::npos;
-}
-
-inline const NodeSet& cover_nodes() {
-    static const NodeSet set = shadow_nodes();
-    return set;
 }
 
 // Every pixel that faces the sun is the node's to decide.
@@ -69,7 +63,7 @@ class CoverRun {
         depth_ = captured_values<float>(run_.session(), "view_depth");
         normals_ = captured_values<NormalTexel>(run_.session(), "receiver_normal");
         words_ = captured_values<uint32_t>(run_.session(), "receiver_words");
-        maker_ = std::make_unique<RayMaker>(run_.session(), cover_nodes(), standalone_);
+        maker_ = std::make_unique<RayMaker>(run_.session(), shipped_nodes(), standalone_);
         const glm::dvec3 s = glm::make_vec3(standalone_.sun.to_sun.v);
         // sun_frame(), in double precision.
         const double sign = s.z >= 0 ? 1 : -1, a = -1 / (sign + s.z), b = s.x * s.y * a;

@@ -254,8 +254,8 @@ Differences compare(const Shot& shot, uint32_t frame, uint32_t samples) {
     CoverRun run(shot, {.samples = samples});
     run.frame(frame);
     const TrianglesAcross across(run);
-    const CoverModel model(samples, run.angular_radius(), cover_nodes());
-    const std::vector<uint32_t> words = CoverModel::words_of(cover_nodes(), "light_samples");
+    const CoverModel model(samples, run.angular_radius(), shipped_nodes());
+    const std::vector<uint32_t> words = CoverModel::words_of(shipped_nodes(), "light_samples");
     std::vector<glm::dvec2> points;
     const uint32_t row = samples == 64 ? 0 : samples == 128 ? 1 : 2;
     for (uint32_t i = 0; i < samples; ++i)

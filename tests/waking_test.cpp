@@ -79,6 +79,31 @@ TEST_F(WakingGpu, WhoSleepsDoesNothingAndIsZero) {
         }
 }
 
+// A sum that two nodes hand on, beside one that reads it and hands on nothing.
+TEST_F(WakingGpu, SeveralNodesHandOn) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["sum", "twice"],
+      "instances": { "a": { "of": "toys" }, "b": { "of": "toys" }, "c": { "of": "toys" } },
+      "nodes": {
+        "fill":   { "type": "toy_fill", "instances": "toys" },
+        "begin":  { "type": "toy_add", "instances": "toys", "in": { "value": "value", "before": "sum@before" },
+                    "out": { "sum": "begun" } },
+        "middle": { "type": "toy_add", "instances": "toys", "in": { "value": "begun", "before": null }, "out": { "sum": "more" } },
+        "end":    { "type": "toy_add", "instances": "toys", "in": { "value": "more", "before": null }, "out": { "sum": "sum" } },
+        "aside":  { "type": "toy_add", "instances": "toys", "in": { "value": "begun", "before": "sum" }, "out": { "sum": "twice" } } })");
+    View view(poisonable(pipeline), {.poison = 1});
+    for (const char* pass : {"begin_b", "middle_b", "end_b"})
+        EXPECT_FALSE(view.plan().pass(pass)->rests) << pass;
+    for (const char* pass : {"fill_b", "aside_b"}) EXPECT_TRUE(view.plan().pass(pass)->rests) << pass;
+    for (uint32_t f = 0; f < 3; ++f) {
+        EXPECT_TRUE(view.set_awake("b", f != 1));
+        frame_of(view, f);
+        const auto own = static_cast<float>(7 + f);
+        EXPECT_EQ(floats(view.captured("sum_c"))[7], (f == 1 ? 2 : 3) * own);
+        EXPECT_EQ(floats(view.captured("twice_b"))[7], f == 1 ? 0 : 4 * own);
+        EXPECT_EQ(floats(view.captured("twice_c"))[7], (f == 1 ? 4 : 6) * own);
+    }
+}
+
 // A past that must not begin cleared can only begin with everybody's.
 TEST_F(WakingGpu, WhoCannotBeginClearedResetsTheFrame) {
     const CheckedPipeline pipeline = members(R"("blended")", "any");

@@ -39,7 +39,7 @@ struct BoundNode {
     Place place;
     bool added = false;          // not by the pipeline's text: not worth a word where it does not run
     std::string family, member;  // whose it is, of a family of instances
-    bool hands_on = false;       // reads what the family's member before its own has (`@before`)
+    bool hands_on = false;       // from the family's member before its own to the next (`@before`)
 
     const NodeType& type() const { return entry->type; }
 };
