@@ -193,7 +193,8 @@ class Writer {
             if (!wire.previous && wire.member == Wire::Member::own) names.insert(wire.resource);
         if (const auto entry = set_.share(node.type))
             for (const Port& port : entry->type.ports)
-                if (!port.output && std::ranges::find(node.in, port.name, &Wire::port) == node.in.end())
+                if (!port.output && !port.previous &&
+                    std::ranges::find(node.in, port.name, &Wire::port) == node.in.end())
                     names.insert(port.name);
         return names;
     }
@@ -203,18 +204,14 @@ class Writer {
     // Of a family, who hands on from member to member.
     void find_chain(const std::vector<const PipelineNode*>& nodes) {
         std::map<const PipelineNode*, std::set<std::string>> reads, writes;
-        std::map<std::string, Nodes> readers, writers;
-        std::set<std::string> before;
+        std::map<std::string, Nodes> readers, writers, begin;  // the last: of a name `@before`
         for (const PipelineNode* node : nodes) {
             reads[node] = read_by(*node);
             names_of(*node, writes[node], writes[node]);
             for (const std::string& name : reads[node]) readers[name].insert(node);
             for (const std::string& name : writes[node]) writers[name].insert(node);
             for (const Wire& wire : node->in)
-                if (wire.member == Wire::Member::before) {
-                    before.insert(wire.resource);
-                    chain_.insert(node);
-                }
+                if (wire.member == Wire::Member::before) begin[wire.resource].insert(node);
         }
         const auto reach = [](Nodes found, auto& names, auto& others) {
             std::vector<const PipelineNode*> left(found.begin(), found.end());
@@ -227,10 +224,11 @@ class Writer {
             }
             return found;
         };
-        Nodes ends;
-        for (const std::string& name : before) ends.insert(writers[name].begin(), writers[name].end());
-        const Nodes after = reach(chain_, writes, readers), until = reach(ends, reads, writers);
-        std::ranges::set_intersection(after, until, std::inserter(chain_, chain_.end()));
+        for (const auto& [name, first] : begin) {
+            chain_.insert(first.begin(), first.end());
+            const Nodes after = reach(first, writes, readers), until = reach(writers[name], reads, writers);
+            std::ranges::set_intersection(after, until, std::inserter(chain_, chain_.end()));
+        }
     }
 
     std::string family_of(const std::string& name) const {

@@ -15,8 +15,8 @@ namespace penumbra {
 struct WrittenOut {
     Pipeline pipeline;  // whose inputs, nodes, settings and outputs all stand for one thing
     std::vector<const PipelineInstance*> of;  // parallel to its nodes; nullptr: of no family
-    // Parallel to its nodes: reads what the member before its own has (`@before`), or lies between one that
-    // does and what the next member reads of its own.
+    // Parallel to its nodes: reads a NAME@before, or lies within the frame between such a node and the one
+    // that writes the same NAME.
     std::vector<bool> hands_on;
     std::map<std::string, std::string> own_names, own_nodes;  // each instance has its own: family
 

@@ -325,9 +325,8 @@ bool is_valid_spirv(std::span<const uint32_t> words) {
 
 std::string shader_compiler_version() {
     const glslang::Version glslang = glslang::GetVersion();
-    // The last number counts changes of compile_shader: options, passes, preamble, what is refused.
-    return fmt::format("glslang {}.{}.{}{}, {}, penumbra 3", glslang.major, glslang.minor, glslang.patch,
-                       glslang.flavor, spvSoftwareVersionDetailsString());
+    return fmt::format("glslang {}.{}.{}{}, {}, penumbra {}", glslang.major, glslang.minor, glslang.patch,
+                       glslang.flavor, spvSoftwareVersionDetailsString(), PENUMBRA_SHADER_COMPILER);
 }
 
 std::optional<CompiledShader> compile_shader(const ShaderSource& source, Diagnostics& diagnostics) {

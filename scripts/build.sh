@@ -10,6 +10,6 @@ if [[ $# -eq 0 ]]; then tests=ON; else tests=OFF; fi
 # Ninja configures again by itself where a CMake file changed. A folder that has tests keeps them.
 if [[ ! -f build/$preset/build.ninja ]] ||
     { [[ $tests == ON ]] && grep -qx 'PENUMBRA_TESTS:BOOL=OFF' "build/$preset/CMakeCache.txt"; }; then
-    cmake --preset "$preset" -DPENUMBRA_TESTS=$tests -DPENUMBRA_SHADER_CACHE="$PWD/.cache/nodes"
+    cmake --preset "$preset" -DPENUMBRA_TESTS=$tests
 fi
 cmake --build --preset "$preset" ${1:+--target "$@"}

@@ -189,6 +189,11 @@ TEST_F(LightsBudget, ALightThatIsOffSleeps) {
     };
     LightsRun both(shot, "lights_shadows", {}, captures),
         alone(bulb, "lights_shadows", {}, {"visibility_bulb"});
+    std::set<std::string> never_rest;
+    for (const PlanPass& pass : both.view().plan().passes)
+        if (pass.kind == PassKind::compute && pass.node.ends_with("_panel") && !pass.rests)
+            never_rest.insert(pass.node);
+    EXPECT_EQ(never_rest, (std::set<std::string>{"count_panel", "pool_panel", "tile_lux_panel"}));
     for (uint32_t frame = 0; frame < 4; ++frame) {
         both.frame(frame);
         alone.frame(frame);

@@ -79,9 +79,9 @@ TEST_F(WakingGpu, WhoSleepsDoesNothingAndIsZero) {
         }
 }
 
-// A sum that two nodes hand on, beside one that reads it and hands on nothing.
+// A sum that three nodes pass on, beside one that reads it on its way, whose result is summed up as well.
 TEST_F(WakingGpu, SeveralNodesHandOn) {
-    const CheckedPipeline pipeline = checked(R"("outputs": ["sum", "twice"],
+    const CheckedPipeline pipeline = checked(R"("outputs": ["sum", "twice", "tally"],
       "instances": { "a": { "of": "toys" }, "b": { "of": "toys" }, "c": { "of": "toys" } },
       "nodes": {
         "fill":   { "type": "toy_fill", "instances": "toys" },
@@ -89,9 +89,11 @@ TEST_F(WakingGpu, SeveralNodesHandOn) {
                     "out": { "sum": "begun" } },
         "middle": { "type": "toy_add", "instances": "toys", "in": { "value": "begun", "before": null }, "out": { "sum": "more" } },
         "end":    { "type": "toy_add", "instances": "toys", "in": { "value": "more", "before": null }, "out": { "sum": "sum" } },
-        "aside":  { "type": "toy_add", "instances": "toys", "in": { "value": "begun", "before": "sum" }, "out": { "sum": "twice" } } })");
+        "aside":  { "type": "toy_add", "instances": "toys", "in": { "value": "begun", "before": "sum" }, "out": { "sum": "twice" } },
+        "count":  { "type": "toy_add", "instances": "toys", "in": { "value": "twice", "before": "tally@before" },
+                    "out": { "sum": "tally" } } })");
     View view(poisonable(pipeline), {.poison = 1});
-    for (const char* pass : {"begin_b", "middle_b", "end_b"})
+    for (const char* pass : {"begin_b", "middle_b", "end_b", "count_b"})
         EXPECT_FALSE(view.plan().pass(pass)->rests) << pass;
     for (const char* pass : {"fill_b", "aside_b"}) EXPECT_TRUE(view.plan().pass(pass)->rests) << pass;
     for (uint32_t f = 0; f < 3; ++f) {
@@ -101,6 +103,7 @@ TEST_F(WakingGpu, SeveralNodesHandOn) {
         EXPECT_EQ(floats(view.captured("sum_c"))[7], (f == 1 ? 2 : 3) * own);
         EXPECT_EQ(floats(view.captured("twice_b"))[7], f == 1 ? 0 : 4 * own);
         EXPECT_EQ(floats(view.captured("twice_c"))[7], (f == 1 ? 4 : 6) * own);
+        EXPECT_EQ(floats(view.captured("tally_c"))[7], (f == 1 ? 6 : 12) * own);
     }
 }
 

@@ -39,7 +39,7 @@ struct BoundNode {
     Place place;
     bool added = false;          // not by the pipeline's text: not worth a word where it does not run
     std::string family, member;  // whose it is, of a family of instances
-    bool hands_on = false;       // from the family's member before its own to the next (`@before`)
+    bool hands_on = false;       // takes part in passing a NAME@before on to the next member
 
     const NodeType& type() const { return entry->type; }
 };
