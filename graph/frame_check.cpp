@@ -33,6 +33,7 @@ void check_camera(const Camera& camera, const std::string& place) {
     if (std::any_of(glm::value_ptr(inverse), glm::value_ptr(inverse) + 16,
                     [](double x) { return !std::isfinite(x); }))
         wrong("clip_from_view", "has no inverse: it is the unjittered projection, as perspective() makes it");
+    if (!std::isfinite(camera.near_m)) wrong("near_m", "is not finite");
 }
 
 // In pixels, which is the usual mistake, it would be some of the image's.
@@ -55,6 +56,7 @@ void check_frame(const FrameDescription& frame, bool reads_previous) {
     if (has_camera) check_camera(frame.camera, "camera");
     if (has_camera && reads_previous) check_camera(frame.previous, "previous");
     check_jitter(frame);
+    if (!std::isfinite(frame.dt_s)) fail(ErrorCode::usage, "FrameDescription::dt_s", "is not finite");
     constexpr uint32_t flags = frame_reset | frame_orthographic | frame_depth_at_centres | frame_unchanged;
     if (frame.flags & ~flags)
         fail(ErrorCode::usage, "FrameDescription::flags",

@@ -49,9 +49,14 @@ void ViewState::decide_reset(uint32_t flags) {
         before->last_.size.width <= plan().extent.width && before->last_.size.height <= plan().extent.height;
     for (const ResetAction& action : plan().reset) {
         const PlanResource& own = plan().resources[action.resource];
+        if (!fits && own.follows) {  // nodes look for the frame before in histories of its size
+            reset_ = {Reset::Reason::not_handed_on, own.names.back()};
+            inherited_.clear();
+            return;
+        }
         const auto same = std::ranges::find_if(theirs, [&](const PlanResource& r) {
             return r.lasts() && !is_own(own) && hands_on(r) && hands_on(own) && alike(r, own) &&
-                   (fits || !r.follows) && !before->rested(static_cast<uint32_t>(&r - theirs.data()));
+                   !before->rested(static_cast<uint32_t>(&r - theirs.data()));
         });
         inherited_.push_back(same == theirs.end()
                                  ? std::nullopt

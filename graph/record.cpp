@@ -87,7 +87,7 @@ void ViewState::begin(VkCommandBuffer cmd, const FrameDescription& frame,
              fmt::format("the frame is {}x{}, the plan was compiled for up to {}x{}", size.width, size.height,
                          plan().extent.width, plan().extent.height));
     check_commands(cmd, plan());
-    const bool has_past = recorded_ > 0 || options_.heir_of;
+    const bool has_past = recorded_ > 0 || (options_.heir_of && options_.heir_of->state().recorded_ > 0);
     check_frame(frame, has_past && !(frame.flags & frame_reset) && !plan().reset.empty());
     if (next_pass_ != not_begun && !(frame.flags & frame_reset))
         fail(ErrorCode::usage, plan().pipeline,
@@ -225,8 +225,9 @@ void ViewState::record_reset(VkCommandBuffer cmd) {
     for (size_t i = 0; i < plan().reset.size(); ++i) {
         const ResetAction& action = plan().reset[i];
         if (i < inherited_.size() && inherited_[i]) continue;
-        if (action.clear || options_.poison)
-            record_clear(cmd, action.resource, previous, action.clear ? std::nullopt : options_.poison);
+        const bool zero = action.clear || is_zero_at_rest(action.resource);
+        if (zero || options_.poison)
+            record_clear(cmd, action.resource, previous, zero ? std::nullopt : options_.poison);
     }
     record_inheritance(cmd);
     full_dependency(cmd);
@@ -361,9 +362,14 @@ void ViewState::record_capture(VkCommandBuffer cmd, size_t index) const {
     while (capture_passes_[nth] != index) ++nth;
     const MappedBuffer& target = slots_[slot_].captures[nth];
     if (r.image) {
-        const Extent extent = plan().resources[binding.index].extent;
+        const PlanResource& resource = plan().resources[binding.index];
+        // An image of the host's own may be no larger than the frame.
+        const Extent extent =
+            resource.slot && resource.follows ? resource.follows->at(size_) : resource.extent;
         VkBufferImageCopy copy{};
-        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, plan().resources[binding.index].layers};
+        copy.bufferRowLength = resource.extent.width;
+        copy.bufferImageHeight = resource.extent.height;
+        copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, resource.layers};
         copy.imageExtent = {extent.width, extent.height, 1};
         vk().vkCmdCopyImageToBuffer(cmd, r.image, VK_IMAGE_LAYOUT_GENERAL, target.get(), 1, &copy);
     } else {

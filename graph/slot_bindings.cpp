@@ -58,7 +58,8 @@ void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const
         for (size_t before = 0; before < i; ++before)
             if (bindings[before].handover &&
                 bindings[before].handover->image == bindings[i].handover->image &&
-                !(same_transitions(bindings[before], bindings[i]) && !plan().slots[i].output))
+                (plan().slots[before].output || plan().slots[i].output ||
+                 !same_transitions(bindings[before], bindings[i])))
                 fail(ErrorCode::usage, fmt::format("the slot \"{}\"", plan().slots[i].name),
                      fmt::format("its image is handed over as \"{}\", too, and otherwise",
                                  plan().slots[before].name));

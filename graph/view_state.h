@@ -86,6 +86,7 @@ class ViewState {
     bool rests(const PlanPass& pass) const { return pass.rests && resting_[*pass.member]; }
     void record_rest(VkCommandBuffer cmd, const PlanPass& pass) const;
     bool rested(uint32_t resource) const;
+    bool is_zero_at_rest(uint32_t resource) const;
     bool wakes(uint32_t resource) const;
     void record_waking(VkCommandBuffer cmd) const;
     void memory_dependency(VkCommandBuffer cmd, const Dependency& dependency,

@@ -30,6 +30,12 @@ bool ViewState::rested(uint32_t resource) const {
     return writer.rests && rested_[*writer.member];
 }
 
+// Whether others read 0 of it, since its writer is asleep.
+bool ViewState::is_zero_at_rest(uint32_t resource) const {
+    const PlanPass& writer = plan().passes[plan().resources[resource].first_pass];
+    return rests(writer) && std::ranges::find(writer.zero_at_rest, resource) != writer.zero_at_rest.end();
+}
+
 bool ViewState::wakes(uint32_t resource) const {
     return rested(resource) && !rests(plan().passes[plan().resources[resource].first_pass]);
 }

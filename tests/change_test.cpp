@@ -149,6 +149,39 @@ TEST_F(ChangeGpu, AnHeirWithoutItsHistoryStartsAnewAndSaysWhy) {
     EXPECT_EQ(after.reset().reason, Reset::Reason::first_frame);
 }
 
+// A frame that the new plan is too small for is no past that a node could look into, also where nothing
+// has to be handed on.
+TEST_F(ChangeGpu, AnHeirOfALargerFrameStartsAnew) {
+    const CheckedPipeline pipeline = checked(
+        R"("outputs": ["blended"], "resources": { "blended": { "first": "clear" } }, "nodes": {
+        "fill": { "type": "toy_fill" }, "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })");
+    const auto large = program_with(pipeline, {}, true, {2 * width, height}),
+               small = program_with(pipeline, {});
+    for (const Extent size : {Extent{2 * width, height}, Extent{width, height}}) {
+        View before(large, {});
+        gpu().run([&](VkCommandBuffer cmd) { before.record(cmd, description(0, size), {}); });
+        View after(small, {.heir_of = &before});
+        gpu().run([&](VkCommandBuffer cmd) { after.record(cmd, description(1), {}); });
+        const bool fits = size.width == width;
+        EXPECT_EQ(after.reset().reason, fits ? Reset::Reason::none : Reset::Reason::not_handed_on);
+        EXPECT_EQ(after.reset().resource, fits ? "" : "blended");
+        EXPECT_EQ(floats(after.captured("blended"))[5], fits ? 8.5f : 6.0f);
+    }
+}
+
+// The heir of a view that has recorded nothing has no frame before it, and no camera of one.
+TEST_F(ChangeGpu, AnHeirOfNothingNeedsNoCameraBefore) {
+    const auto program = program_with(checked(R"("outputs": ["blended"], "nodes": {
+        "fill": { "type": "toy_fill" }, "blend": { "type": "toy_blend", "in": { "history": "blended@-1" } } })"),
+                                      {});
+    View before(program, {}), heir(program, {.heir_of = &before});
+    FrameDescription frame = description(0);
+    frame.camera.clip_from_view = perspective(1, 1, 0.1);
+    frame.previous.clip_from_view = {};
+    gpu().run([&](VkCommandBuffer cmd) { heir.record(cmd, frame, {}); });
+    EXPECT_EQ(heir.reset().reason, Reset::Reason::first_frame);
+}
+
 // Between plans for frames of several sizes a history that follows the frame goes over as far as both have
 // it: a buffer's beginning, every level of a chain.
 TEST_F(ChangeGpu, BuffersAndChainsGoOverAsFarAsBothHaveThem) {

@@ -210,6 +210,8 @@ TEST_F(HostAsksGpu, AHostsMistakesAreItsOwn) {
         refused([](auto& f) { f.camera.clip_from_view[0] = INFINITY; }, "camera.clip_from_view",
                 "not finite");
         refused([](auto& f) { f.camera.clip_from_view[5] = 0; }, "camera.clip_from_view", "no inverse");
+        refused([](auto& f) { f.camera.near_m = NAN; }, "camera.near_m", "not finite");
+        refused([](auto& f) { f.dt_s = INFINITY; }, "dt_s", "not finite");
         refused([](auto& f) { f.camera.world_from_view = {}; }, "camera.world_from_view", "no rotation");
         refused([](auto& f) { f.camera.world_from_view[0] = 2; }, "camera.world_from_view", "no rotation");
         refused([](auto& f) { f.jitter = {0, NAN}; }, "jitter", "units of the image");

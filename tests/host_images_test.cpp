@@ -156,6 +156,51 @@ TEST_F(HostImagesGpu, AnImageInTwoSlotsIsHandedOverOnce) {
         [&](VkCommandBuffer cmd) { EXPECT_THROW(view.record(cmd, description(1), externals), Failure); });
 }
 
+// What a frame writes it does not read through another slot: the write begins by forgetting what was there.
+TEST_F(HostImagesGpu, AnOutputsImageIsNoInput) {
+    const CheckedPipeline pipeline =
+        checked(R"("inputs": { "given": { "format": "r32f" } }, "outputs": ["blended"],
+        "nodes": { "blend": { "type": "toy_blend", "in": { "value": "given", "history": null } } })");
+    CompileOptions options;
+    options.outputs["blended"].host_image = true;
+    View view(std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, options)), {});
+    const GpuImage own =
+        image_of(VK_FORMAT_R32_SFLOAT, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT);
+    Externals externals(view.plan());
+    for (const char* slot : {"given", "blended"})
+        externals[slot] = {.image = own.view.get(), .handover = Handover{.image = own.get()}};
+    gpu().run(
+        [&](VkCommandBuffer cmd) { EXPECT_THROW(view.record(cmd, description(0), externals), Failure); });
+}
+
+// The host's own image need not be larger than the frame, whatever the plan allows.
+TEST_F(HostImagesGpu, AnOutputsImageOfTheFramesSizeIsCaptured) {
+    CompileOptions options =
+        capturing(checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })"));
+    const CheckedPipeline pipeline =
+        checked(R"("outputs": ["value"], "nodes": { "fill": { "type": "toy_fill" } })");
+    options.outputs["value"].host_image = true;
+    Target target;
+    target.extent = {2 * width, 2 * height};
+    target.device = device_table(handles_of(gpu()));
+    Diagnostics diagnostics;
+    auto plan = compile(pipeline, target, options, diagnostics);
+    ASSERT_TRUE(plan) << diagnostics.text();
+    View view(std::make_shared<Program>(handles_of(gpu()), std::make_shared<const Plan>(std::move(*plan))),
+              {});
+    const GpuImage own =
+        image_of(VK_FORMAT_R32_SFLOAT,
+                 VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+    Externals externals(view.plan());
+    externals["value"] = {.image = own.view.get(), .handover = Handover{.image = own.get()}};
+    gpu().run([&](VkCommandBuffer cmd) { view.record(cmd, description(3), externals); });
+    const std::vector<float> captured = floats(view.captured("value"));
+    ASSERT_EQ(captured.size(), 4u * width * height);
+    for (uint32_t y = 0; y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x)
+            EXPECT_EQ(captured[2 * width * y + x], static_cast<float>(width * y + x + 3)) << x << " " << y;
+}
+
 // "value" is put into images of the host, another one every frame, is read on within the frame, and goes back
 // in the layout of a copy's source.
 TEST_F(HostImagesGpu, AnOutputIsPutIntoTheHostsImage) {
