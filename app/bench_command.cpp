@@ -55,7 +55,9 @@ bench::Subject subject_of(Shot shot, const std::vector<Pipeline>& pipelines, con
     if (light.empty() && shot.lights.size() > 1) {
         subject.fewer = shot;
         subject.fewer->lights.erase(std::prev(shot.lights.end())->first);
-        subject.for_fewer = for_lights(pipelines, *subject.fewer, {}, nodes, diagnostics);
+        Diagnostics named;  // a pipeline that names its lights is for these alone
+        subject.for_fewer = for_lights(pipelines, *subject.fewer, {}, nodes, named);
+        if (!named.empty()) subject.fewer.reset();
     }
     subject.shot = std::move(shot);
     return subject;
@@ -73,7 +75,7 @@ std::optional<Job> prepare(const BenchArguments& arguments, const NodeSet& nodes
     if (!frames) return std::nullopt;
     job.bench.options.frames = *frames;
     for (const std::string& text : arguments.sizes) {
-        const auto size = parse_size(text);
+        const auto size = parse_size(text, "--sizes");
         if (!size) return std::nullopt;
         job.sizes.push_back(*size);
     }

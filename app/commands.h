@@ -180,6 +180,7 @@ int run_bench(const BenchArguments& arguments);
 int run_explain(const ExplainArguments& arguments);
 
 // "1280x720"; nothing where it is not two positive numbers.
-std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text);
+std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text,
+                                                  std::string_view option = "--size");
 
 }  // namespace penumbra

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "app/frame_range.h"
 #include "app/is_there.h"
@@ -19,18 +20,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Frames to compare: those asked for, else those that all folders have.
+// Frames to compare: those asked for, else those that all folders have and the truth says it has: what else
+// lies in its folder is older.
 std::optional<std::vector<uint32_t>> choose_frames(const CompareArguments& arguments,
                                                    const std::vector<fs::path>& images,
-                                                   Diagnostics& diagnostics) {
+                                                   const ReferenceInfo& info, Diagnostics& diagnostics) {
+    const auto is_of_it = [&](uint32_t frame) { return info.frames.empty() || info.frames.contains(frame); };
     if (!arguments.frames.empty()) {
         const auto range = parse_frames(arguments.frames);
         if (!range) return std::nullopt;
         std::vector<uint32_t> frames;
         for (uint32_t frame = (*range)[0]; frame <= (*range)[1]; ++frame) frames.push_back(frame);
+        if (const auto other = std::ranges::find_if_not(frames, is_of_it); other != frames.end())
+            diagnostics.add(
+                {arguments.reference, 0, 0}, "--frames",
+                fmt::format("frame {} is none of this truth's: reference.json has no such one", *other));
         return frames;
     }
     auto frames = visibility_frames(arguments.reference, diagnostics);
+    if (frames) std::erase_if(*frames, std::not_fn(is_of_it));
     for (const fs::path& folder : images) {
         const auto present = visibility_frames(folder, diagnostics, arguments.light);
         if (!frames || !present) return std::nullopt;
@@ -66,34 +74,6 @@ void check_size(const PlanarImage& image, const PlanarImage& reference, const fs
     diagnostics.add({file.string(), 0, 0}, "",
                     fmt::format("{} x {} pixels, the reference has {} x {}", image.width, image.height,
                                 reference.width, reference.height));
-}
-
-// A frame that was rasterised off its pixels' centres shows other points than a truth of the centres does,
-// and at a silhouette that is an error as large as any. Folders without a report say nothing of it.
-void check_jitter(const fs::path& folder, const fs::path& reference, const ReferenceInfo& info,
-                  const std::vector<uint32_t>& frames, Diagnostics& diagnostics) {
-    if (!is_there(folder / "report.json", diagnostics)) return;
-    const auto rendered = read_rendered_frames(folder, diagnostics);
-    if (!rendered) return;
-    for (const uint32_t frame : frames) {
-        const auto truth = info.frames.find(frame);
-        const auto image = rendered->jitter.find(frame);
-        if (truth == info.frames.end() || image == rendered->jitter.end()) continue;
-        const auto &a = image->second, &b = truth->second.jitter;
-        if (std::abs(a[0] - b[0]) < 1e-9 && std::abs(a[1] - b[1]) < 1e-9) continue;
-        const auto place = [&](const std::array<double, 2>& jitter) {
-            return jitter == std::array<double, 2>{}
-                       ? "pixel centres"
-                       : fmt::format("points {:+.3f}, {:+.3f} pixels beside their centres",
-                                     jitter[0] * info.size[0], jitter[1] * info.size[1]);
-        };
-        diagnostics.add({folder.string(), 0, 0}, "",
-                        fmt::format("frame {} shows {}, the reference {} is of {}: make one of the same "
-                                    "points with `penumbra reference --like {} --out DIR`, or render with "
-                                    "--no-jitter",
-                                    frame, place(a), reference.string(), place(b), folder.string()));
-        return;
-    }
 }
 
 // One frame's files. Views into it stay good when it is moved.
@@ -349,7 +329,8 @@ std::optional<Comparison> compare_folders(const CompareArguments& arguments, Dia
     Loader loader(arguments, diagnostics);
     check_folders(arguments, diagnostics);
     const auto info = read_reference_info(arguments.reference, diagnostics);
-    const auto frames = choose_frames(arguments, loader.folders(), diagnostics);
+    const auto frames =
+        choose_frames(arguments, loader.folders(), info.value_or(ReferenceInfo()), diagnostics);
     loader.read_mask();
     if (!info || !frames || !diagnostics.empty()) return std::nullopt;
 

@@ -249,28 +249,38 @@ void add_explain(CLI::App& app, ExplainArguments& a) {
         "proved of whole tiles, where a budget of rays went, or where the time of rendered frames went");
     c->add_option("--out", a.out, "SVG file to write; of --budget a PNG")->required();
     CLI::Option* shot = add_view(c, a.view);
-    c->add_option("--pixel", a.pixel,
-                  "X,Y from the upper left corner (default: where most triangles hide a part of the sun)");
-    c->add_option("--size", a.size, "WxH instead of the shot's size");
-    c->add_option("--frame", a.frame, "which frame (default: the first)");
-    c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256")->check(CLI::IsMember({64, 128, 256}));
+    CLI::Option* pixel = c->add_option(
+        "--pixel", a.pixel,
+        "X,Y from the upper left corner (default: where most triangles hide a part of the sun)");
+    CLI::Option* size = c->add_option("--size", a.size, "WxH instead of the shot's size");
+    CLI::Option* frame = c->add_option("--frame", a.frame, "which frame (default: the first)");
+    CLI::Option* samples = c->add_option("--samples", a.samples, "of the sun: 64, 128 or 256");
+    samples->check(CLI::IsMember({64, 128, 256}));
     c->add_flag("--no-jitter", a.no_jitter, "rasterise without sub-pixel jitter");
     CLI::Option* gather = c->add_flag(
         "--gather", a.gather,
         "the rays of the pixels around as tests of its sun, instead of the triangles that hide it");
+    gather->excludes(samples);
     c->add_flag("--budget", a.budget,
                 "how many rays shadows.json gives each pixel, after all frames before: none grey, 1 to 32 "
                 "from blue to white")
-        ->excludes(gather);
+        ->excludes(gather)
+        ->excludes(samples)
+        ->excludes(pixel);
     c->add_flag(
          "--beams", a.beams,
          "why the node beams decides a tile as lit or as dark, or leaves it to its pixels: a picture of "
          "each, or of the tile of --pixel")
         ->excludes(gather)
+        ->excludes(samples)
         ->excludes("--budget");
     c->add_option("--device", a.device, "part of a device's name");
     c->add_option("--costs", a.costs, "report.json files of render: a bar of CPU milliseconds for each")
-        ->excludes(shot);
+        ->excludes(shot)
+        ->excludes(pixel)
+        ->excludes(size)
+        ->excludes(frame)
+        ->excludes(samples);
 }
 
 void add_bench(CLI::App& app, BenchArguments& a) {

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "app/is_there.h"
 #include "app/or_null.h"
 #include "app/text_file.h"
 #include "host/json_dump.h"
@@ -83,6 +84,7 @@ void write_reference_info(const fs::path& folder, const ReferenceInfo& info) {
                         {"size", info.size},
                         {"exact", info.exact},
                         {"rays", or_null(info.rays)}};
+    if (!info.light.empty()) json["light"] = info.light;
     json["frames"] = OrderedJson::array();
     for (const auto& [number, frame] : info.frames) {
         OrderedJson& out = json["frames"].emplace_back();
@@ -127,6 +129,33 @@ std::optional<RenderedFolder> read_rendered_frames(const fs::path& folder, Diagn
     if (good) return out;
     diagnostics.add(json->place, "", "not written by `penumbra render` of this version");
     return std::nullopt;
+}
+
+void check_jitter(const fs::path& folder, const fs::path& reference, const ReferenceInfo& info,
+                  const std::vector<uint32_t>& frames, Diagnostics& diagnostics) {
+    if (!is_there(folder / "report.json", diagnostics)) return;
+    const auto rendered = read_rendered_frames(folder, diagnostics);
+    if (!rendered) return;
+    for (const uint32_t frame : frames) {
+        const auto truth = info.frames.find(frame);
+        const auto image = rendered->jitter.find(frame);
+        if (image == rendered->jitter.end()) continue;
+        const auto a = image->second,
+                   b = truth == info.frames.end() ? std::array<double, 2>{} : truth->second.jitter;
+        if (std::abs(a[0] - b[0]) < 1e-9 && std::abs(a[1] - b[1]) < 1e-9) continue;
+        const auto place = [&](const std::array<double, 2>& jitter) {
+            return jitter == std::array<double, 2>{}
+                       ? "pixel centres"
+                       : fmt::format("points {:+.3f}, {:+.3f} pixels beside their centres",
+                                     jitter[0] * info.size[0], jitter[1] * info.size[1]);
+        };
+        diagnostics.add({folder.string(), 0, 0}, "",
+                        fmt::format("frame {} shows {}, the reference {} is of {}: make one of the same "
+                                    "points with `penumbra reference --like {} --out DIR`, or render with "
+                                    "--no-jitter",
+                                    frame, place(a), reference.string(), place(b), folder.string()));
+        return;
+    }
 }
 
 namespace {

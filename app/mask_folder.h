@@ -30,6 +30,7 @@ struct ReferenceInfo {
     bool exact = false;            // a closed form
     std::optional<uint32_t> rays;  // per pixel, else
     std::map<uint32_t, ReferenceFrame> frames;
+    std::string light;  // whose visibility it is: the sun is one; empty: of none
 };
 
 void write_reference_info(const std::filesystem::path& folder, const ReferenceInfo& info);
@@ -46,6 +47,12 @@ struct RenderedFolder {
 
 std::optional<RenderedFolder> read_rendered_frames(const std::filesystem::path& folder,
                                                    Diagnostics& diagnostics);
+
+// A frame that was rasterised off its pixels' centres shows other points than a truth of the centres does,
+// and at a silhouette that is an error as large as any. Folders without a report say nothing of it; a truth
+// that says nothing of its frames is one of centres.
+void check_jitter(const std::filesystem::path& folder, const std::filesystem::path& reference,
+                  const ReferenceInfo& info, const std::vector<uint32_t>& frames, Diagnostics& diagnostics);
 
 // `light`: of a pipeline that takes several, whose mask is meant.
 std::filesystem::path visibility_file(const std::filesystem::path& folder, uint32_t frame,

@@ -21,7 +21,7 @@
 
 namespace penumbra {
 
-std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text) {
+std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text, std::string_view option) {
     std::array<uint32_t, 2> size{};
     const char *at = text.data(), *end = at + text.size();
     const auto number = [&](uint32_t& value) {
@@ -30,7 +30,7 @@ std::optional<std::array<uint32_t, 2>> parse_size(const std::string& text) {
         return error == std::errc() && value > 0;
     };
     if (number(size[0]) && at != end && *at++ == 'x' && number(size[1]) && at == end) return size;
-    std::cerr << "--size: \"" << text << "\" is not WIDTHxHEIGHT, as 1280x720\n";
+    std::cerr << option << ": \"" << text << "\" is not WIDTHxHEIGHT, as 1280x720\n";
     return std::nullopt;
 }
 

@@ -205,7 +205,7 @@ int write_radiance(const ReferenceArguments& arguments, const Job& job) {
     Diagnostics none;
     const auto there = read_reference_info(folder, none);
     if (!there || (there->frames.empty() && fs::path(there->shot).filename() != shot.file.filename()))
-        write_reference_info(folder, {shot.file.string(), shot.size, false, arguments.rays, {}});
+        write_reference_info(folder, {shot.file.string(), shot.size, false, arguments.rays, {}, {}});
     progress.print(fmt::format("written to {}\n", (folder / "").string()));
     return exit_good;
 }
@@ -214,10 +214,12 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     const Shot& shot = job.shot;
     Device device({arguments.device, false});
     bool of_lamp = false;
+    std::string light;
     const auto session =
         opened([&](Diagnostics& diagnostics, std::vector<std::string>& warnings, const Told& told) {
             const auto chosen = choose_light(shot, job.light, diagnostics);
             of_lamp = chosen && chosen->light;
+            if (chosen) light = chosen->name;
             return !chosen   ? nullptr
                    : of_lamp ? open_light_truth(device, shot, chosen->name, diagnostics, warnings, job.jitter,
                                                 nullptr, told)
@@ -230,7 +232,7 @@ int write_reference(const ReferenceArguments& arguments, const Job& job) {
     job.made_up.write();
     OutputWriter host_images(device, folder);
     size_t lost = 0, frames_of_lost = 0;  // pixels; frames with any
-    ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}};
+    ReferenceInfo info{shot.file.string(), shot.size, shot.analytic.has_value(), {}, {}, light};
     {
         const uint32_t rows = shot.size[1];
         Progress progress("reference", job.frames.size() * uint64_t{rows});

@@ -104,6 +104,10 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
         if (auto shot = open_report_shot(file, job.folder / "shots", still_frames, diagnostics))
             if (study->light.empty() || keep_light_alone(study->light, *shot, diagnostics))
                 job.shots.push_back(std::move(*shot));
+    for (const ReportShot& shot : job.shots)
+        if (shot.moving.frames < study->moving_frames)
+            diagnostics.add({shot.moving.file.string()}, "frames",
+                            fmt::format("is {}: {} are measured", shot.moving.frames, study->moving_frames));
     for (const double width : study->edge_widths_px)
         for (const double speed : study->edge_speeds_px)
             job.edges.push_back(

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/frame_range.h"
+#include "app/is_there.h"
 #include "app/mask_folder.h"
 
 namespace penumbra {
@@ -70,12 +71,20 @@ nlohmann::json said_in(const fs::path& file) {
     return json.is_object() ? json : nlohmann::json();
 }
 
+// Empty where it is not said.
+std::string word_of(const nlohmann::json& said, const char* key) {
+    const auto word = said.find(key);
+    return word != said.end() && word->is_string() ? word->get<std::string>() : "";
+}
+
 // The name of a shot's file: the way to it is another one from elsewhere, or nothing where a model stands for
 // one.
 std::string shot_of(const nlohmann::json& said, const char* key) {
-    const auto shot = said.find(key);
-    return shot != said.end() && shot->is_string() ? fs::path(shot->get<std::string>()).filename().string()
-                                                   : "";
+    return fs::path(word_of(said, key)).filename().string();
+}
+
+bool of_a_light(const std::string& signal) {
+    return signal == "visibility" || signal == "transmittance";
 }
 
 // Nothing where they agree, or one of them does not say.
@@ -90,7 +99,8 @@ std::string first_difference(const nlohmann::json& a, const nlohmann::json& b) {
 void check_folders(const CompareArguments& arguments, Diagnostics& diagnostics) {
     std::vector<std::string> folders{arguments.image};
     folders.insert(folders.end(), arguments.also.begin(), arguments.also.end());
-    const std::string truth = shot_of(said_in(fs::path(arguments.reference) / "reference.json"), "shot");
+    const nlohmann::json truth_said = said_in(fs::path(arguments.reference) / "reference.json");
+    const std::string truth = shot_of(truth_said, "shot"), truths_light = word_of(truth_said, "light");
     std::vector<nlohmann::json> reports;
     for (size_t i = 0; i < folders.size(); ++i) {
         const auto refuse = [&](const char* key, const std::string& why) {
@@ -100,6 +110,10 @@ void check_folders(const CompareArguments& arguments, Diagnostics& diagnostics) 
         const std::string shot = shot_of(report, "shot_file");
         if (!shot.empty() && !truth.empty() && shot != truth)
             refuse("", fmt::format("shows {}, the reference {} is of {}", shot, arguments.reference, truth));
+        const std::string light = arguments.light.empty() ? word_of(report, "light") : arguments.light;
+        if (of_a_light(arguments.signal) && !light.empty() && !truths_light.empty() && light != truths_light)
+            refuse("light", fmt::format("is \"{}\", the reference {} is of \"{}\"", light,
+                                        arguments.reference, truths_light));
         if (i == 0) continue;
         const std::string other = first_difference(reports[0], report);
         if (!other.empty())
@@ -142,6 +156,14 @@ std::optional<std::vector<uint32_t>> frames_to_compare(const CompareArguments& a
     if (diagnostics.empty()) check_folders(arguments, diagnostics);
     if (!diagnostics.empty()) return std::nullopt;
     auto frames = frames_there(arguments, diagnostics);
+    const fs::path truth = arguments.reference;
+    if (const auto info = is_there(truth / "reference.json", diagnostics)
+                              ? read_reference_info(truth, diagnostics)
+                              : std::nullopt) {
+        check_jitter(arguments.image, truth, *info, frames, diagnostics);
+        for (const std::string& folder : arguments.also)
+            check_jitter(folder, truth, *info, frames, diagnostics);
+    }
     return diagnostics.empty() ? std::optional(std::move(frames)) : std::nullopt;
 }
 

@@ -194,6 +194,48 @@ TEST_F(Compare, MissingPartsAreErrorsWithNames) {
     fails("shares no frame");
 }
 
+// A folder that `reference` has written into twice.
+TEST_F(Compare, OlderFramesOfATruthsFolderAreNotItsOwn) {
+    ReferenceInfo info{"x.shot.json", {8, 4}, true, {}, {}};
+    info.frames[3] = {};
+    write_reference_info(root_ / "truth", info);
+    CompareArguments a = arguments();
+    const Result result = run(a);
+    ASSERT_EQ(result.code, exit_good) << result.err;
+    EXPECT_EQ(nlohmann::json::parse(result.out)["frames"], (std::vector<uint32_t>{3}));
+    a.frames = "3..4";
+    const Result asked = run(a);
+    EXPECT_EQ(asked.code, exit_wrong);
+    EXPECT_NE(asked.err.find("frame 4 is none of this truth's"), std::string::npos) << asked.err;
+}
+
+TEST_F(Compare, ATruthOfAnotherLightOrOfOtherPointsIsRefused) {
+    const auto report = [&](const std::string& light, const std::string& jitter) {
+        std::ofstream(root_ / "a/report.json")
+            << R"({ "shot_file": "x.shot.json", "size": [8, 4], "light": ")" << light
+            << R"(", "by_frame": [ { "frame": 3, "jitter": )" << jitter << " } ] }";
+    };
+    const auto fails = [&](const CompareArguments& a, const std::string& because) {
+        const Result result = run(a);
+        EXPECT_EQ(result.code, exit_wrong);
+        EXPECT_NE(result.err.find(because), std::string::npos) << result.err;
+    };
+    ReferenceInfo info{"x.shot.json", {8, 4}, true, {}, {}, "bulb"};
+    info.frames[3] = {};
+    write_reference_info(root_ / "truth", info);
+    CompareArguments a = arguments();
+    report("panel", "[0, 0]");
+    fails(a, R"(is "panel", the reference)");
+    report("bulb", "[0, 0]");
+    EXPECT_EQ(run(a).code, exit_good);
+    report("bulb", "[0.01, 0]");
+    fails(a, "beside their centres");
+    for (const char* name : {"truth", "a"})
+        fs::copy(visibility_file(folder(name), 3), root_ / name / "specular.0003.exr");
+    a.signal = "specular";
+    fails(a, "beside their centres");
+}
+
 // Nor is what cannot be looked at the program's own failure.
 TEST_F(Compare, NamesThatNoFileCanHaveAreErrors) {
     CompareArguments a = arguments();
@@ -207,8 +249,7 @@ TEST_F(Compare, NamesThatNoFileCanHaveAreErrors) {
     a.image = too_long;
     for (const char* signal : {"visibility", "specular", "transmittance", "color"}) {
         a.signal = signal;
-        fails(too_long + (a.signal == "visibility" ? "/report.json" : "/" + a.signal + ".0003.exr") +
-              ": cannot be read: ");
+        fails(too_long + "/report.json: cannot be read: ");
     }
     a.frames.clear();
     fails(too_long + ": cannot be listed: ");

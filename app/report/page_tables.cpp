@@ -54,15 +54,20 @@ std::string block(const std::string& text) {
     return "<pre>" + escape(text) + "</pre>\n";
 }
 
+std::string of_light(const Study& study) {
+    return study.light.empty() ? "" : " --light " + study.light;
+}
+
 std::string render_and_compare(const Study& study, const std::string& file, const std::string& shot,
                                std::array<uint32_t, 2> size, const std::string& frames, bool border) {
     std::string also;
     for (uint32_t seed = 2; seed <= study.seeds; ++seed) also += fmt::format(" --also out/{}", seed);
     return fmt::format(
-        "for s in $(seq {}); do penumbra render {} --shot {} --size {}x{} --frames {} --no-jitter --seed $s "
+        "for s in $(seq {}); do penumbra render {} --shot {}{} --size {}x{} --frames {} --no-jitter --seed "
+        "$s "
         "--out "
         "out/$s; done\npenumbra compare out/1 out/truth{}{}\n",
-        study.seeds, file, shot, size[0], size[1], frames, also,
+        study.seeds, file, shot, of_light(study), size[0], size[1], frames, also,
         border ? fmt::format(" --border {}", study.analytic_border_px) : "");
 }
 
@@ -197,20 +202,21 @@ std::string commands(const Results& results) {
     while (first < study.settling) first += study.moving_every;
     const uint32_t last = (study.moving_frames - first - 1) / study.moving_every * study.moving_every + first;
     const std::string frames = fmt::format("{}..{}", first, last);
-    out +=
-        "<p>RMSE and N<sub>eff</sub> of a moving shot:</p>" +
-        block(fmt::format("penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
-                          shot.file, shot.size[0], shot.size[1], frames, study.rays) +
-              render_and_compare(study, pipeline->file, shot.file, shot.size,
-                                 fmt::format("{} --every {}", frames, study.moving_every), shot.exact));
+    out += "<p>RMSE and N<sub>eff</sub> of a moving shot:</p>" +
+           block(fmt::format(
+                     "penumbra reference --shot {}{} --size {}x{} --frames {} --rays {} --out out/truth\n",
+                     shot.file, of_light(study), shot.size[0], shot.size[1], frames, study.rays) +
+                 render_and_compare(study, pipeline->file, shot.file, shot.size,
+                                    fmt::format("{} --every {}", frames, study.moving_every), shot.exact));
     if (!study.after_cut.empty()) {
         const uint32_t still = study.after_cut.back() - 1;
-        out += fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
-               block(fmt::format(
-                         "penumbra reference --shot {} --size {}x{} --frames {} --rays {} --out out/truth\n",
-                         shot.still_file, shot.size[0], shot.size[1], still, study.rays) +
-                     render_and_compare(study, pipeline->file, shot.still_file, shot.size,
-                                        fmt::to_string(still), shot.exact));
+        out +=
+            fmt::format("<p>N<sub>eff</sub> {} frames after a cut:</p>", still + 1) +
+            block(fmt::format(
+                      "penumbra reference --shot {}{} --size {}x{} --frames {} --rays {} --out out/truth\n",
+                      shot.still_file, of_light(study), shot.size[0], shot.size[1], still, study.rays) +
+                  render_and_compare(study, pipeline->file, shot.still_file, shot.size, fmt::to_string(still),
+                                     shot.exact));
     }
     if (study.edge_widths_px.empty()) return out;
     const std::string edge = fmt::format("shots/edge_{:g}px_{:+g}.shot.json", study.edge_widths_px.front(),

@@ -88,6 +88,11 @@ std::optional<Job> prepare(const ReportArguments& arguments, const NodeSet& node
     for (const fs::path& file : files)
         if (auto shot = open_report_shot(file, job.folder / "shots", study->after.back(), diagnostics))
             job.shots.push_back(std::move(*shot));
+    for (const ReportShot& shot : job.shots)
+        if (shot.moving.frames <= study->moving_frame)
+            diagnostics.add(
+                {shot.moving.file.string()}, "frames",
+                fmt::format("is {}: frame {} is measured", shot.moving.frames, study->moving_frame));
     if (!diagnostics.empty()) return std::nullopt;
     return job;
 }

@@ -74,7 +74,7 @@ std::optional<Job> prepare(const ViewCommandArguments& a) {
     Diagnostics diagnostics;
     const auto given = sort_files(a.files, a.view, diagnostics);
     const auto size = parse_size(a.size);
-    const auto window = parse_size(a.window);
+    const auto window = parse_size(a.window, "--window");
     const fs::path folder =
         !a.out.empty() || !given ? fs::path(a.out) : fs::path("out") / view_name(given->view);
     auto source = given ? open_view(given->view, folder, diagnostics) : std::nullopt;
