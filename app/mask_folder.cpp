@@ -70,6 +70,8 @@ bool read_info(const Json& json, ReferenceInfo& info) {
     if (!rays || !(rays->kind == Json::Kind::null || read_count(rays, info.rays.emplace()))) return false;
     if (!frames || frames->kind != Json::Kind::array) return false;
     info.shot = shot->string;
+    if (const Json* light = json.find("light"); light && light->kind == Json::Kind::string)
+        info.light = light->string;
     info.exact = exact->boolean;
     for (const Json& frame : frames->items)
         if (!read_frame(frame, info)) return false;

@@ -157,9 +157,11 @@ std::optional<std::vector<uint32_t>> frames_to_compare(const CompareArguments& a
     if (!diagnostics.empty()) return std::nullopt;
     auto frames = frames_there(arguments, diagnostics);
     const fs::path truth = arguments.reference;
-    if (const auto info = is_there(truth / "reference.json", diagnostics)
-                              ? read_reference_info(truth, diagnostics)
-                              : std::nullopt) {
+    auto info = is_there(truth / "reference.json", diagnostics) ? read_reference_info(truth, diagnostics)
+                                                                : std::nullopt;
+    if (info) {
+        // What the file says of frames is said of visibility; a truth of radiance is always one of centres.
+        if (!of_a_light(arguments.signal)) info->frames.clear();
         check_jitter(arguments.image, truth, *info, frames, diagnostics);
         for (const std::string& folder : arguments.also)
             check_jitter(folder, truth, *info, frames, diagnostics);

@@ -36,6 +36,14 @@ TEST_F(FirstUse, RenderReferenceCompareAgreeOnTheirPoints) {
     ASSERT_EQ(run("render hybrid_shadows --no-jitter --shot colonnade --out " + in("still") + small).code, 0);
     EXPECT_EQ(run("compare " + in("still") + " " + in("centres")).code, 0);
     expect(run("compare " + in("still") + " " + in("truth")), 2, "pixel centres");
+    // Further frames of the same truth; of another one, alone.
+    const auto frames_of = [&](const std::string& rays) {
+        EXPECT_EQ(
+            run("reference --shot colonnade --size 160x90 --frames 4 --out " + in("centres") + rays).code, 0);
+        return Json::parse(read_file(folder_ / "centres/reference.json"))["frames"].size();
+    };
+    EXPECT_EQ(frames_of(" --rays 64"), 2u);
+    EXPECT_EQ(frames_of(" --rays 100"), 1u);
 }
 
 TEST_F(FirstUse, ReferenceLikeAFolderTakesItsFrames) {
