@@ -148,6 +148,29 @@ TEST_F(WakingGpu, NobodyElsesPastIsTheirs) {
     expect_since(heir, 6, 3, 6);  // all members of a new view are awake
 }
 
+// Also in an heir's first frame, of a past that its sleeper has not handed on.
+TEST_F(WakingGpu, AnHeirsSleeperHasAPastOfNothing) {
+    const CheckedPipeline pipeline = checked(R"("outputs": ["late"],
+      "instances": { "a": { "of": "toys" }, "b": { "of": "toys" } },
+      "nodes": {
+        "fill":  { "type": "toy_fill", "instances": "toys" },
+        "blend": { "type": "toy_blend", "instances": "toys", "in": { "history": "blended@-1" } },
+        "late":  { "type": "toy_add", "in": { "value": "blended_b@-1" }, "out": { "sum": "late" } } })");
+    CompileOptions options = capturing(pipeline);
+    options.poison = options.hand_on_history = true;
+    const auto program = std::make_shared<Program>(handles_of(gpu()), plan_of(pipeline, options));
+    View before(program, {.poison = 1});
+    for (uint32_t f = 0; f < 3; ++f) {
+        EXPECT_TRUE(before.set_awake("b", f == 0));
+        frame_of(before, f);
+    }
+    View heir(program, {.poison = 1, .heir_of = &before});
+    EXPECT_TRUE(heir.set_awake("b", false));
+    frame_of(heir, 3);
+    EXPECT_EQ(heir.reset().reason, Reset::Reason::none);
+    EXPECT_EQ(floats(heir.captured("late"))[7], 0);
+}
+
 // Without captures, too, which are readers like any.
 TEST_F(WakingGpu, AnOutputIsRead) {
     const auto plan = plan_of(members(R"("peeked")"), {});
