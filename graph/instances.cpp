@@ -199,35 +199,65 @@ class Writer {
         return names;
     }
 
-    using Nodes = std::set<const PipelineNode*>;
-
-    // Of a family, who hands on from member to member.
+    // Of a family, who hands on from member to member: who reads a NAME@before, and who is on a way from
+    // there to the node that writes NAME. These ways are circles through the members, so that nodes and names
+    // that lie on some are a strongly connected component (Kosaraju).
     void find_chain(const std::vector<const PipelineNode*>& nodes) {
-        std::map<const PipelineNode*, std::set<std::string>> reads, writes;
-        std::map<std::string, Nodes> readers, writers, begin;  // the last: of a name `@before`
-        for (const PipelineNode* node : nodes) {
-            reads[node] = read_by(*node);
-            names_of(*node, writes[node], writes[node]);
-            for (const std::string& name : reads[node]) readers[name].insert(node);
-            for (const std::string& name : writes[node]) writers[name].insert(node);
-            for (const Wire& wire : node->in)
-                if (wire.member == Wire::Member::before) begin[wire.resource].insert(node);
-        }
-        const auto reach = [](Nodes found, auto& names, auto& others) {
-            std::vector<const PipelineNode*> left(found.begin(), found.end());
-            while (!left.empty()) {
-                const PipelineNode* node = left.back();
-                left.pop_back();
-                for (const std::string& name : names[node])
-                    for (const PipelineNode* other : others[name])
-                        if (found.insert(other).second) left.push_back(other);
-            }
-            return found;
+        std::map<std::string, size_t> names;
+        std::vector<std::vector<size_t>> to(nodes.size()), from(nodes.size());
+        const auto id_of = [&](const std::string& name) {
+            const size_t id = names.try_emplace(name, to.size()).first->second;
+            to.resize(std::max(to.size(), id + 1));
+            from.resize(to.size());
+            return id;
         };
-        for (const auto& [name, first] : begin) {
-            chain_.insert(first.begin(), first.end());
-            const Nodes after = reach(first, writes, readers), until = reach(writers[name], reads, writers);
-            std::ranges::set_intersection(after, until, std::inserter(chain_, chain_.end()));
+        const auto add_edge = [&](size_t a, size_t b) {
+            to[a].push_back(b);
+            from[b].push_back(a);
+        };
+        for (size_t i = 0; i < nodes.size(); ++i) {
+            std::set<std::string> writes;
+            names_of(*nodes[i], writes, writes);
+            for (const std::string& name : writes) add_edge(i, id_of(name));
+            for (const std::string& name : read_by(*nodes[i])) add_edge(id_of(name), i);
+            for (const Wire& wire : nodes[i]->in)
+                if (wire.member == Wire::Member::before) {
+                    add_edge(id_of(wire.resource), i);
+                    chain_.insert(nodes[i]);
+                }
+        }
+        std::vector<bool> left(to.size(), true);
+        std::vector<size_t> ended;  // in the order in which a search is done with them
+        for (size_t root = 0; root < to.size(); ++root) {
+            if (!left[root]) continue;
+            left[root] = false;
+            std::vector<std::pair<size_t, size_t>> way{{root, 0}};
+            while (!way.empty()) {
+                const auto [at, next] = way.back();
+                if (next == to[at].size()) {
+                    ended.push_back(at);
+                    way.pop_back();
+                    continue;
+                }
+                ++way.back().second;
+                const size_t other = to[at][next];
+                if (left[other]) way.emplace_back(other, 0);
+                left[other] = false;
+            }
+        }
+        left.assign(to.size(), true);
+        for (auto root = ended.rbegin(); root != ended.rend(); ++root) {
+            if (!left[*root]) continue;
+            left[*root] = false;
+            std::vector<size_t> circle{*root};
+            for (size_t i = 0; i < circle.size(); ++i)
+                for (const size_t other : from[circle[i]]) {
+                    if (left[other]) circle.push_back(other);
+                    left[other] = false;
+                }
+            if (circle.size() > 1)
+                for (const size_t id : circle)
+                    if (id < nodes.size()) chain_.insert(nodes[id]);
         }
     }
 
@@ -285,7 +315,7 @@ class Writer {
     Diagnostics& diagnostics_;
     std::map<std::string, std::vector<const PipelineInstance*>> members_;  // by family, in the file's order
     std::map<std::string, std::vector<const PipelineNode*>> nodes_of_;     // by family, too
-    Nodes chain_;                                                          // who hands on
+    std::set<const PipelineNode*> chain_;                                  // who hands on
     std::set<std::string> ids_;                                            // "nodes.trace_desk"
     WrittenOut result_;
 };

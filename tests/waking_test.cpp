@@ -84,11 +84,11 @@ TEST_F(WakingGpu, SeveralNodesHandOn) {
     const CheckedPipeline pipeline = checked(R"("outputs": ["sum", "twice", "tally"],
       "instances": { "a": { "of": "toys" }, "b": { "of": "toys" }, "c": { "of": "toys" } },
       "nodes": {
-        "fill":   { "type": "toy_fill", "instances": "toys" },
-        "begin":  { "type": "toy_add", "instances": "toys", "in": { "value": "value", "before": "sum@before" },
+        "fill":   { "type": "toy_fill", "instances": "toys", "out": { "value": "own" } },
+        "begin":  { "type": "toy_add", "instances": "toys", "in": { "value": "own", "before": "sum@before" },
                     "out": { "sum": "begun" } },
-        "middle": { "type": "toy_add", "instances": "toys", "in": { "value": "begun", "before": null }, "out": { "sum": "more" } },
-        "end":    { "type": "toy_add", "instances": "toys", "in": { "value": "more", "before": null }, "out": { "sum": "sum" } },
+        "middle": { "type": "toy_add", "instances": "toys", "in": { "value": "begun", "before": null }, "out": { "sum": "value" } },
+        "end":    { "type": "toy_add", "instances": "toys", "in": { "before": null }, "out": { "sum": "sum" } },
         "aside":  { "type": "toy_add", "instances": "toys", "in": { "value": "begun", "before": "sum" }, "out": { "sum": "twice" } },
         "count":  { "type": "toy_add", "instances": "toys", "in": { "value": "twice", "before": "tally@before" },
                     "out": { "sum": "tally" } } })");
