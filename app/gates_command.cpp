@@ -166,6 +166,10 @@ int run_gates(const GatesArguments& arguments) {
     Diagnostics diagnostics;
     for (const std::string& part : given)
         if (!all.contains(part)) diagnostics.add({}, "--parts", part + " is of radiance: --signal specular");
+    for (const double width : study.widths_px)
+        if (!has_penumbra(study, width))
+            diagnostics.add({}, "--widths",
+                            fmt::format("no pixel's centre is within a penumbra of {} px", width));
     const fs::path root = shipped_root();
     std::vector<std::pair<std::string, CheckedPipeline>> pipelines;
     for (const std::string& name : arguments.pipelines)

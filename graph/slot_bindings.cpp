@@ -55,14 +55,15 @@ void ViewState::check_slot_bindings(std::span<const SlotBinding> bindings) const
     for (size_t i = 0; i < bindings.size(); ++i) {
         check_slot_binding(plan().slots[i], bindings[i]);
         if (!bindings[i].handover || plan().slots[i].kind != PortKind::image) continue;
-        for (size_t before = 0; before < i; ++before)
-            if (bindings[before].handover &&
-                bindings[before].handover->image == bindings[i].handover->image &&
-                (plan().slots[before].output || plan().slots[i].output ||
-                 !same_transitions(bindings[before], bindings[i])))
+        for (size_t before = 0; before < i; ++before) {
+            if (!bindings[before].handover || bindings[before].handover->image != bindings[i].handover->image)
+                continue;
+            const bool written = plan().slots[before].output || plan().slots[i].output;
+            if (written || !same_transitions(bindings[before], bindings[i]))
                 fail(ErrorCode::usage, fmt::format("the slot \"{}\"", plan().slots[i].name),
-                     fmt::format("its image is handed over as \"{}\", too, and otherwise",
-                                 plan().slots[before].name));
+                     fmt::format("its image is handed over as \"{}\", too, {}", plan().slots[before].name,
+                                 written ? "and one of them is written" : "and otherwise"));
+        }
     }
 }
 

@@ -127,6 +127,18 @@ TEST_F(CliRobustness, ValuesThatAreNearlyRightAreRefused) {
     expect(run(folders + " --frames 2..1"), 2, "--frames");
 }
 
+// What would have no say, or no answer, and which option it was.
+TEST_F(CliRobustness, WhatCannotBeAnsweredIsRefused) {
+    const std::string out = " --out " + (folder_ / "o").string();
+    for (const char* option : {"--samples 64", "--pixel 3,4"})
+        expect(run("explain --shot colonnade --budget " + std::string(option) + out), 2, "excludes");
+    expect(run("explain --shot colonnade --gather --samples 64" + out), 2, "excludes");
+    expect(run("report --shots scenes/walk.shot.json" + out), 2, "frames: is 48: 64 are measured");
+    expect(run("bench raw --sizes 640"), 2, "--sizes: ");
+    expect(run("view --window 1280 --shot engine"), 2, "--window: ");
+    expect(run("gates raw --parts still --edge-deg 0 --widths 0.5 --seeds 1"), 2, "no pixel's centre");
+}
+
 // A folder opens as a file does, and a device need not end.
 TEST_F(CliRobustness, WhatIsNoFileOfTextIsRefused) {
     for (const std::string command :

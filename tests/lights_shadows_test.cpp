@@ -74,6 +74,10 @@ TEST_F(LightsShadows, APipelineMayNameItsLights) {
     EXPECT_FALSE(fs::exists(folder_ / "two/visibility_bulb.0002.exr"));
     EXPECT_NE(read_file(folder_ / "two/report.json").find("\"hard_panel\""), std::string::npos)
         << "its disc is none";
+    // What the last light takes in memory is not said then, since the pipeline is for these alone.
+    expect(
+        run("bench '" + in("two.json") + "' --shots lights/interior --sizes 32x32 --rounds 1 --frames 1..1"),
+        0, "");
     expect(run("render '" + in("two.json") + "' --light bulb" + shot + "--out '" + in("none") + "'"), 2,
            "--light: \"bulb\" is none of the lights that \"lights_shadows\" names");
     expect(run("render lights_shadows --set 'instances={\"pannel\":{\"of\":\"lights\"},"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "app/gates/gates.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -106,13 +104,19 @@ struct Changes {
 
 }  // namespace
 
+bool has_penumbra(const Study& study, double width_px) {
+    const Judge judge(study, edge_shot(study, width_px, 1), 0);
+    for (size_t p = 0; p < judge.truth.size(); ++p)
+        if (judge.counted[p] && in_penumbra(judge.truth[p])) return true;
+    return false;
+}
+
 std::optional<Still> measure_still(const Bench& bench, double width_px) {
     const Study& study = bench.study;
     const Shot shot = edge_shot(study, width_px, study.still_frames);
     const Judge judge(study, shot, 0);
     std::vector<double> first, last, flicker, flicker_all;
     Changes changes;
-    bool nothing_soft = false;
     const auto look = [&](uint32_t frame, std::span<const float> image) {
         if (frame == 0) first.push_back(judge.n_eff(image));
         if (frame + 1 >= study.flicker_from) changes.add(judge, image);
@@ -120,15 +124,9 @@ std::optional<Still> measure_still(const Bench& bench, double width_px) {
         last.push_back(judge.n_eff(image));
         flicker.push_back(255 * std::sqrt(changes.penumbra / static_cast<double>(changes.soft)));
         flicker_all.push_back(255 * std::sqrt(changes.all / static_cast<double>(changes.counted)));
-        if (changes.soft == 0) nothing_soft = true;
         changes = {};
     };
     if (!run(bench, shot, study.seeds, 0, look)) return std::nullopt;
-    if (nothing_soft) {
-        bench.diagnostics.add({}, "--widths",
-                              fmt::format("no pixel's centre is within a penumbra of {} px", width_px));
-        return std::nullopt;
-    }
     return Still{estimate(first), estimate(last), estimate(flicker), estimate(flicker_all)};
 }
 

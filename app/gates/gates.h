@@ -41,6 +41,10 @@ struct Bench {
     std::vector<std::string>& warnings;
 };
 
+// Whether any pixel that counts has its centre in the penumbra of an edge that stands still. A narrow one
+// along the rows or columns of pixels may lie between them, and then there is nothing to judge.
+bool has_penumbra(const Study& study, double width_px);
+
 // Each is absent after an error, which is a diagnostic.
 
 struct Still {
