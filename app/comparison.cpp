@@ -164,14 +164,18 @@ class Loader {
         return words(arguments_.image, name, frame);
     }
 
-    // The ray-hit words of the same rays without intervals; an error where they were asked for and are not
-    // there.
-    std::optional<PlanarImage> whole_hits(const LoadedFrame& frame) const {
-        if (arguments_.whole_rays.empty()) return std::nullopt;
-        auto found = words(arguments_.whole_rays, "hits", frame);
+    // A folder, or nothing.
+    const std::string& whole_rays() const { return arguments_.whole_rays; }
+
+    // What --whole-rays compares: rays that may be shortened, and in a folder of their own the same ones
+    // whole. An error where it is not there.
+    std::optional<PlanarImage> interval_words(const fs::path& folder, const char* name,
+                                              const LoadedFrame& frame) const {
+        auto found = words(folder, name, frame);
         if (!found && diagnostics_.empty())
-            diagnostics_.add({arguments_.whole_rays, 0, 0}, "",
-                             fmt::format("no capture of hits in frame {}", frame.number));
+            diagnostics_.add(
+                {folder.string(), 0, 0}, "",
+                fmt::format("--whole-rays needs a capture of {}, and frame {} has none", name, frame.number));
         return found;
     }
 
@@ -246,10 +250,12 @@ void add_decisions(const Loader& loader, const LoadedFrame& loaded, Sums& sums) 
     if (undecided && shadowed)
         sums.decisions.add(
             judge_decisions(loaded.view(), {undecided->find("W")->words, shadowed->find("W")->words}));
-    const auto whole = loader.whole_hits(loaded);
-    const auto hits = whole ? loader.words("hits", loaded) : std::nullopt;
-    if (undecided && hits && whole)
-        sums.interval.add(judge_interval(loaded.view(), undecided->find("W")->words, hits->find("W")->words,
+    if (loader.whole_rays().empty()) return;
+    const auto decided = loader.interval_words(loader.folders().front(), "undecided_words", loaded),
+               hits = loader.interval_words(loader.folders().front(), "hits", loaded),
+               whole = loader.interval_words(loader.whole_rays(), "hits", loaded);
+    if (decided && hits && whole)
+        sums.interval.add(judge_interval(loaded.view(), decided->find("W")->words, hits->find("W")->words,
                                          whole->find("W")->words));
 }
 

@@ -104,9 +104,11 @@ void add_plan(CLI::App& app, PlanArguments& a) {
     c->add_option("pipeline", a.pipeline, "pipeline: a file, or the name of a shipped one")->required();
     c->add_option("--size", a.size, "WxH")->required();
     c->add_option("--facts", a.facts, "a,!b: what is known of the scene; facts not named are true");
-    c->add_option("--format", a.format, "text, json or dot")->check(CLI::IsMember({"text", "json", "dot"}));
+    CLI::Option* format = c->add_option("--format", a.format, "text, json or dot")
+                              ->check(CLI::IsMember({"text", "json", "dot"}));
     c->add_option("--set", a.settings, "PATH=VALUE: change the pipeline");
-    c->add_option("--out", a.out, "folder for plan.json with its SPIR-V and tables, instead of the text");
+    c->add_option("--out", a.out, "folder for plan.json with its SPIR-V and tables, instead of the text")
+        ->excludes(format);
     c->add_option("--device", a.device,
                   "for the memory, formats and class of a device of this name (\"\": the first), not for a "
                   "made-up one")

@@ -102,6 +102,11 @@ bool resolve_extends(Json& json, std::vector<ChainLink>& chain, const ReadFile& 
     return true;
 }
 
+// What begins so and is no JSON is a slip, not a name that was left without quotes.
+bool begins_as_json(std::string_view value) {
+    return !value.empty() && std::string_view("+-.0123456789[{\"").find(value[0]) != std::string_view::npos;
+}
+
 void apply_setting(Json& json, const std::string& setting, Diagnostics& diagnostics) {
     const Place place{"--set " + setting};
     const size_t equals = setting.find('=');
@@ -109,17 +114,24 @@ void apply_setting(Json& json, const std::string& setting, Diagnostics& diagnost
         diagnostics.add(place, "", "expected PATH=VALUE, as in nodes.filter0.params.step=2");
         return;
     }
-    const std::string path = setting.substr(0, equals);
+    const std::string path = setting.substr(0, equals), value = setting.substr(equals + 1);
     const auto segments = std::ranges::count(path, '.') + 1;
     const bool gap =
         path.empty() || path.starts_with('.') || path.ends_with('.') || path.find("..") != std::string::npos;
     constexpr int deepest = 16;  // nothing in a pipeline lies deeper
+    Diagnostics unsaid;
     if (gap || segments > deepest)
         diagnostics.add(place, "", fmt::format("\"{}\" is no path of keys joined by dots", path));
     else if (path == "extends" || path == "penumbra")
         diagnostics.add(place, path, "cannot be set: it says how the file is read");
+    else if (begins_as_json(value) && !parse_json(value, place.file, unsaid))
+        diagnostics.add(
+            place, path,
+            fmt::format("\"{}\" is no JSON: numbers have a digit before the point, lists and texts "
+                        "an end, and a text that begins as they do needs quotes",
+                        value));
     else
-        set_path(json, path, setting.substr(equals + 1), place);
+        set_path(json, path, value, place);
 }
 
 // Reads a Pipeline from the merged JSON. Errors do not stop it.

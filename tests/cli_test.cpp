@@ -79,6 +79,7 @@ TEST_F(Cli, ArgumentsThatMakeNoSenseAreTheCommandsMistake) {
         expect(run("plan raw --size 8x8 --facts " + std::string(both)), 2, "\"sun_up\" is said to be true");
     EXPECT_EQ(run("plan raw --size 8x8 --facts sun_up,sun_up").code, 0);
     expect(run("plan pipelines/raw.json --size 8x8 --format xml"), 2, "xml");
+    expect(run("plan raw --size 8x8 --format json --out " + (folder_ / "o").string()), 2, "--format");
     expect(run("plan pipelines/raw.json --size 8x8 --set nodes.trace"), 2, "expected PATH=VALUE");
     expect(run("nodes filtre"), 2, "did you mean \"filter\"?");
     for (const char* frames : {"5..2", "-1..2", "a..b", "1..", "..1", "1...2", "0..99999999999", "1-2"})

@@ -509,6 +509,13 @@ TEST_F(CompareSequence, TellsAllThatTheFilesCarry) {
     EXPECT_NEAR(nlohmann::json::parse(run(whole).out)["misclassified"]["interval"].get<double>(), 1.0 / 16,
                 1e-12);
 
+    fs::remove(root_ / "a" / "undecided_words.0002.exr");
+    const Result undecided = run(whole);
+    EXPECT_EQ(undecided.code, exit_wrong);
+    EXPECT_NE(undecided.err.find("needs a capture of undecided_words, and frame 2 has none"),
+              std::string::npos)
+        << undecided.err;
+
     CompareArguments text = arguments();
     text.json = false;
     EXPECT_NE(run(text).out.find("after a change 1 frames"), std::string::npos) << run(text).out;
